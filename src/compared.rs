@@ -30,7 +30,7 @@ impl FirstMotion {
     pub fn of(study: &Study) -> Option<FirstMotion> {
         match &study.vehicle {
             Vehicle::Axle(both) => {
-                let (motion, axle) = (both.plan.course.clone(), Box::new(both.axle.clone()));
+                let (motion, axle) = (both.plan.motion.clone(), Box::new(both.axle.clone()));
                 Some(FirstMotion::Axle { motion, axle })
             }
             Vehicle::Wheel(own) => {
@@ -50,8 +50,8 @@ impl FirstMotion {
                     let why = "rack: the first study's y axis points the other way; give both studies the same frame";
                     return Err(why.to_owned());
                 }
-                both.plan.course = motion.for_axle(axle, &both.axle)?;
-                if both.axle.elastic.is_some() && !both.plan.course.is_on_level_pads() {
+                both.plan.motion = motion.for_axle(axle, &both.axle)?;
+                if both.axle.elastic.is_some() && !both.plan.motion.is_on_level_pads() {
                     let why = "axles with [compliance] stand on level pads: the first study needs heave, or travel_left and travel_right, in [motion]";
                     return Err(why.to_owned());
                 }

@@ -88,7 +88,7 @@ impl<'s> RigTests<'s> {
             design_loads: loads.into_iter().flatten().collect(),
             is_axle: true,
             links: elastic.link_names.clone(),
-            stations: run.run(&stations(&axle.plan.course), &elastic.tests),
+            stations: run.run(&stations(&axle.plan.motion), &elastic.tests),
             other,
             bushings,
         };
@@ -139,8 +139,8 @@ impl<'s> RigTests<'s> {
 }
 
 /// Travels of both wheels and rack at each station of an axle's motion.
-fn stations(course: &AxleMotion) -> Vec<([f64; 2], f64)> {
-    let placements = course.placements();
+fn stations(motion: &AxleMotion) -> Vec<([f64; 2], f64)> {
+    let placements = motion.placements();
     // A reader of elastic axles refuses roll on a plane.
     let on_pads = placements.iter().filter_map(Placement::on_level_pads);
     on_pads.collect()
@@ -171,8 +171,8 @@ fn rigid_axle(study: &AxleStudy) -> Result<AxleComplianceStudy, String> {
     }
     let suspension = &study.axle.left;
     check_rigid(suspension)?;
-    let course = &study.plan.course;
-    if course.time.is_some() || stations(course).is_empty() {
+    let motion = &study.plan.motion;
+    if motion.time.is_some() || stations(motion).is_empty() {
         return Err(
             "`hardpoint kc` of an axle needs stations on level pads: expected heave, or travel_left and travel_right, in [motion]"
                 .to_owned(),

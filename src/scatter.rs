@@ -1,6 +1,6 @@
 //! Results of builds that the command line and embedding programs share.
 
-use crate::assembly::NoSetUp;
+use crate::assembly::SetUpError;
 use crate::solved::{Labelled, Solved};
 use crate::study::{Formulation, Outputs, Study, Vehicle};
 use crate::tolerance::{MonteCarlo, Problem};
@@ -63,11 +63,11 @@ pub fn with_fans<R>(
 }
 
 /// Describes why builds cannot be aligned, or not be made.
-pub fn refusal(study: &Study, reason: NoSetUp) -> String {
+pub fn refusal(study: &Study, reason: SetUpError) -> String {
     match reason {
-        NoSetUp::Fault(reason) => reason.describe(&study.wheel().mechanism),
-        NoSetUp::Reject(reject) => reject.to_string(),
-        NoSetUp::Unsettled | NoSetUp::OutOfReach(_) | NoSetUp::Absurd { .. } => {
+        SetUpError::Fault(reason) => reason.describe(&study.wheel().mechanism),
+        SetUpError::AssemblyError(reject) => reject.to_string(),
+        SetUpError::Unsettled | SetUpError::OutOfReach(_) | SetUpError::Absurd { .. } => {
             "aligned = true, but the adjustments of [setup] do not move toe and camber independently"
                 .to_owned()
         }

@@ -1,6 +1,6 @@
 //! Set-up of a study: of one wheel, or of both wheels of an axle.
 
-use crate::assembly::{Assembler, NoSetUp, SetUp};
+use crate::assembly::{Assembler, SetUp, SetUpError};
 use crate::report::{SetUpSide, SetUpSummary, Table, set_up_refusal};
 use crate::study::{Formulation, Setup, Study, Vehicle, WheelStudy};
 use serde::Serialize;
@@ -120,17 +120,17 @@ fn refusal(
     wheels: &[WheelToSetUp],
     failed: &WheelToSetUp,
     setup: &Setup,
-    none: &NoSetUp,
+    none: &SetUpError,
 ) -> Refusal {
     let reason = about(failed.side, &set_up_refusal(&failed.study, setup, none));
-    if matches!(none, NoSetUp::Fault(_)) {
+    if matches!(none, SetUpError::Fault(_)) {
         return Refusal::Design(reason);
     }
     let nominal = wheels.iter().map(|wheel| {
         let nominal = SetUp::drawn(&wheel.study, setup, &wheel.assembler)?;
         Ok(wheel.summary(setup, &nominal))
     });
-    let nominal: Result<Vec<SetUpSummary>, NoSetUp> = nominal.collect();
+    let nominal: Result<Vec<SetUpSummary>, SetUpError> = nominal.collect();
     Refusal::NotMet(reason, nominal.unwrap_or_default())
 }
 

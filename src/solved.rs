@@ -1,7 +1,7 @@
 //! Curves of a study, and their uses: files, tables, words and the record of a run.
 
 use crate::ask::NoValue;
-use crate::axle::{AxleCurves, AxlePlan, Placed, axle_curves};
+use crate::axle::{AxleCurves, AxlePlan, AxlePose, axle_curves};
 use crate::curves::{Curves, wheel_curves};
 use crate::mechanism::NoPose;
 use crate::plan::Plan;
@@ -22,7 +22,7 @@ pub struct Solved<'s> {
 enum Planned<'s> {
     Corner(Plan),
     /// With the positions that were found.
-    Axle(&'s AxleStudy, AxlePlan, Vec<Result<Placed, NoPose>>),
+    Axle(&'s AxleStudy, AxlePlan, Vec<Result<AxlePose, NoPose>>),
 }
 
 /// Label of a design, the file with its curves, and the curves themselves.

@@ -134,7 +134,7 @@ impl DoubleDouble {
 }
 
 impl Real for DoubleDouble {
-    fn lit(self, value: f64) -> Self {
+    fn constant(self, value: f64) -> Self {
         value.into()
     }
     fn sqrt(self) -> Self {
@@ -161,7 +161,7 @@ impl Real for DoubleDouble {
         angle + (self * cosine - x * sine) / along
     }
     fn sign(self) -> Self {
-        self.lit(self.high.sign())
+        self.constant(self.high.sign())
     }
 }
 

@@ -56,7 +56,7 @@ impl Neg for Single {
 
 impl Real for Single {
     #[inline]
-    fn lit(self, value: f64) -> Self {
+    fn constant(self, value: f64) -> Self {
         value.into()
     }
     #[inline]

@@ -210,9 +210,9 @@ fn of_axle(
         return Err(FunctionError::Elastic);
     }
     let plan = plan.quantities_alone();
-    let over = plan.course.moving()[0];
+    let over = plan.motion.moving()[0];
     let sign = axle.left.frame.sign(Axis::Y);
-    let placements = plan.course.placements().into_iter();
+    let placements = plan.motion.placements().into_iter();
     let at = placements.map(|p| [over.written(p.along(over), axle), sign * p.rack() + 0.0]);
     let motion = at.collect();
     let axle: Cow<'static, Axle> = Cow::Owned(axle.clone());

@@ -99,10 +99,11 @@ pub use ask::{Info, Need, Unit};
 pub use axle::Axle;
 pub use characteristics::{Characteristic, Measure, Quantity};
 pub use study::{
-    About, AxleSite, AxleStudy, Constraint, DesignTable, Designs, Drive, FileFormat, Formulation,
+    AxleSite, AxleStudy, Constraint, DesignTable, Designs, Drive, FileFormat, Formulation,
     Interpolation, Limit, Limited, Load, LoadPoint, Motion, Move, Optimise, Order, Outputs,
-    Sampled, Sampling, Scatter, Setup, Site, Study, StudyError, StudyErrors, Subject, Sweep,
-    SweepVariable, Target, TimeLaw, Tolerance, Turn, Variable, Vehicle, Wanted, WheelStudy,
+    Sampled, Sampling, Scatter, Setup, Site, Study, StudyError, StudyErrors, Sweep, SweepVariable,
+    Target, TargetKind, TargetQuantity, TimeLaw, Tolerance, Turn, Variable, Vehicle, Wanted,
+    WheelStudy,
 };
 
 // The answers.

@@ -139,7 +139,7 @@ impl LimitRanges {
             let ends = ends.map(|end| end.as_ref().map_or(f64::NAN, |end| end.value));
             rows.push(in_table(Row::roll(), ends));
         }
-        let positions = AxlePlan::of(plan.course.clone(), Vec::new());
+        let positions = AxlePlan::of(plan.motion.clone(), Vec::new());
         let placed = axle_curves(axle, &positions)?.placed;
         Ok(LimitRanges {
             rows,

@@ -6,7 +6,7 @@ use super::output::{Output, design_fault, pool};
 use super::report::ReportOptions;
 use super::terminal;
 use super::{interrupt, progress};
-use crate::assembly::NoSetUp;
+use crate::assembly::SetUpError;
 use crate::mechanism::DesignFault;
 use crate::report::{BandCurve, ToleranceSummary};
 use crate::scatter;
@@ -149,7 +149,7 @@ pub(super) fn problem<'s>(
     Problem::of(study, tolerance).map_err(|reason| not_aligned(study, path, reason))
 }
 
-fn not_aligned(study: &Study, path: &Path, reason: NoSetUp) -> Stop {
+fn not_aligned(study: &Study, path: &Path, reason: SetUpError) -> Stop {
     Stop::in_file(path, scatter::refusal(study, reason))
 }
 

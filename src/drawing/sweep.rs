@@ -25,7 +25,12 @@ impl DrawnDesigns {
         summary: &SweepSummary,
     ) -> Result<Self, DesignFault> {
         let mut numbers: Vec<Option<u64>> = vec![None];
-        numbers.extend(summary.telling(MOST_DESIGNS).into_iter().map(Some));
+        numbers.extend(
+            summary
+                .representative_designs(MOST_DESIGNS)
+                .into_iter()
+                .map(Some),
+        );
         let asked = Plan {
             sensitivities: Vec::new(),
             loads: Vec::new(),

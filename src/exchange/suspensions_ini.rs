@@ -118,7 +118,7 @@ fn wheel_rate(outgoing: &Outgoing<'_>) -> Result<f64, &'static str> {
         return Err("a heave spring has another rate in roll, which the file cannot hold");
     }
     let quantity = Quantity::Wheel(Side::Left, WheelQuantity::WheelRate);
-    let plan = AxlePlan::of(both.plan.course.clone(), vec![quantity]).at_design();
+    let plan = AxlePlan::of(both.plan.motion.clone(), vec![quantity]).at_design();
     let found = axle_curves(&both.axle, &plan).ok();
     let rate = found.and_then(|found| found.curves.stations.first()?.value(0));
     rate.filter(|rate| *rate > 0.0)

@@ -28,7 +28,7 @@ impl Record {
     ) -> Result<Self, (Side, DesignFault)> {
         let (_, _, axle, _) = designs.last().expect("a run is of a design at least");
         let length = axle.left.length_unit;
-        let moving = plan.course.moving();
+        let moving = plan.motion.moving();
         let column = |coordinate: &Coordinate| coordinate.column(length);
         let further: Vec<String> = moving[1..].iter().map(column).collect();
         let record = |(label, file, axle, curves): &SolvedAxle<'_>| {
@@ -38,7 +38,7 @@ impl Record {
                 stations: curves.stations.len(),
                 remarks: remarks(curves, length),
                 failures: FailureRange::all(curves, &axle.left),
-                frames: frames(axle, &plan.course, &moving)?,
+                frames: frames(axle, &plan.motion, &moving)?,
             })
         };
         let outputs = designs.last().map_or_else(Vec::new, |(_, _, _, curves)| {
@@ -71,13 +71,13 @@ impl Record {
 /// Frames over the first coordinate that moves, for values of the second; the others have the value nearest to zero.
 fn frames(
     axle: &Axle,
-    course: &AxleMotion,
+    motion: &AxleMotion,
     moving: &[Coordinate],
 ) -> Result<Vec<Frame>, (Side, DesignFault)> {
-    let mut course = course.clone();
-    course.steering_wheel = None;
+    let mut motion = motion.clone();
+    motion.steering_wheel = None;
     for (number, coordinate) in moving.iter().enumerate() {
-        let values = course.along(*coordinate).expect("it moves");
+        let values = motion.along(*coordinate).expect("it moves");
         *values = match MOST_FRAMES.get(number) {
             Some(most) => evenly(values, *most),
             None => {
@@ -87,13 +87,13 @@ fn frames(
             }
         };
     }
-    let mut list = |coordinate: Coordinate| course.along(coordinate).cloned().unwrap_or_default();
+    let mut list = |coordinate: Coordinate| motion.along(coordinate).cloned().unwrap_or_default();
     let drives = list(moving[0]);
     let seconds = moving.get(1).map_or(vec![0.0], |second| list(*second));
     let mut frames = Vec::new();
     for second in seconds {
         for drive in &drives {
-            let mut one = course.clone();
+            let mut one = motion.clone();
             *one.along(moving[0]).expect("it moves") = vec![*drive];
             if let Some(coordinate) = moving.get(1) {
                 *one.along(*coordinate).expect("it moves") = vec![second];

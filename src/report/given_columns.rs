@@ -22,7 +22,7 @@ impl GivenColumns<'_> {
         let value = |coordinate: Coordinate| match coordinate {
             Coordinate::Roll => degrees(placement.along(coordinate)),
             Coordinate::SteeringWheel => {
-                let angle = self.plan.course.steering_wheel_at(number);
+                let angle = self.plan.motion.steering_wheel_at(number);
                 degrees(angle.unwrap_or(f64::NAN))
             }
             Coordinate::Rack => placement.rack() * self.axle.left.frame.sign(Axis::Y),
@@ -45,12 +45,12 @@ impl GivenColumns<'_> {
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
-        let mut course = self.plan.course.clone();
+        let mut motion = self.plan.motion.clone();
         let mut given = Coordinate::ALL.to_vec();
         given.retain(|c| match c {
-            Coordinate::Rack => course.shows_rack && course.steering_wheel.is_none(),
-            Coordinate::SteeringWheel => course.steering_wheel.is_some(),
-            _ => course.along(*c).is_some(),
+            Coordinate::Rack => motion.shows_rack && motion.steering_wheel.is_none(),
+            Coordinate::SteeringWheel => motion.steering_wheel.is_some(),
+            _ => motion.along(*c).is_some(),
         });
         given
     }

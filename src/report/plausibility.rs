@@ -216,7 +216,7 @@ pub fn rack_doubt(study: &Study) -> Option<String> {
     let of_axle = study
         .axle()
         .into_iter()
-        .flat_map(|both| &both.plan.course.racks);
+        .flat_map(|both| &both.plan.motion.racks);
     let moves = racks.chain(of_axle).any(|rack| *rack != 0.0);
     (moves && !has_rack).then(|| {
         format!(

@@ -3,7 +3,9 @@
 use super::brief;
 use super::table::{Cell, Column, Table};
 use super::text::counted;
-use crate::assembly::{Aim, BuildParameter, Miss, NoSetUp, PARTS_OF_A_TURN, SetUp, Static};
+use crate::assembly::{
+    Aim, BuildParameter, MissedTarget, PARTS_OF_A_TURN, SetUp, SetUpError, Static,
+};
 use crate::model::{Axis, LengthUnit};
 use crate::study::{Adjustment, Increment, Setup, Study};
 use serde::Serialize;
@@ -443,19 +445,19 @@ fn figure(value: Option<f64>) -> Cell {
 }
 
 /// Describes why there is no set-up.
-pub fn set_up_refusal(study: &Study, setup: &Setup, none: &NoSetUp) -> String {
+pub fn set_up_refusal(study: &Study, setup: &Setup, none: &SetUpError) -> String {
     let length = study.wheel().length_unit;
     match none {
-        NoSetUp::Fault(reason) => reason.describe(&study.wheel().mechanism),
-        NoSetUp::Reject(reject) => reject.to_string(),
-        NoSetUp::Absurd { adjustment, amount } => format!(
+        SetUpError::Fault(reason) => reason.describe(&study.wheel().mechanism),
+        SetUpError::AssemblyError(reject) => reject.to_string(),
+        SetUpError::Absurd { adjustment, amount } => format!(
             "the wanted values need {} {} of {}, more than a tenth of the suspension's size",
             brief(*amount),
             length.symbol(),
             setup.adjust[*adjustment].name
         ),
-        NoSetUp::OutOfReach(missed) => {
-            let words = |miss: &Miss| {
+        SetUpError::OutOfReach(missed) => {
+            let words = |miss: &MissedTarget| {
                 let (column, wanted) = (static_column(miss.of, length), brief(miss.wanted));
                 match miss.value.is_finite() {
                     true => format!("{column} ends at {}, not {wanted}", brief(miss.value)),
@@ -465,7 +467,7 @@ pub fn set_up_refusal(study: &Study, setup: &Setup, none: &NoSetUp) -> String {
             let missed: Vec<String> = missed.iter().map(words).collect();
             format!("what is wanted cannot be met: {}", missed.join("; "))
         }
-        NoSetUp::Unsettled => {
+        SetUpError::Unsettled => {
             "what is wanted cannot be met: the adjustments move none of it".to_owned()
         }
     }

@@ -7,7 +7,7 @@ use super::given_columns::GivenColumns;
 use super::table::{Cell, Column, Table};
 use super::text::counted;
 use super::{brief, optional, shortest};
-use crate::assembly::Reject;
+use crate::assembly::AssemblyError;
 use crate::model::{Axis, Side};
 use crate::study::AxleStudy;
 use crate::tolerance::{Expansion, HOLDS, MonteCarlo, PERCENTILES, Problem, Yields};
@@ -130,7 +130,7 @@ fn finite(value: f64) -> Option<f64> {
 }
 
 /// Reason for a rejected build, with the wheel in an axle.
-pub fn rejected(side: Option<Side>, why: &Reject) -> String {
+pub fn rejected(side: Option<Side>, why: &AssemblyError) -> String {
     match side {
         None => why.to_string(),
         Some(side) => side.about(why),

@@ -26,9 +26,9 @@ use crate::study::{AxleStudy, Study, WheelStudy};
 use std::borrow::Cow;
 use std::time::Instant;
 
-/// The numbers a course has, each with a value where it is held at nothing.
-fn coordinates(course: &AxleMotion) -> Vec<Coordinate> {
-    let mut found = match course.wheels {
+/// The numbers a motion has, each with a value where it is held at nothing.
+fn coordinates(motion: &AxleMotion) -> Vec<Coordinate> {
+    let mut found = match motion.wheels {
         WheelMotion::Heave(_) => vec![Coordinate::Heave],
         WheelMotion::Roll { .. } => vec![Coordinate::Roll, Coordinate::Heave],
         WheelMotion::Travels { .. } => vec![Coordinate::TravelLeft, Coordinate::TravelRight],
@@ -38,16 +38,16 @@ fn coordinates(course: &AxleMotion) -> Vec<Coordinate> {
 }
 
 /// The number that curves are drawn over: the first that moves.
-fn main(course: &AxleMotion) -> Coordinate {
-    let all = coordinates(course);
-    let moves = |c: &&Coordinate| course.clone().along(**c).is_some_and(|v| v.len() > 1);
+fn main(motion: &AxleMotion) -> Coordinate {
+    let all = coordinates(motion);
+    let moves = |c: &&Coordinate| motion.clone().along(**c).is_some_and(|v| v.len() > 1);
     *all.iter().find(moves).unwrap_or(&all[0])
 }
 
-/// Values of a number over a course, as they are printed.
-fn values(course: &AxleMotion, coordinate: Coordinate, axle: &Axle) -> Vec<f64> {
-    let mut course = course.clone();
-    let values = course.along(coordinate).into_iter().flatten();
+/// Values of a number over a motion, as they are printed.
+fn values(motion: &AxleMotion, coordinate: Coordinate, axle: &Axle) -> Vec<f64> {
+    let mut motion = motion.clone();
+    let values = motion.along(coordinate).into_iter().flatten();
     values
         .map(|value| printed(coordinate, *value, axle))
         .collect()
@@ -57,20 +57,20 @@ fn printed(coordinate: Coordinate, value: f64, axle: &Axle) -> f64 {
     coordinate.written(value, axle) + 0.0
 }
 
-/// Number of the slider of a coordinate, if the course has one.
-pub(super) fn slider_of(course: &AxleMotion, coordinate: Coordinate) -> Option<usize> {
-    coordinates(course).iter().position(|c| *c == coordinate)
+/// Number of the slider of a coordinate, if the motion has one.
+pub(super) fn slider_of(motion: &AxleMotion, coordinate: Coordinate) -> Option<usize> {
+    coordinates(motion).iter().position(|c| *c == coordinate)
 }
 
 /// Sliders, and the number of the main one.
 pub(super) fn sliders(both: &AxleStudy) -> (Vec<Slider>, usize) {
-    let (course, axle) = (&both.plan.course, &both.axle);
+    let (motion, axle) = (&both.plan.motion, &both.axle);
     let left = &axle.left;
-    let all = coordinates(course);
+    let all = coordinates(motion);
     let length = left.length_unit;
     let far = 0.05 * length.per_metre();
     let slider = |coordinate: &Coordinate| {
-        let values = values(course, *coordinate, axle);
+        let values = values(motion, *coordinate, axle);
         let mut slider = match coordinate {
             Coordinate::Rack => return rack_slider(left, 0.0, &values),
             Coordinate::Roll => Slider::over("roll", "roll", "°", 0.0, &values),
@@ -91,7 +91,7 @@ pub(super) fn sliders(both: &AxleStudy) -> (Vec<Slider>, usize) {
         }
         slider
     };
-    let number = slider_of(course, main(course)).unwrap_or(0);
+    let number = slider_of(motion, main(motion)).unwrap_or(0);
     (all.iter().map(slider).collect(), number)
 }
 
@@ -159,10 +159,10 @@ pub(super) fn solved(
     let sign = left.frame.sign(Axis::Y);
     let mut plan = asking_for(plan, axle, &request.characteristics)?;
     if let Some(rack) = request.curves_rack {
-        plan.course.racks = vec![rack * sign];
-        plan.course.steering_wheel = None;
+        plan.motion.racks = vec![rack * sign];
+        plan.motion.steering_wheel = None;
     }
-    let all = coordinates(&plan.course);
+    let all = coordinates(&plan.motion);
     if request.at.len() != all.len() || request.over >= all.len() {
         return Err(format!(
             "expected a value for each of {} sliders, and the number of one of them",
@@ -171,7 +171,7 @@ pub(super) fn solved(
     }
     let found = axle_curves(axle, &plan).map_err(|fault| axle.describe_fault(fault))?;
     let over = request.over;
-    let placements = plan.course.placements();
+    let placements = plan.motion.placements();
     let place = |placement: &Placement| {
         let numbers = all.iter();
         numbers
@@ -214,13 +214,13 @@ pub(super) fn solved(
 
 /// A wheel where the sliders are, or why it is not there.
 fn frame(axle: &Axle, plan: &AxlePlan, at: &[f64], side: Side) -> Option<Frame> {
-    let mut course = plan.course.clone();
-    course.steering_wheel = None;
-    for (coordinate, value) in coordinates(&plan.course).into_iter().zip(at) {
-        *course.along(coordinate)? = vec![coordinate.in_course(*value, axle)];
+    let mut motion = plan.motion.clone();
+    motion.steering_wheel = None;
+    for (coordinate, value) in coordinates(&plan.motion).into_iter().zip(at) {
+        *motion.along(coordinate)? = vec![coordinate.in_course(*value, axle)];
     }
     let here = AxlePlan {
-        course,
+        motion,
         quantities: Vec::new(),
         ..plan.quantities_alone()
     };

@@ -12,7 +12,7 @@ use crate::model::Suspension;
 use crate::number::Vector3;
 use crate::plan::Plan;
 use crate::report::{Scene, wanted_between};
-use crate::study::{About, Drive, Optimise, Study, Target, Vehicle, WheelStudy};
+use crate::study::{Drive, Optimise, Study, Target, TargetKind, Vehicle, WheelStudy};
 
 /// The overview of a study that was read.
 pub(super) fn overview(file: &StudyFile, opened: &Opened) -> Overview {
@@ -216,9 +216,9 @@ fn target(target: &Target, study: &Study) -> TargetOverview {
         (None, []) => study.motion().rack.clone(),
         (None, racks) => racks.to_vec(),
     };
-    let columns = match &target.of.about {
-        About::Wheel(_) | About::Elastic(_) => vec![target.of.column.clone()],
-        About::Axle(quantities) => {
+    let columns = match &target.of.kind {
+        TargetKind::Wheel(_) | TargetKind::Elastic(_) => vec![target.of.column.clone()],
+        TargetKind::Axle(quantities) => {
             let length = study.wheel().length_unit;
             let columns = quantities.iter();
             columns.map(|q| super::axle::column(*q, length)).collect()
@@ -231,7 +231,7 @@ fn target(target: &Target, study: &Study) -> TargetOverview {
         is_band: matches!(target.wanted, crate::study::Wanted::Band { .. }),
         points: wanted_between(target, &stations, own.drive),
         over: match (study.axle(), &target.site.axle) {
-            (Some(both), Some(site)) => super::axle::slider_of(&both.plan.course, site.over),
+            (Some(both), Some(site)) => super::axle::slider_of(&both.plan.motion, site.over),
             _ => motion.is_none().then_some(0),
         },
         racks,

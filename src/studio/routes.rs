@@ -26,7 +26,7 @@ const TEXTS: usize = 40;
 const REPORTS: usize = 3;
 
 /// The state of the server.
-pub(super) struct Workshop {
+pub(super) struct ServerState {
     pub access: Access,
     /// True after the first request with the token.
     pub visited: AtomicBool,
@@ -46,10 +46,10 @@ pub(super) struct Workshop {
 /// A refusal: status and words.
 type Refused = (u16, String);
 
-impl Workshop {
+impl ServerState {
     /// State of a server whose study is chosen in the page and written into a folder.
     pub(super) fn new(access: Access, directory: PathBuf) -> Self {
-        Workshop {
+        ServerState {
             access,
             visited: AtomicBool::new(false),
             directory,

@@ -4,7 +4,7 @@ use super::access::Access;
 use super::connections::Connections;
 use super::http::Connection;
 use super::invitation::Invitation;
-use super::routes::Workshop;
+use super::routes::ServerState;
 use super::study_file::StudyFile;
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
@@ -40,7 +40,7 @@ pub enum NotServed {
 /// A study served to a browser on this machine.
 pub struct Studio {
     listener: TcpListener,
-    workshop: Arc<Workshop>,
+    server: Arc<ServerState>,
 }
 
 impl Studio {
@@ -56,7 +56,7 @@ impl Studio {
         let opened = file.read().map_err(wrong)?;
         let directory = file.path().parent().unwrap_or(Path::new("")).to_owned();
         let studio = Self::choose(directory, port)?;
-        studio.workshop.take(file, opened).map_err(wrong)?;
+        studio.server.take(file, opened).map_err(wrong)?;
         Ok(studio)
     }
 
@@ -73,13 +73,13 @@ impl Studio {
         let access = Access::new(listener.local_addr()?)?;
         Ok(Studio {
             listener,
-            workshop: Arc::new(Workshop::new(access, directory)),
+            server: Arc::new(ServerState::new(access, directory)),
         })
     }
 
     /// The address of the page, which nobody else knows.
     pub fn address(&self) -> String {
-        self.workshop.access.address()
+        self.server.access.address()
     }
 
     /// Serves until told to stop. The invitation is deleted when the page has been asked for, or at the end.
@@ -91,15 +91,15 @@ impl Studio {
         stop: &AtomicBool,
         mut invitation: Option<Invitation>,
     ) -> std::io::Result<()> {
-        let Studio { listener, workshop } = self;
+        let Studio { listener, server } = self;
         let address = listener.local_addr()?;
         let closes = Arc::new(AtomicBool::new(false));
         let flag = closes.clone();
-        let served = workshop.clone();
+        let served = server.clone();
         let accepting =
             std::thread::Builder::new().spawn(move || accept(&listener, &served, &flag))?;
         while !stop.load(Ordering::SeqCst) {
-            if workshop.visited.load(Ordering::SeqCst) {
+            if server.visited.load(Ordering::SeqCst) {
                 invitation = None;
             }
             std::thread::sleep(LOOK);
@@ -115,7 +115,7 @@ impl Studio {
 }
 
 /// Takes connections, each on a thread of its own, until `closes` is set.
-fn accept(listener: &TcpListener, workshop: &Arc<Workshop>, closes: &AtomicBool) {
+fn accept(listener: &TcpListener, server: &Arc<ServerState>, closes: &AtomicBool) {
     let connections = Arc::new(Connections::default());
     for stream in listener.incoming() {
         if closes.load(Ordering::SeqCst) {
@@ -129,11 +129,11 @@ fn accept(listener: &TcpListener, workshop: &Arc<Workshop>, closes: &AtomicBool)
         let Ok(mut place) = connections.enter(&stream) else {
             continue;
         };
-        let workshop = workshop.clone();
+        let server = server.clone();
         // Where there is no thread to be had, the connection is closed.
         let _ = std::thread::Builder::new().spawn(move || {
             if let Ok(mut connection) = Connection::new(stream) {
-                workshop.serve(&mut connection, &mut place);
+                server.serve(&mut connection, &mut place);
             }
         });
     }

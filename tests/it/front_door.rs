@@ -204,7 +204,7 @@ fn an_axle_has_curves_and_takes_its_outputs_from_its_text() {
     let study = Study::read(&path, &[]).unwrap();
     let curves = study.curves().unwrap();
     let both = study.axle().unwrap();
-    assert_eq!(curves.stations.len(), both.plan.course.stations());
+    assert_eq!(curves.stations.len(), both.plan.motion.stations());
     // The left and the right camber of a mirrored axle are the same in the design position.
     let column = |name: &str| curves.columns.iter().position(|c| c.name == name).unwrap();
     let is_design = |s: &&hardpoint::Station| {

@@ -37,7 +37,7 @@ impl Size {
     fn of(text: &str, samples: &Path) -> Option<Size> {
         let study = Study::from_text("study.toml", text, samples).ok()?;
         let stations = match study.axle() {
-            Some(both) => both.plan.course.stations(),
+            Some(both) => both.plan.motion.stations(),
             None => {
                 let further = study.motions.iter().map(|(_, motion)| motion);
                 let all = further.chain([study.motion()]);

@@ -244,7 +244,10 @@ impl<'a, T: Balanced> Balance<'a, T> {
     /// The forces that carry a load.
     pub fn under(&self, load: &Load<T>) -> Reactions<T> {
         let like = self.at.rack;
-        let (force, moment) = (load.point.lit(load.force), load.point.lit(load.moment));
+        let (force, moment) = (
+            load.point.constant(load.force),
+            load.point.constant(load.moment),
+        );
         let mut wrench = Wrench::zero(like);
         let lever = load.point - self.at.pose.origin;
         wrench.wrench(force, lever.cross(force) + moment);

@@ -10,10 +10,10 @@
 //! converges faster, the closer the parts are to nominal. In derivative numbers it corrects order by order. Pose and
 //! adjustments settle together (module `settle`), by the derivative of the pose by each adjustment.
 
-use super::assembler::{Assembler, Reject};
+use super::assembler::{Assembler, AssemblyError};
 use super::parts::{BuildParameter, Parts};
 use super::rest::{Built, Rest};
-use super::set_up::NoSetUp;
+use super::set_up::SetUpError;
 use crate::characteristics::Characteristic;
 use crate::derive::DesignedSpinAxis;
 use crate::linear::lu::Vector6;
@@ -46,7 +46,7 @@ pub(crate) struct Alignment {
 impl Alignment {
     /// Holds toe and camber at nominal by the adjustments of the set-up. A single adjustment holds toe alone. No other
     /// wanted value of the set-up is held.
-    pub(crate) fn of(adjust: &[Adjustment], assembler: &Assembler) -> Result<Self, NoSetUp> {
+    pub(crate) fn of(adjust: &[Adjustment], assembler: &Assembler) -> Result<Self, SetUpError> {
         let suspension = assembler.suspension();
         let held: &[Characteristic] = match adjust.len() {
             1 => &[Characteristic::Toe],
@@ -64,13 +64,13 @@ impl Alignment {
         };
         let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
         let by = alignment.by(assembler, &built);
-        alignment.inverse = inverse(&by).ok_or(NoSetUp::Unsettled)?;
+        alignment.inverse = inverse(&by).ok_or(SetUpError::Unsettled)?;
         // A wanted value that no adjustment moves cannot be held.
         let held_all =
             (&by * &alignment.inverse - DMatrix::identity(held.len(), held.len())).amax();
         match held_all < 1e-6 {
             true => Ok(alignment),
-            false => Err(NoSetUp::Unsettled),
+            false => Err(SetUpError::Unsettled),
         }
     }
 
@@ -125,7 +125,7 @@ impl Alignment {
         assembler: &Assembler,
         parts: &mut Parts<f64>,
         into: &mut [Vector3<f64>],
-    ) -> Result<(), Reject> {
+    ) -> Result<(), AssemblyError> {
         let mut aligned = parts.clone();
         if let Some(pose) = assembler.settle(&mut aligned, Some(self), 0.0, assembler.home()) {
             *parts = aligned;
@@ -146,7 +146,7 @@ impl Alignment {
                 break;
             }
         }
-        Err(Reject::Unaligned)
+        Err(AssemblyError::Unaligned)
     }
 
     /// The nominal values of the held characteristics.
@@ -194,7 +194,7 @@ impl Alignment {
             }
         }
         let Twist { shift, turn } = Twist::from_array(twist);
-        *pose = pose.moved(shift, turn * zero.lit(0.5));
+        *pose = pose.moved(shift, turn * zero.constant(0.5));
     }
 
     /// Returns the built design of parts that are derivative numbers with `orders` orders, aligned to all orders.

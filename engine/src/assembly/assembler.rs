@@ -38,7 +38,7 @@ const SHORTEST_STEP: f64 = 1.0 / 1024.0;
 
 /// Reason why parts cannot be put together.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Reject {
+pub enum AssemblyError {
     /// Between the nominal parts and these, the mechanism reaches a singular position. Beyond it, the links cannot
     /// reach.
     #[error(
@@ -66,16 +66,16 @@ pub enum Reject {
     Immovable(DesignFault),
 }
 
-impl Reject {
+impl AssemblyError {
     /// Returns the name of the reason, for counts.
     pub fn word(&self) -> &'static str {
         match self {
-            Reject::OutOfReach { .. } => "out_of_reach",
-            Reject::Rod(_) => "rod_out_of_reach",
-            Reject::NoLength(_) => "no_length",
-            Reject::Spring => "no_rest",
-            Reject::Unaligned => "not_aligned",
-            Reject::Immovable(_) => "immovable",
+            AssemblyError::OutOfReach { .. } => "out_of_reach",
+            AssemblyError::Rod(_) => "rod_out_of_reach",
+            AssemblyError::NoLength(_) => "no_length",
+            AssemblyError::Spring => "no_rest",
+            AssemblyError::Unaligned => "not_aligned",
+            AssemblyError::Immovable(_) => "immovable",
         }
     }
 }
@@ -170,7 +170,7 @@ impl Assembler {
         parts: &Parts<f64>,
         height: f64,
         into: &mut [Vector3<f64>],
-    ) -> Result<(), Reject> {
+    ) -> Result<(), AssemblyError> {
         let pose = self.pose(parts, height)?;
         self.place_checked(parts, &pose, into)
     }
@@ -181,7 +181,7 @@ impl Assembler {
         parts: &Parts<f64>,
         pose: &Pose<f64>,
         into: &mut [Vector3<f64>],
-    ) -> Result<(), Reject> {
+    ) -> Result<(), AssemblyError> {
         self.check_lengths(parts)?;
         self.place(parts, pose, into);
         self.check_rods(into)
@@ -189,7 +189,7 @@ impl Assembler {
 
     /// Checks that every member has a positive length, and names one that has not. The equations contain squares of
     /// lengths, so they would accept a negative length.
-    fn check_lengths(&self, parts: &Parts<f64>) -> Result<(), Reject> {
+    fn check_lengths(&self, parts: &Parts<f64>) -> Result<(), AssemblyError> {
         let mut pairs = parts.lengths.iter().zip(&self.drawn.lengths);
         // Only rods have a length; other constraints store 0.
         let Some(place) = pairs.position(|(length, drawn)| *drawn > 0.0 && *length <= 0.0) else {
@@ -198,7 +198,7 @@ impl Assembler {
         let mechanism = &self.suspension.mechanism;
         let mut members = Member::all(mechanism).into_iter();
         let named = members.find(|(_, member)| member.place(mechanism) == place);
-        Err(Reject::NoLength(
+        Err(AssemblyError::NoLength(
             named.map_or_else(String::new, |(name, _)| name),
         ))
     }
@@ -220,7 +220,7 @@ impl Assembler {
     }
 
     /// Returns the pose of the carrier, starting from the nominal pose.
-    pub(crate) fn pose(&self, parts: &Parts<f64>, height: f64) -> Result<Pose<f64>, Reject> {
+    pub(crate) fn pose(&self, parts: &Parts<f64>, height: f64) -> Result<Pose<f64>, AssemblyError> {
         match self.settle(&mut parts.clone(), None, height, &self.home) {
             Some(pose) => Ok(pose),
             None => self.approach(parts, height),
@@ -228,7 +228,7 @@ impl Assembler {
     }
 
     /// Changes the nominal parts to these step by step, and follows the pose.
-    fn approach(&self, parts: &Parts<f64>, height: f64) -> Result<Pose<f64>, Reject> {
+    fn approach(&self, parts: &Parts<f64>, height: f64) -> Result<Pose<f64>, AssemblyError> {
         let (mut reached, mut step) = (0.0, 0.25_f64);
         let mut place = self.home;
         while reached < 1.0 {
@@ -250,7 +250,7 @@ impl Assembler {
                 None => {
                     step *= 0.5;
                     if step < SHORTEST_STEP {
-                        return Err(Reject::OutOfReach { share: reached });
+                        return Err(AssemblyError::OutOfReach { share: reached });
                     }
                 }
             }
@@ -314,13 +314,13 @@ impl Assembler {
         for (entry, row) in correction.iter_mut().zip(inverse) {
             let mut sum = residuals[0].scaled(-row[0]);
             for k in 1..6 {
-                sum = sum.minus_product(residuals[k], sum.lit(row[k]));
+                sum = sum.minus_product(residuals[k], sum.constant(row[k]));
             }
             *entry = sum;
         }
         let twist = Twist::from_array(correction);
         (
-            pose.moved(twist.shift, twist.turn * height.lit(0.5)),
+            pose.moved(twist.shift, twist.turn * height.constant(0.5)),
             correction,
         )
     }
@@ -396,7 +396,7 @@ impl Assembler {
         orders: usize,
     ) -> Pose<T> {
         let closure = self.closure(parts);
-        let mut pose = at.pose.map(|c| height.lit(c));
+        let mut pose = at.pose.map(|c| height.constant(c));
         for _ in 0..orders {
             pose = self
                 .corrected(&closure, parts, height, &pose, &at.inverse)
@@ -447,13 +447,13 @@ impl Assembler {
     }
 
     /// Names the rod that could not reach.
-    fn check_rods(&self, built: &[Vector3<f64>]) -> Result<(), Reject> {
+    fn check_rods(&self, built: &[Vector3<f64>]) -> Result<(), AssemblyError> {
         for rocker in &self.suspension.mechanism.rockers {
             let inner = built[rocker.inner.0];
             if !(inner.x + inner.y + inner.z).is_finite()
                 || !crate::mechanism::has_leverage(rocker, built)
             {
-                return Err(Reject::Rod(rocker.rod));
+                return Err(AssemblyError::Rod(rocker.rod));
             }
         }
         Ok(())

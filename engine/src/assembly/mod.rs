@@ -32,8 +32,10 @@ mod settle;
 mod settle_series;
 
 pub(crate) use alignment::Alignment;
-pub use assembler::{Assembler, Reject};
+pub use assembler::{Assembler, AssemblyError};
 pub use derivatives::{BuiltCurves, built_curves};
 pub use parts::{BuildParameter, Member, Parts};
 pub use rest::{Built, Direction, Rest};
-pub use set_up::{AdjustedSuspension, Aim, Miss, NoSetUp, PARTS_OF_A_TURN, SetUp, Static};
+pub use set_up::{
+    AdjustedSuspension, Aim, MissedTarget, PARTS_OF_A_TURN, SetUp, SetUpError, Static,
+};

@@ -111,11 +111,11 @@ impl Parts<f64> {
             drawn: Vec::with_capacity(self.points.len()),
         };
         for (point, drawn) in self.points.iter().zip(&self.drawn) {
-            parts.points.push(shape.lit(*point));
-            parts.drawn.push(shape.lit(*drawn));
+            parts.points.push(shape.constant(*point));
+            parts.drawn.push(shape.constant(*drawn));
         }
         for length in &self.lengths {
-            parts.lengths.push(like.lit(*length));
+            parts.lengths.push(like.constant(*length));
         }
         parts
     }

@@ -1,6 +1,6 @@
 //! The position in which a built mechanism rests.
 
-use super::assembler::{Assembler, Linearised, Reject};
+use super::assembler::{Assembler, AssemblyError, Linearised};
 use super::parts::{BuildParameter, Parts};
 use crate::model::Suspension;
 use crate::number::{Dual, Jet, Real, Vector3};
@@ -37,7 +37,7 @@ const MOST_STEPS: usize = 30;
 
 impl Assembler {
     /// Puts parts together.
-    pub fn build(&self, parts: &Parts<f64>, rest: Rest) -> Result<Built, Reject> {
+    pub fn build(&self, parts: &Parts<f64>, rest: Rest) -> Result<Built, AssemblyError> {
         let suspension = self.suspension();
         let mut built = Built {
             suspension: suspension.clone(),
@@ -49,34 +49,37 @@ impl Assembler {
         match rest {
             Rest::Height(height) => self.rebuild(&mut built, height)?,
             Rest::Spring(longer) => {
-                let drawn = spring_length(suspension, &suspension.design).ok_or(Reject::Spring)?;
+                let drawn =
+                    spring_length(suspension, &suspension.design).ok_or(AssemblyError::Spring)?;
                 self.settle_on_spring(&mut built, drawn + longer)?;
             }
         }
         Ok(built)
     }
 
-    fn rebuild(&self, built: &mut Built, height: f64) -> Result<(), Reject> {
+    fn rebuild(&self, built: &mut Built, height: f64) -> Result<(), AssemblyError> {
         self.assemble(&built.parts, height, &mut built.suspension.design)?;
         let pose = self.pose(&built.parts, height)?;
         let closure = self.closure(&built.parts);
         built.at = self
             .linearise(&closure, &built.parts, &pose)
-            .ok_or(Reject::OutOfReach { share: 1.0 })?;
+            .ok_or(AssemblyError::OutOfReach { share: 1.0 })?;
         built.height = height;
         Ok(())
     }
 
     /// Newton's method in the height, damped where the mechanism does not go so far at once.
-    fn settle_on_spring(&self, built: &mut Built, wanted: f64) -> Result<(), Reject> {
+    fn settle_on_spring(&self, built: &mut Built, wanted: f64) -> Result<(), AssemblyError> {
         self.rebuild(built, 0.0)?;
         let size = self.suspension().size();
         let mut before = f64::INFINITY;
         for _ in 0..MOST_STEPS {
-            let [now, by_height] = self.spring_by(built, &[], 1.0).ok_or(Reject::Spring)?;
+            let [now, by_height] = self
+                .spring_by(built, &[], 1.0)
+                .ok_or(AssemblyError::Spring)?;
             let step = (wanted - now) / by_height;
             if step.is_nan() || step.abs() > size {
-                return Err(Reject::Spring);
+                return Err(AssemblyError::Spring);
             }
             // The last step is taken where it halves no more: rounding.
             if step.abs() <= 1e-13 * size || (step.abs() <= 1e-10 * size && step.abs() >= before) {
@@ -91,7 +94,7 @@ impl Assembler {
                 }
             }
         }
-        Err(Reject::Spring)
+        Err(AssemblyError::Spring)
     }
 
     /// The length of the spring, and its derivative along a direction of the parts and `rise` of the height.
@@ -140,7 +143,7 @@ impl Assembler {
         parts: &Parts<T>,
         orders: usize,
     ) -> Vec<Vector3<T>> {
-        let height = parts.points[0].x.lit(built.height);
+        let height = parts.points[0].x.constant(built.height);
         self.placed_series(built, parts, height, orders)
     }
 

@@ -61,10 +61,10 @@ impl<B: SimdReal> Outlined for Settling<'_, B> {
             carrier,
         } = self;
         let like = parts.points[0].x;
-        let (one, height) = (like.one(), like.lit(height));
-        let size = like.lit(assembler.size());
+        let (one, height) = (like.one(), like.constant(height));
+        let size = like.constant(assembler.size());
         // Adjustments are rounded as the angles are that they hold.
-        let rounding = like.lit(match alignment {
+        let rounding = like.constant(match alignment {
             None => assembler.rounding(),
             Some(_) => assembler.rounding().max(ROUNDING * assembler.size()),
         });
@@ -72,7 +72,7 @@ impl<B: SimdReal> Outlined for Settling<'_, B> {
         let wanted = alignment.map(|alignment| alignment.wanted(mechanism, &parts.drawn));
         let mut closure = assembler.closure_in(parts, carrier);
         let mut pose = constant(like, &from.pose);
-        let mut before = like.lit(FARTHEST * assembler.size());
+        let mut before = like.constant(FARTHEST * assembler.size());
         // The correction before that one.
         let mut earlier = before + before;
         let mut settled = one.less(like.zero());
@@ -140,7 +140,7 @@ impl<B: SimdReal> Outlined for Placing<'_, B> {
         let (assembler, into) = (self.assembler, self.into);
         assembler.place(self.parts, self.pose, into);
         let like = into[0].x;
-        let least = like.lit(LEAST_LEVERAGE);
+        let least = like.constant(LEAST_LEVERAGE);
         let mut accepted = like.everywhere();
         for (length, drawn) in self.parts.lengths.iter().zip(&assembler.drawn().lengths) {
             // Only rods have a length; other constraints store 0.
@@ -253,9 +253,9 @@ fn constant<B: SimdReal>(like: B, pose: &Pose<f64>) -> Pose<B> {
     let shape = Vector3::new(like, like, like);
     let [x, y, z] = pose.rotation.columns;
     Pose {
-        origin: shape.lit(pose.origin),
+        origin: shape.constant(pose.origin),
         rotation: Matrix3 {
-            columns: [shape.lit(x), shape.lit(y), shape.lit(z)],
+            columns: [shape.constant(x), shape.constant(y), shape.constant(z)],
         },
     }
 }

@@ -49,7 +49,7 @@ impl<B: SimdReal> Outlined for SettlingSeries<'_, B> {
             into,
         } = self;
         let like = settled_pose.origin.x;
-        let size = like.lit(assembler.size());
+        let size = like.constant(assembler.size());
         let height = Jet([like.zero(); 2]);
         let mechanism = &assembler.suspension().mechanism;
         let inverse = &assembler.home().inverse;
@@ -101,9 +101,9 @@ impl<B: SimdReal> Outlined for SettlingSeries<'_, B> {
                 0 | 1 => like.everywhere(),
                 _ => twice.less(before) | (twice + twice).less(earlier),
             };
-            let is_fine = !(largest * like.lit(FINE)).less(ahead);
-            let is_coarse = !(largest * like.lit(COARSE)).less(moved);
-            let is_finite = largest.less(like.lit(f64::INFINITY));
+            let is_fine = !(largest * like.constant(FINE)).less(ahead);
+            let is_coarse = !(largest * like.constant(COARSE)).less(moved);
+            let is_finite = largest.less(like.constant(f64::INFINITY));
             let ends = open & is_finite & (is_fine | (is_coarse & !contracts));
             rejected = rejected | (open & !ends & !(contracts & is_finite));
             settled = settled | ends;

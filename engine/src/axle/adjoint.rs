@@ -36,7 +36,7 @@ impl<'t> Reading<Tracked<'t>> {
         };
         let fixed = |place: Option<usize>| match place {
             Some(place) => inputs[0][place * N],
-            None => zero.lit(f64::NAN),
+            None => zero.constant(f64::NAN),
         };
         Reading::made_of(&parts.places, moving, fixed)
     }

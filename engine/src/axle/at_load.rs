@@ -9,7 +9,7 @@
 //! ```
 
 use super::formulas::loads::axle_load;
-use super::solver::{AxleSolver, Placed, Placement};
+use super::solver::{AxlePose, AxleSolver, Placement};
 use super::state::Motion;
 use super::{Quantity, WheelQuantity};
 use crate::mechanism::NoPose;
@@ -29,7 +29,7 @@ const LOADS: [Quantity; 2] = [
 
 /// The sum of the wheel loads in a position, and its derivative by the mean travel.
 struct Carried {
-    placed: Placed,
+    placed: AxlePose,
     load: f64,
     by_heave: f64,
 }
@@ -51,7 +51,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
     }
 
     /// The position at the load of a level axle.
-    fn found(&mut self, level: f64, roll: f64, rack: f64) -> Result<Placed, NoPose> {
+    fn found(&mut self, level: f64, roll: f64, rack: f64) -> Result<AxlePose, NoPose> {
         let size = self.size();
         let wanted = self.carried(level, 0.0, 0.0)?.load;
         let (mut heave, mut reached, mut smallest) = (level, None, f64::INFINITY);
@@ -85,7 +85,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
     /// The gradients of the sum of the wheel loads by the hardpoints of both sides, added to `into` times a factor.
     fn add_load_gradients(
         &mut self,
-        placed: &Placed,
+        placed: &AxlePose,
         factor: f64,
         into: &mut [Vec<Vector3<f64>>; 2],
     ) -> Result<(), NoPose> {
@@ -102,7 +102,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
     pub(super) fn heave_by_design(
         &mut self,
         level: f64,
-        placed: &Placed,
+        placed: &AxlePose,
     ) -> Result<[Vec<Vector3<f64>>; 2], NoPose> {
         let heave = 0.5 * (placed.travels[0] + placed.travels[1]);
         let here = self.carried(heave, placed.roll, placed.rack)?;
@@ -130,7 +130,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     }
 
     /// Finds the position at the load of a level axle.
-    pub(super) fn at_load(&mut self, level: f64, roll: f64, rack: f64) -> Result<Placed, NoPose> {
+    pub(super) fn at_load(&mut self, level: f64, roll: f64, rack: f64) -> Result<AxlePose, NoPose> {
         self.loads()?.found(level, roll, rack)
     }
 }

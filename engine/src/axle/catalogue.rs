@@ -11,7 +11,7 @@ use super::state::AxleState;
 use crate::ask::{Info, Need, NoValue, Unit};
 use crate::characteristics::{Characteristic, Slot};
 use crate::model::Side;
-use crate::number::{Scalar, SimdReal, called};
+use crate::number::{Scalar, SimdReal, call_outlined};
 
 const ANGLE: Unit = Unit::Angle;
 const LENGTH: Unit = Unit::Length;
@@ -32,7 +32,7 @@ macro_rules! catalogue {
     (@is_for lanes) => { true };
     (@is_for one_by_one) => { false };
     (@value lanes, $function:expr, $state:ident $(, $side:ident)?) => { $function($state $(, $side)?) };
-    (@value one_by_one, $function:expr, $state:ident $(, $side:ident)?) => { $state.like().lit(f64::NAN) };
+    (@value one_by_one, $function:expr, $state:ident $(, $side:ident)?) => { $state.like().constant(f64::NAN) };
     (wheel { $($wheel:ident, $wname:literal, $wunit:expr, $wpositive:literal, $wformula:literal,
         $wsource:expr, [$($wneed:ident),*], [$($wreads:ident),*], $worder:literal, $wlanes:ident, $wfunction:expr;)* }
      axle { $($axle:ident, $name:literal, $unit:expr, $positive:literal, $formula:literal,
@@ -68,7 +68,7 @@ macro_rules! catalogue {
             /// The value at one wheel; each formula a function of its own.
             pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &AxleState<T, W>, side: Side) -> T {
                 match self {
-                    $(WheelQuantity::$wheel => called((state, side), |(state, side)| $wfunction(state, side)),)*
+                    $(WheelQuantity::$wheel => call_outlined((state, side), |(state, side)| $wfunction(state, side)),)*
                 }
             }
 
@@ -106,7 +106,7 @@ macro_rules! catalogue {
             /// The value; each formula a function of its own.
             pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &AxleState<T, W>) -> T {
                 match self {
-                    $(AxleQuantity::$axle => called(state, $function),)*
+                    $(AxleQuantity::$axle => call_outlined(state, $function),)*
                 }
             }
 
@@ -329,7 +329,7 @@ impl Quantity {
             Quantity::Wheel(side, q) => q.evaluate(state, side),
             Quantity::Axle(q) => q.evaluate(state),
             // A rigid mechanism has no tests.
-            Quantity::Figure(_) => state.like().lit(f64::NAN),
+            Quantity::Figure(_) => state.like().constant(f64::NAN),
         }
     }
 

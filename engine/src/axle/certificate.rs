@@ -12,7 +12,7 @@
 //! the roll angle it is the track. Sine and cosine of the angle, the design and the radius are enclosed too: the proof
 //! is about the exact axle whose numbers are the given doubles.
 
-use super::solver::{Placed, Placement};
+use super::solver::{AxlePose, Placement};
 use super::{Axle, Ground};
 use crate::analyse::{Certifier, Inclusion};
 use crate::curves::Prover;
@@ -166,7 +166,7 @@ impl<'a> AxleCertifier<'a> {
     /// # Errors
     /// [`NoPose::Wheel`] if a pose is not proved, [`NoPose::Unproven`] if the poses are, but not that travels
     /// or roll angle are right for the ground.
-    pub fn prove(&self, placement: &Placement, placed: &Placed) -> Result<AxleProof, NoPose> {
+    pub fn prove(&self, placement: &Placement, placed: &AxlePose) -> Result<AxleProof, NoPose> {
         let over = |side: Side, travel: Interval, rack: f64| {
             let pose = &placed.poses()[side as usize];
             let found = self.wheel(side).over_travels(pose, travel, rack);

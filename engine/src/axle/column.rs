@@ -269,7 +269,7 @@ impl AxlePlan {
         }
         let per_length = || format!("per_{}", length.symbol());
         let by_length = |motion, name| (motion, name, per_length(), 1.0);
-        if let Some(time) = &self.course.time {
+        if let Some(time) = &self.motion.time {
             return vec![(time.coordinate.motion(), "time", "per_s".to_owned(), 1.0)];
         }
         let roll = (
@@ -278,7 +278,7 @@ impl AxlePlan {
             "per_deg".to_owned(),
             1.0_f64.to_radians(),
         );
-        let mut motions = match &self.course.wheels {
+        let mut motions = match &self.motion.wheels {
             WheelMotion::Heave(_) => vec![by_length(Motion::Heave, "heave")],
             WheelMotion::Roll { .. } => vec![roll, by_length(Motion::Heave, "heave")],
             WheelMotion::Travels { .. } => vec![
@@ -286,7 +286,7 @@ impl AxlePlan {
                 by_length(Motion::TravelRight, "travel_right"),
             ],
         };
-        if self.course.shows_rack {
+        if self.motion.shows_rack {
             motions.push(by_length(Motion::Rack, "rack"));
         }
         motions
@@ -312,7 +312,7 @@ impl AxlePlan {
             column
         };
         let derivatives = |value: &AxleColumn| -> Vec<AxleColumn> {
-            let by = |(order, by)| match self.course.time {
+            let by = |(order, by)| match self.motion.time {
                 Some(_) => value.by_time(order, by),
                 None => value.by_motion(order, by, rack_sign),
             };

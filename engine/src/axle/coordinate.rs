@@ -87,7 +87,7 @@ impl Coordinate {
         }
     }
 
-    /// Converts a value of a course to one as the study writes it; an angle becomes the shortest decimal that stands
+    /// Converts a value of a motion to one as the study writes it; an angle becomes the shortest decimal that stands
     /// for it.
     pub fn written(self, value: f64, axle: &Axle) -> f64 {
         let short = |value: f64| format!("{value:.12e}").parse().unwrap_or(value);
@@ -99,7 +99,7 @@ impl Coordinate {
 }
 
 impl Placement {
-    /// The value of a coordinate in the form of a course; 0 for a coordinate that does not define this placement.
+    /// The value of a coordinate in the form of a motion; 0 for a coordinate that does not define this placement.
     pub fn along(&self, coordinate: Coordinate) -> f64 {
         match (coordinate, *self) {
             (Coordinate::Rack | Coordinate::SteeringWheel, placement) => placement.rack(),
@@ -122,17 +122,17 @@ impl Placement {
 impl AxleMotion {
     /// The numbers that move, at least one. Curves are over the first.
     pub fn moving(&self) -> Vec<Coordinate> {
-        let mut course = self.clone();
-        let by_wheel = course.steering_wheel.is_some();
+        let mut motion = self.clone();
+        let by_wheel = motion.steering_wheel.is_some();
         let mut available: Vec<Coordinate> = Coordinate::ALL.to_vec();
-        available.retain(|c| course.along(*c).is_some());
+        available.retain(|c| motion.along(*c).is_some());
         available.retain(|c| match c {
-            Coordinate::Rack => !by_wheel && course.shows_rack,
+            Coordinate::Rack => !by_wheel && motion.shows_rack,
             Coordinate::SteeringWheel => by_wheel,
             _ => true,
         });
         let mut moving = available.clone();
-        moving.retain(|c| course.along(*c).is_some_and(|values| values.len() > 1));
+        moving.retain(|c| motion.along(*c).is_some_and(|values| values.len() > 1));
         if moving.is_empty() {
             moving.push(available[0]);
         }
@@ -142,7 +142,7 @@ impl AxleMotion {
         moving
     }
 
-    /// The values of a coordinate; `None` if this course does not have it. Rack and steering wheel have the same
+    /// The values of a coordinate; `None` if this motion does not have it. Rack and steering wheel have the same
     /// values, displacements of the rack.
     pub fn along(&mut self, coordinate: Coordinate) -> Option<&mut Vec<f64>> {
         let wheels = &mut self.wheels;

@@ -1,7 +1,7 @@
 //! Curves of an axle: every quantity at every station.
 
-use super::places::{bounds, motion, place, proof};
-use super::solver::{AxleSolver, Placed, Placement, Read, Sought, WheelRead, both};
+use super::places::{bounds, motion_columns, place, proof};
+use super::solver::{AxlePose, AxleSolver, Placement, Read, Sought, WheelRead, join_results};
 use super::{Axle, AxleCertifier, AxleColumn, AxleMotion, AxleQuantity, Of, Quantity, WheelMotion};
 use crate::ask::NoValue;
 use crate::curves::{ByTime, Column, Curves, Loads, Sensitivity, Station, Status};
@@ -16,7 +16,7 @@ use crate::threads::on_large_stacks;
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxlePlan {
     /// The stations.
-    pub course: AxleMotion,
+    pub motion: AxleMotion,
     /// Quantities, in the order asked.
     pub quantities: Vec<Quantity>,
     /// Highest derivative along the motions that is reported, 2 at most.
@@ -34,10 +34,10 @@ pub struct AxlePlan {
 }
 
 impl AxlePlan {
-    /// Quantities over a course, and nothing else.
-    pub fn of(course: AxleMotion, quantities: Vec<Quantity>) -> AxlePlan {
+    /// Quantities over a motion, and nothing else.
+    pub fn of(motion: AxleMotion, quantities: Vec<Quantity>) -> AxlePlan {
         AxlePlan {
-            course,
+            motion,
             quantities,
             derivatives: 0,
             sensitivities: Vec::new(),
@@ -57,15 +57,15 @@ impl AxlePlan {
         }
     }
 
-    /// A plan of the same quantities over the same course, and nothing else.
+    /// A plan of the same quantities over the same motion, and nothing else.
     pub fn quantities_alone(&self) -> AxlePlan {
-        AxlePlan::of(self.course.clone(), self.quantities.clone())
+        AxlePlan::of(self.motion.clone(), self.quantities.clone())
     }
 
     /// A plan of the same quantities in the design position.
     pub fn at_design(&self) -> AxlePlan {
         AxlePlan {
-            course: self.course.at_design(),
+            motion: self.motion.at_design(),
             ..self.values_alone()
         }
     }
@@ -94,7 +94,7 @@ pub struct AxleCurves {
     /// The curves.
     pub curves: Curves,
     /// For each station the position of both wheels, or the reason for its absence; empty with elastic parts.
-    pub placed: Vec<Result<Placed, NoPose>>,
+    pub placed: Vec<Result<AxlePose, NoPose>>,
 }
 
 impl AxlePlan {
@@ -113,7 +113,7 @@ impl AxlePlan {
     }
 
     fn is_on_plane(&self) -> bool {
-        self.course.shows_roll()
+        self.motion.shows_roll()
     }
 }
 
@@ -139,17 +139,17 @@ fn curves_here(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side, Design
 
 fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side, DesignFault)> {
     let columns = plan.columns(axle);
-    let by_rack = plan.derivatives > 0 && plan.course.shows_rack;
+    let by_rack = plan.derivatives > 0 && plan.motion.shows_rack;
     let mut solver = AxleSolver::<N>::new(axle, &plan.quantities, by_rack)?;
     solver.read_points(&plan.points);
     let loads = Side::ALL.map(|side| plan.carried(axle, side));
     for (side, loads) in Side::ALL.into_iter().zip(&loads) {
         solver.watch(side, loads.rocker());
     }
-    let placements = plan.course.placements();
+    let placements = plan.motion.placements();
     let mut found = AxleCurves {
         curves: Curves {
-            motion: motion(&plan.course, axle),
+            motion: motion_columns(&plan.motion, axle),
             columns: columns.iter().map(Column::from).collect(),
             bounds: bounds(plan, axle),
             ..Curves::default()
@@ -158,21 +158,21 @@ fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side
     };
     let mut of_wheels = WheelCurves::default();
     // In roll all positions are found together; travels that are given are read off curves.
-    let mut rolled = match plan.course.wheels {
+    let mut rolled = match plan.motion.wheels {
         WheelMotion::Roll { .. } => solver.place_all(&placements).into_iter(),
         _ => Vec::new().into_iter(),
     };
     for (number, placement) in placements.iter().enumerate() {
         let read = match rolled.next() {
             Some(placed) => placed.and_then(|placed| Ok((placed, solver.read(&placed)?))),
-            None => of_wheels.position(&mut solver, &plan.course, placement),
+            None => of_wheels.position(&mut solver, &plan.motion, placement),
         };
         let station = read.and_then(|(placed, read)| {
             let forces = forces(&loads, &solver, &placed, &read);
-            let law = plan.course.time.as_ref().map(|time| &time.law);
-            let time = ByTime::at(law, plan.course.time_at(number));
+            let law = plan.motion.time.as_ref().map(|time| &time.law);
+            let time = ByTime::at(law, plan.motion.time_at(number));
             let mut station = values(&columns, &read, time, forces);
-            station.at = place(&plan.course, axle, (number, placement), Some(&placed));
+            station.at = place(&plan.motion, axle, (number, placement), Some(&placed));
             if !plan.sensitivities.is_empty() {
                 let more = gradients(axle, plan, &mut solver, &columns, &placed, number)?;
                 // A column without a value has no derivatives.
@@ -185,7 +185,7 @@ fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side
         let (placed, station) = match station {
             Ok((placed, station)) => (Ok(placed), station),
             Err(reason) => {
-                let at = place(&plan.course, axle, (number, placement), None);
+                let at = place(&plan.motion, axle, (number, placement), None);
                 (Err(reason), failed(at, reason, columns.len()))
             }
         };
@@ -231,10 +231,10 @@ fn certify<const N: usize>(
         let rack = rack_of(stations[0]);
         let known = stations.iter();
         let known = known.filter_map(|number| Some((*number, found.placed[*number].ok()?)));
-        let (numbers, placed): (Vec<usize>, Vec<Placed>) = known.unzip();
+        let (numbers, placed): (Vec<usize>, Vec<AxlePose>) = known.unzip();
         let branches = Side::ALL.map(|side| {
             let wheel = side as usize;
-            let drive = |p: &Placed| solver.coordinates(p.travels, p.rack)[wheel].0;
+            let drive = |p: &AxlePose| solver.coordinates(p.travels, p.rack)[wheel].0;
             let travels: Vec<_> = placed.iter().map(drive).collect();
             let poses: Vec<_> = placed.iter().map(|p| p.poses()[wheel]).collect();
             solver.prove_branch(certifier.wheel(side), side, rack, (&travels, &poses))
@@ -247,7 +247,7 @@ fn certify<const N: usize>(
                 Ok(proved) => station.proof = Some(proof(plan, &proved)),
                 Err(reason) => {
                     found.placed[number] = Err(reason);
-                    let at = place(&plan.course, axle, (number, &placements[number]), None);
+                    let at = place(&plan.motion, axle, (number, &placements[number]), None);
                     *station = failed(at, reason, station.values.len());
                 }
             }
@@ -268,9 +268,9 @@ impl WheelCurves {
     fn position<'a, const N: usize>(
         &mut self,
         solver: &mut AxleSolver<'a, N>,
-        course: &AxleMotion,
+        motion: &AxleMotion,
         placement: &Placement,
-    ) -> Result<(Placed, Read<'a>), NoPose> {
+    ) -> Result<(AxlePose, Read<'a>), NoPose> {
         let Placement::Travels {
             travels,
             rack,
@@ -285,7 +285,7 @@ impl WheelCurves {
             return Ok((placed, solver.read(&placed)?));
         }
         if self.rack != Some(rack) {
-            self.travels = match &course.wheels {
+            self.travels = match &motion.wheels {
                 WheelMotion::Heave(values) => [values.clone(), values.clone()],
                 WheelMotion::Travels { left, right, .. } => [left.clone(), right.clone()],
                 WheelMotion::Roll { .. } => travels.map(|travel| vec![travel]),
@@ -297,12 +297,12 @@ impl WheelCurves {
         let wheel = |side: usize| {
             let mut values = self.travels[side].iter();
             let station = values.position(|travel| *travel == travels[side]);
-            let station = station.expect("a station of the course");
+            let station = station.expect("a station of the motion");
             self.wheels[side][station]
                 .as_ref()
                 .map_err(|failure| *failure)
         };
-        solver.pair(both(wheel(0), wheel(1))?, rack, on_plane)
+        solver.pair(join_results(wheel(0), wheel(1))?, rack, on_plane)
     }
 }
 
@@ -346,7 +346,7 @@ fn values(
 fn forces<const N: usize>(
     loads: &[Loads<'_>; 2],
     solver: &AxleSolver<N>,
-    placed: &Placed,
+    placed: &AxlePose,
     read: &Read,
 ) -> Vec<Result<f64, NoValue>> {
     let mut forces = Vec::new();
@@ -374,7 +374,7 @@ fn gradients<const N: usize>(
     plan: &AxlePlan,
     solver: &mut AxleSolver<N>,
     columns: &[AxleColumn],
-    placed: &Placed,
+    placed: &AxlePose,
     station: usize,
 ) -> Result<Vec<Sensitivity>, NoPose> {
     let mut found = Vec::new();

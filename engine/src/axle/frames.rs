@@ -5,7 +5,7 @@
 
 use super::formulas::steering::turn;
 use super::reading::WheelParts;
-use super::solver::{AxleSolver, Placed, Placement};
+use super::solver::{AxlePose, AxleSolver, Placement};
 use super::{Axle, AxleQuantity, Quantity};
 use crate::characteristics::instant_centres_of;
 use crate::curves::{OtherWheel, Placement as Drawn, Turn};
@@ -52,7 +52,7 @@ fn design_ground(axle: &Axle, solver: &mut AxleSolver<2>) -> f64 {
 fn drawn(
     axle: &Axle,
     solver: &mut AxleSolver<2>,
-    placed: &Placed,
+    placed: &AxlePose,
     ground: f64,
 ) -> Result<Drawn, NoPose> {
     let read = solver.read(placed)?;

@@ -100,7 +100,7 @@ impl<B: SimdReal> LaneWheel<'_, B> {
 
     #[inline(always)]
     fn unknown(&self) -> Vector3<B> {
-        let unknown = self.inputs.turn.x.lit(f64::NAN);
+        let unknown = self.inputs.turn.x.constant(f64::NAN);
         Vector3::new(unknown, unknown, unknown)
     }
 }
@@ -156,7 +156,7 @@ impl<B: SimdReal> Outlined for OfAxle<'_, '_, B> {
     #[inline(always)]
     fn work(self) -> B {
         let OfAxle { quantity, state } = self;
-        let unknown = state.like().lit(f64::NAN);
+        let unknown = state.like().constant(f64::NAN);
         let value = match quantity {
             // Characteristics of a wheel are read of that wheel alone; a rigid mechanism has no figures of tests.
             Quantity::Corner(..) | Quantity::Figure(_) => unknown,
@@ -175,14 +175,14 @@ impl<B: SimdReal> Outlined for OfAxle<'_, '_, B> {
         let has_value = match void {
             Some(NoValue::StraightAhead) => {
                 let steer = steering::mean_steer(state).abs();
-                has_value & !steer.less(steer.lit(steering::STRAIGHT_AHEAD))
+                has_value & !steer.less(steer.constant(steering::STRAIGHT_AHEAD))
             }
             Some(NoValue::ParallelNormals) => {
                 let [left, right] = roll::jacking(state);
                 let sum = (left + right).abs();
                 let across = (left - right).abs();
                 let meet = across.less(sum.scaled(roll::FARTHEST_MEETING));
-                has_value & meet & sum.lit(roll::UPRIGHT).less(sum)
+                has_value & meet & sum.constant(roll::UPRIGHT).less(sum)
             }
             _ => has_value,
         };

@@ -45,7 +45,7 @@ pub use limits::{AxleEnd, AxleLimits, TravelRanges};
 pub use reading::{Moving, Parts, Reading, Snapshot, WheelParts};
 pub use rocker_springs::{Preloaded, RockerForces, RockerMotion, RockerSprings};
 pub use setup::Setup;
-pub use solver::{AxleSolver, Placed, Placement, Read, WheelRead};
+pub use solver::{AxlePose, AxleSolver, Placement, Read, WheelRead};
 pub use spring::{BumpStop, ForceCurve, Law, SpringLaw};
 pub use state::{AxleState, Carriers, Hold, Motion, WheelState};
 pub use taylor::{Line, Taylor};

@@ -1,14 +1,14 @@
 //! The numbers that locate the stations of an axle's motion, and the proved bounds, as they are printed.
 
 use super::certificate::AxleProof;
-use super::solver::{Placed, Placement};
+use super::solver::{AxlePose, Placement};
 use super::{Axle, AxleMotion, AxlePlan, WheelMotion};
 use crate::curves::{MotionColumn, Proof};
 use crate::model::Axis;
 
 /// The numbers of a motion: roll, heave, both travels, rack, steering wheel and time. Travels follow in roll, and the roll angle
 /// follows from given travels.
-pub(super) fn motion(course: &AxleMotion, axle: &Axle) -> Vec<MotionColumn> {
+pub(super) fn motion_columns(motion: &AxleMotion, axle: &Axle) -> Vec<MotionColumn> {
     let length = axle.left.length_unit.symbol();
     let given = MotionColumn::given;
     let follows = |key, unit| MotionColumn {
@@ -16,7 +16,7 @@ pub(super) fn motion(course: &AxleMotion, axle: &Axle) -> Vec<MotionColumn> {
         ..given(key, unit)
     };
     let mut columns = Vec::new();
-    match &course.wheels {
+    match &motion.wheels {
         WheelMotion::Heave(_) => columns.push(given("heave", length)),
         WheelMotion::Roll { .. } => {
             columns.extend([given("roll", "deg"), given("heave", length)]);
@@ -26,27 +26,27 @@ pub(super) fn motion(course: &AxleMotion, axle: &Axle) -> Vec<MotionColumn> {
         }
     }
     let travels = ["travel_left", "travel_right"];
-    columns.extend(travels.map(|key| match course.wheels {
+    columns.extend(travels.map(|key| match motion.wheels {
         WheelMotion::Travels { .. } => given(key, length),
         _ => follows(key, length),
     }));
-    let steers = course.steering_wheel.is_some();
+    let steers = motion.steering_wheel.is_some();
     columns.push(MotionColumn {
         is_given: !steers,
-        is_written: course.shows_rack,
+        is_written: motion.shows_rack,
         ..given("rack", length)
     });
     columns.extend(steers.then(|| given("steering_wheel_angle", "deg")));
-    columns.extend(course.time.is_some().then(|| follows("time", "s")));
+    columns.extend(motion.time.is_some().then(|| follows("time", "s")));
     columns
 }
 
 /// These numbers at the station of a number, which takes a placement; `placed` is the position, if there is one.
 pub(super) fn place(
-    course: &AxleMotion,
+    motion: &AxleMotion,
     axle: &Axle,
     (number, placement): (usize, &Placement),
-    placed: Option<&Placed>,
+    placed: Option<&AxlePose>,
 ) -> Vec<Option<f64>> {
     let (roll, heave, travels) = match *placement {
         Placement::Roll { heave, roll, .. } | Placement::AtLoad { heave, roll, .. } => {
@@ -57,14 +57,14 @@ pub(super) fn place(
     let roll = roll.or(placed.map(|p| p.roll)).map(degrees);
     let travels = placed.map(|p| p.travels).or(travels);
     let mut at = Vec::new();
-    at.extend(course.shows_roll().then_some(roll));
-    at.extend(course.shows_heave().then_some(Some(heave)));
+    at.extend(motion.shows_roll().then_some(roll));
+    at.extend(motion.shows_heave().then_some(Some(heave)));
     at.extend([0, 1].map(|side| travels.map(|t| t[side])));
     at.push(Some(placement.rack() * axle.left.frame.sign(Axis::Y) + 0.0));
-    let angle = course.steering_wheel_at(number);
+    let angle = motion.steering_wheel_at(number);
     at.extend(angle.map(|angle| Some(degrees(angle))));
-    let time = course.time.as_ref();
-    at.extend(time.map(|time| Some(time.law.times[course.time_at(number)])));
+    let time = motion.time.as_ref();
+    at.extend(time.map(|time| Some(time.law.times[motion.time_at(number)])));
     at
 }
 
@@ -80,8 +80,8 @@ fn degrees(angle: f64) -> f64 {
 
 /// Returns two flags: true if the travels follow from the position, and true if the roll angle does.
 fn follows(plan: &AxlePlan) -> [bool; 2] {
-    let rolls = matches!(plan.course.wheels, WheelMotion::Roll { .. });
-    [rolls, plan.course.shows_roll() && !rolls]
+    let rolls = matches!(plan.motion.wheels, WheelMotion::Roll { .. });
+    [rolls, plan.motion.shows_roll() && !rolls]
 }
 
 /// Names of the proved bounds; none unless the plan requests proofs.

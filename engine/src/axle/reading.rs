@@ -344,7 +344,7 @@ pub trait WheelParts<T: Real>: Copy {
                 for i in [1, 2] {
                     turn = turn + parts.column(i, [0, 0]).cross(parts.column(i, powers));
                 }
-                let half = first.x.lit(0.5);
+                let half = first.x.constant(0.5);
                 [parts.read_vector(VectorPart::Centre, powers), turn * half]
             }
         )

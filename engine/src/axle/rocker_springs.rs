@@ -107,7 +107,7 @@ impl<T: Real> RockerSprings<T> {
     /// Forces between the rockers of left and right wheel.
     pub fn forces(&self, [left, right]: &[RockerMotion<T>; 2]) -> RockerForces<T> {
         let like = left.angle[0];
-        let none = like.lit(f64::NAN);
+        let none = like.constant(f64::NAN);
         let mut forces = RockerForces {
             heave_spring: none,
             heave_spring_length: none,

@@ -128,7 +128,10 @@ fn rack_end(failure: &NoPose) -> Option<f64> {
 }
 
 /// Joins the results of both wheels. If neither can follow the rack, the failure is that of the wheel which ends first.
-pub(super) fn both<T>(left: Result<T, NoPose>, right: Result<T, NoPose>) -> Result<[T; 2], NoPose> {
+pub(super) fn join_results<T>(
+    left: Result<T, NoPose>,
+    right: Result<T, NoPose>,
+) -> Result<[T; 2], NoPose> {
     match (left, right) {
         (Ok(left), Ok(right)) => Ok([left, right]),
         (Err(left), Err(right)) => {
@@ -145,7 +148,7 @@ pub(super) type ReceiveGradients<'r> = dyn FnMut(usize, [&[Vector3<f64>]; 2]) + 
 
 /// A position that was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Placed {
+pub struct AxlePose {
     /// Travel of left and right wheel.
     pub travels: [f64; 2],
     /// Roll angle, radians.
@@ -159,7 +162,7 @@ pub struct Placed {
     poses: [Pose<f64>; 2],
 }
 
-impl Placed {
+impl AxlePose {
     /// The poses of both carriers, each in the kernel's frame of its own side.
     pub fn poses(&self) -> &[Pose<f64>; 2] {
         &self.poses
@@ -224,12 +227,12 @@ const MOST_ROUNDS: usize = 4;
 const NEAR: f64 = 1e-4;
 
 /// A wheel in a pose: its rate of motion by travel, and the height of its contact point over the origin.
-struct Standing {
+struct WheelSeries {
     pose: Pose<Jet<f64, TERMS>>,
     height: Jet<f64, TERMS>,
 }
 
-impl Standing {
+impl WheelSeries {
     fn of(
         at: &Configuration<Jet<f64, TERMS>>,
         centre: PointId,
@@ -238,7 +241,7 @@ impl Standing {
     ) -> Self {
         let ground = ground.map(Jet::constant);
         let contact = at.point(centre) + ground.contact_lever(at.spin_axis(), radius);
-        Standing {
+        WheelSeries {
             pose: at.pose,
             height: ground.normal().dot(contact),
         }
@@ -268,7 +271,7 @@ fn rise(is_rigid: bool, [left, right]: [f64; 2]) -> bool {
 }
 
 /// The change of half the difference of travels that puts two wheels at one height, by their series.
-fn levelling(left: &Jet<f64, TERMS>, right: &Jet<f64, TERMS>) -> f64 {
+fn solve_level(left: &Jet<f64, TERMS>, right: &Jet<f64, TERMS>) -> f64 {
     // The right wheel goes the other way.
     let f = [0, 1, 2, 3].map(|k| match k % 2 {
         0 => left[k] - right[k],
@@ -397,7 +400,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         rack: f64,
         ground: Ground<f64>,
         radius: f64,
-    ) -> Result<Standing, NoPose> {
+    ) -> Result<WheelSeries, NoPose> {
         let rack = rack * self.rack_sign;
         let motion = MotionPoint {
             drive: Drive::Travel,
@@ -407,7 +410,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         let centre = self.mechanism.wheel_centre;
         self.at(travel, rack, |solver, slopes, pose| {
             let at = solver.configuration_series(slopes, pose, &motion.along_drive())?;
-            Ok(Standing::of(&at, centre, ground, radius))
+            Ok(WheelSeries::of(&at, centre, ground, radius))
         })
     }
 
@@ -418,7 +421,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         rack: f64,
         ground: impl Fn(usize) -> Ground<f64>,
         radius: f64,
-    ) -> Vec<Option<Standing>> {
+    ) -> Vec<Option<WheelSeries>> {
         let rack = rack * self.rack_sign;
         let centre = self.mechanism.wheel_centre;
         let mut found: Vec<_> = travels.iter().map(|_| None).collect();
@@ -433,7 +436,7 @@ impl<'a, const N: usize> Corner<'a, N> {
             };
             let at = pose
                 .and_then(|pose| solver.configuration_series(slopes, pose, &motion.along_drive()));
-            let standing = at.map(|at| Standing::of(&at, centre, ground(station), radius));
+            let standing = at.map(|at| WheelSeries::of(&at, centre, ground(station), radius));
             found[station] = standing.ok();
             ControlFlow::Continue(())
         });
@@ -558,7 +561,7 @@ impl<const N: usize> LinearisedAxle<'_, N> {
 fn linearise<'s, const N: usize>(
     corners: &'s [Corner<'_, N>; 2],
     (lines, parts): (&[Line], Parts),
-    placed: &Placed,
+    placed: &AxlePose,
     coordinates: [(f64, f64); 2],
 ) -> Result<LinearisedAxle<'s, N>, NoPose> {
     let mut wheels = [Vec::new(), Vec::new()];
@@ -593,7 +596,7 @@ pub(super) enum Sought {
 }
 
 /// The derivative of a sought number by the mean travel.
-fn heaving<const N: usize>(
+fn derivative_by_heave<const N: usize>(
     state: &AxleState<'_, f64>,
     linearised: &[Vec<Linearised<'_, N>>; 2],
     sought: &Sought,
@@ -661,7 +664,7 @@ impl Read<'_> {
     }
 
     /// Why what rockers carry is nowhere, where one of them is at toggle or beyond.
-    pub fn toggle_failure(&self, placed: &Placed) -> Option<NoPose> {
+    pub fn toggle_failure(&self, placed: &AxlePose) -> Option<NoPose> {
         Side::ALL.into_iter().find_map(|side| {
             Some(NoPose::Wheel {
                 side,
@@ -758,7 +761,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     pub fn balance(
         &self,
         side: Side,
-        placed: &Placed,
+        placed: &AxlePose,
         support: Support,
     ) -> Result<Balance<'_>, Failure> {
         let corner = &self.corners[side as usize];
@@ -769,7 +772,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     }
 
     /// Both wheels of a position, ready for gradients of formulas.
-    pub(crate) fn linearised(&self, placed: &Placed) -> Result<LinearisedAxle<'_, N>, NoPose> {
+    pub(crate) fn linearised(&self, placed: &AxlePose) -> Result<LinearisedAxle<'_, N>, NoPose> {
         let coordinates = self.coordinates(placed.travels, placed.rack);
         linearise(&self.corners, (self.lines, self.parts), placed, coordinates)
     }
@@ -843,7 +846,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
 
     /// Finds positions. Those in roll at one rack displacement are found together: each round solves the curves of both
     /// wheels at the travels where the series of the round before put them.
-    pub fn place_all(&mut self, placements: &[Placement]) -> Vec<Result<Placed, NoPose>> {
+    pub fn place_all(&mut self, placements: &[Placement]) -> Vec<Result<AxlePose, NoPose>> {
         let mut by_rack: Vec<(f64, Vec<usize>)> = Vec::new();
         for (number, placement) in placements.iter().enumerate() {
             if let Placement::Roll { heave, rack, .. } = *placement {
@@ -854,7 +857,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                 }
             }
         }
-        let mut found: Vec<Option<Placed>> = vec![None; placements.len()];
+        let mut found: Vec<Option<AxlePose>> = vec![None; placements.len()];
         for (rack, numbers) in by_rack {
             self.roll_together(rack, &numbers, placements, &mut found);
         }
@@ -864,7 +867,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     }
 
     /// Finds a position.
-    pub fn place(&mut self, placement: &Placement) -> Result<Placed, NoPose> {
+    pub fn place(&mut self, placement: &Placement) -> Result<AxlePose, NoPose> {
         let mut found = self.place_all(std::slice::from_ref(placement));
         found.swap_remove(0)
     }
@@ -891,7 +894,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         rack: f64,
         numbers: &[usize],
         placements: &[Placement],
-        found: &mut [Option<Placed>],
+        found: &mut [Option<AxlePose>],
     ) {
         struct Open {
             number: usize,
@@ -939,10 +942,10 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                 if !rise(is_rigid, [left.height[1], right.height[1]]) {
                     continue;
                 }
-                let step = levelling(&left.height, &right.height);
+                let step = solve_level(&left.height, &right.height);
                 if step.abs() <= NEAR * size {
                     let half = at.half + step;
-                    found[at.number] = Some(Placed {
+                    found[at.number] = Some(AxlePose {
                         travels: [at.heave + half, at.heave - half],
                         roll: at.roll,
                         rack: placements[at.number].rack(),
@@ -962,7 +965,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     }
 
     /// Finds a position by itself.
-    fn place_alone(&mut self, placement: &Placement) -> Result<Placed, NoPose> {
+    fn place_alone(&mut self, placement: &Placement) -> Result<AxlePose, NoPose> {
         checkpoint();
         let rack = placement.rack();
         let (travels, poses, roll) = match *placement {
@@ -980,7 +983,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                     let (drive, rack) = coordinates[side as usize];
                     corner.at(drive, rack, |_, _, pose| Ok(*pose))
                 };
-                let poses = both(pose(Side::Left), pose(Side::Right))?;
+                let poses = join_results(pose(Side::Left), pose(Side::Right))?;
                 let roll = match on_plane {
                     false => 0.0,
                     true => self.tilted(&poses)?,
@@ -988,7 +991,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                 (travels, poses, roll)
             }
         };
-        Ok(Placed {
+        Ok(AxlePose {
             travels,
             roll,
             rack,
@@ -1016,12 +1019,13 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let mut smallest = f64::INFINITY;
         for _ in 0..MOST_STEPS {
             let [left, right] = &mut self.corners;
-            let found = both(
+            let found = join_results(
                 left.height(level + half, rack, ground, radius),
                 right.height(level - half, rack, ground.mirrored(), radius),
             );
             // Where a wheel falls by its travel, both are beyond the position wanted. NaN falls.
-            let rises = |l: &Standing, r: &Standing| rise(is_rigid, [l.height[1], r.height[1]]);
+            let rises =
+                |l: &WheelSeries, r: &WheelSeries| rise(is_rigid, [l.height[1], r.height[1]]);
             let found = found.and_then(|[l, r]| match rises(&l, &r) {
                 true => Ok((l, r)),
                 false => Err(NoPose::NoGround),
@@ -1092,7 +1096,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     }
 
     /// Reads a position.
-    pub fn read(&mut self, placed: &Placed) -> Result<Read<'a>, NoPose> {
+    pub fn read(&mut self, placed: &AxlePose) -> Result<Read<'a>, NoPose> {
         let (lines, parts) = (self.lines, self.parts);
         let coordinates = self.coordinates(placed.travels, placed.rack);
         let mut wheel = |side: Side| {
@@ -1155,14 +1159,14 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         wheels: [&WheelRead; 2],
         rack: f64,
         on_plane: bool,
-    ) -> Result<(Placed, Read<'a>), NoPose> {
+    ) -> Result<(AxlePose, Read<'a>), NoPose> {
         checkpoint();
         let poses = wheels.each(|wheel| wheel.pose);
         let (roll, hold) = match on_plane {
             false => (0.0, Hold::TravelsOnPads),
             true => (self.tilted(&poses)?, Hold::TravelsOnPlane),
         };
-        let placed = Placed {
+        let placed = AxlePose {
             travels: wheels.each(|wheel| wheel.travel),
             roll,
             rack,
@@ -1173,7 +1177,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         Ok((placed, self.both(wheels, &placed)))
     }
 
-    fn both(&self, wheels: [&WheelRead; 2], placed: &Placed) -> Read<'a> {
+    fn both(&self, wheels: [&WheelRead; 2], placed: &AxlePose) -> Read<'a> {
         let [left, right] = wheels;
         Read {
             state: self.state([left.reading, right.reading], placed),
@@ -1186,13 +1190,13 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     fn state<T: crate::number::Real>(
         &self,
         readings: [Reading<T>; 2],
-        placed: &Placed,
+        placed: &AxlePose,
     ) -> AxleState<'a, T> {
         let like = readings[0].like();
         AxleState {
             readings,
-            ground: Ground::rolled(placed.roll).map(|c| like.lit(c)),
-            roll: like.lit(placed.roll),
+            ground: Ground::rolled(placed.roll).map(|c| like.constant(c)),
+            roll: like.constant(placed.roll),
             hold: placed.hold,
             carriers: Carriers::of(self.axle),
             setup: self.setup,
@@ -1205,7 +1209,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     /// A gradient is NaN if its quantity needs terms that the series lack because `N` is too small.
     pub fn gradients(
         &mut self,
-        placed: &Placed,
+        placed: &AxlePose,
         quantities: &[Quantity],
         mut receive: impl FnMut(usize, [&[Vector3<f64>]; 2]),
     ) -> Result<(), NoPose> {
@@ -1216,7 +1220,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     /// The gradients of quantities and of coordinates of points, the latter in the frame of their side.
     pub(super) fn gradients_of(
         &mut self,
-        placed: &Placed,
+        placed: &AxlePose,
         sought: &[Sought],
         receive: &mut ReceiveGradients<'_>,
     ) -> Result<(), NoPose> {
@@ -1270,7 +1274,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                 }
             }
             if let Some(heaves) = &by_heave {
-                let along = heaving(&plain, &linearised.wheels, sought);
+                let along = derivative_by_heave(&plain, &linearised.wheels, sought);
                 for (gradient, heaves) in self.gradients.iter_mut().zip(heaves) {
                     for (total, by) in gradient.iter_mut().zip(heaves) {
                         *total = *total + *by * along;

@@ -62,13 +62,13 @@ impl<T: Copy> SpringLaw<T> {
         };
         let pressed = match &self.bump_stop {
             Some(stop) if shortened.value() > stop.gap => {
-                spring + stop.curve.at(shortened - length.lit(stop.gap))
+                spring + stop.curve.at(shortened - length.constant(stop.gap))
             }
             _ => spring,
         };
         match &self.rebound_stop {
             Some(stop) if -shortened.value() > stop.gap => {
-                pressed - stop.curve.at(-shortened - length.lit(stop.gap))
+                pressed - stop.curve.at(-shortened - length.constant(stop.gap))
             }
             _ => pressed,
         }
@@ -95,7 +95,7 @@ impl<T: Scalar> SpringLaw<T> {
 impl SpringLaw {
     /// The force at a length, the length in the design position being `design`.
     pub fn force<T: Scalar>(&self, length: T, design: T) -> T {
-        self.force_over(length, design, |c| length.lit(c))
+        self.force_over(length, design, |c| length.constant(c))
     }
 
     /// Energy at a length, from the design position: the force over the shortening.
@@ -103,13 +103,13 @@ impl SpringLaw {
         let shortened = design - length;
         let spring = match &self.spring {
             Law::Linear { force, rate } => {
-                shortened * (length.lit(*force) + shortened.scaled(0.5 * rate))
+                shortened * (length.constant(*force) + shortened.scaled(0.5 * rate))
             }
             Law::Curve(curve) => curve.integral(design) - curve.integral(length),
         };
         let touched = |stop: &Option<BumpStop>, by: T| match stop {
             Some(stop) if by.value() > stop.gap => {
-                let pressed = stop.curve.integral(by - by.lit(stop.gap));
+                let pressed = stop.curve.integral(by - by.constant(stop.gap));
                 pressed - stop.curve.integral(by.zero())
             }
             _ => by.zero(),
@@ -202,8 +202,9 @@ impl ForceCurve {
         let points = &self.points;
         let here = x.value();
         let end = points.len() - 1;
-        let straight =
-            |i: usize| x.lit(points[i][1]) + (x - x.lit(points[i][0])) * x.lit(self.slopes[i]);
+        let straight = |i: usize| {
+            x.constant(points[i][1]) + (x - x.constant(points[i][0])) * x.constant(self.slopes[i])
+        };
         if here <= points[0][0] {
             return straight(0);
         }
@@ -213,12 +214,12 @@ impl ForceCurve {
         let i = points.partition_point(|p| p[0] <= here) - 1;
         let [[a, left], [b, right]] = [points[i], points[i + 1]];
         let h = b - a;
-        let t = (x - x.lit(a)) * x.lit(1.0 / h);
+        let t = (x - x.constant(a)) * x.constant(1.0 / h);
         let secant = right - left;
         let (m, n) = (self.slopes[i] * h, self.slopes[i + 1] * h);
         // Hermite's cubic by powers of t.
         let (quadratic, cubic) = (3.0 * secant - 2.0 * m - n, m + n - 2.0 * secant);
-        x.lit(left) + t * (x.lit(m) + t * (x.lit(quadratic) + t * x.lit(cubic)))
+        x.constant(left) + t * (x.constant(m) + t * (x.constant(quadratic) + t * x.constant(cubic)))
     }
 
     /// The integral from the first point to `x`.
@@ -237,8 +238,8 @@ impl ForceCurve {
             )
         };
         let straight = |i: usize| {
-            let along = x - x.lit(points[i][0]);
-            along * (x.lit(points[i][1]) + along.scaled(0.5 * self.slopes[i]))
+            let along = x - x.constant(points[i][0]);
+            along * (x.constant(points[i][1]) + along.scaled(0.5 * self.slopes[i]))
         };
         let here = x.value();
         if here <= points[0][0] {
@@ -248,14 +249,14 @@ impl ForceCurve {
         for i in 0..end {
             let (h, [c, m, quadratic, cubic]) = piece(i);
             if here < points[i + 1][0] {
-                let t = (x - x.lit(points[i][0])).scaled(1.0 / h);
-                let power = t.scaled(cubic / 4.0) + t.lit(quadratic / 3.0);
-                let power = t * power + t.lit(m / 2.0);
-                return x.lit(sum) + (t * (t * power + t.lit(c))).scaled(h);
+                let t = (x - x.constant(points[i][0])).scaled(1.0 / h);
+                let power = t.scaled(cubic / 4.0) + t.constant(quadratic / 3.0);
+                let power = t * power + t.constant(m / 2.0);
+                return x.constant(sum) + (t * (t * power + t.constant(c))).scaled(h);
             }
             sum += h * (c + m / 2.0 + quadratic / 3.0 + cubic / 4.0);
         }
-        x.lit(sum) + straight(end)
+        x.constant(sum) + straight(end)
     }
 }
 

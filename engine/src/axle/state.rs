@@ -479,7 +479,7 @@ impl<T: Real> AxleState<'_, T> {
         match self.hold {
             Hold::TravelsOnPads => *self,
             Hold::MeanTravel => {
-                let difference = -(self.mismatch() * like.lit(1.0 / rise));
+                let difference = -(self.mismatch() * like.constant(1.0 / rise));
                 let [left, right] = &self.readings;
                 AxleState {
                     readings: [left.shifted(difference), right.shifted(-difference)],
@@ -487,7 +487,7 @@ impl<T: Real> AxleState<'_, T> {
                 }
             }
             Hold::TravelsOnPlane => {
-                let turn = -(self.mismatch() * like.lit(1.0 / track));
+                let turn = -(self.mismatch() * like.constant(1.0 / track));
                 let Ground { sine, cosine } = self.ground;
                 AxleState {
                     ground: Ground {

@@ -76,7 +76,7 @@ impl<T: Real> Taylor<T> {
 
     /// A polynomial with unknown coefficients: all NaN, in the shape of `like`.
     pub fn unknown(like: T) -> Self {
-        Taylor([like.lit(f64::NAN); COEFFICIENTS])
+        Taylor([like.constant(f64::NAN); COEFFICIENTS])
     }
 
     /// The polynomial with these series along the lines of [`Line::needed`]. Each series has its coefficients by rising
@@ -112,7 +112,7 @@ impl<T: Real> Taylor<T> {
     pub fn coefficient(&self, [travel, rack]: [usize; 2]) -> T {
         match travel + rack {
             0..4 => self.0[place(travel, rack)],
-            _ => self.0[0].lit(f64::NAN),
+            _ => self.0[0].constant(f64::NAN),
         }
     }
 

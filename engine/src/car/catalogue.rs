@@ -155,7 +155,7 @@ macro_rules! catalogue {
     (@value state, $function:expr, $solved:ident, ($($place:ident)?)) => { $function(&$solved.now $(, $place)?) };
     (@value rate, $function:expr, $solved:ident, ($($place:ident)?)) => { $function($solved $(, $place)?) };
     (@state state, $function:expr, $state:ident, ($($place:ident)?)) => { $function($state $(, $place)?) };
-    (@state rate, $function:expr, $state:ident, $place:tt) => { $state.unknowns[0].lit(f64::NAN) };
+    (@state rate, $function:expr, $state:ident, $place:tt) => { $state.unknowns[0].constant(f64::NAN) };
     ($($Kind:ident of $parameter:ident: $Place:ty, $place:tt {
         $($entry:ident, $name:literal, $unit:ident, $positive:literal, $formula:literal, [$($need:ident),*], $how:ident, $function:expr;)*
     })*) => {

@@ -190,8 +190,8 @@ impl<T: Scalar> Balance<T> {
         let (mass, cg) = masses.sprung;
         act(cg, -(acceleration * mass));
         let ride_heights = [0, 1].each(|axle| match held.car.ride_height_points[axle] {
-            Some(point) => road.up.dot(road.up.lit(point)) - x[GROUND],
-            None => like.lit(f64::NAN),
+            Some(point) => road.up.dot(road.up.constant(point)) - x[GROUND],
+            None => like.constant(f64::NAN),
         });
         let (air, pushes) = air(held.car, parameters, ride_heights);
         for (point, size, direction) in [
@@ -199,10 +199,10 @@ impl<T: Scalar> Balance<T> {
             (pushes[1], air[1], -road.up),
             (pushes[2], air[2], -road.forward),
         ] {
-            act(road.up.lit(point), direction * size);
+            act(road.up.constant(point), direction * size);
         }
         let inertia = held.car.yaw_inertia.unwrap_or(0.0) * held.case.yaw_acceleration;
-        moment = moment - road.up * like.lit(inertia * held.car.per_metre());
+        moment = moment - road.up * like.constant(inertia * held.car.per_metre());
         // Along i, e, n; the roll moment is about the body's own axis x.
         let body = [
             force.dot(road.forward),
@@ -325,7 +325,7 @@ fn wheel_balance<T: Scalar>(
         (true, Some(tyres)) => {
             let rate = parameters.axle(axle, AxleParameter::TyreRate);
             let load = match tyres[axle].load {
-                Some(load) => radius.lit(load),
+                Some(load) => radius.constant(load),
                 None => forces.static_load,
             };
             Some((rate, radius + load / rate))
@@ -343,7 +343,7 @@ fn wheel_balance<T: Scalar>(
     let (heading, across) = match setting.tyre_axes {
         TyreAxes::Road => (road.forward, road.left),
         TyreAxes::Wheel => {
-            let heading = corner.spin.cross(up) * tilt.lit(corner.sign);
+            let heading = corner.spin.cross(up) * tilt.constant(corner.sign);
             let heading = heading.normalised();
             (heading, up.cross(heading))
         }
@@ -500,7 +500,7 @@ fn masses<T: Scalar>(
     CarMasses {
         sprung: place(sprung),
         whole: place(whole),
-        design_contact: (a + b + c + d) * mass.lit(0.25),
+        design_contact: (a + b + c + d) * mass.constant(0.25),
         design_contacts,
     }
 }
@@ -564,7 +564,7 @@ fn shares<T: Scalar>(held: &Held<'_>, x: &[T; UNKNOWNS]) -> [[T; 2]; 4] {
         if is_by_load {
             return x[LOADS + own] / (x[LOADS + own] + x[LOADS + other]);
         }
-        like.lit(match number % 2 {
+        like.constant(match number % 2 {
             0 => of_left,
             _ => 1.0 - of_left,
         })
@@ -619,7 +619,7 @@ fn air<T: Scalar>(
     for (number, force) in given.iter().enumerate() {
         let Some(force) = force else { continue };
         points[number] = force.point;
-        let mut area = zero.lit(force.area[0]);
+        let mut area = zero.constant(force.area[0]);
         // Without ride heights, their factors are zero.
         if force.area[1..].iter().any(|factor| *factor != 0.0) {
             let powers = [front, rear, front.squared(), front * rear, rear.squared()];

@@ -148,8 +148,8 @@ pub(super) mod wheel {
     /// Returns the excess of a number over an end; NaN without an end.
     fn beyond<T: Scalar>(number: T, end: Option<f64>) -> T {
         match end {
-            None => number.lit(f64::NAN),
-            Some(end) if number.value() > end => number - number.lit(end),
+            None => number.constant(f64::NAN),
+            Some(end) if number.value() > end => number - number.constant(end),
             Some(_) => number.zero(),
         }
     }
@@ -313,7 +313,7 @@ pub(super) mod axle {
         height_of_transfer(
             state,
             axle,
-            [state.road.left * state.unknowns[0].lit(0.5); 2],
+            [state.road.left * state.unknowns[0].constant(0.5); 2],
         )
     }
 
@@ -417,7 +417,7 @@ pub(super) mod car {
 
     /// Rise of the body since the car stood at rest.
     pub(in super::super) fn jacking_heave<T: Scalar>(solved: &Solved<'_, T>) -> T {
-        heave(&solved.now).lit(solved.rest_heave) - heave(&solved.now)
+        heave(&solved.now).constant(solved.rest_heave) - heave(&solved.now)
     }
 
     pub(in super::super) fn energy<T: Scalar>(state: &Balance<T>) -> T {
@@ -639,7 +639,10 @@ pub(super) mod car {
         let inertia = solved.car.pitch_inertia.unwrap_or(f64::NAN) * per_metre * per_metre;
         let m = [
             [mass, mass * lever],
-            [mass * lever, mass * lever.squared() + mass.lit(inertia)],
+            [
+                mass * lever,
+                mass * lever.squared() + mass.constant(inertia),
+            ],
         ];
         let product = mass.scaled(inertia);
         let middle = k[0][0] * m[1][1] + k[1][1] * m[0][0] - (k[0][1] + k[1][0]) * m[0][1];

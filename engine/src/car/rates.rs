@@ -142,7 +142,7 @@ pub(super) fn settle<T: Scalar, U: Real, R: WheelParts<U>>(
     plain: &Plain,
     lift: impl Fn(U) -> T + Copy,
 ) -> [T; UNKNOWNS] {
-    let mut x = plain.unknowns.map(|c| parameters.0[0].lit(c));
+    let mut x = plain.unknowns.map(|c| parameters.0[0].constant(c));
     let residuals = base.balance(parameters, x, lift).residuals;
     for (unknown, step) in x.iter_mut().zip(times(&plain.inverse, residuals)) {
         *unknown = *unknown - step;
@@ -171,7 +171,7 @@ impl<'c, T: Scalar> Solved<'c, T> {
                 }
                 base.balance(&moved, series, lifted)
             };
-            let mut rates = plain.rates[number].map(|c| x[0].lit(c));
+            let mut rates = plain.rates[number].map(|c| x[0].constant(c));
             // One further step takes rounding away, and adds the gradients of the rates.
             let first = evaluate(rates);
             let level = first.road.forward.x[0];

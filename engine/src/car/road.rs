@@ -16,7 +16,7 @@ pub struct Road<T> {
 /// Sine and cosine. Derivatives are exact up to the second.
 fn sin_cos<T: Scalar>(angle: T) -> [T; 2] {
     let (sine, cosine) = angle.value().sin_cos();
-    let change = angle - angle.lit(angle.value());
+    let change = angle - angle.constant(angle.value());
     let near_one = angle.one() - change.squared().scaled(0.5);
     [
         near_one.scaled(sine) + change.scaled(cosine),

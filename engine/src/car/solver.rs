@@ -7,7 +7,7 @@ use super::parameters::{AxleParameter, Parameters};
 use super::tangent::{Factors, Matrix, tangent};
 use super::{Car, Case, GRAVITY, LateralShares, LongitudinalShares, NoEquilibrium};
 use crate::axle::{
-    Axle, AxleQuantity, AxleSolver, Carriers, Placed, Placement, Quantity, Read, Reading,
+    Axle, AxlePose, AxleQuantity, AxleSolver, Carriers, Placement, Quantity, Read, Reading,
     WheelCurve, WheelParts, WheelQuantity,
 };
 use crate::mechanism::DesignFault;
@@ -56,7 +56,7 @@ pub struct Equilibrium {
     /// Number of evaluations of the equations.
     pub evaluations: usize,
     /// For each axle the pose of both wheels.
-    pub placed: [Placed; 2],
+    pub placed: [AxlePose; 2],
     /// True if the wheels come from their curves, which are poses up to rounding.
     pub(super) is_near: bool,
     /// Derivatives of the equations by the unknowns.
@@ -115,7 +115,7 @@ impl<'f> Start<'f> {
 
 /// The wheels of a state as they were read.
 pub(super) struct Readings<'a> {
-    pub placed: [Placed; 2],
+    pub placed: [AxlePose; 2],
     /// True if the wheels are known as functions of the racks.
     pub by_rack: bool,
     pub axles: [Read<'a>; 2],
@@ -167,11 +167,11 @@ impl<R> Base<'_, '_, R> {
         let sign = Side::ALL[number % 2].sign();
         let rack = self.racks.map(|racks| {
             let rack = parameters.axle(axle, AxleParameter::Rack);
-            (rack - rack.lit(racks[axle])).scaled(sign)
+            (rack - rack.constant(racks[axle])).scaled(sign)
         });
         let steps = Steps {
-            own: own - own.lit(self.travels[number]),
-            other: other - other.lit(self.travels[number ^ 1]),
+            own: own - own.constant(self.travels[number]),
+            other: other - other.constant(self.travels[number ^ 1]),
             rack,
         };
         Corner::read(
@@ -272,7 +272,11 @@ impl<'a> CarSolver<'a> {
     }
 
     /// The poses of all wheels at these travels.
-    fn placed(&mut self, travels: [f64; 4], racks: [f64; 2]) -> Result<[Placed; 2], NoEquilibrium> {
+    fn placed(
+        &mut self,
+        travels: [f64; 4],
+        racks: [f64; 2],
+    ) -> Result<[AxlePose; 2], NoEquilibrium> {
         let mut place = |axle: usize| {
             let placement = Placement::Travels {
                 travels: [travels[2 * axle], travels[2 * axle + 1]],

@@ -87,7 +87,7 @@ impl Characteristic {
     /// Camber or toe, in radians, from the unit spin axis; NaN for any other characteristic.
     #[inline(always)]
     pub(crate) fn of_spin_axis<T: Real>(self, spin_axis: Vector3<T>) -> T {
-        let unknown = spin_axis.x.lit(f64::NAN);
+        let unknown = spin_axis.x.constant(f64::NAN);
         let inputs = of_directions(spin_axis, spin_axis.map(|_| unknown), unknown);
         of_angle!(self, Angle => Angle::evaluate(&inputs), Camber, Toe).unwrap_or(unknown)
     }

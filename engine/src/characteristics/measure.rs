@@ -305,22 +305,22 @@ impl Measure {
             Measure::Quantity(_)
             | Measure::Carried(_)
             | Measure::Elastic(_)
-            | Measure::OfAxle(_) => v[0].x.lit(f64::NAN),
+            | Measure::OfAxle(_) => v[0].x.constant(f64::NAN),
             Measure::Length(_) => (v[0] - v[1]).norm(),
             Measure::Height { over, normal, .. } => {
                 let p = v[0];
-                (p - p.lit(*over)).dot(p.lit(*normal))
+                (p - p.constant(*over)).dot(p.constant(*normal))
             }
-            Measure::DistanceFrom(_, centre) => length(v[0] - v[0].lit(*centre)),
+            Measure::DistanceFrom(_, centre) => length(v[0] - v[0].constant(*centre)),
             Measure::FromLine { through, along, .. } => {
-                let (p, along) = (v[0], v[0].lit(*along));
-                length((p - p.lit(*through)).cross(along))
+                let (p, along) = (v[0], v[0].constant(*along));
+                length((p - p.constant(*through)).cross(along))
             }
             Measure::FromBox { middle, half, .. } => {
-                let away = (v[0] - v[0].lit(*middle)).to_array();
+                let away = (v[0] - v[0].constant(*middle)).to_array();
                 let half = half.to_array();
                 outside(&std::array::from_fn::<T, 3, _>(|i| {
-                    magnitude(away[i]) - away[i].lit(half[i])
+                    magnitude(away[i]) - away[i].constant(half[i])
                 }))
             }
             Measure::FromTube {
@@ -330,17 +330,17 @@ impl Measure {
                 radius,
                 ..
             } => {
-                let (p, along) = (v[0], v[0].lit(*along));
-                let away = p - p.lit(*middle);
-                let radial = away.cross(along).norm() - away.x.lit(*radius);
-                let axial = magnitude(away.dot(along)) - away.x.lit(*half);
+                let (p, along) = (v[0], v[0].constant(*along));
+                let away = p - p.constant(*middle);
+                let radial = away.cross(along).norm() - away.x.constant(*radius);
+                let axial = magnitude(away.dot(along)) - away.x.constant(*half);
                 outside(&[radial, axial])
             }
             Measure::FromSpinAxis(_) => (v[0] - v[1]).cross(v[2]).norm(),
             Measure::AlongSpinAxis(_) => (v[0] - v[1]).dot(v[2]),
             Measure::FromSpinAxisAt(_, offset) => {
                 let [outer, inner, centre, axis, ..] = *v;
-                let beyond = (outer - centre).dot(axis) - centre.x.lit(*offset);
+                let beyond = (outer - centre).dot(axis) - centre.x.constant(*offset);
                 let span = (outer - inner).dot(axis);
                 let place = if beyond.value() <= 0.0 {
                     outer
@@ -354,7 +354,7 @@ impl Measure {
             Measure::OuterShaftJoint(_) => versine(v[1] - v[0], v[2]),
             Measure::InnerShaftJoint(_) => {
                 let shaft = v[1] - v[0];
-                versine(shaft, shaft.lit(Vector3::new(0.0, 1.0, 0.0)))
+                versine(shaft, shaft.constant(Vector3::new(0.0, 1.0, 0.0)))
             }
             Measure::Plunge(_) => (v[1] - v[0]).norm() - (v[3] - v[2]).norm(),
             Measure::Clearance(_) => between_segments([v[0], v[1]], [v[2], v[3]]),
@@ -455,7 +455,7 @@ fn between_segments<T: Scalar>(first: [Vector3<T>; 2], second: [Vector3<T>; 2]) 
         (s, on_second(s))
     };
     let place = |ends: [Vector3<T>; 2], share: f64| {
-        let share = ends[0].x.lit(share);
+        let share = ends[0].x.constant(share);
         ends[0] + (ends[1] - ends[0]) * share
     };
     (place(first, s) - place(second, t)).norm()
@@ -465,7 +465,7 @@ impl Stud {
     fn designed<T: Scalar>(self, at: &Configuration<T>) -> Vector3<T> {
         match self {
             Stud::Between(from, to) => at.designed(to) - at.designed(from),
-            Stud::Along(direction) => at.pose.origin.lit(direction),
+            Stud::Along(direction) => at.pose.origin.constant(direction),
         }
     }
 

@@ -184,7 +184,7 @@ fn gradient_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> Gradient<T> {
         true => constants(inputs, F::INFO.reads),
         // Inlined, the compiler drops unread numbers, and a Jacobian takes a fifth less. For long series, inlining would take seconds
         // of compile time.
-        false => constants_here(inputs, F::INFO.reads),
+        false => constants_inline(inputs, F::INFO.reads),
     };
     let mut gradient = [inputs.turn.zero(); Slot::MOST];
     for (k, slot) in F::INFO.reads.iter().enumerate() {
@@ -198,13 +198,13 @@ fn gradient_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> Gradient<T> {
 /// The inputs of a formula as constants. Out of line, once for all formulas.
 #[inline(never)]
 fn constants<T: Real>(inputs: &Inputs<T>, reads: &[Slot]) -> Inputs<Dual<T, 3>> {
-    constants_here(inputs, reads)
+    constants_inline(inputs, reads)
 }
 
 /// The inputs of a formula as constants, inlined.
 #[inline(always)]
-fn constants_here<T: Real>(inputs: &Inputs<T>, reads: &[Slot]) -> Inputs<Dual<T, 3>> {
-    let nothing = Dual::constant(inputs.turn.x.lit(f64::NAN));
+fn constants_inline<T: Real>(inputs: &Inputs<T>, reads: &[Slot]) -> Inputs<Dual<T, 3>> {
+    let nothing = Dual::constant(inputs.turn.x.constant(f64::NAN));
     inputs.only(reads, nothing, Dual::constant)
 }
 

@@ -1,7 +1,7 @@
 //! Quantities that have a value in every pose.
 
 use super::gains::angle_of_gain;
-use super::reading::Asked;
+use super::reading::ReadSet;
 use super::{Characteristic, Slot, Slots};
 use crate::model::{Axis, Mechanism, PointId, RockerId};
 
@@ -42,7 +42,7 @@ impl Quantity {
     /// The rockers the quantity moves with directly. At a toggle of one of them, or of one that turns it,
     /// the quantity has no value.
     pub fn rockers(self, mechanism: &Mechanism) -> Vec<RockerId> {
-        let mut asked = Asked::by(mechanism, Slots::default().with(self.reads()));
+        let mut asked = ReadSet::by(mechanism, Slots::default().with(self.reads()));
         if let Quantity::Coordinate(point, _) = self {
             asked.points.push(point);
         }

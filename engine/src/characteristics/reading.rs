@@ -1,6 +1,6 @@
 //! Values of the slots of formulas in a pose.
 //!
-//! This is written once for every kind of number and of pose. [`Posed`] gives the parts of a pose, and [`Inputs::read`] puts the
+//! This is written once for every kind of number and of pose. [`PoseReader`] gives the parts of a pose, and [`Inputs::read`] puts the
 //! inputs of formulas together from them. A configuration gives them in numbers of any kind; series contain the velocities.
 //! Poses of many designs in lanes have their own, cheaper way. A slot that is not read remains NaN, so a formula that reads an
 //! undeclared slot has no value.
@@ -57,7 +57,7 @@ impl<T: Real> Moving<Vector3<T>> {
 }
 
 /// A pose that parts can be read off.
-pub(super) trait Posed<T: Real> {
+pub(super) trait PoseReader<T: Real> {
     /// The unit spin axis, outboard.
     fn spin_axis(&mut self) -> Moving<Vector3<T>>;
     /// Present position of a point.
@@ -85,7 +85,12 @@ impl<T: Real> Inputs<T> {
 
     /// Reads these slots from a pose, with their derivatives if the pose knows them.
     #[inline(always)]
-    pub(super) fn read(&mut self, pose: &mut impl Posed<T>, mechanism: &Mechanism, slots: Slots) {
+    pub(super) fn read(
+        &mut self,
+        pose: &mut impl PoseReader<T>,
+        mechanism: &Mechanism,
+        slots: Slots,
+    ) {
         let Inputs { now, rate, .. } = self;
         if slots.contain_either(Slot::SpinAxis, Slot::SpinAxisRate) {
             pose.spin_axis()
@@ -172,7 +177,7 @@ impl<T: Real> Inputs<T> {
     /// are NaN.
     #[inline]
     pub fn without_rates(at: &Configuration<T>, constants: Constants, slots: Slots) -> Self {
-        let nothing = at.rack.lit(f64::NAN);
+        let nothing = at.rack.constant(f64::NAN);
         Inputs::of_configuration(at, nothing, constants, slots)
     }
 
@@ -191,7 +196,7 @@ impl<T: Real> Inputs<T> {
     }
 }
 
-impl<T: Real> Posed<T> for &Configuration<'_, T> {
+impl<T: Real> PoseReader<T> for &Configuration<'_, T> {
     #[inline(always)]
     fn spin_axis(&mut self) -> Moving<Vector3<T>> {
         Moving::without_rate(Configuration::spin_axis(self))
@@ -216,16 +221,16 @@ impl<T: Real> Posed<T> for &Configuration<'_, T> {
 
 /// A pose without numbers that records the requested parts.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Asked {
+pub(super) struct ReadSet {
     pub(super) points: Vec<PointId>,
     rocker_angles: Vec<RockerId>,
     pub(super) steering_axis: bool,
 }
 
-impl Asked {
+impl ReadSet {
     /// The parts of a pose that these slots need.
     pub(super) fn by(mechanism: &Mechanism, slots: Slots) -> Self {
-        let mut asked = Asked::default();
+        let mut asked = ReadSet::default();
         Inputs::unknown(f64::NAN, Constants::default()).read(&mut asked, mechanism, slots);
         asked
     }
@@ -239,7 +244,7 @@ impl Asked {
     }
 }
 
-impl Posed<f64> for Asked {
+impl PoseReader<f64> for ReadSet {
     fn spin_axis(&mut self) -> Moving<Vector3<f64>> {
         Moving::without_rate(Vector3::new(f64::NAN, f64::NAN, f64::NAN))
     }

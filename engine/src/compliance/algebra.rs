@@ -183,7 +183,7 @@ impl<T: Real> Placed<T> {
 /// Equation (2).
 #[inline]
 fn turned<T: Real>(difference: &Matrix3<T>, turn: Vector3<T>) -> Matrix3<T> {
-    let half = turn * turn.x.lit(0.5);
+    let half = turn * turn.x.constant(0.5);
     let one = turn.x.one();
     let factor = (one + one) / (one + half.norm_squared());
     let [a, b, c] = difference.columns;
@@ -214,7 +214,7 @@ impl<T: Scalar> Logarithm<T> {
     #[inline]
     pub(super) fn of(difference: &Matrix3<T>) -> Self {
         let [a, b, c] = difference.columns;
-        let half = a.x.lit(0.5);
+        let half = a.x.constant(0.5);
         let sine = Vector3::new(b.z - c.y, c.x - a.z, a.y - b.x) * half;
         let cosine = half.one() + (a.x + b.y + c.z) * half;
         Logarithm {
@@ -237,9 +237,9 @@ pub(super) fn angle_by_sine<T: Scalar>(squared: T, cosine: T) -> T {
             3.0 / 40.0,
             1.0 / 6.0,
         ];
-        let mut sum = squared.lit(231.0 / 13312.0);
+        let mut sum = squared.constant(231.0 / 13312.0);
         for coefficient in coefficients {
-            sum = sum * squared + squared.lit(coefficient);
+            sum = sum * squared + squared.constant(coefficient);
         }
         return sum * squared + squared.one();
     }

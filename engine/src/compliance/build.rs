@@ -282,7 +282,7 @@ impl<T: Scalar> Builder<'_, T> {
             .flat_map(|number| self.compliance.bushings[number].shapes.iter().take(3))
             .fold(along.x.zero(), |sum, shape| sum + shape.slope(along.x));
         // Any stiffness about the link's line does: nothing turns it.
-        let spin = along * slope.lit(slope.value().sqrt().max(1.0));
+        let spin = along * slope.constant(slope.value().sqrt().max(1.0));
         match (at_inner, at_outer) {
             (None, None) => self.rod(inner, outer, along),
             (Some(number), None) => {

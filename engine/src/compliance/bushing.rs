@@ -74,10 +74,10 @@ fn coefficient<T: Scalar>(rotation: &Logarithm<T>) -> (T, T) {
     let square = rotation.vector.norm_squared();
     let one = square.one();
     if square.value() < SMALL_ANGLE_SQUARED {
-        let (mut value, mut slope) = (square.lit(SERIES[0]), square.zero());
+        let (mut value, mut slope) = (square.constant(SERIES[0]), square.zero());
         for coefficient in &SERIES[1..] {
             slope = slope * square + value;
-            value = value * square + square.lit(*coefficient);
+            value = value * square + square.constant(*coefficient);
         }
         return (value, slope + slope);
     }
@@ -85,7 +85,7 @@ fn coefficient<T: Scalar>(rotation: &Logarithm<T>) -> (T, T) {
     // cot(t/2)/(2t): sine and angle are parallel vectors.
     let sine_by_angle = rotation.sine.dot(rotation.vector);
     let cotangent = (one + rotation.cosine) / (sine_by_angle + sine_by_angle);
-    let half = one.lit(0.5);
+    let half = one.constant(0.5);
     let value = inverse - cotangent;
     let slope = (cotangent + half / (one - rotation.cosine) - (inverse + inverse)) * inverse;
     (value, slope)
@@ -106,7 +106,7 @@ impl<T: Scalar> Bushing<T> {
             deflection,
             rotation: phi,
             force,
-            torque: g + once * c.lit(0.5) + phi.cross(once) * c,
+            torque: g + once * c.constant(0.5) + phi.cross(once) * c,
         }
     }
 
@@ -151,7 +151,7 @@ impl<T: Scalar> Bushing<T> {
             by_shift.add_product(axis, axis, rate);
         }
         let (g, rates) = self.torques(phi);
-        let (once, half) = (phi.cross(g), c.lit(0.5));
+        let (once, half) = (phi.cross(g), c.constant(0.5));
         let twice = phi.cross(once);
         // N of equation (6), column by column: the turns about the bushing's axes.
         let one = c.one();
@@ -208,14 +208,14 @@ mod tests {
         let unit = Vector3::new(1.0, 2.0, -2.0) * (1.0 / 3.0);
         let next = Vector3::new(2.0, 1.0, 2.0) * (1.0 / 3.0);
         let axes = Matrix3 {
-            columns: [unit, next, unit.cross(next)].map(|v| v.map(|c| like.lit(c))),
+            columns: [unit, next, unit.cross(next)].map(|v| v.map(|c| like.constant(c))),
         };
         let law = |rate: f64, cubic: f64| {
             let shape = Shape::Cubic {
-                rate: like.lit(rate),
-                cubic: like.lit(cubic),
+                rate: like.constant(rate),
+                cubic: like.constant(cubic),
             };
-            Law::new(shape, like.lit(30.0))
+            Law::new(shape, like.constant(30.0))
         };
         let laws = [
             law(700.0, 60.0),
@@ -237,11 +237,11 @@ mod tests {
             let at = |w: Vector3<f64>, v: Vector3<f64>| {
                 let w = Dual::<f64, 3>::inputs(w);
                 let like = w.x;
-                let turn = axis.map(|c| like.lit(2.0 * c * (0.5_f64 * angle).tan()));
+                let turn = axis.map(|c| like.constant(2.0 * c * (0.5_f64 * angle).tan()));
                 let body = Placed::design(like)
                     .moved(w.zero(), turn)
                     .moved(w.zero(), w);
-                let e = v.map(|c| like.lit(c));
+                let e = v.map(|c| like.constant(c));
                 bushing(like).force(e, &body.turn, None)
             };
             let found = at(Vector3::new(0.0, 0.0, 0.0), Vector3::new(0.3, -0.7, 0.9));

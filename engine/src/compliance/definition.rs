@@ -61,7 +61,11 @@ impl<T: Scalar> Subframe<T> {
         let share = 1.0 / self.mounts.len().max(1) as f64;
         let places = self.mounts.iter().map(|mount| mount.at.map(|c| c.value()));
         let middle = places.fold(Vector3::default(), |sum, at| sum + at) * share;
-        Vector3::new(like.lit(middle.x), like.zero(), like.lit(middle.z))
+        Vector3::new(
+            like.constant(middle.x),
+            like.zero(),
+            like.constant(middle.z),
+        )
     }
 }
 

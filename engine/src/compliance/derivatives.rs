@@ -35,7 +35,7 @@ impl<T: Scalar> ElasticWheel<T> {
     pub(super) fn carried(&self, at: &State<f64>, task: &Task<T>) -> Option<Equilibrium<T>> {
         let system = &self.built.system;
         let like = system.like();
-        let state = at.map(|c| like.lit(c));
+        let state = at.map(|c| like.constant(c));
         let equations = system.equations(&state, task, None).ok()?;
         let right = equations.residual.map(|c| -c);
         let solution = equations.factors()?.solve(&right);

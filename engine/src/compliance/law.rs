@@ -85,7 +85,7 @@ impl<T: Scalar> Shape<T> {
     fn deflection(&self, force: T) -> Option<T> {
         let mut low = -1.0;
         let mut high = 1.0;
-        let value = |d: f64| self.at(force.lit(d)).0.value() - force.value();
+        let value = |d: f64| self.at(force.constant(d)).0.value() - force.value();
         for (end, sign) in [(&mut low, -1.0), (&mut high, 1.0)] {
             while value(*end) * sign < 0.0 {
                 *end *= 2.0;
@@ -97,7 +97,7 @@ impl<T: Scalar> Shape<T> {
         let mut at = 0.0;
         let mut last = f64::INFINITY;
         for _ in 0..MOST_STEPS {
-            let (found, slope) = self.at(force.lit(at));
+            let (found, slope) = self.at(force.constant(at));
             let miss = found.value() - force.value();
             if miss > 0.0 {
                 high = at;
@@ -115,8 +115,8 @@ impl<T: Scalar> Shape<T> {
             at = next;
         }
         // One more step in the numbers of the force gives its derivatives.
-        let (found, slope) = self.at(force.lit(at));
-        Some(force.lit(at) - (found - force) / slope)
+        let (found, slope) = self.at(force.constant(at));
+        Some(force.constant(at) - (found - force) / slope)
     }
 }
 
@@ -180,7 +180,7 @@ impl<T: Scalar> Law<T> {
             Shape::Cubic { rate, cubic } => {
                 let (d, d0) = (deflection, self.deflection);
                 let total = d + d0;
-                let three = d.lit(3.0) * *cubic;
+                let three = d.constant(3.0) * *cubic;
                 let bent = *cubic * d * d + three * d0 * total;
                 (
                     self.preload + self.offset + d * (*rate + bent),

@@ -122,7 +122,7 @@ impl<T: Scalar> Mount<T> {
             }
         }
         // The second derivative is by the rotation vector; small turns about fixed axes take half the moment off.
-        let half = moment * moment.x.lit(-0.5);
+        let half = moment * moment.x.constant(-0.5);
         sum.add_moment(moment, &by_turn.plus(&cross_matrix(half)));
     }
 

@@ -120,8 +120,8 @@ impl<T: Scalar> WheelGeometry<T> {
     /// Inputs of the catalogue's formulas in a state. Rates, spring, rocker and bar are unknown.
     pub(super) fn inputs(&self, state: &State<T>, constants: Constants) -> Inputs<T> {
         let carrier = &state.carrier;
-        let nothing = carrier.shift.x.lit(f64::NAN);
-        let unknown = Wheel::of_parts(|_| carrier.shift.lit(NOTHING), |_| nothing);
+        let nothing = carrier.shift.x.constant(f64::NAN);
+        let unknown = Wheel::of_parts(|_| carrier.shift.constant(NOTHING), |_| nothing);
         let mut now = unknown;
         let at = |lever: Vector3<T>| self.origin + lever + carrier.displacement(lever);
         now.spin_axis = carrier.lever(self.wheel.spin_axis);
@@ -149,7 +149,7 @@ impl<T: Scalar> WheelGeometry<T> {
         Inputs {
             now,
             rate: unknown,
-            turn: carrier.shift.lit(NOTHING),
+            turn: carrier.shift.constant(NOTHING),
             design,
             constants,
         }

@@ -255,7 +255,7 @@ impl<T: Scalar> Limb<T> {
             Limb::LegSeat(_) | Limb::CarrierSeat(_) => {}
         }
         // tan of half a sum of angles.
-        let half = step.slide * a.lit(0.5);
+        let half = step.slide * a.constant(0.5);
         next.slide = (state.slide + half) / (a.one() - state.slide * half);
         next
     }

@@ -48,7 +48,7 @@ impl DriveLaw {
         })
     }
 
-    /// The kernel's drive along the study's, at a station of the course that has this drive value.
+    /// The kernel's drive along the study's, at a station of the motion that has this drive value.
     pub fn motion<const N: usize>(&self, value: f64, rack: f64) -> MotionPoint<Jet<f64, N>> {
         let along = Jet::variable(value);
         MotionPoint {

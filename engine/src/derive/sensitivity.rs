@@ -312,7 +312,7 @@ impl<T: Real> DesignedSpinAxis<T> {
                 }
             }
             SpinAxis::Along(direction) => DesignedSpinAxis {
-                direction: centre.lit(direction),
+                direction: centre.constant(direction),
                 inverse_length: centre.x.zero(),
             },
         }

@@ -5,7 +5,7 @@
 use super::axle_lanes::AxleLanes;
 use super::elastic_axle::ElasticAxleParts;
 use super::evaluator::{Evaluator, FindsSlopes, Pairs, SolvesOneByOne};
-use super::stations::place_of;
+use super::stations::index_or_push;
 use super::{Block, Stations};
 use crate::axle::{Axle, AxleColumn, AxleMotion, AxlePlan, AxleSolver, Placement, Quantity, Read};
 use crate::curves::Column;
@@ -40,19 +40,19 @@ impl<'s> AxleStations<'s> {
         plan: &AxlePlan,
         further: impl IntoIterator<Item = Placement>,
     ) -> Self {
-        let over = plan.course.moving()[0];
-        let mut placements = plan.course.placements();
+        let over = plan.motion.moving()[0];
+        let mut placements = plan.motion.placements();
         let of_motion = placements.len();
-        let design = place_of(&mut placements, plan.course.at_design().placements()[0]);
+        let design = index_or_push(&mut placements, plan.motion.at_design().placements()[0]);
         for placement in further {
-            place_of(&mut placements, placement);
+            index_or_push(&mut placements, placement);
         }
         let value = |placement: &Placement| over.written(placement.along(over), &axle);
         // Gains are by what moves, also where the curves are by time.
         let by_motion = AxlePlan {
-            course: AxleMotion {
+            motion: AxleMotion {
                 time: None,
-                ..plan.course.clone()
+                ..plan.motion.clone()
             },
             ..plan.clone()
         };
@@ -62,7 +62,7 @@ impl<'s> AxleStations<'s> {
                 .into_iter()
                 .filter(|c| c.order == 1 && c.quantity().is_some())
                 .collect(),
-            steers: plan.derivatives > 0 && plan.course.shows_rack,
+            steers: plan.derivatives > 0 && plan.motion.shows_rack,
             quantities: plan.quantities.clone(),
             values: placements.iter().map(value).collect(),
             axle,

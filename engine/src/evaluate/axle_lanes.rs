@@ -9,14 +9,15 @@ use crate::characteristics::{LaneInputs, LaneReader, LaneWheels, Slots};
 use crate::model::Side;
 use crate::number::{SimdReal, SimdTask, Vector3, Width};
 use crate::solve::{
-    Acceptance, LanePose, PairBatch, PairDrive, PairStations, Stand, StationOrder, VisitPair,
+    Acceptance, AxleTracker, GroundContact, LanePose, PairDrive, PairStations, StationOrder,
+    VisitPair,
 };
 use crate::threads::Interrupt;
 
 /// Solves as many axles at a time as the processor has lanes.
 pub(super) struct AxleLanes<'a> {
     width: Width,
-    batch: PairBatch<'a>,
+    batch: AxleTracker<'a>,
     readers: [LaneReader<'a>; 2],
     groups: Vec<Group>,
     rates: bool,
@@ -97,7 +98,7 @@ impl<'a> AxleLanes<'a> {
             .collect();
         let mechanisms = suspensions.map(|s| &s.mechanism);
         let bases = suspensions.map(|s| &s.design[..]);
-        let batch = PairBatch::new(mechanisms, bases, drive, &visits);
+        let batch = AxleTracker::new(mechanisms, bases, drive, &visits);
         let batch = batch.ok_or(NotInLanes::Mechanism)?;
         if !batch.is_complete() {
             return Err(NotInLanes::Stations);
@@ -210,7 +211,7 @@ impl SimdTask for AxleBlockTask<'_, '_> {
             while number < solver.groups.len() {
                 let group = &solver.groups[number];
                 reading.numbers = &group.numbers;
-                reading.rack = like.lit(group.rack);
+                reading.rack = like.constant(group.rack);
                 reading.left_inputs.begin();
                 reading.right_inputs.begin();
                 let solved = batch.solve(
@@ -255,7 +256,7 @@ impl<B: SimdReal> VisitPair<B> for Reading<'_, '_, B> {
         &mut self,
         station: usize,
         [left, right]: [&P; 2],
-        stand: Stand<B>,
+        stand: GroundContact<B>,
         _: Acceptance<B>,
     ) {
         let AxleLanes {

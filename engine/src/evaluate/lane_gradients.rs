@@ -21,7 +21,7 @@ use crate::mechanism::{Configuration, Wrench};
 use crate::model::{Drive, PointId, Suspension};
 use crate::number::{Jet, MOST_LANES, Outlined, SimdReal, SimdTask, Vector3, Width};
 use crate::solve::{
-    AlongTravel, Batch, LaneAdjoint, LaneMembers, LanePose, LaneRates, SeriesDesign,
+    AdjointConstants, AlongTravel, CornerTracker, LaneAdjoint, LanePose, LaneRates, SeriesDesign,
 };
 use std::ops::Range;
 
@@ -38,7 +38,7 @@ pub struct AngleTarget {
 #[derive(Clone)]
 pub struct Gradients<'a> {
     width: Width,
-    batch: Batch<'a>,
+    batch: CornerTracker<'a>,
     reader: LaneReader<'a>,
     /// Equations for gradients of quantities made of velocities; `None` if there are no such quantities.
     along_travel: Option<AlongTravel>,
@@ -167,7 +167,7 @@ impl<'a> Gradients<'a> {
         let (mechanism, design) = (&suspension.mechanism, &suspension.design);
         let (drive, racks) = (stations.drive, &stations.racks);
         (drive == Drive::Travel).then_some(())?;
-        let batch = Batch::new(mechanism, design, drive, &stations.station_order, racks)?;
+        let batch = CornerTracker::new(mechanism, design, drive, &stations.station_order, racks)?;
         batch.is_complete().then_some(())?;
         let constants = Constants::of(suspension);
         let reader = LaneReader::new(mechanism, &batch, constants, quantities.to_vec())?;
@@ -178,7 +178,7 @@ impl<'a> Gradients<'a> {
         };
         let (angles, points) = (quantities.len(), design.len());
         let groups = (0..racks.len()).flat_map(|rack| {
-            let values = batch.revisited(rack);
+            let values = batch.stations_in_lanes(rack);
             let stations: Vec<usize> = values.map(|v| stations.number(rack, v)).collect();
             let groups = stations.chunks(width.lanes());
             groups.map(<[usize]>::to_vec).collect::<Vec<_>>()
@@ -411,15 +411,20 @@ impl SimdTask for GradientTask<'_, '_, '_> {
         let mut tracked = self.tracked;
         let mut rack = 0;
         while rack < stations.racks.len() {
-            reading.rack = like.lit(stations.racks[rack]);
+            reading.rack = like.constant(stations.racks[rack]);
             reading.first = stations.number(rack, 0);
             reading.inputs.begin();
             if let Some(history) = &mut tracked {
                 let (here, rest) = history.split_at(batch.steps(rack));
                 *history = rest;
                 reading.first = groups;
-                batch.revisit(&design, rack, here, &mut Visitor::Gradients(&mut reading));
-                groups += batch.revisited(rack).count().div_ceil(B::LANES);
+                batch.visit_stations_in_lanes(
+                    &design,
+                    rack,
+                    here,
+                    &mut Visitor::Gradients(&mut reading),
+                );
+                groups += batch.stations_in_lanes(rack).count().div_ceil(B::LANES);
             } else {
                 let mut visitor = Visitor::Gradients(&mut reading);
                 let solved = batch.solve(&design, rack, &mut history, &mut visitor);
@@ -497,7 +502,7 @@ fn chain<B: SimdReal>(like: B, gradient: &[f64], along: &[f64], slopes: &mut [f6
 pub(super) struct Differentiating<'r, 't, B: SimdReal> {
     reader: &'r LaneReader<'r>,
     wheels: &'r LaneWheels<B>,
-    members: &'r LaneMembers<B>,
+    members: &'r AdjointConstants<B>,
     /// The designs as series along the travel, if a quantity is made of velocities, and room for a gradient.
     series: Option<&'r (&'r AlongTravel, SeriesDesign<B>)>,
     series_gradient: Vec<Vector3<Jet<B, 2>>>,
@@ -524,8 +529,8 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
             return one;
         };
         let AngleTarget { value, weight } = wanted[angle * self.count + station];
-        let missed = one.load(&self.found.angles[angle * B::LANES..]) - one.lit(value);
-        let weighted = missed * one.lit(weight);
+        let missed = one.load(&self.found.angles[angle * B::LANES..]) - one.constant(value);
+        let weighted = missed * one.constant(weight);
         self.sum = self.sum.plus_product(weighted, missed);
         weighted + weighted
     }
@@ -554,20 +559,20 @@ impl<B: SimdReal, P: LanePose<B>> Outlined for AtPose<'_, '_, '_, B, P> {
     #[inline(always)]
     fn work(self) {
         self.differentiating
-            .differentiate_here(self.station, self.at);
+            .differentiate_inline(self.station, self.at);
     }
 }
 
 impl<B: SimdReal> Differentiating<'_, '_, B> {
     #[inline(always)]
-    fn differentiate_here(&mut self, station: usize, at: &impl LanePose<B>) {
+    fn differentiate_inline(&mut self, station: usize, at: &impl LanePose<B>) {
         let reads_rates = self.reader.reads_rates();
         let accepted = self
             .reader
             .read(self.wheels, at, self.rack, reads_rates, self.inputs);
         let angles = self.reader.quantities().len();
         let rates = at.rates();
-        self.accepted = self.accepted & accepted & at.knows(&rates);
+        self.accepted = self.accepted & accepted & at.velocity_is_reliable(&rates);
         let configuration = at.configuration(self.rack);
         let adjoint = at.adjoint(self.members, &configuration, &rates);
         self.reader

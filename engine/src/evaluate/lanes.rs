@@ -7,7 +7,7 @@ use super::lane_gradients::Differentiating;
 use crate::characteristics::{Constants, LaneInputs, LaneReader, LaneWheels, Quantity};
 use crate::model::Suspension;
 use crate::number::{MOST_LANES, SimdReal, SimdTask, Vector3, Width};
-use crate::solve::{Acceptance, Batch, LanePose, Visit};
+use crate::solve::{Acceptance, CornerTracker, LanePose, Visit};
 use crate::threads::Interrupt;
 
 /// Reason why no design of a sweep is solved in SIMD lanes.
@@ -49,7 +49,7 @@ impl NotInLanes {
 /// Solver of as many designs at a time as the processor has lanes.
 pub(super) struct LaneSolver<'a> {
     width: Width,
-    batch: Batch<'a>,
+    batch: CornerTracker<'a>,
     reader: LaneReader<'a>,
     stations: &'a Stations,
     points: usize,
@@ -65,7 +65,7 @@ impl<'a> LaneSolver<'a> {
     ) -> Result<Self, NotInLanes> {
         let (mechanism, design) = (&suspension.mechanism, &suspension.design);
         let (drive, racks) = (stations.drive, &stations.racks);
-        let batch = Batch::new(mechanism, design, drive, &stations.station_order, racks);
+        let batch = CornerTracker::new(mechanism, design, drive, &stations.station_order, racks);
         let batch = batch.ok_or(NotInLanes::Mechanism)?;
         if !batch.is_complete() {
             return Err(NotInLanes::Stations);
@@ -156,7 +156,7 @@ impl SimdTask for BlockTask<'_, '_> {
             while rack < stations.racks.len() {
                 reading.first = stations.number(rack, 0);
                 reading.inputs.begin();
-                reading.rack = like.lit(stations.racks[rack]);
+                reading.rack = like.constant(stations.racks[rack]);
                 let mut visitor = Visitor::Values(&mut reading);
                 let solved = batch.solve(&design, rack, &mut history, &mut visitor);
                 reading.accepted = reading.accepted & solved.everywhere();

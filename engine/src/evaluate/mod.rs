@@ -32,4 +32,4 @@ pub use lanes::NotInLanes;
 pub(crate) use lanes::scatter;
 pub(crate) use request::Request;
 pub use stations::Stations;
-pub(crate) use stations::place_of;
+pub(crate) use stations::index_or_push;

@@ -30,12 +30,12 @@ impl Stations {
     pub fn of(motion: &Motion, frame: &Frame, further: &[f64]) -> Self {
         let mut values = motion.values.clone();
         for value in further {
-            place_of(&mut values, *value);
+            index_or_push(&mut values, *value);
         }
-        let design = place_of(&mut values, 0.0);
+        let design = index_or_push(&mut values, 0.0);
         let mut racks = motion.rack.clone();
         let straight = if motion.rack_moves { 0.0 } else { racks[0] };
-        let home = place_of(&mut racks, straight);
+        let home = index_or_push(&mut racks, straight);
         let sign = frame.sign(Axis::Y);
         Stations {
             drive: motion.drive.in_kernel(),
@@ -119,7 +119,7 @@ impl Stations {
 }
 
 /// Index of `place` in the list; it is appended if it is not there.
-pub(crate) fn place_of<P: PartialEq>(places: &mut Vec<P>, place: P) -> usize {
+pub(crate) fn index_or_push<P: PartialEq>(places: &mut Vec<P>, place: P) -> usize {
     let known = places.iter().position(|p| *p == place);
     known.unwrap_or_else(|| {
         places.push(place);

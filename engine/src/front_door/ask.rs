@@ -6,7 +6,7 @@ use crate::characteristics::Characteristic;
 use crate::model::{Axis, PointId, Suspension};
 use crate::study::{
     Designs, FileFormat, Interpolation, Motion, Move, Optimise, Order, Sampled, Sampling, Site,
-    Study, Subject, Sweep, SweepVariable, Target, Variable, Vehicle, Wanted, WheelStudy,
+    Study, Sweep, SweepVariable, Target, TargetQuantity, Variable, Vehicle, Wanted, WheelStudy,
 };
 use crate::study::{GOOD_ENOUGH, MAX_ITERATIONS};
 use std::ops::RangeInclusive;
@@ -311,12 +311,12 @@ impl Target {
         suspension: &Suspension,
         characteristic: Characteristic,
         tolerance: f64,
-        wanted: impl Fn(&Subject) -> (Wanted, Vec<f64>),
+        wanted: impl Fn(&TargetQuantity) -> (Wanted, Vec<f64>),
     ) -> Result<Self, Error> {
         Error::if_lacking(suspension, characteristic)?;
         let is_right = |t: f64| t.is_finite() && t > 0.0;
         checked("the tolerance", tolerance, "a number above 0", is_right)?;
-        let of = Subject::characteristic(characteristic, suspension.length_unit);
+        let of = TargetQuantity::characteristic(characteristic, suspension.length_unit);
         let (wanted, stations) = wanted(&of);
         Ok(Target {
             tolerance: of.from_printed(tolerance).abs(),

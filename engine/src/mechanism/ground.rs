@@ -77,16 +77,16 @@ impl<T: Real> Ground<T> {
     pub fn contact_lever(self, a: Vector3<T>, radius: f64) -> Vector3<T> {
         outlined!(
             [T: Real] a.x; ground: Ground<T> = self, a: Vector3<T> = a, radius: f64 = radius => Vector3<T> {
-                ground.contact_lever_here(a, radius)
+                ground.contact_lever_inline(a, radius)
             }
         )
     }
 
     #[inline(always)]
-    fn contact_lever_here(self, a: Vector3<T>, radius: f64) -> Vector3<T> {
+    fn contact_lever_inline(self, a: Vector3<T>, radius: f64) -> Vector3<T> {
         let n = self.normal();
         let along = n.dot(a);
         let down = Vector3::new(along * a.x - n.x, along * a.y - n.y, along * a.z - n.z);
-        down.normalised() * a.x.lit(radius)
+        down.normalised() * a.x.constant(radius)
     }
 }

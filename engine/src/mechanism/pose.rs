@@ -188,7 +188,7 @@ impl<'a, T: Real> Configuration<'a, T> {
     #[inline(always)]
     pub fn point(&self, id: PointId) -> Vector3<T> {
         outlined!(
-            [T: Real] self.rack; at: &'p Configuration<'p, T> = self, id: PointId = id => Vector3<T> { at.point_here(id) }
+            [T: Real] self.rack; at: &'p Configuration<'p, T> = self, id: PointId = id => Vector3<T> { at.point_inline(id) }
         )
     }
 
@@ -207,7 +207,7 @@ impl<'a, T: Real> Configuration<'a, T> {
     }
 
     #[inline(always)]
-    fn point_here(&self, id: PointId) -> Vector3<T> {
+    fn point_inline(&self, id: PointId) -> Vector3<T> {
         match self.mechanism.body(id) {
             Body::Rocker(rocker) => self.rocker_point(rocker, self.designed(id)),
             _ => self.place(id),
@@ -284,11 +284,11 @@ impl<'a, T: Real> Configuration<'a, T> {
     /// Out of line and with a dynamic sink, so that it is compiled once.
     #[inline(never)]
     fn push_point_outlined(&self, id: PointId, gradient: Vector3<T>, mut sink: &mut dyn Sink<T>) {
-        self.push_point_here(id, gradient, &mut sink);
+        self.push_point_inline(id, gradient, &mut sink);
     }
 
     #[inline(always)]
-    fn push_point_here(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
+    fn push_point_inline(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
         match self.mechanism.body(id) {
             Body::Chassis | Body::Rack | Body::Opposite(_) => {
                 self.push_grounded(id, gradient, sink)
@@ -410,6 +410,6 @@ impl<T: Real, S: Sink<T>> Outlined for PushingPoint<'_, '_, '_, T, S> {
     type Output = ();
     #[inline(always)]
     fn work(self) {
-        self.at.push_point_here(self.id, self.gradient, self.sink);
+        self.at.push_point_inline(self.id, self.gradient, self.sink);
     }
 }

@@ -205,13 +205,13 @@ impl<B: SimdReal> Configuration<'_, B> {
         outlined!(
             [B: SimdReal] self.rack;
             at: &'p Configuration<'p, B> = self, id: RockerId = id, motion: &'p Twist<B> = motion => Turning<B> {
-                at.turning_here(id, motion)
+                at.turning_inline(id, motion)
             }
         )
     }
 
     #[inline(always)]
-    fn turning_here(&self, id: RockerId, motion: &Twist<B>) -> Turning<B> {
+    fn turning_inline(&self, id: RockerId, motion: &Twist<B>) -> Turning<B> {
         let mechanism = self.mechanism;
         let before = |depth: usize| {
             let carrying = mechanism.rockers_moving(mechanism.rocker(id).outer);

@@ -89,12 +89,12 @@ impl RigidAxle {
     pub fn complete<T: Real>(&self, own: &[Vector3<f64>], design: &mut [Vector3<T>]) {
         for [near, far] in &self.pairs {
             let apart = own[far.0] - mirrored(own[near.0]);
-            let apart = apart.map(|c| design[near.0].x.lit(c));
+            let apart = apart.map(|c| design[near.0].x.constant(c));
             design[far.0] = mirrored(design[near.0]) + apart;
         }
         for [point, beside] in self.followers() {
             let apart = own[point.0] - own[beside.0];
-            design[point.0] = design[beside.0] + apart.map(|c| design[beside.0].x.lit(c));
+            design[point.0] = design[beside.0] + apart.map(|c| design[beside.0].x.constant(c));
         }
     }
 

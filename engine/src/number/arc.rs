@@ -55,16 +55,19 @@ const FRAC_PI_4_REST: f64 = 0.5 * FRAC_PI_2_REST;
 fn odd<B: SimdReal, const N: usize>(x: B, coefficients: &[f64; N]) -> B {
     let u = x * x;
     let v = u * u;
-    let (mut last, mut before) = (x.lit(coefficients[N - 1]), x.lit(coefficients[N - 2]));
+    let (mut last, mut before) = (
+        x.constant(coefficients[N - 1]),
+        x.constant(coefficients[N - 2]),
+    );
     let mut k = N - 2;
     while k >= 2 {
-        last = x.lit(coefficients[k - 1]).plus_product(last, v);
-        before = x.lit(coefficients[k - 2]).plus_product(before, v);
+        last = x.constant(coefficients[k - 1]).plus_product(last, v);
+        before = x.constant(coefficients[k - 2]).plus_product(before, v);
         k -= 2;
     }
     // An odd N leaves one coefficient over.
     let (even, odd) = if k == 1 {
-        (x.lit(coefficients[0]).plus_product(last, v), before)
+        (x.constant(coefficients[0]).plus_product(last, v), before)
     } else {
         (before, last)
     };
@@ -75,7 +78,7 @@ fn odd<B: SimdReal, const N: usize>(x: B, coefficients: &[f64; N]) -> B {
 #[inline(always)]
 pub(super) fn asin<B: SimdReal>(x: B) -> B {
     let size = x.abs();
-    let beyond = x.lit(0.5).less(size);
+    let beyond = x.constant(0.5).less(size);
     if B::all(!beyond) {
         return odd(x, &ASIN);
     }
@@ -92,11 +95,11 @@ impl<B: SimdReal> Outlined for AnyArc<B> {
     fn work(self) -> B {
         let x = self.0;
         let size = x.abs();
-        let beyond = x.lit(0.5).less(size);
-        let half = x.lit(0.5);
+        let beyond = x.constant(0.5).less(size);
+        let half = x.constant(0.5);
         let root = (half - half * size).sqrt();
         let arc = odd(B::select(beyond, root, size), &ASIN);
-        let far = x.lit(FRAC_PI_2) - (arc + arc - x.lit(FRAC_PI_2_REST));
+        let far = x.constant(FRAC_PI_2) - (arc + arc - x.constant(FRAC_PI_2_REST));
         B::select(beyond, far, arc).copysign(x)
     }
 }
@@ -104,7 +107,7 @@ impl<B: SimdReal> Outlined for AnyArc<B> {
 /// The angle of the vector (x, y) from the x-axis; 0 for the null vector.
 #[inline(always)]
 pub(super) fn atan2<B: SimdReal>(y: B, x: B) -> B {
-    if B::all(y.abs().less(x * x.lit(TAN_EIGHTH))) {
+    if B::all(y.abs().less(x * x.constant(TAN_EIGHTH))) {
         return odd(y / x, &ATAN);
     }
     x.outlined(AnyAngle { y, x })
@@ -123,7 +126,7 @@ impl<B: SimdReal> Outlined for AnyAngle<B> {
     fn work(self) -> B {
         let AnyAngle { y, x } = self;
         let (height, width) = (y.abs(), x.abs());
-        let flat = x.lit(TAN_EIGHTH);
+        let flat = x.constant(TAN_EIGHTH);
         let steep = width.less(height);
         let (small, large) = (
             B::select(steep, width, height),
@@ -137,11 +140,15 @@ impl<B: SimdReal> Outlined for AnyAngle<B> {
         let arc = odd(numerator / denominator, &ATAN);
         let arc = B::select(
             near_diagonal & zero.less(large),
-            x.lit(FRAC_PI_4) + (arc + x.lit(FRAC_PI_4_REST)),
+            x.constant(FRAC_PI_4) + (arc + x.constant(FRAC_PI_4_REST)),
             arc,
         );
-        let arc = B::select(steep, x.lit(FRAC_PI_2) - (arc - x.lit(FRAC_PI_2_REST)), arc);
-        let behind = x.lit(PI) - (arc - x.lit(2.0 * FRAC_PI_2_REST));
+        let arc = B::select(
+            steep,
+            x.constant(FRAC_PI_2) - (arc - x.constant(FRAC_PI_2_REST)),
+            arc,
+        );
+        let behind = x.constant(PI) - (arc - x.constant(2.0 * FRAC_PI_2_REST));
         B::select(x.less(zero), behind, arc).copysign(y)
     }
 }
@@ -211,7 +218,7 @@ mod tests {
                 .zip(self.1.chunks_exact_mut(B::LANES))
             {
                 let x = like.load(from);
-                (asin(x) + atan2(x, x.squared() - x.lit(0.3))).store(to);
+                (asin(x) + atan2(x, x.squared() - x.constant(0.3))).store(to);
             }
         }
     }

@@ -1,6 +1,6 @@
 //! First derivatives by a fixed number of inputs, all in one pass.
 
-use super::{Outlined, Real, Scalar, Vector3, called, outlined};
+use super::{Outlined, Real, Scalar, Vector3, call_outlined, outlined};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value with its partial derivatives by `N` inputs.
@@ -21,7 +21,7 @@ impl<T: Real, const N: usize> Dual<T, N> {
             partials: [value.zero(); N],
         };
         match Self::IS_LONG {
-            true => called(value, fill),
+            true => call_outlined(value, fill),
             false => fill(value),
         }
     }
@@ -122,7 +122,7 @@ impl<T: Real, const N: usize> Dual<T, N> {
     #[inline]
     fn root(self) -> Self {
         let root = self.value.sqrt();
-        self.chain(root, root.lit(0.5) / root)
+        self.chain(root, root.constant(0.5) / root)
     }
 
     #[inline(always)]
@@ -201,8 +201,8 @@ impl<T: Real, const N: usize> Real for Dual<T, N> {
     }
 
     #[inline(always)]
-    fn lit(self, value: f64) -> Self {
-        Dual::constant(self.value.lit(value))
+    fn constant(self, value: f64) -> Self {
+        Dual::constant(self.value.constant(value))
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
@@ -236,7 +236,7 @@ impl<T: Real, const N: usize> Real for Dual<T, N> {
             }
         };
         match Self::IS_LONG {
-            true => called((self, factor), scale),
+            true => call_outlined((self, factor), scale),
             false => scale((self, factor)),
         }
     }
@@ -258,7 +258,7 @@ mod tests {
     #[test]
     fn agrees_with_jets() {
         fn formula<T: Real>(x: T) -> T {
-            (x.sqrt() / (x.one() + x * x)).asin() + (x * x - x).atan2(x.lit(0.3) + x)
+            (x.sqrt() / (x.one() + x * x)).asin() + (x * x - x).atan2(x.constant(0.3) + x)
         }
         let by_dual = formula(Dual::<f64, 1>::input(0.6, 0));
         let by_jet = formula(Jet::<f64, 2>::variable(0.6));

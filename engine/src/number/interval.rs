@@ -230,11 +230,11 @@ impl Real for Interval {
     const SHARES_DIVISIONS: bool = false;
 
     #[inline]
-    fn also(self, other: Self) -> Self {
+    fn intersected_with(self, other: Self) -> Self {
         self.meet(other)
     }
     #[inline]
-    fn lit(self, value: f64) -> Self {
+    fn constant(self, value: f64) -> Self {
         Interval::point(value)
     }
     /// Square root of the part of the interval that is not negative.
@@ -305,11 +305,11 @@ mod tests {
     #[test]
     fn inexact_results_lie_inside() {
         let one = Interval::point(1.0);
-        let third = one / one.lit(3.0);
-        assert!((third * one.lit(3.0)).low < 1.0 && (third * one.lit(3.0)).high > 1.0);
-        let sum = one.lit(0.1) + one.lit(0.2);
+        let third = one / one.constant(3.0);
+        assert!((third * one.constant(3.0)).low < 1.0 && (third * one.constant(3.0)).high > 1.0);
+        let sum = one.constant(0.1) + one.constant(0.2);
         assert_eq!(sum.high.to_bits() - sum.low.to_bits(), 1);
-        let root = one.lit(2.0).sqrt();
+        let root = one.constant(2.0).sqrt();
         let square = root * root;
         assert!(square.low < 2.0 && square.high > 2.0);
     }
@@ -317,9 +317,9 @@ mod tests {
     #[test]
     fn exact_results_are_not_widened() {
         let one = Interval::point(1.0);
-        assert_eq!(one + one.lit(0.5), Interval::point(1.5));
-        assert_eq!(one * one.lit(0.3), Interval::point(0.3));
-        assert_eq!(one.zero() * one.lit(0.3), Interval::point(0.0));
+        assert_eq!(one + one.constant(0.5), Interval::point(1.5));
+        assert_eq!(one * one.constant(0.3), Interval::point(0.3));
+        assert_eq!(one.zero() * one.constant(0.3), Interval::point(0.0));
     }
 
     #[test]

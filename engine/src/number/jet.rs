@@ -10,7 +10,7 @@
     reason = "recurrences read as in the book, by index"
 )]
 
-use super::{Outlined, Real, Scalar, called, outlined};
+use super::{Outlined, Real, Scalar, call_outlined, outlined};
 use std::ops::{Add, Div, Index, Mul, Neg, Sub};
 
 /// A Taylor series with `N` coefficients, that is derivatives up to order `N - 1`.
@@ -159,13 +159,13 @@ impl<T: Real, const N: usize> Jet<T, N> {
     /// Angles are function calls if true. Inlined code lets the compiler drop the value of a series in registers when only
     /// its slope is used.
     const ANGLES_IN_CALLS: bool = T::IS_LARGE && (T::IS_NESTED || !T::IN_REGISTERS);
-    /// Products, quotients and roots are function calls if true (see [`called`]).
+    /// Products, quotients and roots are function calls if true (see [`call_outlined`]).
     const LARGE: bool = (size_of::<Self>() > 16 || T::IS_LARGE) && !T::IN_REGISTERS;
 
     #[inline]
     fn times_outlined(self, other: Self) -> Self {
         match Self::LARGE {
-            true => called((self, other), |(a, b)| a.times(b)),
+            true => call_outlined((self, other), |(a, b)| a.times(b)),
             false => self.times(other),
         }
     }
@@ -196,7 +196,7 @@ impl<T: Real, const N: usize> Div for Jet<T, N> {
     #[inline(always)]
     fn div(self, other: Self) -> Self {
         if Self::LARGE {
-            called((self, other), |(a, b)| a.over(b))
+            call_outlined((self, other), |(a, b)| a.over(b))
         } else {
             self.over(other)
         }
@@ -261,22 +261,24 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
     }
 
     #[inline(always)]
-    fn also(self, other: Self) -> Self {
+    fn intersected_with(self, other: Self) -> Self {
         match T::SHARES_DIVISIONS {
             true => self,
-            false => Jet(std::array::from_fn(|k| self.0[k].also(other.0[k]))),
+            false => Jet(std::array::from_fn(|k| {
+                self.0[k].intersected_with(other.0[k])
+            })),
         }
     }
 
     #[inline(always)]
-    fn lit(self, value: f64) -> Self {
-        Jet::constant(self.0[0].lit(value))
+    fn constant(self, value: f64) -> Self {
+        Jet::constant(self.0[0].constant(value))
     }
 
     #[inline(always)]
     fn sqrt(self) -> Self {
         if Self::LARGE {
-            called(self, Self::root)
+            call_outlined(self, Self::root)
         } else {
             self.root()
         }

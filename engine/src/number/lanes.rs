@@ -90,7 +90,7 @@ impl<S: Registers> Real for Lanes<S> {
         operation!(negate_mul_add(a, b, self))
     }
     #[inline(always)]
-    fn lit(self, value: f64) -> Self {
+    fn constant(self, value: f64) -> Self {
         Lanes::splat(self.simd, value)
     }
     #[inline(always)]

@@ -7,22 +7,22 @@
 //! first and second derivative by the drive.
 
 mod arc;
-mod bundle;
 mod dual;
 mod interval;
 mod jet;
 mod lanes;
 mod registers;
+mod simd_real;
 mod tape;
 mod vector;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-pub use bundle::{MOST_LANES, SimdReal};
 pub use dual::Dual;
 pub use interval::Interval;
 pub use jet::Jet;
 pub use lanes::{LaneMask, Lanes, SimdTask, Width};
+pub use simd_real::{MOST_LANES, SimdReal};
 pub use tape::{Tape, Tracked};
 pub use vector::{Matrix3, Vector3};
 
@@ -44,14 +44,14 @@ pub trait Real:
     const IN_REGISTERS: bool = false;
     /// True if the number is more than a plain number. Types made of several such numbers do their arithmetic in calls.
     const IS_LARGE: bool = size_of::<Self>() > 8;
-    /// True if the number holds derivatives of derivatives. Its arithmetic is then done in calls (see `called`).
+    /// True if the number holds derivatives of derivatives. Its arithmetic is then done in calls (see `call_outlined`).
     const IS_NESTED: bool = false;
     /// True if two divisions may become one division and some products. False for intervals: a divisor that contains zero
     /// would spoil the other quotient, too.
     const SHARES_DIVISIONS: bool = true;
 
     /// The constant `value`, in the shape of `self` (all derivatives zero).
-    fn lit(self, value: f64) -> Self;
+    fn constant(self, value: f64) -> Self;
     /// Square root; NaN for a negative number.
     fn sqrt(self) -> Self;
     /// Arc sine.
@@ -93,19 +93,19 @@ pub trait Real:
     /// The same number, given that it also equals the argument: an interval is narrowed to the intersection of both,
     /// any other number stays as it is.
     #[inline(always)]
-    fn also(self, _: Self) -> Self {
+    fn intersected_with(self, _: Self) -> Self {
         self
     }
 
     /// Zero, in the shape of `self`.
     #[inline(always)]
     fn zero(self) -> Self {
-        self.lit(0.0)
+        self.constant(0.0)
     }
     /// The number one, in the shape of `self`.
     #[inline(always)]
     fn one(self) -> Self {
-        self.lit(1.0)
+        self.constant(1.0)
     }
     /// `self` times itself.
     #[inline(always)]
@@ -115,7 +115,7 @@ pub trait Real:
     /// `self` times a plain constant.
     #[inline(always)]
     fn scaled(self, factor: f64) -> Self {
-        self * self.lit(factor)
+        self * self.constant(factor)
     }
 }
 
@@ -140,7 +140,7 @@ pub trait Outlined: Sized {
 /// registers have [`Real::outlined`] instead. (Products of series were a quarter slower that way, because it copies
 /// their operands once more.)
 #[inline(never)]
-pub(crate) fn called<A, R>(operands: A, operation: impl Fn(A) -> R) -> R {
+pub(crate) fn call_outlined<A, R>(operands: A, operation: impl Fn(A) -> R) -> R {
     operation(operands)
 }
 
@@ -212,7 +212,7 @@ pub trait Scalar: Real {
 
 impl Real for f64 {
     #[inline(always)]
-    fn lit(self, value: f64) -> Self {
+    fn constant(self, value: f64) -> Self {
         value
     }
     #[inline]

@@ -240,7 +240,7 @@ impl Real for Tracked<'_> {
     /// Notes cost more than a call.
     const IS_NESTED: bool = true;
 
-    fn lit(self, value: f64) -> Self {
+    fn constant(self, value: f64) -> Self {
         Tracked::constant(value)
     }
     fn sqrt(self) -> Self {
@@ -273,7 +273,7 @@ mod tests {
     use super::*;
 
     fn formula<T: Real>(x: T, y: T) -> T {
-        (x.sqrt() / (x.one() + y * y)).asin() + (x * y - x).atan2(x.lit(0.3) + y) - (-y)
+        (x.sqrt() / (x.one() + y * y)).asin() + (x * y - x).atan2(x.constant(0.3) + y) - (-y)
     }
 
     /// Backwards and forwards agree, also in the slope of a series.

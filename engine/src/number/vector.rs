@@ -3,7 +3,7 @@
 //! nalgebra's own vectors ask more of their scalar than a derivative number (or a bundle of SIMD
 //! lanes) can give, so the kernel has these two; at the crate's edges plain `[f64; 3]` is used.
 
-use super::{Jet, Real, called, outlined};
+use super::{Jet, Real, call_outlined, outlined};
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// A vector of three numbers.
@@ -62,14 +62,14 @@ impl<T: Real> Vector3<T> {
 /// functions are used directly; only nested derivatives call them.
 impl<T: Real> Vector3<T> {
     #[inline(always)]
-    fn dot_here(self, other: Self) -> T {
+    fn dot_inline(self, other: Self) -> T {
         (self.x * other.x)
             .plus_product(self.y, other.y)
             .plus_product(self.z, other.z)
     }
 
     #[inline(always)]
-    fn cross_here(self, other: Self) -> Self {
+    fn cross_inline(self, other: Self) -> Self {
         Vector3::new(
             (self.y * other.z).minus_product(self.z, other.y),
             (self.z * other.x).minus_product(self.x, other.z),
@@ -78,7 +78,7 @@ impl<T: Real> Vector3<T> {
     }
 
     #[inline(always)]
-    fn plus_scaled_here(self, other: Self, factor: T) -> Self {
+    fn plus_scaled_inline(self, other: Self, factor: T) -> Self {
         Vector3::new(
             self.x.plus_product(other.x, factor),
             self.y.plus_product(other.y, factor),
@@ -87,22 +87,22 @@ impl<T: Real> Vector3<T> {
     }
 
     #[inline(always)]
-    fn normalised_here(self) -> Self {
+    fn normalised_inline(self) -> Self {
         self * (self.x.one() / self.norm())
     }
 
     #[inline(always)]
-    fn plus_here(self, other: Self) -> Self {
+    fn plus_inline(self, other: Self) -> Self {
         Vector3::new(self.x + other.x, self.y + other.y, self.z + other.z)
     }
 
     #[inline(always)]
-    fn minus_here(self, other: Self) -> Self {
+    fn minus_inline(self, other: Self) -> Self {
         Vector3::new(self.x - other.x, self.y - other.y, self.z - other.z)
     }
 
     #[inline(always)]
-    fn times_here(self, factor: T) -> Self {
+    fn times_inline(self, factor: T) -> Self {
         Vector3::new(self.x * factor, self.y * factor, self.z * factor)
     }
 }
@@ -113,9 +113,9 @@ impl<T: Real> Vector3<T> {
     pub fn dot(self, other: Self) -> T {
         match T::IS_NESTED {
             true => outlined!(
-                small [T: Real] self.x; a: Vector3<T> = self, b: Vector3<T> = other => T { a.dot_here(b) }
+                small [T: Real] self.x; a: Vector3<T> = self, b: Vector3<T> = other => T { a.dot_inline(b) }
             ),
-            false => self.dot_here(other),
+            false => self.dot_inline(other),
         }
     }
 
@@ -124,9 +124,9 @@ impl<T: Real> Vector3<T> {
     pub fn cross(self, other: Self) -> Self {
         match T::IS_NESTED {
             true => outlined!(
-                small [T: Real] self.x; a: Vector3<T> = self, b: Vector3<T> = other => Vector3<T> { a.cross_here(b) }
+                small [T: Real] self.x; a: Vector3<T> = self, b: Vector3<T> = other => Vector3<T> { a.cross_inline(b) }
             ),
-            false => self.cross_here(other),
+            false => self.cross_inline(other),
         }
     }
 
@@ -136,9 +136,9 @@ impl<T: Real> Vector3<T> {
         match T::IS_NESTED {
             true => outlined!(
                 small [T: Real] self.x;
-                a: Vector3<T> = self, b: Vector3<T> = other, f: T = factor => Vector3<T> { a.plus_scaled_here(b, f) }
+                a: Vector3<T> = self, b: Vector3<T> = other, f: T = factor => Vector3<T> { a.plus_scaled_inline(b, f) }
             ),
-            false => self.plus_scaled_here(other, factor),
+            false => self.plus_scaled_inline(other, factor),
         }
     }
 
@@ -175,19 +175,19 @@ impl<T: Real> Vector3<T> {
     pub fn normalised(self) -> Self {
         match T::IS_NESTED {
             true => {
-                outlined!(small [T: Real] self.x; a: Vector3<T> = self => Vector3<T> { a.normalised_here() })
+                outlined!(small [T: Real] self.x; a: Vector3<T> = self => Vector3<T> { a.normalised_inline() })
             }
-            false => self.normalised_here(),
+            false => self.normalised_inline(),
         }
     }
 
     /// A constant vector, in the shape of this one's components.
     #[inline(always)]
-    pub fn lit(self, value: Vector3<f64>) -> Self {
+    pub fn constant(self, value: Vector3<f64>) -> Self {
         Vector3::new(
-            self.x.lit(value.x),
-            self.x.lit(value.y),
-            self.x.lit(value.z),
+            self.x.constant(value.x),
+            self.x.constant(value.y),
+            self.x.constant(value.z),
         )
     }
 
@@ -204,8 +204,8 @@ impl<T: Real> Add for Vector3<T> {
     #[inline(always)]
     fn add(self, other: Self) -> Self {
         match Self::ADDS_IN_CALLS {
-            true => called((self, other), |(a, b)| a.plus_here(b)),
-            false => self.plus_here(other),
+            true => call_outlined((self, other), |(a, b)| a.plus_inline(b)),
+            false => self.plus_inline(other),
         }
     }
 }
@@ -215,8 +215,8 @@ impl<T: Real> Sub for Vector3<T> {
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
         match Self::ADDS_IN_CALLS {
-            true => called((self, other), |(a, b)| a.minus_here(b)),
-            false => self.minus_here(other),
+            true => call_outlined((self, other), |(a, b)| a.minus_inline(b)),
+            false => self.minus_inline(other),
         }
     }
 }
@@ -235,9 +235,9 @@ impl<T: Real> Mul<T> for Vector3<T> {
     fn mul(self, factor: T) -> Self {
         match T::IS_NESTED {
             true => outlined!(
-                small [T: Real] self.x; v: Vector3<T> = self, f: T = factor => Vector3<T> { v.times_here(f) }
+                small [T: Real] self.x; v: Vector3<T> = self, f: T = factor => Vector3<T> { v.times_inline(f) }
             ),
-            false => self.times_here(factor),
+            false => self.times_inline(factor),
         }
     }
 }
@@ -297,18 +297,18 @@ impl<T: Real> Matrix3<T> {
     pub fn apply(&self, v: Vector3<T>) -> Vector3<T> {
         match T::IS_NESTED {
             true => outlined!(
-                small [T: Real] v.x; m: &'p Matrix3<T> = self, v: Vector3<T> = v => Vector3<T> { m.apply_here(v) }
+                small [T: Real] v.x; m: &'p Matrix3<T> = self, v: Vector3<T> = v => Vector3<T> { m.apply_inline(v) }
             ),
-            false => self.apply_here(v),
+            false => self.apply_inline(v),
         }
     }
 
     #[inline(always)]
-    fn apply_here(&self, v: Vector3<T>) -> Vector3<T> {
+    fn apply_inline(&self, v: Vector3<T>) -> Vector3<T> {
         let [a, b, c] = self.columns;
-        a.times_here(v.x)
-            .plus_scaled_here(b, v.y)
-            .plus_scaled_here(c, v.z)
+        a.times_inline(v.x)
+            .plus_scaled_inline(b, v.y)
+            .plus_scaled_inline(c, v.z)
     }
 
     /// The transposed matrix (the inverse rotation) times a column.
@@ -316,16 +316,16 @@ impl<T: Real> Matrix3<T> {
     pub fn apply_transposed(&self, v: Vector3<T>) -> Vector3<T> {
         match T::IS_NESTED {
             true => outlined!(
-                small [T: Real] v.x; m: &'p Matrix3<T> = self, v: Vector3<T> = v => Vector3<T> { m.apply_transposed_here(v) }
+                small [T: Real] v.x; m: &'p Matrix3<T> = self, v: Vector3<T> = v => Vector3<T> { m.apply_transposed_inline(v) }
             ),
-            false => self.apply_transposed_here(v),
+            false => self.apply_transposed_inline(v),
         }
     }
 
     #[inline(always)]
-    fn apply_transposed_here(&self, v: Vector3<T>) -> Vector3<T> {
+    fn apply_transposed_inline(&self, v: Vector3<T>) -> Vector3<T> {
         let [a, b, c] = self.columns;
-        Vector3::new(a.dot_here(v), b.dot_here(v), c.dot_here(v))
+        Vector3::new(a.dot_inline(v), b.dot_inline(v), c.dot_inline(v))
     }
 
     /// This rotation followed by the one with Rodrigues vector `rodrigues` = tan(angle/2) times the
@@ -333,18 +333,18 @@ impl<T: Real> Matrix3<T> {
     #[inline(always)]
     pub fn turned(&self, rodrigues: Vector3<T>) -> Self {
         match T::IN_REGISTERS {
-            true => self.turned_here(rodrigues),
+            true => self.turned_inline(rodrigues),
             false => self.turned_outlined(rodrigues),
         }
     }
 
     #[inline]
     fn turned_outlined(&self, rodrigues: Vector3<T>) -> Self {
-        self.turned_here(rodrigues)
+        self.turned_inline(rodrigues)
     }
 
     #[inline(always)]
-    fn turned_here(&self, rodrigues: Vector3<T>) -> Self {
+    fn turned_inline(&self, rodrigues: Vector3<T>) -> Self {
         let one = rodrigues.x.one();
         let factor = (one + one) / (one + rodrigues.norm_squared());
         // No closure: the compiler might leave it as a call, compiled for no lanes.
@@ -361,10 +361,10 @@ impl<T: Real> Matrix3<T> {
     #[inline]
     pub fn orthonormalised(&self) -> Self {
         let [a, b, c] = self.columns;
-        let half = a.x.lit(0.5);
+        let half = a.x.constant(0.5);
         let (aa, bb, cc) = (a.norm_squared(), b.norm_squared(), c.norm_squared());
         let (ab, bc, ca) = (a.dot(b) * half, b.dot(c) * half, c.dot(a) * half);
-        let own = |square: T| a.x.lit(1.5) - square * half;
+        let own = |square: T| a.x.constant(1.5) - square * half;
         Matrix3 {
             columns: [
                 a * own(aa) - b * ab - c * ca,

@@ -11,7 +11,7 @@ use super::{Infeasible, Linearisation};
 use crate::ask::NoValue;
 use crate::axle::{Axle, AxleSolver, Hold, Placement, Quantity};
 use crate::compliance::Parameter;
-use crate::evaluate::place_of;
+use crate::evaluate::index_or_push;
 use crate::mechanism::DesignFault;
 use crate::model::PointId;
 use crate::number::{Each, Vector3};
@@ -52,7 +52,7 @@ impl AxleLayout {
                 let target_sample = TargetSample {
                     row: *rows,
                     target: number,
-                    of: place_of(&mut layout.quantities, sample.quantity),
+                    of: index_or_push(&mut layout.quantities, sample.quantity),
                     wanted: sample.wanted,
                     scale: 1.0 / target.tolerance,
                 };
@@ -85,7 +85,7 @@ impl AxleLayout {
         limited: &Limited,
         placement: Placement,
     ) {
-        let of = place_of(&mut self.quantities, quantity);
+        let of = index_or_push(&mut self.quantities, quantity);
         let limited = LimitedValue::new(part, of, limited);
         self.station(placement).limits.push(limited);
     }

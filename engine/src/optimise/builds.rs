@@ -105,7 +105,7 @@ impl<'a> Builds<'a> {
             point_rates,
         } = self;
         let mechanism = &assembler.suspension().mechanism;
-        let refused = |reject: crate::assembly::Reject| {
+        let refused = |reject: crate::assembly::AssemblyError| {
             Infeasible::Refused(format!("build {number} cannot be assembled: {reject}"))
         };
         let mut parts = assembler.drawn().clone();

@@ -3,8 +3,8 @@
 use super::constrained::Constrained;
 use super::front::{Found, Tracer};
 use super::multistart::fits;
-use super::trade::Aim;
-use super::tune::{Asked, Tuner};
+use super::trade::Criterion;
+use super::tune::{Tuner, TuningRequest};
 use super::{Control, Tuning};
 use crate::mechanism::DesignFault;
 use crate::study::{Optimise, Scatter, Vehicle};
@@ -47,7 +47,7 @@ pub fn front(
     tuning: &Tuning,
     control: Control<'_>,
 ) -> Result<Front, DesignFault> {
-    let asked = Asked::new(vehicle, optimise, control)?;
+    let asked = TuningRequest::new(vehicle, optimise, control)?;
     Ok(Tuner::new(&asked)?.front(tuning))
 }
 
@@ -64,7 +64,7 @@ pub fn price_list(
         scatter: optimise.scatter.clone().filter(Scatter::lowers_misfit),
         ..optimise.clone()
     };
-    let asked = Asked::new(vehicle, &drawing, control)?;
+    let asked = TuningRequest::new(vehicle, &drawing, control)?;
     Ok(Tuner::new(&asked)?.price_list(tuning))
 }
 
@@ -85,7 +85,7 @@ impl Tuner<'_> {
         let others: Vec<usize> = (0..self.optimise.targets.len())
             .filter(|target| !goals.iter().any(|goal| goal.targets.contains(target)))
             .collect();
-        let tracer = |rest: Option<(Aim, f64)>| Tracer {
+        let tracer = |rest: Option<(Criterion, f64)>| Tracer {
             problem: || self.problem(),
             bounds: &self.bounds,
             distance: &distance,
@@ -126,7 +126,7 @@ impl Tuner<'_> {
             problem: || self.problem(),
             bounds: &self.bounds,
             distance: &distance,
-            aims: vec![self.all_targets(), Aim::movement()],
+            aims: vec![self.all_targets(), Criterion::movement()],
             rest: None,
             options: &options,
             control: self.control,

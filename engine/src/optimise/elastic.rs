@@ -8,10 +8,12 @@ use super::layout::{LimitedValue, TargetSample};
 use super::moves::PointRate;
 use super::{Infeasible, Linearisation};
 use crate::compliance::{Compliance, KcRun, KcValue, Parameter};
-use crate::evaluate::place_of;
+use crate::evaluate::index_or_push;
 use crate::model::{Axis, PointId, Suspension};
 use crate::number::Tape;
-use crate::study::{About, ComplianceStudy, Limited, Motion, Optimise, Site, Variable, WheelStudy};
+use crate::study::{
+    ComplianceStudy, Limited, Motion, Optimise, Site, TargetKind, Variable, WheelStudy,
+};
 
 /// A station, and the wanted value there.
 #[derive(Clone, Debug)]
@@ -48,14 +50,14 @@ impl ElasticLayout {
             stations: Vec::new(),
         };
         for (number, target) in optimise.targets.iter().enumerate() {
-            let About::Elastic(value) = target.of.about else {
+            let TargetKind::Elastic(value) = target.of.kind else {
                 continue;
             };
             let (motion, racks) = place(&target.site, &wheel.motion);
             for rack in racks {
                 for sample in target.wanted.samples(&target.stations_in(motion)) {
                     let station = layout.station(sample.drive, rack);
-                    let of = place_of(&mut station.values, value);
+                    let of = index_or_push(&mut station.values, value);
                     station.samples.push(TargetSample {
                         row: *rows,
                         target: number,
@@ -108,7 +110,7 @@ impl ElasticLayout {
         };
         for [travel, rack] in at {
             let station = self.station(travel, rack);
-            let of = place_of(&mut station.values, value);
+            let of = index_or_push(&mut station.values, value);
             station.limits.push(LimitedValue::new(part, of, limited));
         }
     }
@@ -172,7 +174,7 @@ pub(super) fn elastic_rows<'a>(
     }
     let rates = variables.iter().filter_map(|v| v.rate.as_ref());
     for rate in rates {
-        place_of(&mut parameters, rate.parameter);
+        index_or_push(&mut parameters, rate.parameter);
     }
     Box::new(Rows {
         layout,

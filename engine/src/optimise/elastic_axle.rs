@@ -9,7 +9,7 @@ use super::layout::TargetSample;
 use super::{Infeasible, Linearisation};
 use crate::axle::AxleRead;
 use crate::compliance::{AxleCompliance, AxleParameter, Parameter};
-use crate::evaluate::place_of;
+use crate::evaluate::index_or_push;
 use crate::mechanism::NoPose;
 use crate::model::{Axis, Side};
 use crate::number::Tape;
@@ -36,7 +36,7 @@ pub(super) fn elastic_axle_rows<'a>(
         }
     }
     for rate in variables.iter().filter_map(|v| v.rate.as_ref()) {
-        place_of(&mut parameters, rate.parameter.into());
+        index_or_push(&mut parameters, rate.parameter.into());
     }
     Box::new(Rows {
         layout,

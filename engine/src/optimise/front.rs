@@ -1,4 +1,4 @@
-//! Trade-off between goals: the front of two or three goals, and the price list of the move.
+//! ConstrainedTrade-off between goals: the front of two or three goals, and the price list of the move.
 //!
 //! A design is on the *front* of some aims f_1, f_2, ... if no design within ranges and constraints is better in one
 //! and no worse in the others. Minima of one aim with bounds on the others trace the front (Y. Haimes, L. Lasdon, D.
@@ -26,7 +26,7 @@
 //! m_1/m_2 tolerances of aim 2.
 
 use super::constrained::{Assessment, Constrained, constrained_fit};
-use super::trade::{Aim, Distance, Trade};
+use super::trade::{ConstrainedTrade, Criterion, Distance};
 use super::{Bounds, Control, Options};
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -68,9 +68,9 @@ pub(super) struct Tracer<'a, F> {
     pub problem: F,
     pub bounds: &'a Bounds,
     pub distance: &'a Distance<'a>,
-    pub aims: Vec<Aim>,
+    pub aims: Vec<Criterion>,
     /// An aim that is held throughout, with its level.
-    pub rest: Option<(Aim, f64)>,
+    pub rest: Option<(Criterion, f64)>,
     pub options: &'a Options,
     pub control: Control<'a>,
 }
@@ -91,12 +91,12 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
     }
 
     fn lower_from(&self, aim: usize, held: &[(usize, f64)], start: &DVector<f64>) -> Option<Found> {
-        let mut levels: Vec<(&Aim, f64)> = held
+        let mut levels: Vec<(&Criterion, f64)> = held
             .iter()
             .map(|(h, level)| (&self.aims[*h], *level))
             .collect();
         levels.extend(self.rest.as_ref().map(|(rest, level)| (rest, *level)));
-        let trade = Trade::new((self.problem)(), self.distance, &self.aims[aim], levels);
+        let trade = ConstrainedTrade::new((self.problem)(), self.distance, &self.aims[aim], levels);
         let control = Control {
             watch: None,
             ..self.control
@@ -134,7 +134,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         let mut problem = (self.problem)();
         let mut at = Assessment::new(&problem.shape());
         problem.assess(x, &mut at).ok()?;
-        let amount = |aim: &Aim| match aim.rows() {
+        let amount = |aim: &Criterion| match aim.rows() {
             None => self.distance.of(x),
             Some(rows) => {
                 let squares = rows.iter().map(|row| at.goal.residuals[*row].powi(2));

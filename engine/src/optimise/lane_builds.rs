@@ -162,7 +162,8 @@ impl SimdTask for Assembling<'_, '_> {
                     *point = with_rate(parts.drawn[number], by.drawn[number]);
                 }
                 for (number, length) in by.lengths.iter().enumerate() {
-                    series.lengths[number] = Jet([parts.lengths[number], like.lit(length.0[1])]);
+                    series.lengths[number] =
+                        Jet([parts.lengths[number], like.constant(length.0[1])]);
                 }
                 let settled = assembler.series_in_lanes(
                     alignment,
@@ -193,5 +194,5 @@ impl SimdTask for Assembling<'_, '_> {
 #[inline(always)]
 fn with_rate<B: SimdReal>(value: Vector3<B>, series: Vector3<Jet<f64, 2>>) -> Vector3<Jet<B, 2>> {
     let rate = Vector3::new(series.x.0[1], series.y.0[1], series.z.0[1]);
-    value.with_rate(value.lit(rate))
+    value.with_rate(value.constant(rate))
 }

@@ -5,7 +5,7 @@
 
 use super::carried_triangle::CarriedTriangle;
 use crate::characteristics::{Characteristic, Input, Measure, Quantity, Stud, Vectors};
-use crate::evaluate::{Jacobians, place_of};
+use crate::evaluate::{Jacobians, index_or_push};
 use crate::model::{Axis, Body, PointId, Suspension};
 use crate::number::Vector3;
 
@@ -46,7 +46,7 @@ impl LanePart {
     ) -> Option<Self> {
         match measure {
             Measure::Quantity(quantity) => {
-                return Some(LanePart::Quantity(place_of(quantities, *quantity)));
+                return Some(LanePart::Quantity(index_or_push(quantities, *quantity)));
             }
             Measure::Carried(_) | Measure::Elastic(_) | Measure::OfAxle(_) => return None,
             _ => {}
@@ -148,7 +148,7 @@ impl Source {
     fn of(input: Input, suspension: &Suspension, quantities: &mut Vec<Quantity>) -> Option<Self> {
         let is_carried = |id: PointId| suspension.mechanism.body(id) == Body::Knuckle;
         let mut point =
-            |id| Axis::ALL.map(|axis| place_of(quantities, Quantity::Coordinate(id, axis)));
+            |id| Axis::ALL.map(|axis| index_or_push(quantities, Quantity::Coordinate(id, axis)));
         Some(match input {
             Input::Now(id) => Source::Point(point(id)),
             Input::StudNow(Stud::Between(from, to)) if is_carried(from) && is_carried(to) => {
@@ -161,7 +161,7 @@ impl Source {
             Input::SpinAxis => {
                 let angles = [Characteristic::Camber, Characteristic::Toe];
                 let angles = angles.map(Quantity::Characteristic);
-                Source::SpinAxis(angles.map(|angle| place_of(quantities, angle)))
+                Source::SpinAxis(angles.map(|angle| index_or_push(quantities, angle)))
             }
             Input::Designed(id) => Source::Designed(id),
             Input::StudDesigned(stud) => Source::DesignedStud(stud),

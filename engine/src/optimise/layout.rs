@@ -3,9 +3,9 @@
 use super::Linearisation;
 use super::axle::AxleLayout;
 use super::elastic::ElasticLayout;
-use super::trade::Aim;
+use super::trade::Criterion;
 use crate::characteristics::{Measure, Slots};
-use crate::evaluate::place_of;
+use crate::evaluate::index_or_push;
 use crate::model::{Axis, Drive, Frame, Mechanism, Suspension};
 use crate::solve::StationOrder;
 use crate::study::{Limited, Motion, Optimise, Sample, Site, Target, Vehicle};
@@ -214,7 +214,7 @@ struct Draft {
 
 impl Draft {
     fn station(&mut self, drive: f64) -> usize {
-        place_of(&mut self.values, drive)
+        index_or_push(&mut self.values, drive)
     }
 
     /// Leaves out the stations that no target or constraint uses; they are not visited.
@@ -320,7 +320,7 @@ impl TargetLayout {
             if let (Some(Beside::Axle(axle)), Measure::OfAxle(quantity), Vehicle::Axle(both)) =
                 (&mut beside, &part.limited.of, vehicle)
             {
-                let at_design = both.plan.course.at_design().placements()[0];
+                let at_design = both.plan.motion.at_design().placements()[0];
                 axle.limit(place, *quantity, &part.limited, at_design);
                 continue;
             }
@@ -615,14 +615,14 @@ impl TargetLayout {
     }
 
     /// The misfit of some of the targets.
-    pub(super) fn aim(&self, targets: &[usize]) -> Aim {
+    pub(super) fn aim(&self, targets: &[usize]) -> Criterion {
         let of = self.targets_of_rows();
         let rows: Vec<usize> = (0..of.len())
             .filter(|row| targets.contains(&of[*row]))
             .collect();
         let squares = rows.iter().map(|row| self.shares[of[*row]].powi(2));
         let unit = squares.sum::<f64>().sqrt();
-        Aim::misfit(rows, unit)
+        Criterion::misfit(rows, unit)
     }
 
     /// The deviations of each target in tolerances, from the residuals.

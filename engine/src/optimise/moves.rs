@@ -28,7 +28,7 @@ fn rotation<T: Real>(w: Vector3<T>) -> Matrix3<T> {
     let sum = TANGENT
         .iter()
         .rev()
-        .fold(square.zero(), |sum, c| (sum + square.lit(*c)) * square);
+        .fold(square.zero(), |sum, c| (sum + square.constant(*c)) * square);
     let factor = (square.one() + sum).scaled(0.5);
     Matrix3::by_rodrigues(w * factor)
 }

@@ -10,7 +10,7 @@
 
 use super::constrained::{Assessment, Constrained, ConstrainedFit, KEPT, constrained_fit};
 use super::fixed::FixedRows;
-use super::trade::{Aim, Distance, Trade};
+use super::trade::{ConstrainedTrade, Criterion, Distance};
 use super::tune::Tuner;
 use super::{Fit, Iteration, Linearisation, Options, Termination};
 use nalgebra::DVector;
@@ -72,8 +72,9 @@ impl Search<'_, '_> {
             return None;
         }
         let problem = tuner.problem_without(self.level.fixed);
-        let (all, movement) = (tuner.all_targets(), Aim::movement());
-        let mut near = Trade::new(problem, &self.distance, &movement, vec![(&all, misfit)]);
+        let (all, movement) = (tuner.all_targets(), Criterion::movement());
+        let mut near =
+            ConstrainedTrade::new(problem, &self.distance, &movement, vec![(&all, misfit)]);
         if let Some(known) = known {
             near = near.knowing(from, known);
         }

@@ -15,9 +15,9 @@ impl<P> Pool<P> {
 
     /// Lends a problem of the pool, or a new one; it comes back when it is dropped. Its results depend only on the
     /// point at which it is evaluated, so that it does not matter which one it is.
-    pub(super) fn lend(&self, make: impl FnOnce() -> P) -> Lent<'_, P> {
+    pub(super) fn lend(&self, make: impl FnOnce() -> P) -> PoolGuard<'_, P> {
         let idle = self.idle().pop();
-        Lent {
+        PoolGuard {
             pool: self,
             problem: Some(idle.unwrap_or_else(make)),
         }
@@ -29,12 +29,12 @@ impl<P> Pool<P> {
 }
 
 /// A problem that goes back to its pool.
-pub(super) struct Lent<'p, P> {
+pub(super) struct PoolGuard<'p, P> {
     pool: &'p Pool<P>,
     problem: Option<P>,
 }
 
-impl<P> Lent<'_, P> {
+impl<P> PoolGuard<'_, P> {
     fn get(&self) -> &P {
         self.problem.as_ref().expect("it is there until dropped")
     }
@@ -44,7 +44,7 @@ impl<P> Lent<'_, P> {
     }
 }
 
-impl<P> Drop for Lent<'_, P> {
+impl<P> Drop for PoolGuard<'_, P> {
     fn drop(&mut self) {
         // One that a panic has left halfway is not used again.
         if !std::thread::panicking() {
@@ -53,7 +53,7 @@ impl<P> Drop for Lent<'_, P> {
     }
 }
 
-impl<P: LeastSquares> LeastSquares for Lent<'_, P> {
+impl<P: LeastSquares> LeastSquares for PoolGuard<'_, P> {
     fn variables(&self) -> usize {
         self.get().variables()
     }
@@ -67,7 +67,7 @@ impl<P: LeastSquares> LeastSquares for Lent<'_, P> {
     }
 }
 
-impl<P: Constrained> Constrained for Lent<'_, P> {
+impl<P: Constrained> Constrained for PoolGuard<'_, P> {
     fn shape(&self) -> Shape {
         self.get().shape()
     }

@@ -5,7 +5,7 @@ use super::fit::fit;
 use super::fixed::{FixedRows, Without};
 use super::multistart::{every_start, fits, least_misfit, least_violation, nearest};
 use super::nearest::Level;
-use super::pool::Lent;
+use super::pool::PoolGuard;
 use super::tune::Tuner;
 use super::{Fit, Linearisation, Multistart, Objective, Options, Start, Termination, multistart};
 use nalgebra::DVector;
@@ -48,7 +48,7 @@ impl<'a> Tuner<'a> {
     pub(super) fn problem_without<'f>(
         &'f self,
         fixed: &'f FixedRows,
-    ) -> Without<'f, Lent<'f, Objective<'a>>> {
+    ) -> Without<'f, PoolGuard<'f, Objective<'a>>> {
         Without {
             problem: self.problem(),
             fixed,

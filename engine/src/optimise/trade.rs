@@ -6,23 +6,23 @@ use nalgebra::DVector;
 
 /// Something that is lowered or held to a level.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Aim {
+pub(super) struct Criterion {
     /// Indices of the residuals it is about; `None` for the move from the design.
     rows: Option<Vec<usize>>,
     /// The norm of its residuals over its amount.
     pub unit: f64,
 }
 
-impl Aim {
+impl Criterion {
     /// The misfit of some residuals: `unit` times it is their norm.
     pub(super) fn misfit(rows: Vec<usize>, unit: f64) -> Self {
         let rows = Some(rows);
-        Aim { rows, unit }
+        Criterion { rows, unit }
     }
 
     /// The move from the design: the root of the sum of its squares, each in its range and times its cost.
     pub(super) fn movement() -> Self {
-        Aim {
+        Criterion {
             rows: None,
             unit: 1.0,
         }
@@ -71,25 +71,25 @@ impl<'a> Distance<'a> {
 }
 
 /// A problem of which one aim is lowered while others are held, under its own constraints.
-pub(super) struct Trade<'a, P> {
+pub(super) struct ConstrainedTrade<'a, P> {
     problem: P,
     distance: &'a Distance<'a>,
-    lowered: &'a Aim,
-    held: Vec<(&'a Aim, f64)>,
+    lowered: &'a Criterion,
+    held: Vec<(&'a Criterion, f64)>,
     assessment: Assessment,
     /// The point at which `assessment` is known beforehand.
     known: Option<DVector<f64>>,
 }
 
-impl<'a, P: Constrained> Trade<'a, P> {
+impl<'a, P: Constrained> ConstrainedTrade<'a, P> {
     /// Lowers an aim; of those held the amounts.
     pub(super) fn new(
         problem: P,
         distance: &'a Distance<'a>,
-        lowered: &'a Aim,
-        held: Vec<(&'a Aim, f64)>,
+        lowered: &'a Criterion,
+        held: Vec<(&'a Criterion, f64)>,
     ) -> Self {
-        Trade {
+        ConstrainedTrade {
             assessment: Assessment::new(&problem.shape()),
             problem,
             distance,
@@ -111,7 +111,7 @@ impl<'a, P: Constrained> Trade<'a, P> {
         self
     }
 
-    fn write(&self, aim: &Aim, x: &DVector<f64>, into: &mut Linearisation) {
+    fn write(&self, aim: &Criterion, x: &DVector<f64>, into: &mut Linearisation) {
         let Some(rows) = &aim.rows else {
             return self.distance.write(x, into);
         };
@@ -128,7 +128,7 @@ impl<'a, P: Constrained> Trade<'a, P> {
     }
 }
 
-impl<P: Constrained> Constrained for Trade<'_, P> {
+impl<P: Constrained> Constrained for ConstrainedTrade<'_, P> {
     fn shape(&self) -> Shape {
         let shape = self.problem.shape();
         let n = shape.variables;

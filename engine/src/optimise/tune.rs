@@ -8,9 +8,9 @@
 use super::constrained::{KEPT, constrained_fit};
 use super::fixed::moves;
 use super::multistart::fits;
-use super::pool::{Lent, Pool};
+use super::pool::{Pool, PoolGuard};
 use super::starts::STARTS_BEFORE_REFUSAL;
-use super::trade::{Aim, Distance};
+use super::trade::{Criterion, Distance};
 use super::yield_search::{ExpectedYield, tune_for_yield};
 use super::{
     Assessment, Bounds, Constrained, ConstrainedFit, Control, Deviation, Fit, Held,
@@ -128,14 +128,14 @@ pub fn tune(
             tune_for_yield(vehicle, optimise, (scatter, bands), control)
         }
         _ => {
-            let asked = Asked::new(vehicle, optimise, control)?;
+            let asked = TuningRequest::new(vehicle, optimise, control)?;
             Tuner::new(&asked)?.run()
         }
     })
 }
 
 /// A requested tuning.
-pub(super) struct Asked<'a> {
+pub(super) struct TuningRequest<'a> {
     vehicle: &'a Vehicle,
     /// The suspension as `Assembler` extends it (with a spindle point); only for a robust tuning.
     assembled: Option<Suspension>,
@@ -144,13 +144,13 @@ pub(super) struct Asked<'a> {
     control: Control<'a>,
 }
 
-impl<'a> Asked<'a> {
+impl<'a> TuningRequest<'a> {
     pub(super) fn new(
         vehicle: &'a Vehicle,
         optimise: &'a Optimise,
         control: Control<'a>,
     ) -> Result<Self, DesignFault> {
-        Ok(Asked {
+        Ok(TuningRequest {
             vehicle,
             assembled: match &optimise.scatter {
                 Some(_) => Some(Assembler::new(vehicle.wheel())?.suspension().clone()),
@@ -177,7 +177,7 @@ pub(super) struct Tuner<'a> {
 }
 
 impl<'a> Tuner<'a> {
-    pub(super) fn new(asked: &'a Asked<'a>) -> Result<Self, DesignFault> {
+    pub(super) fn new(asked: &'a TuningRequest<'a>) -> Result<Self, DesignFault> {
         let (suspension, optimise) = (asked.vehicle.wheel(), asked.optimise);
         let ranges: Vec<[f64; 2]> = optimise.variables.iter().map(|v| v.range).collect();
         // Accepted here, the design is accepted from every start.
@@ -196,7 +196,7 @@ impl<'a> Tuner<'a> {
         })
     }
 
-    pub(super) fn problem(&self) -> Lent<'_, Objective<'a>> {
+    pub(super) fn problem(&self) -> PoolGuard<'_, Objective<'a>> {
         let make = || self.problem_of(self.optimise, self.layout);
         self.problems.lend(make)
     }
@@ -297,9 +297,9 @@ impl<'a> Tuner<'a> {
     }
 
     /// The misfit of all targets.
-    pub(super) fn all_targets(&self) -> Aim {
+    pub(super) fn all_targets(&self) -> Criterion {
         let rows = self.layout.residuals();
-        Aim::misfit((0..rows).collect(), (rows as f64).sqrt())
+        Criterion::misfit((0..rows).collect(), (rows as f64).sqrt())
     }
 
     /// The options that say when a run ends.

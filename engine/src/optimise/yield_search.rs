@@ -27,7 +27,7 @@
 
 use super::constrained::{Assessment, Constrained, Shape, constrained_fit};
 use super::station_reader::refused;
-use super::tune::{Asked, Tuner, Tuning};
+use super::tune::{Tuner, Tuning, TuningRequest};
 use super::{
     Bounds, ConstrainedFit, Control, Infeasible, LeastSquares, Linearisation, Objective, Options,
     TargetLayout, moved_design,
@@ -384,7 +384,7 @@ pub(super) fn tune_for_yield(
         scatter: None,
         ..optimise.clone()
     };
-    let asked = Asked::new(vehicle, &plain, control)?;
+    let asked = TuningRequest::new(vehicle, &plain, control)?;
     let tuner = Tuner::new(&asked)?;
     let mut tuning = tuner.run()?;
     let end = tuning.starts.best_fit().filter(|fit| fit.is_feasible());

@@ -28,7 +28,7 @@ pub(super) fn observe(study: &Study, both: &AxleStudy) -> Result<Observed, Desig
     let plan = plan(both);
     let found = axle_curves(&both.axle, &plan).map_err(|(_, fault)| fault)?;
     let found = found.curves;
-    let placements = plan.course.placements();
+    let placements = plan.motion.placements();
     let coordinates = coordinates(&plan);
     let place = |placement: &Placement| -> Vec<f64> {
         coordinates.iter().map(|c| placement.along(*c)).collect()
@@ -96,9 +96,9 @@ fn plan(both: &AxleStudy) -> AxlePlan {
 
 /// The coordinates of a motion. The rack stands for the steering wheel.
 fn coordinates(plan: &AxlePlan) -> Vec<Coordinate> {
-    let mut course = plan.course.clone();
+    let mut motion = plan.motion.clone();
     let all = Coordinate::ALL.into_iter();
-    all.filter(|c| *c != Coordinate::SteeringWheel && course.along(*c).is_some())
+    all.filter(|c| *c != Coordinate::SteeringWheel && motion.along(*c).is_some())
         .collect()
 }
 
@@ -112,7 +112,7 @@ fn stations(
     both: &AxleStudy,
     plan: &AxlePlan,
 ) -> Vec<Station> {
-    let moving = plan.course.moving();
+    let moving = plan.motion.moving();
     let length = both.axle.left.length_unit;
     let stations = placements.iter().zip(positions);
     let station = |(placement, position): (&Placement, Vec<f64>)| Station {

@@ -11,9 +11,9 @@ const LEAST_CHANGE: f64 = 1e-12;
 
 /// Changes that targets ask for over `[motion]`: for each output, drive values and changes by rising drive value.
 #[derive(Default)]
-pub(super) struct Asked(HashMap<String, Vec<(f64, f64)>>);
+pub(super) struct RequestedChanges(HashMap<String, Vec<(f64, f64)>>);
 
-impl Asked {
+impl RequestedChanges {
     /// The changes that targets ask for over this motion.
     pub(super) fn of(before: &Observed, after: &Observed) -> Self {
         let pairs = before.series.iter().zip(&after.series);
@@ -24,7 +24,7 @@ impl Asked {
             by_drive.sort_by(|a, b| a.0.total_cmp(&b.0));
             (from.output.clone(), by_drive)
         });
-        Asked(asked.collect())
+        RequestedChanges(asked.collect())
     }
 
     /// The change of an output at the nearest drive value; 0 if no target asks for one.
@@ -41,7 +41,11 @@ impl Asked {
 }
 
 /// Side effects over one motion, in the order of the outputs. `asked` has the changes that targets in `[motion]` ask for.
-pub(super) fn compare(before: &Observed, after: &Observed, asked: &Asked) -> Vec<SideEffect> {
+pub(super) fn compare(
+    before: &Observed,
+    after: &Observed,
+    asked: &RequestedChanges,
+) -> Vec<SideEffect> {
     let mut outputs: Vec<Vec<usize>> = Vec::new();
     for (number, series) in before.series.iter().enumerate() {
         let same = |of: &&mut Vec<usize>| before.series[of[0]].output == series.output;
@@ -67,7 +71,11 @@ struct Change {
 }
 
 /// The side effect of an output, from its series before and after; `None` if it has no value where it is compared.
-fn effect(pairs: &[(&Series, &Series)], observed: &Observed, asked: &Asked) -> Option<SideEffect> {
+fn effect(
+    pairs: &[(&Series, &Series)],
+    observed: &Observed,
+    asked: &RequestedChanges,
+) -> Option<SideEffect> {
     let stations = &observed.stations;
     let (mut was, mut is) = (Range::default(), Range::default());
     let (mut lost, mut largest) = (0, None::<Change>);

@@ -97,14 +97,14 @@ pub fn side_effects(before: &Study, after: &Study) -> Result<Vec<SideEffect>, De
         return Ok(Vec::new());
     }
     let mut found = Vec::new();
-    let mut asked = comparison::Asked::default();
+    let mut asked = comparison::RequestedChanges::default();
     let named = before.motion_names().into_iter().map(Some);
     for motion in std::iter::once(None).chain(named) {
         let [before, after] = [before, after].map(|study| observed::observe(study, motion));
         let (before, after) = (before?, after?);
         found.extend(comparison::compare(&before, &after, &asked));
         if motion.is_none() {
-            asked = comparison::Asked::of(&before, &after);
+            asked = comparison::RequestedChanges::of(&before, &after);
         }
     }
     found.sort_by(|one: &SideEffect, other| {

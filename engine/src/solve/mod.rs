@@ -1,6 +1,6 @@
 //! Poses that are connected to the design position.
 //!
-//! The [`Solver`] walks from the design position to every station; a [`Batch`] does the same for as many
+//! The [`Solver`] walks from the design position to every station; a [`CornerTracker`] does the same for as many
 //! designs as a processor has lanes.
 
 pub(crate) mod cause;
@@ -21,8 +21,9 @@ pub(crate) use path::Station;
 pub use path::{Solver, StationOrder};
 pub use toggles::Toggles;
 pub use tracker::{
-    Acceptance, Batch, KnucklePoint, KnuckleVector, LaneAdjoint, LaneDesign, LaneMembers, LanePose,
-    LaneRates, PairBatch, PairDrive, PairStations, Rejection, Stand, Tracked, Visit, VisitPair,
+    Acceptance, AdjointConstants, AxleTracker, CornerTracker, GroundContact, KnucklePoint,
+    KnuckleVector, LaneAdjoint, LaneDesign, LanePose, LaneRates, PairDrive, PairStations,
+    Rejection, Tracked, Visit, VisitPair,
 };
 pub(crate) use tracker::{AlongTravel, SeriesDesign};
 

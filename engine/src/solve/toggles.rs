@@ -21,23 +21,23 @@ pub struct Toggles {
     /// Drive and rack displacement of the visit; `None` if poses between its stations cannot be looked at.
     way: Cell<Option<(Drive, f64)>>,
     /// The rockers at or beyond toggle where the visit began, and the rods of all that are watched there.
-    at_start: Cell<Stuck>,
+    at_start: Cell<RockerSet>,
     rods_at_start: RefCell<Vec<RodReach<f64>>>,
-    past: Cell<Past>,
+    past: Cell<PreviousStation>,
     rods: RefCell<Vec<RodReach<f64>>>,
 }
 
 /// A set of rockers, a bit for each number.
-type Stuck = u32;
+type RockerSet = u32;
 
 /// The rockers at or beyond a toggle, and the rods of all that are watched.
-type Seen = (Stuck, Vec<RodReach<f64>>);
+type Seen = (RockerSet, Vec<RodReach<f64>>);
 
 /// The station of the visit that was noted last.
 #[derive(Clone, Copy, Debug, Default)]
-struct Past {
+struct PreviousStation {
     value: f64,
-    stuck: Stuck,
+    stuck: RockerSet,
 }
 
 impl Toggles {
@@ -83,7 +83,7 @@ impl Toggles {
             true => stuck,
             false => {
                 let mut solver = solver.clone();
-                let mut between = |part: f64, before: Stuck| {
+                let mut between = |part: f64, before: RockerSet| {
                     let placed = solver.placed(drive, part * rack).ok()?.ok();
                     placed.map(|(pose, point)| {
                         self.seen(&solver.configuration(&pose, point.rack), before, |c| c)
@@ -110,10 +110,10 @@ impl Toggles {
         self.begin_with(stuck, rods);
     }
 
-    fn begin_with(&self, stuck: Stuck, rods: Vec<RodReach<f64>>) {
+    fn begin_with(&self, stuck: RockerSet, rods: Vec<RodReach<f64>>) {
         self.way.set(None);
         self.at_start.set(stuck);
-        self.past.set(Past { value: 0.0, stuck });
+        self.past.set(PreviousStation { value: 0.0, stuck });
         self.rods.borrow_mut().clone_from(&rods);
         self.rods_at_start.replace(rods);
     }
@@ -146,7 +146,7 @@ impl Toggles {
             && !self.keep_leverage(&self.rods.borrow(), &rods, stuck)
         {
             let mut solver = solver.clone();
-            let mut between = |part: f64, before: Stuck| {
+            let mut between = |part: f64, before: RockerSet| {
                 let mut found = None;
                 let order = StationOrder::through(&[from + part * (value - from)]);
                 let visited = solver.for_each_pose(drive, &order, rack, |solver, _, pose| {
@@ -160,13 +160,18 @@ impl Toggles {
             stuck = self.between(&mut between, [0.0, 1.0], ends, stuck, DEPTH);
         }
         self.rods.replace(rods);
-        self.past.set(Past { value, stuck });
+        self.past.set(PreviousStation { value, stuck });
         let first = self.watched.iter().find(|id| self.holds(**id));
         first.map(|id| at.mechanism.rocker(*id).rod)
     }
 
     /// Returns true if the rods of all rockers outside `stuck` certainly keep their leverage between two places.
-    fn keep_leverage(&self, from: &[RodReach<f64>], to: &[RodReach<f64>], stuck: Stuck) -> bool {
+    fn keep_leverage(
+        &self,
+        from: &[RodReach<f64>],
+        to: &[RodReach<f64>],
+        stuck: RockerSet,
+    ) -> bool {
         let ends = from.iter().zip(to);
         let mut all = self.watched.iter().zip(ends);
         all.all(|(id, (from, to))| stuck & 1 << id.0 != 0 || from.keeps_leverage_to(to))
@@ -176,12 +181,12 @@ impl Toggles {
     /// rockers that are stuck before it. `ends` are the rods at both places.
     fn between(
         &self,
-        look: &mut dyn FnMut(f64, Stuck) -> Option<Seen>,
+        look: &mut dyn FnMut(f64, RockerSet) -> Option<Seen>,
         [from, to]: [f64; 2],
         ends: [&[RodReach<f64>]; 2],
-        stuck: Stuck,
+        stuck: RockerSet,
         depth: usize,
-    ) -> Stuck {
+    ) -> RockerSet {
         let mut stuck = stuck;
         let (mut here, mut rods) = (from, ends[0].to_vec());
         for part in 1..=PARTS {
@@ -210,7 +215,12 @@ impl Toggles {
 
     /// Rockers at or beyond a toggle in a pose: those in `before`, those without leverage, and those turned by such a rocker.
     /// `now` converts a number to its value at this pose.
-    fn seen<T: Real>(&self, at: &Configuration<T>, before: Stuck, now: impl Fn(T) -> f64) -> Seen {
+    fn seen<T: Real>(
+        &self,
+        at: &Configuration<T>,
+        before: RockerSet,
+        now: impl Fn(T) -> f64,
+    ) -> Seen {
         let mechanism = at.mechanism;
         let (mut stuck, mut rods) = (before, Vec::with_capacity(self.watched.len()));
         for rocker in &self.watched {

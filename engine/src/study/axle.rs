@@ -158,7 +158,7 @@ pub(super) fn axle(
         elastic: None,
     };
     track_agrees(file, &axle, problems)?;
-    let course = course(file, &file.motion, &axle, problems);
+    let motion = motion(file, &file.motion, &axle, problems);
     let mut motions = Vec::new();
     let mut places = Vec::new();
     for (name, section) in &file.motions {
@@ -169,7 +169,7 @@ pub(super) fn axle(
                 sound = false;
                 continue;
             }
-            match self::course(file, section, &axle, problems) {
+            match self::motion(file, section, &axle, problems) {
                 Some(motion) => {
                     places.push(section.span());
                     motions.push((name.get_ref().clone(), motion));
@@ -178,13 +178,13 @@ pub(super) fn axle(
             }
         }
     }
-    if let Some(own) = &course {
+    if let Some(own) = &motion {
         let named = motions.iter().map(|(_, motion)| motion);
         let all = std::iter::once((file.motion.span(), own)).chain(places.into_iter().zip(named));
         let elastic = axle_compliance(file, &axle, all, parts, directory, problems);
         axle.elastic = elastic?.map(Box::new);
     }
-    let plan = plan(file, &axle, course, problems)?;
+    let plan = plan(file, &axle, motion, problems)?;
     check_needs(file, &axle, &plan, problems)?;
     sound.then_some(AxleStudy {
         axle,
@@ -507,7 +507,7 @@ fn over_time(
 }
 
 /// The stations of a motion.
-fn course(
+fn motion(
     file: &File,
     section: &Spanned<file::Motion>,
     axle: &Axle,
@@ -603,7 +603,7 @@ fn course(
             (racks, Some(angles))
         }
     };
-    let course = AxleMotion {
+    let motion = AxleMotion {
         wheels,
         racks,
         shows_rack: section.rack.is_some()
@@ -614,27 +614,27 @@ fn course(
         steering_wheel,
         time: time.map(|(time, _)| time),
     };
-    if course.stations() > MOST_STATIONS {
+    if motion.stations() > MOST_STATIONS {
         let message = format!(
             "{} stations; expected at most {MOST_STATIONS}",
-            course.stations()
+            motion.stations()
         );
         return problems.refuse(place, message);
     }
-    Some(course)
+    Some(motion)
 }
 
 /// Returns the results to compute at these stations, if the study has no error in them.
 fn plan(
     file: &File,
     axle: &Axle,
-    course: Option<AxleMotion>,
+    motion: Option<AxleMotion>,
     problems: &mut Problems,
 ) -> Option<AxlePlan> {
     let Some(section) = &file.outputs else {
         let default = ["camber", "steer", "mean_steer"];
         let quantities = default.iter().flat_map(|name| axle.quantities(name));
-        return Some(AxlePlan::of(course?, quantities.collect()));
+        return Some(AxlePlan::of(motion?, quantities.collect()));
     };
     if axle.elastic.is_some() {
         refuse_in_outputs(section, problems)?;
@@ -656,7 +656,7 @@ fn plan(
         points: points?,
         knuckle,
         loads: loads?,
-        ..AxlePlan::of(course?, quantities)
+        ..AxlePlan::of(motion?, quantities)
     })
 }
 
@@ -741,7 +741,7 @@ fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problem
         }
         sound &= has_value && reason.is_none();
     }
-    let takes_ground = plan.course.shows_roll() || plan.derivatives > 0;
+    let takes_ground = plan.motion.shows_roll() || plan.derivatives > 0;
     if takes_ground && axle.setup.wheel_radius.is_none() {
         let message =
             "an axle on a plane ground needs radius in [wheel], which this study does not give";

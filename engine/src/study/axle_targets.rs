@@ -7,7 +7,7 @@ use super::motion::values;
 use super::names::choose;
 use super::resolve::Context;
 use super::value::{Numbers, Text};
-use super::{About, Motion, Site, Subject, Target};
+use super::{Motion, Site, Target, TargetKind, TargetQuantity};
 use crate::ask::with_unit;
 use crate::axle::{Axle, AxleMotion, AxlePlan, Coordinate, Placement, Quantity};
 use crate::model::Side;
@@ -32,7 +32,7 @@ impl AxleStudy {
     pub fn plan_with(&self, targets: &[Target]) -> AxlePlan {
         let mut plan = self.plan.clone();
         for target in targets {
-            if let About::Axle(quantities) = &target.of.about {
+            if let TargetKind::Axle(quantities) = &target.of.kind {
                 let new = quantities.iter().filter(|q| !plan.quantities.contains(q));
                 let new: Vec<_> = new.copied().collect();
                 plan.quantities.extend(new);
@@ -49,10 +49,10 @@ impl AxleStudy {
 impl AxleSite {
     /// The positions for a value of `over`, as the study writes it.
     pub fn placements(&self, at: f64, axle: &Axle) -> Vec<Placement> {
-        let mut course = self.held.clone();
-        let along = course.along(self.over).expect("a number of this motion");
+        let mut motion = self.held.clone();
+        let along = motion.along(self.over).expect("a number of this motion");
         *along = vec![self.over.in_course(at, axle)];
-        course.placements()
+        motion.placements()
     }
 }
 
@@ -127,7 +127,7 @@ pub(super) fn band(
     study: &AxleStudy,
     context: &Context,
     problems: &mut Problems,
-) -> Option<(Subject, Option<AxleSite>)> {
+) -> Option<(TargetQuantity, Option<AxleSite>)> {
     let written = spanned.get_ref();
     let wanted = Where::from(written);
     let of = subject(&written.characteristic, wanted.side, study, problems);
@@ -151,7 +151,7 @@ pub(super) fn target(
     study: &AxleStudy,
     context: &Context,
     problems: &mut Problems,
-) -> Option<(Subject, Site, Motion)> {
+) -> Option<(TargetQuantity, Site, Motion)> {
     let written = spanned.get_ref();
     let of_one_wheel = [
         ("point", written.point.as_ref().map(Text::span)),
@@ -191,7 +191,7 @@ pub(super) fn target(
         (None, None) => return problems.refuse(spanned.span(), "expected characteristic"),
     };
     let of = subject(name, &written.side, study, problems);
-    let is_figure = of.as_ref().is_some_and(Subject::is_figure);
+    let is_figure = of.as_ref().is_some_and(TargetQuantity::is_figure);
     let along = [
         written.at.is_some(),
         written.points.is_some(),
@@ -217,7 +217,7 @@ fn subject(
     side: &Option<Text>,
     study: &AxleStudy,
     problems: &mut Problems,
-) -> Option<Subject> {
+) -> Option<TargetQuantity> {
     let quantities = quantities_of_side(name, side, &study.axle, problems)?;
     Some(subject_of(quantities, name.get_ref(), &study.axle))
 }
@@ -253,15 +253,15 @@ pub(super) fn quantities_of_side(
 }
 
 /// The subject of a target about quantities of this name: one, or the same of both wheels.
-pub(super) fn subject_of(quantities: Vec<Quantity>, name: &str, axle: &Axle) -> Subject {
+pub(super) fn subject_of(quantities: Vec<Quantity>, name: &str, axle: &Axle) -> TargetQuantity {
     let length = axle.left.length_unit;
     let unit = quantities[0].info().unit;
     let stem = match quantities.as_slice() {
         [one] => one.name(),
         _ => name.to_owned(),
     };
-    Subject {
-        about: About::Axle(quantities),
+    TargetQuantity {
+        kind: TargetKind::Axle(quantities),
         column: with_unit(stem, &unit.suffix(length)),
         unit,
         length,
@@ -277,7 +277,7 @@ fn site(
     problems: &mut Problems,
 ) -> Option<AxleSite> {
     let motion = context.file.motion.get_ref();
-    let mut held = study.plan.course.clone();
+    let mut held = study.plan.motion.clone();
     held.steering_wheel = None;
     let by_wheel = motion.steering_wheel_angle.is_some();
     let mut available: Vec<Coordinate> = Coordinate::ALL.to_vec();

@@ -5,7 +5,9 @@ use super::error::Problems;
 use super::names::choose;
 use super::resolve::Context;
 use super::value::Text;
-use super::{About, ElasticFigure, NamedParts, RATE_AXES, Rate, Subject, Variable, file, moves};
+use super::{
+    ElasticFigure, NamedParts, RATE_AXES, Rate, TargetKind, TargetQuantity, Variable, file, moves,
+};
 use crate::characteristics::Characteristic;
 use crate::compliance::{
     AxialStiffness, HeldQuantity, KcTest, KcValue, Parameter, Shape, not_of_equilibrium, quantities,
@@ -82,14 +84,14 @@ impl ElasticQuantity {
     }
 
     /// The quantity as the subject of a target or a band.
-    pub(super) fn subject(&self, length: LengthUnit) -> Subject {
+    pub(super) fn subject(&self, length: LengthUnit) -> TargetQuantity {
         match self {
-            ElasticQuantity::Characteristic(of) => Subject {
-                about: About::Elastic(self.value()),
-                ..Subject::characteristic(*of, length)
+            ElasticQuantity::Characteristic(of) => TargetQuantity {
+                kind: TargetKind::Elastic(self.value()),
+                ..TargetQuantity::characteristic(*of, length)
             },
-            ElasticQuantity::Figure(figure) => Subject {
-                about: About::Elastic(figure.value),
+            ElasticQuantity::Figure(figure) => TargetQuantity {
+                kind: TargetKind::Elastic(figure.value),
                 column: figure.column(length),
                 unit: figure.unit,
                 length,
@@ -171,7 +173,7 @@ pub(super) fn subject(
     elastic: &ComplianceStudy,
     context: &Context,
     problems: &mut Problems,
-) -> Option<Subject> {
+) -> Option<TargetQuantity> {
     let written = target.get_ref();
     let others = [
         written.point.as_ref().map(Spanned::span),

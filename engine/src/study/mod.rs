@@ -580,9 +580,9 @@ pub struct Turn {
 
 /// Quantity of a target, with its name and unit in the study.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Subject {
+pub struct TargetQuantity {
     /// The quantities, in the kernel's frame.
-    pub about: About,
+    pub kind: TargetKind,
     /// Name with the unit, as in a column heading.
     pub column: String,
     /// Kind of quantity, from which its unit follows.
@@ -595,7 +595,7 @@ pub struct Subject {
 
 /// Kind of quantity of a target.
 #[derive(Clone, Debug, PartialEq)]
-pub enum About {
+pub enum TargetKind {
     /// A measure of one wheel.
     Wheel(Measure),
     /// A quantity of an axle, or the same quantity of either wheel.
@@ -604,11 +604,11 @@ pub enum About {
     Elastic(KcValue),
 }
 
-impl Subject {
+impl TargetQuantity {
     /// A characteristic.
     pub fn characteristic(characteristic: Characteristic, length: LengthUnit) -> Self {
-        Subject {
-            about: About::Wheel(Measure::Quantity(Quantity::Characteristic(characteristic))),
+        TargetQuantity {
+            kind: TargetKind::Wheel(Measure::Quantity(Quantity::Characteristic(characteristic))),
             column: characteristic.column(length),
             unit: characteristic.info().unit,
             length,
@@ -628,36 +628,36 @@ impl Subject {
 
     /// The measure, if it is of one wheel.
     pub fn of_wheel(&self) -> Option<&Measure> {
-        match &self.about {
-            About::Wheel(measure) => Some(measure),
-            About::Axle(_) | About::Elastic(_) => None,
+        match &self.kind {
+            TargetKind::Wheel(measure) => Some(measure),
+            TargetKind::Axle(_) | TargetKind::Elastic(_) => None,
         }
     }
 
     /// The characteristic of one wheel, if it is one.
     pub fn as_characteristic(&self) -> Option<Characteristic> {
-        match &self.about {
-            About::Wheel(Measure::Quantity(Quantity::Characteristic(c)))
-            | About::Elastic(KcValue::Wheel(c)) => Some(*c),
+        match &self.kind {
+            TargetKind::Wheel(Measure::Quantity(Quantity::Characteristic(c)))
+            | TargetKind::Elastic(KcValue::Wheel(c)) => Some(*c),
             _ => None,
         }
     }
 
     /// Returns true if it is a figure of a test on elastic parts, of a wheel or an axle.
     pub fn is_figure(&self) -> bool {
-        match &self.about {
-            About::Elastic(KcValue::Figure { .. }) => true,
-            About::Axle(quantities) => {
+        match &self.kind {
+            TargetKind::Elastic(KcValue::Figure { .. }) => true,
+            TargetKind::Axle(quantities) => {
                 use crate::axle::Quantity as OfAxle;
                 quantities.iter().all(|q| matches!(q, OfAxle::Figure(_)))
             }
-            About::Wheel(_) | About::Elastic(_) => false,
+            TargetKind::Wheel(_) | TargetKind::Elastic(_) => false,
         }
     }
 
     /// The figure of a test on elastic parts, if it is one.
     pub fn as_figure(&self) -> Option<ElasticFigure> {
-        let About::Elastic(value @ KcValue::Figure { .. }) = self.about else {
+        let TargetKind::Elastic(value @ KcValue::Figure { .. }) = self.kind else {
             return None;
         };
         let unit = self.unit.suffix(self.length);
@@ -687,7 +687,7 @@ pub struct Site {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
     /// The quantity that the target is about.
-    pub of: Subject,
+    pub of: TargetQuantity,
     /// Wanted value, curve or band of that quantity.
     pub wanted: Wanted,
     /// Acceptable deviation, in the unit of the values.
@@ -963,7 +963,7 @@ pub enum Law {
 pub struct Band {
     /// Quantity that must keep the band: a characteristic, or a quantity of an axle (of both wheels if no side is
     /// named).
-    pub of: Subject,
+    pub of: TargetQuantity,
     /// Drive value, or value of the number that [`Band::site`] is over, at which the band holds; `None` for all
     /// stations.
     pub at: Option<f64>,

@@ -226,7 +226,7 @@ fn resolve(
     );
     if let Some(Some(both)) = &axle {
         let plan = &both.plan;
-        let (stations, points) = (plan.course.stations(), plan.sensitivities.len());
+        let (stations, points) = (plan.motion.stations(), plan.sensitivities.len());
         motion::check_sensitivities(file.motion.span(), stations, points, &mut problems);
     }
     if let (false, Some(outputs)) = (of_axle, &outputs) {

@@ -1,6 +1,6 @@
 //! Wanted values of a target at each drive value, read from its curve between the points.
 
-use super::{About, Interpolation, Limit, Target, Wanted};
+use super::{Interpolation, Limit, Target, TargetKind, Wanted};
 use crate::axle::{Axle, Placement, Quantity};
 
 /// Wanted range at a drive value: from `low` to `high`.
@@ -43,7 +43,7 @@ impl Target {
     /// Wanted ranges of the target for an axle: one for each place of its curve, each held position and each of its
     /// quantities. Empty for a target of one wheel.
     pub fn axle_samples(&self, axle: &Axle) -> Vec<AxleSample> {
-        let (About::Axle(quantities), Some(site)) = (&self.of.about, &self.site.axle) else {
+        let (TargetKind::Axle(quantities), Some(site)) = (&self.of.kind, &self.site.axle) else {
             return Vec::new();
         };
         let mut samples = Vec::new();

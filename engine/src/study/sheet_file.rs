@@ -9,7 +9,7 @@ use super::file::Target as Written;
 use super::resolve::Context;
 use super::source::{LONGEST_TEXT, read_text};
 use super::value::{Number, Text};
-use super::{AxleStudy, ComplianceStudy, ElasticFigure, Site, Subject, Target, Wanted};
+use super::{AxleStudy, ComplianceStudy, ElasticFigure, Site, Target, TargetQuantity, Wanted};
 use crate::axle::{Coordinate, Quantity, TestFigure, WheelMotion};
 use crate::compliance::{HeldQuantity, KcTest, KcValue, TestLoad};
 use crate::model::Side;
@@ -393,7 +393,7 @@ impl Reader<'_> {
         };
         let [left, right] = [travel("left")?, travel("right")?];
         let rack = row.number(&format!("rack_{u}"))?.unwrap_or(0.0);
-        let mut held = both.plan.course.clone();
+        let mut held = both.plan.motion.clone();
         let by_wheel = held.steering_wheel.take().is_some();
         if by_wheel && rack != 0.0 {
             return row.wrong(
@@ -407,7 +407,7 @@ impl Reader<'_> {
             }
         };
         put(Coordinate::Rack, rack);
-        let is_heave = matches!(both.plan.course.wheels, WheelMotion::Heave(_));
+        let is_heave = matches!(both.plan.motion.wheels, WheelMotion::Heave(_));
         let over = if is_heave {
             Coordinate::Heave
         } else {
@@ -510,7 +510,7 @@ impl Reader<'_> {
 struct SheetFigure {
     /// Its name in a study.
     name: String,
-    of: Subject,
+    of: TargetQuantity,
     /// The wheel that a row of an axle names.
     side: Option<Side>,
 }

@@ -6,7 +6,7 @@ use super::names::choose;
 use super::outputs::characteristic;
 use super::resolve::Context;
 use super::value::{MemberName, Numbers, Text};
-use super::{About, Site, Subject, file};
+use super::{Site, TargetKind, TargetQuantity, file};
 use crate::analyse::{Support, members as carriers};
 use crate::ask::Unit;
 use crate::characteristics::{CarriedForce, Measure, Quantity};
@@ -136,7 +136,7 @@ pub(super) fn subject(
     target: &Spanned<file::Target>,
     context: &Context,
     problems: &mut Problems,
-) -> Option<Subject> {
+) -> Option<TargetQuantity> {
     let (written, place) = (target.get_ref(), target.span());
     let suspension = context.suspension;
     let unit = suspension.length_unit;
@@ -150,7 +150,7 @@ pub(super) fn subject(
     let (about, column, kind, sign) = match given {
         (Some(name), None, None, None) => {
             let found = characteristic(name, suspension, problems)?;
-            return Some(Subject::characteristic(found, unit));
+            return Some(TargetQuantity::characteristic(found, unit));
         }
         (None, Some(name), None, None) => {
             let id = point(name, suspension, problems);
@@ -183,8 +183,8 @@ pub(super) fn subject(
             return problems.refuse(place, message);
         }
     };
-    Some(Subject {
-        about: About::Wheel(about),
+    Some(TargetQuantity {
+        kind: TargetKind::Wheel(about),
         column,
         unit: kind,
         length: unit,

@@ -183,7 +183,7 @@ fn sampled(
     problems: &mut Problems,
 ) -> Option<Sampled> {
     let written = section.get_ref();
-    let asked = Asked {
+    let asked = SamplingKeys {
         section: section.span(),
         variables: variables.span(),
         method: &written.method,
@@ -199,7 +199,7 @@ fn sampled(
 }
 
 /// The keys of a sweep that say how its variables are sampled.
-pub(super) struct Asked<'a> {
+pub(super) struct SamplingKeys<'a> {
     /// Place of the section.
     pub section: Span<usize>,
     /// Place of the variables.
@@ -215,7 +215,7 @@ pub(super) struct Asked<'a> {
 /// Method and seed, each if nothing is wrong with it.
 pub(super) type Rules = (Option<Sampling>, Option<i64>);
 
-impl Asked<'_> {
+impl SamplingKeys<'_> {
     /// Method and seed. Both are read before the variables, so that mistakes of all are reported.
     pub(super) fn rules(&self, problems: &mut Problems) -> Rules {
         let grid = Sampling::Grid;

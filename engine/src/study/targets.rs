@@ -11,7 +11,7 @@ use super::sheet_file::{self, SheetTarget};
 use super::subject::{site, subject};
 use super::suspension::above_zero;
 use super::value::{LimitText, Number, Text};
-use super::{Interpolation, Limit, Motion, Site, Subject, Target, Wanted};
+use super::{Interpolation, Limit, Motion, Site, Target, TargetQuantity, Wanted};
 use std::ops::Range as Span;
 use toml::Spanned;
 
@@ -323,7 +323,7 @@ fn curve(
 struct TargetContext<'a> {
     motion: &'a Motion,
     place: Span<usize>,
-    of: &'a Subject,
+    of: &'a TargetQuantity,
     interpolation: Interpolation,
 }
 

@@ -11,7 +11,7 @@ use super::resolve::{Context, each, some};
 use super::suspension::above_zero;
 use super::targets::ends;
 use super::value::{Number, Text};
-use super::{AxleStudy, Band, Contributor, Drive, Law, Setup, Source, Subject, Tolerance};
+use super::{AxleStudy, Band, Contributor, Drive, Law, Setup, Source, TargetQuantity, Tolerance};
 use crate::assembly::BuildParameter;
 use crate::model::{Axis, PointId, Side, Suspension};
 use crate::number::Vector3;
@@ -446,7 +446,7 @@ fn band(spanned: &Spanned<file::Band>, context: &Context, problems: &mut Problem
                 // What is wrong with the elastic parts is said already.
                 None if context.file.compliance.is_some() => None,
                 None => characteristic(name, context.suspension, problems)
-                    .map(|found| Subject::characteristic(found, length)),
+                    .map(|found| TargetQuantity::characteristic(found, length)),
             };
             found.map(|subject| (subject, None))
         }

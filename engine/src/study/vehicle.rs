@@ -168,7 +168,7 @@ impl Study {
             }
             Vehicle::Axle(both) => {
                 let (_, motion) = both.motions.iter().find(|(known, _)| known == name)?;
-                both.plan.course = motion.clone();
+                both.plan.motion = motion.clone();
             }
         }
         Some(study)

@@ -17,8 +17,8 @@ use crate::model::Suspension;
 use crate::number::{Vector3, Width};
 use crate::plan::{Output, Plan};
 use crate::study::{
-    About, AxleSample, AxleStudy, ComplianceStudy, DesignTable, Designs, FileFormat, Optimise,
-    Sample, Study, StudyErrors, Sweep, Target, Vehicle, WheelStudy,
+    AxleSample, AxleStudy, ComplianceStudy, DesignTable, Designs, FileFormat, Optimise, Sample,
+    Study, StudyErrors, Sweep, Target, TargetKind, Vehicle, WheelStudy,
 };
 use std::borrow::Cow;
 use std::ops::{ControlFlow, Range};
@@ -536,7 +536,7 @@ fn of_elastic<'s>(
         columns.push(figure.as_column(length));
     }
     let wish = |target: &Target, wanted: &Sample| {
-        let About::Elastic(value) = target.of.about else {
+        let TargetKind::Elastic(value) = target.of.kind else {
             unreachable!("a target of a study with elastic parts");
         };
         let quantity = reads.iter().position(|read| read.value == value);
@@ -680,7 +680,7 @@ fn describe(study: &Study, sweep: &Sweep, samples: &Samples, stations: &Stations
         designs: samples.designs(),
         blocks_of_part: BLOCKS_OF_PART,
         drive: match study.axle() {
-            Some(both) => both.plan.course.moving()[0].column(unit),
+            Some(both) => both.plan.motion.moving()[0].column(unit),
             None => motion.drive.column(unit),
         },
         stations: stations.count(),

@@ -11,8 +11,8 @@
 //! The second order is in module `axle_second`.
 
 use super::Problem;
-use super::workshop::Workshop;
-use crate::assembly::{Built, NoSetUp, Rest};
+use super::wheel_assembler::WheelAssembler;
+use crate::assembly::{Built, Rest, SetUpError};
 use crate::evaluate::Evaluated;
 use crate::model::Side;
 use crate::number::Vector3;
@@ -22,16 +22,16 @@ use crate::study::Source;
 pub(super) type Moves = Vec<Vector3<f64>>;
 
 /// Derivatives of every value by each source, `[cell][source]`: NaN without a value, or without a derivative.
-pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f64>, NoSetUp> {
+pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f64>, SetUpError> {
     let moves = moves(problem, sources)?;
     let drawn = |side: Side| {
-        &problem.workshops[side as usize]
+        &problem.wheel_assemblers[side as usize]
             .assembler
             .suspension()
             .design[..]
     };
     let evaluator = problem.request.gradients(&[], None);
-    let mut evaluator = evaluator.map_err(|(_, fault)| NoSetUp::Fault(fault))?;
+    let mut evaluator = evaluator.map_err(|(_, fault)| SetUpError::Fault(fault))?;
     let mut found = Evaluated::default();
     evaluator.evaluate(Side::ALL.map(drawn), &mut found);
     let mut gradients = vec![f64::NAN; problem.cells() * sources.len()];
@@ -58,14 +58,14 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
 }
 
 /// Rates at which each source moves both wheels' built designs.
-pub(super) fn moves(problem: &Problem, sources: &[&Source]) -> Result<Vec<[Moves; 2]>, NoSetUp> {
+pub(super) fn moves(problem: &Problem, sources: &[&Source]) -> Result<Vec<[Moves; 2]>, SetUpError> {
     let mut all: Vec<[Moves; 2]> = vec![Default::default(); sources.len()];
-    for (side, workshop) in problem.workshops.iter().enumerate() {
-        let assembler = &workshop.assembler;
+    for (side, wheel_assembler) in problem.wheel_assemblers.iter().enumerate() {
+        let assembler = &wheel_assembler.assembler;
         let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
         for (moves, own) in all
             .iter_mut()
-            .zip(moves_of_wheel(workshop, &built, sources))
+            .zip(moves_of_wheel(wheel_assembler, &built, sources))
         {
             moves[side] = own;
         }
@@ -75,13 +75,13 @@ pub(super) fn moves(problem: &Problem, sources: &[&Source]) -> Result<Vec<[Moves
 
 /// Rates at which each source moves the built design of a wheel; empty for a source that does not move it.
 pub(super) fn moves_of_wheel(
-    workshop: &Workshop,
+    wheel_assembler: &WheelAssembler,
     built: &Built,
     sources: &[&Source],
 ) -> impl Iterator<Item = Moves> {
-    let own = move |source: &&Source| match workshop.direction(built, source) {
+    let own = move |source: &&Source| match wheel_assembler.direction(built, source) {
         direction if direction.is_empty() => Vec::new(),
-        direction => workshop.assembler.design_by(built, &direction).0,
+        direction => wheel_assembler.assembler.design_by(built, &direction).0,
     };
     sources.iter().map(own)
 }

@@ -12,7 +12,7 @@
 
 use super::Problem;
 use super::expansion::combined;
-use crate::assembly::{Built, NoSetUp, Rest};
+use crate::assembly::{Built, Rest, SetUpError};
 use crate::axle::{AxleSolver, AxleState, Carriers, Hold, Parts, Quantity, Reading, Snapshot};
 use crate::derive::{MotionPoint, pose_series};
 use crate::evaluate::AxleStations;
@@ -29,7 +29,10 @@ type Series = Jet<f64, 3>;
 const MOST_SERIES: usize = 300_000;
 
 /// Second-order terms of the mean and of the variance, by cell.
-pub(super) fn second(problem: &Problem, stations: &AxleStations) -> Result<Vec<[f64; 2]>, NoSetUp> {
+pub(super) fn second(
+    problem: &Problem,
+    stations: &AxleStations,
+) -> Result<Vec<[f64; 2]>, SetUpError> {
     let mechanism = &stations.axle.left.mechanism;
     let is_readable = |quantity: &Quantity| {
         let by_screw = mechanism.steering_axis == Some(SteeringAxis::Instantaneous)
@@ -43,8 +46,9 @@ pub(super) fn second(problem: &Problem, stations: &AxleStations) -> Result<Vec<[
         true => Some(DrawnPositions::of(problem, stations)?),
         false => None,
     };
-    let bends = positions.map(|positions| move |along: &[&Source]| positions.bends(along));
-    Ok(combined(problem, &readable, bends))
+    let second_derivatives =
+        positions.map(|positions| move |along: &[&Source]| positions.second_derivatives(along));
+    Ok(combined(problem, &readable, second_derivatives))
 }
 
 /// The positions of the nominal axle.
@@ -70,22 +74,22 @@ struct DrawnPosition {
 }
 
 impl<'p> DrawnPositions<'p> {
-    fn of(problem: &'p Problem, stations: &'p AxleStations) -> Result<Self, NoSetUp> {
+    fn of(problem: &'p Problem, stations: &'p AxleStations) -> Result<Self, SetUpError> {
         let axle = &stations.axle;
         let mut built = Vec::new();
         let mut solvers = Vec::new();
-        for (side, workshop) in Side::ALL.into_iter().zip(&problem.workshops) {
-            let assembler = &workshop.assembler;
+        for (side, wheel_assembler) in Side::ALL.into_iter().zip(&problem.wheel_assemblers) {
+            let assembler = &wheel_assembler.assembler;
             built.push(assembler.build(assembler.drawn(), Rest::Height(0.0))?);
             let suspension = axle.suspension(side);
             let solver = Solver::new(&suspension.mechanism, &suspension.design);
-            solvers.push(solver.map_err(NoSetUp::Fault)?);
+            solvers.push(solver.map_err(SetUpError::Fault)?);
         }
         // With the first derivatives of both wheels, for the slopes of what the ground asks.
         let solver = AxleSolver::<2>::new(axle, &stations.quantities, false);
-        let mut solver = solver.map_err(|(_, fault)| NoSetUp::Fault(fault))?;
+        let mut solver = solver.map_err(|(_, fault)| SetUpError::Fault(fault))?;
         let placed = solver.place_all(&stations.placements);
-        let position = |placed: Result<crate::axle::Placed, _>| {
+        let position = |placed: Result<crate::axle::AxlePose, _>| {
             let placed = placed.ok()?;
             let read = solver.read(&placed).ok()?;
             let wheel = |side: Side| {
@@ -126,10 +130,10 @@ impl<'p> DrawnPositions<'p> {
     }
 
     /// By cell, the second derivative along the sum of some sources' directions, each in its standard deviation.
-    fn bends(&self, along: &[&Source]) -> Vec<f64> {
-        let workshops = self.problem.workshops.iter().zip(&self.built);
-        let designs: Vec<Vec<Vector3<Series>>> = workshops
-            .map(|(workshop, built)| workshop.series(built, along))
+    fn second_derivatives(&self, along: &[&Source]) -> Vec<f64> {
+        let wheel_assemblers = self.problem.wheel_assemblers.iter().zip(&self.built);
+        let designs: Vec<Vec<Vector3<Series>>> = wheel_assemblers
+            .map(|(wheel_assembler, built)| wheel_assembler.series(built, along))
             .collect();
         let closures: Vec<Closure<Series>> = Side::ALL
             .into_iter()
@@ -138,7 +142,7 @@ impl<'p> DrawnPositions<'p> {
                 Closure::new(&self.stations.axle.suspension(side).mechanism, design)
             })
             .collect();
-        let mut bends = vec![f64::NAN; self.problem.cells()];
+        let mut second_derivatives = vec![f64::NAN; self.problem.cells()];
         for (station, position) in self.positions.iter().enumerate() {
             let Some(position) = position else {
                 continue;
@@ -147,11 +151,11 @@ impl<'p> DrawnPositions<'p> {
             for (output, quantity) in self.stations.quantities.iter().enumerate() {
                 if position.has_value[output] && quantity.rate_order() == 0 {
                     let value = quantity.evaluate(&state).derivative(2);
-                    bends[self.problem.cell(output, station)] = value;
+                    second_derivatives[self.problem.cell(output, station)] = value;
                 }
             }
         }
-        bends
+        second_derivatives
     }
 
     /// The axle in a position as series, on the ground to every order.

@@ -1,9 +1,9 @@
 //! Builds by number: drawn at random, assembled, solved.
 
 use super::lanes::LaneBuilder;
-use super::workshop::Workshop;
+use super::wheel_assembler::WheelAssembler;
 use super::{Problem, elastic};
-use crate::assembly::{Parts, Reject};
+use crate::assembly::{AssemblyError, Parts};
 use crate::evaluate::{BLOCK, Block, Evaluator, NotInLanes};
 use crate::mechanism::DesignFault;
 use crate::model::{Side, Suspension};
@@ -31,14 +31,14 @@ impl Problem<'_> {
 
     /// A build by its number: its built design, at rest, from the random numbers of the seed, and aligned if the
     /// study says so. For an axle the left wheel.
-    pub fn built(&self, number: u64) -> Result<Suspension, Reject> {
+    pub fn built(&self, number: u64) -> Result<Suspension, AssemblyError> {
         let built = self.built_wheels(number).map_err(|(_, reject)| reject);
         built.map(|mut wheels| wheels.swap_remove(0))
     }
 
     /// The study of the build of this number, as text: its built design at rest, and its rates. An error names the
     /// wheel that cannot be assembled.
-    pub fn built_text(&self, number: u64) -> Result<String, (Option<Side>, Reject)> {
+    pub fn built_text(&self, number: u64) -> Result<String, (Option<Side>, AssemblyError)> {
         let built = self.built_wheels(number)?;
         let text = match &built[..] {
             [left, right] => self.study.with_built_axle([left, right]),
@@ -57,15 +57,18 @@ impl Problem<'_> {
 
     /// Every wheel of the build of this number: for an axle left and right, each in the frame of a left one. An error
     /// names the wheel that cannot be assembled.
-    pub fn built_wheels(&self, number: u64) -> Result<Vec<Suspension>, (Option<Side>, Reject)> {
+    pub fn built_wheels(
+        &self,
+        number: u64,
+    ) -> Result<Vec<Suspension>, (Option<Side>, AssemblyError)> {
         let mut draws = vec![0.0; self.tolerance.sources()];
         self.tolerance.draw(number, &mut draws);
-        let wheels = self.workshops.iter().map(|workshop| {
-            let mut built = workshop.assembler.suspension().clone();
-            let mut parts = workshop.assembler.drawn().clone();
-            workshop.change_parts(self.tolerance, &draws, &mut parts);
-            let together = workshop.put_together(&mut parts, &mut built.design);
-            together.map_err(|reject| (workshop.side, reject))?;
+        let wheels = self.wheel_assemblers.iter().map(|wheel_assembler| {
+            let mut built = wheel_assembler.assembler.suspension().clone();
+            let mut parts = wheel_assembler.assembler.drawn().clone();
+            wheel_assembler.change_parts(self.tolerance, &draws, &mut parts);
+            let together = wheel_assembler.put_together(&mut parts, &mut built.design);
+            together.map_err(|reject| (wheel_assembler.side, reject))?;
             Ok(built)
         });
         wheels.collect()
@@ -73,7 +76,7 @@ impl Problem<'_> {
 }
 
 /// A build that could not be assembled: its number, the wheel of an axle, and the reason.
-type Unbuilt = (u64, Option<Side>, Reject);
+type Unbuilt = (u64, Option<Side>, AssemblyError);
 
 /// Failed builds of a block.
 pub(super) struct Outcome {
@@ -104,7 +107,7 @@ pub(super) struct Builder<'a> {
 
 /// Builds the wheels of one side.
 struct WheelBuilder<'a> {
-    workshop: &'a Workshop,
+    wheel_assembler: &'a WheelAssembler,
     lanes: Option<LaneBuilder<'a>>,
     parts: Parts<f64>,
     designs: Vec<Vector3<f64>>,
@@ -115,15 +118,17 @@ impl<'a> Builder<'a> {
     pub(super) fn new(problem: &'a Problem<'a>, width: Option<Width>) -> Result<Self, DesignFault> {
         let mut evaluator = problem.request.evaluator(width)?;
         evaluator.interrupt = problem.interrupt;
-        let wheel = |workshop: &'a Workshop| WheelBuilder {
-            workshop,
-            lanes: width.map(|width| LaneBuilder::new(problem.tolerance, workshop, width)),
-            parts: workshop.assembler.drawn().clone(),
-            designs: Vec::with_capacity(BLOCK * workshop.assembler.suspension().design.len()),
+        let wheel = |wheel_assembler: &'a WheelAssembler| WheelBuilder {
+            wheel_assembler,
+            lanes: width.map(|width| LaneBuilder::new(problem.tolerance, wheel_assembler, width)),
+            parts: wheel_assembler.assembler.drawn().clone(),
+            designs: Vec::with_capacity(
+                BLOCK * wheel_assembler.assembler.suspension().design.len(),
+            ),
         };
         Ok(Builder {
             problem,
-            wheels: problem.workshops.iter().map(wheel).collect(),
+            wheels: problem.wheel_assemblers.iter().map(wheel).collect(),
             evaluator,
             block: problem.request.block(),
             draws: vec![0.0; problem.tolerance.sources()],
@@ -185,11 +190,11 @@ impl<'a> Builder<'a> {
     }
 
     /// Assembles every wheel of a build that the lanes did not assemble, from its random numbers; all or none.
-    fn build(&mut self, place: usize) -> Result<(), (Option<Side>, Reject)> {
+    fn build(&mut self, place: usize) -> Result<(), (Option<Side>, AssemblyError)> {
         let (tolerance, draws) = (self.problem.tolerance, &self.draws);
         let built = self.wheels.iter_mut().try_for_each(|wheel| {
             let WheelBuilder {
-                workshop,
+                wheel_assembler,
                 lanes,
                 parts,
                 designs,
@@ -199,11 +204,11 @@ impl<'a> Builder<'a> {
                 designs.extend_from_slice(&lanes.designs[place * points..(place + 1) * points]);
                 return Ok(());
             }
-            workshop.change_parts(tolerance, draws, parts);
+            wheel_assembler.change_parts(tolerance, draws, parts);
             let start = designs.len();
             designs.resize(start + points, Vector3::default());
-            let together = workshop.put_together(parts, &mut designs[start..]);
-            together.map_err(|reject| (workshop.side, reject))
+            let together = wheel_assembler.put_together(parts, &mut designs[start..]);
+            together.map_err(|reject| (wheel_assembler.side, reject))
         });
         match built {
             Ok(()) => {
@@ -228,7 +233,11 @@ impl<'a> Builder<'a> {
         self.evaluator.evaluate_pairs(designs, &mut self.block);
         let number = |design: &usize| first + self.places[*design] as u64;
         for (design, fault) in self.block.faults() {
-            rejects.push((number(design), None, Reject::Immovable(fault.clone())));
+            rejects.push((
+                number(design),
+                None,
+                AssemblyError::Immovable(fault.clone()),
+            ));
         }
         let failures = self.block.failures().iter();
         let mut incomplete: Vec<usize> = failures.map(|failure| failure.design).collect();

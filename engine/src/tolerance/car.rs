@@ -7,7 +7,7 @@
 use super::axle_expansion::{Moves as PointMoves, moves};
 use super::monte_carlo::moments;
 use super::{HOLDS, PERCENTILES, Problem, Spread};
-use crate::assembly::NoSetUp;
+use crate::assembly::SetUpError;
 use crate::axle::Axle;
 use crate::car::{Car, CarFault, CarGradient, CarRequest, CaseResult};
 use crate::model::Side;
@@ -83,7 +83,10 @@ impl<'a> CarProblem<'a> {
     ///
     /// # Errors
     /// Axle and reason if the design of one cannot be put together.
-    pub fn of(study: &'a CarStudy, tolerance: &'a CarTolerance) -> Result<Self, (usize, NoSetUp)> {
+    pub fn of(
+        study: &'a CarStudy,
+        tolerance: &'a CarTolerance,
+    ) -> Result<Self, (usize, SetUpError)> {
         let further = tolerance.bands.iter().map(|band| CaseResult {
             case: band.case,
             quantity: band.quantity,
@@ -147,7 +150,7 @@ impl<'a> CarProblem<'a> {
     fn drawn(&self) -> Car {
         let mut car = self.study.car.clone();
         for (axle, problem) in self.axles.iter().enumerate() {
-            let mut wheels = problem.workshops.iter();
+            let mut wheels = problem.wheel_assemblers.iter();
             let mut next = || Some(wheels.next()?.assembler.suspension().clone());
             if let (false, Some(left)) = (problem.tolerance.scatter.is_empty(), next()) {
                 car.axles[axle] = Axle {
@@ -175,10 +178,10 @@ impl<'a> CarProblem<'a> {
     ///
     /// # Errors
     /// Axle and reason if the design of one cannot be put together.
-    pub fn expansion(&self) -> Result<Vec<CarExpansion>, (usize, NoSetUp)> {
+    pub fn expansion(&self) -> Result<Vec<CarExpansion>, (usize, SetUpError)> {
         let drawn = self.drawn();
         let gradients = self.request.gradients(&drawn);
-        let gradients = gradients.map_err(|(axle, _, fault)| (axle, NoSetUp::Fault(fault)))?;
+        let gradients = gradients.map_err(|(axle, _, fault)| (axle, SetUpError::Fault(fault)))?;
         let mut ways: [Vec<Ways>; 2] = Default::default();
         for (axle, problem) in self.axles.iter().enumerate() {
             for contributor in &problem.tolerance.scatter {

@@ -10,15 +10,15 @@
 //! dy/dp and dy/dk come from one tape for each station. Second derivatives are not formed.
 
 use super::axle_expansion::{Moves, moves_of_wheel};
-use super::workshop::Workshop;
+use super::wheel_assembler::WheelAssembler;
 use super::{Banded, Problem};
-use crate::assembly::{NoSetUp, Rest};
+use crate::assembly::{Rest, SetUpError};
 use crate::compliance::{AxleParameter, KcRun, KcValue, Parameter};
 use crate::curves::Column;
 use crate::evaluate::{ElasticQuantities, ElasticRead, Request, Stations};
 use crate::model::{Axis, PointId, Suspension};
 use crate::number::{Tape, Vector3};
-use crate::study::{About, Band, ComplianceStudy, Rate, Source, Study, Tolerance, WheelStudy};
+use crate::study::{Band, ComplianceStudy, Rate, Source, Study, TargetKind, Tolerance, WheelStudy};
 use crate::threads::Interrupt;
 
 /// The rates that scatter, each with the wheel of its part, in the order of their sources.
@@ -42,9 +42,9 @@ pub(super) fn problem<'a>(
     own: &WheelStudy,
     elastic: &ComplianceStudy,
     tolerance: &'a Tolerance,
-) -> Result<Problem<'a>, NoSetUp> {
+) -> Result<Problem<'a>, SetUpError> {
     let length = own.suspension.length_unit;
-    let workshop = Workshop::of(study, tolerance, &own.suspension, None)?;
+    let wheel_assembler = WheelAssembler::of(study, tolerance, &own.suspension, None)?;
     let further: Vec<f64> = tolerance.bands.iter().filter_map(|band| band.at).collect();
     let stations = Stations::of(&own.motion, &own.suspension.frame, &further);
     let (mut reads, mut columns) = (Vec::new(), Vec::new());
@@ -68,7 +68,7 @@ pub(super) fn problem<'a>(
         }
     }
     let banded = |band: &Band| -> Banded {
-        let About::Elastic(value) = band.of.about else {
+        let TargetKind::Elastic(value) = band.of.kind else {
             return (Vec::new(), band.between);
         };
         let output = reads.iter().position(|read| *read == value).unwrap_or(0);
@@ -92,7 +92,7 @@ pub(super) fn problem<'a>(
         .flat_map(|(cells, _)| cells.iter().copied())
         .collect();
     let wheel = WheelStudy {
-        suspension: workshop.assembler.suspension().clone(),
+        suspension: wheel_assembler.assembler.suspension().clone(),
         ..own.clone()
     };
     let quantities = ElasticQuantities::of(
@@ -114,25 +114,25 @@ pub(super) fn problem<'a>(
         tolerance,
         request: Request::of_elastic(quantities, stations, columns),
         bands,
-        workshops: vec![workshop],
+        wheel_assemblers: vec![wheel_assembler],
         elastic: reads,
         interrupt: Interrupt::default(),
     })
 }
 
 /// Derivatives of every value by each source (`[cell][source]`); NaN without a value.
-pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f64>, NoSetUp> {
-    let workshop = &problem.workshops[0];
-    let assembler = &workshop.assembler;
+pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f64>, SetUpError> {
+    let wheel_assembler = &problem.wheel_assemblers[0];
+    let assembler = &wheel_assembler.assembler;
     let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
     let suspension: &Suspension = &built.suspension;
-    let moves: Vec<Moves> = moves_of_wheel(workshop, &built, sources).collect();
+    let moves: Vec<Moves> = moves_of_wheel(wheel_assembler, &built, sources).collect();
     let Some(elastic) = problem.study.compliance() else {
         return Ok(Vec::new());
     };
     let parts = &elastic.parts;
     let run = KcRun::new(suspension, parts, elastic.tyre_rate)
-        .map_err(|fault| NoSetUp::Fault(fault.of_design(parts, suspension)))?;
+        .map_err(|fault| SetUpError::Fault(fault.of_design(parts, suspension)))?;
     let points = (0..suspension.design.len()).map(PointId);
     let mut parameters: Vec<Parameter> = points
         .flat_map(|point| Axis::ALL.map(|axis| Parameter::Point(point, axis)))

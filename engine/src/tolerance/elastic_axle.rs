@@ -12,7 +12,7 @@
 use super::Problem;
 use super::axle_expansion::moves;
 use super::elastic::{rates, write_slopes};
-use crate::assembly::NoSetUp;
+use crate::assembly::SetUpError;
 use crate::axle::AxleRead;
 use crate::compliance::{AxleParameter, Parameter};
 use crate::evaluate::AxleStations;
@@ -26,11 +26,11 @@ pub(super) fn gradients(
     stations: &AxleStations<'_>,
     elastic: &AxleComplianceStudy,
     sources: &[&Source],
-) -> Result<Vec<f64>, NoSetUp> {
+) -> Result<Vec<f64>, SetUpError> {
     let moves = moves(problem, sources)?;
     let axle = &stations.axle;
     let equilibria = axle.own_equilibria(elastic);
-    let equilibria = equilibria.map_err(|(_, fault)| NoSetUp::Fault(fault))?;
+    let equilibria = equilibria.map_err(|(_, fault)| SetUpError::Fault(fault))?;
     let mut parameters: Vec<AxleParameter> = Vec::new();
     for side in Side::ALL {
         for point in (0..axle.left.design.len()).map(PointId) {

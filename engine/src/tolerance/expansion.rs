@@ -6,7 +6,7 @@
 //! arms, motion ratios) have no second-order part here: their series would have to be in travel as well.
 
 use super::{Problem, Spread, axle_expansion, axle_second, elastic, elastic_axle};
-use crate::assembly::{BuildParameter, NoSetUp, Rest, built_curves};
+use crate::assembly::{BuildParameter, Rest, SetUpError, built_curves};
 use crate::characteristics::{Constants, Slots, WheelReading};
 use crate::derive::MotionPoint;
 use crate::linear::lu::Lu6;
@@ -41,7 +41,7 @@ pub struct Expansion {
 
 impl Expansion {
     /// Expands every value of a study about the nominal design. Errors if that cannot be built or aligned.
-    pub fn of(problem: &Problem) -> Result<Self, NoSetUp> {
+    pub fn of(problem: &Problem) -> Result<Self, SetUpError> {
         let sources: Vec<_> = problem.tolerance.each_source().collect();
         let (count, cells) = (sources.len(), problem.cells());
         let (gradient, second) = match problem.request.axle() {
@@ -138,13 +138,16 @@ pub struct Remainder {
 
 /// For a study of one wheel: the rate of every value by each source (`[cell][source]`), and the second-order terms of
 /// its mean and variance (`[cell]`).
-fn of_wheel(problem: &Problem, sources: &[&Source]) -> Result<(Vec<f64>, Vec<[f64; 2]>), NoSetUp> {
-    let workshop = &problem.workshops[0];
-    let assembler = &workshop.assembler;
+fn of_wheel(
+    problem: &Problem,
+    sources: &[&Source],
+) -> Result<(Vec<f64>, Vec<[f64; 2]>), SetUpError> {
+    let wheel_assembler = &problem.wheel_assemblers[0];
+    let assembler = &wheel_assembler.assembler;
     let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
     let directions: Vec<Vec<(BuildParameter, f64)>> = sources
         .iter()
-        .map(|source| workshop.direction(&built, source))
+        .map(|source| wheel_assembler.direction(&built, source))
         .collect();
     let plan = plan(problem);
     let borrowed: Vec<&[_]> = directions.iter().map(|d| &d[..]).collect();
@@ -166,7 +169,7 @@ fn of_wheel(problem: &Problem, sources: &[&Source]) -> Result<(Vec<f64>, Vec<[f6
 
 /// The plan of everything that is looked at, where it is looked at.
 fn plan(problem: &Problem) -> Plan {
-    let mut own = WheelStudy::of(problem.workshops[0].assembler.suspension().clone());
+    let mut own = WheelStudy::of(problem.wheel_assemblers[0].assembler.suspension().clone());
     own.outputs = Outputs::of(problem.characteristics().collect());
     let mut plan = Plan::of(&own);
     plan.rack_moves = problem.study.motion().rack_moves;
@@ -183,7 +186,7 @@ fn plan(problem: &Problem) -> Plan {
 
 /// Second-order terms of the mean and of the variance of one wheel, by cell.
 fn second(problem: &Problem, built: &crate::assembly::Built) -> Vec<[f64; 2]> {
-    let mechanism = &problem.workshops[0].assembler.suspension().mechanism;
+    let mechanism = &problem.wheel_assemblers[0].assembler.suspension().mechanism;
     let readable: Vec<bool> = problem
         .characteristics()
         .map(|c| {
@@ -193,8 +196,9 @@ fn second(problem: &Problem, built: &crate::assembly::Built) -> Vec<[f64; 2]> {
         })
         .collect();
     let poses = Poses::of(problem, &readable);
-    let bends = poses.map(|poses| move |along: &[&Source]| poses.bends(problem, built, along));
-    combined(problem, &readable, bends)
+    let second_derivatives =
+        poses.map(|poses| move |along: &[&Source]| poses.second_derivatives(problem, built, along));
+    combined(problem, &readable, second_derivatives)
 }
 
 /// Second-order terms of the mean and variance of each cell. They come from the second derivatives of all cells along
@@ -202,12 +206,12 @@ fn second(problem: &Problem, built: &crate::assembly::Built) -> Vec<[f64; 2]> {
 pub(super) fn combined(
     problem: &Problem,
     readable: &[bool],
-    bends: Option<impl Fn(&[&Source]) -> Vec<f64> + Sync>,
+    second_derivatives: Option<impl Fn(&[&Source]) -> Vec<f64> + Sync>,
 ) -> Vec<[f64; 2]> {
     let unknown = vec![[f64::NAN; 2]; problem.cells()];
     let sources: Vec<&Source> = problem.tolerance.each_source().collect();
     let count = sources.len();
-    let Some(bends) = bends else {
+    let Some(second_derivatives) = second_derivatives else {
         return unknown;
     };
     if count > MOST_SOURCES || !readable.contains(&true) {
@@ -217,11 +221,11 @@ pub(super) fn combined(
         .flat_map(|j| (j..count).map(move |k| (j, k)))
         .collect();
     // y'' along d_j + d_k.
-    let bends: Vec<Vec<f64>> = pairs
+    let second_derivatives: Vec<Vec<f64>> = pairs
         .par_iter()
         .map(|(j, k)| match j == k {
-            true => bends(&[sources[*j]]),
-            false => bends(&[sources[*j], sources[*k]]),
+            true => second_derivatives(&[sources[*j]]),
+            false => second_derivatives(&[sources[*j], sources[*k]]),
         })
         .collect();
     let place = |j: usize, k: usize| j * count - j * (j + 1) / 2 + k;
@@ -230,14 +234,14 @@ pub(super) fn combined(
         if !readable[cell / problem.stations().count()] {
             continue;
         }
-        let own = |j: usize| bends[place(j, j)][cell];
+        let own = |j: usize| second_derivatives[place(j, j)][cell];
         let (mut mean, mut variance) = (0.0, 0.0);
         for (j, source) in sources.iter().enumerate() {
             let hjj = own(j);
             mean += 0.5 * hjj;
             variance += 0.25 * hjj * hjj * (source.law.kurtosis() - 1.0);
             for k in j + 1..count {
-                let hjk = 0.5 * (bends[place(j, k)][cell] - hjj - own(k));
+                let hjk = 0.5 * (second_derivatives[place(j, k)][cell] - hjj - own(k));
                 variance += hjk * hjk;
             }
         }
@@ -260,7 +264,7 @@ type SolvedStation = (crate::mechanism::Pose<f64>, MotionPoint<f64>, Lu6<f64>);
 
 impl<'p> Poses<'p> {
     fn of(problem: &Problem, readable: &'p [bool]) -> Option<Self> {
-        let suspension = problem.workshops[0].assembler.suspension();
+        let suspension = problem.wheel_assemblers[0].assembler.suspension();
         let mut solver = Solver::new(&suspension.mechanism, &suspension.design).ok()?;
         let stations = problem.stations();
         let mut poses = vec![None; stations.count()];
@@ -296,17 +300,17 @@ impl<'p> Poses<'p> {
     }
 
     /// By cell, the second derivative along the sum of some sources' directions, each in its standard deviation.
-    fn bends(
+    fn second_derivatives(
         &self,
         problem: &Problem,
         built: &crate::assembly::Built,
         along: &[&Source],
     ) -> Vec<f64> {
-        let workshop = &problem.workshops[0];
-        let mechanism = &workshop.assembler.suspension().mechanism;
-        let design = workshop.series(built, along);
+        let wheel_assembler = &problem.wheel_assemblers[0];
+        let mechanism = &wheel_assembler.assembler.suspension().mechanism;
+        let design = wheel_assembler.series(built, along);
         let closure = Closure::new(mechanism, &design);
-        let mut bends = vec![f64::NAN; problem.cells()];
+        let mut second_derivatives = vec![f64::NAN; problem.cells()];
         for (station, place) in self.poses.iter().enumerate() {
             let Some((pose, point, factors)) = place else {
                 continue;
@@ -320,10 +324,11 @@ impl<'p> Poses<'p> {
             let reading = WheelReading::reading(&at, self.constants, self.slots);
             for (output, c) in problem.characteristics().enumerate() {
                 if self.readable[output] {
-                    bends[problem.cell(output, station)] = reading.characteristic(c).derivative(2);
+                    second_derivatives[problem.cell(output, station)] =
+                        reading.characteristic(c).derivative(2);
                 }
             }
         }
-        bends
+        second_derivatives
     }
 }

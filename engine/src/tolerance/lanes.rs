@@ -1,6 +1,6 @@
 //! Builds in SIMD lanes: from their numbers to their built designs.
 
-use super::workshop::Workshop;
+use super::wheel_assembler::WheelAssembler;
 use crate::evaluate::{BLOCK, scatter};
 use crate::number::{SimdReal, SimdTask, Vector3, Width};
 use crate::study::Tolerance;
@@ -8,7 +8,7 @@ use crate::study::Tolerance;
 /// Puts together as many builds at a time as the processor has lanes.
 pub(super) struct LaneBuilder<'a> {
     tolerance: &'a Tolerance,
-    workshop: &'a Workshop,
+    wheel_assembler: &'a WheelAssembler,
     width: Width,
     /// The built designs of the block, a build's points after another's.
     pub(super) designs: Vec<Vector3<f64>>,
@@ -17,11 +17,15 @@ pub(super) struct LaneBuilder<'a> {
 }
 
 impl<'a> LaneBuilder<'a> {
-    pub(super) fn new(tolerance: &'a Tolerance, workshop: &'a Workshop, width: Width) -> Self {
-        let points = workshop.assembler.suspension().design.len();
+    pub(super) fn new(
+        tolerance: &'a Tolerance,
+        wheel_assembler: &'a WheelAssembler,
+        width: Width,
+    ) -> Self {
+        let points = wheel_assembler.assembler.suspension().design.len();
         LaneBuilder {
             tolerance,
-            workshop,
+            wheel_assembler,
             width,
             designs: vec![Vector3::default(); BLOCK * points],
             accepted: [false; BLOCK],
@@ -51,12 +55,12 @@ impl SimdTask for Assembling<'_, '_> {
     fn run<B: SimdReal>(self, like: B) {
         let LaneBuilder {
             tolerance,
-            workshop,
+            wheel_assembler,
             designs,
             accepted,
             ..
         } = self.builder;
-        let assembler = &workshop.assembler;
+        let assembler = &wheel_assembler.assembler;
         let mechanism = &assembler.suspension().mechanism;
         let shape = Vector3::new(like, like, like);
         let drawn = assembler.drawn().in_lanes(like);
@@ -67,9 +71,9 @@ impl SimdTask for Assembling<'_, '_> {
         let mut first = 0;
         while first < self.count {
             let sources = tolerance.each_source();
-            let changes = sources.map(|source| workshop.changes(source));
+            let changes = sources.map(|source| wheel_assembler.changes(source));
             parts.scatter(mechanism, &drawn, changes, (self.draws, first, BLOCK));
-            let alignment = workshop.alignment.as_ref();
+            let alignment = wheel_assembler.alignment.as_ref();
             let built =
                 assembler.assemble_in_lanes(alignment, &mut parts, &mut carrier, &mut group);
             let lanes = (self.count - first).min(B::LANES);

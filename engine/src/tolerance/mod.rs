@@ -25,7 +25,7 @@ mod expansion;
 mod lanes;
 mod monte_carlo;
 mod order;
-mod workshop;
+mod wheel_assembler;
 mod yields;
 
 pub use car::{CarBuilds, CarExpansion, CarProblem};
@@ -34,18 +34,18 @@ pub use expansion::{Expansion, HOLDS, Remainder};
 pub use monte_carlo::{MonteCarlo, Rejected, Spread, monte_carlo, monte_carlo_in};
 pub use yields::{BandYield, Forecast, Ranking, Yields, rank};
 
-use crate::assembly::NoSetUp;
+use crate::assembly::SetUpError;
 use crate::axle::{Axle, Placement};
 use crate::characteristics::{Characteristic, Quantity};
 use crate::compliance::KcValue;
 use crate::curves::Column;
 use crate::evaluate::{AxleStations, ElasticAxleParts, Request, Stations};
 use crate::model::Side;
-use crate::study::{About, AxleStudy, Band, Study, Tolerance, Vehicle, WheelStudy};
+use crate::study::{AxleStudy, Band, Study, TargetKind, Tolerance, Vehicle, WheelStudy};
 use crate::threads::Interrupt;
 use std::borrow::Cow;
 use std::sync::atomic::AtomicBool;
-use workshop::Workshop;
+use wheel_assembler::WheelAssembler;
 
 /// The percentiles that are reported.
 pub const PERCENTILES: [f64; 7] = [0.5, 1.0, 5.0, 50.0, 95.0, 99.0, 99.5];
@@ -61,8 +61,8 @@ pub struct Problem<'a> {
     request: Request<'static>,
     /// By band: the output and the station of each value, and its limits.
     bands: Vec<Banded>,
-    /// The workshop of each wheel: left, then right.
-    workshops: Vec<Workshop>,
+    /// The assembler of each wheel: left, then right.
+    wheel_assemblers: Vec<WheelAssembler>,
     /// Values of a wheel with elastic parts, in the order of the outputs; empty for rigid ones.
     elastic: Vec<KcValue>,
     /// Ends a Monte Carlo early.
@@ -82,7 +82,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Prepares the tolerances of a study. Errors if its own design cannot be solved or not be aligned.
-    pub fn of(study: &'a Study, tolerance: &'a Tolerance) -> Result<Self, NoSetUp> {
+    pub fn of(study: &'a Study, tolerance: &'a Tolerance) -> Result<Self, SetUpError> {
         match &study.vehicle {
             Vehicle::Wheel(own) => Problem::of_wheel(study, own, tolerance),
             Vehicle::Axle(both) => Problem::of_axle(study, both, tolerance),
@@ -93,7 +93,7 @@ impl<'a> Problem<'a> {
         study: &'a Study,
         own: &WheelStudy,
         tolerance: &'a Tolerance,
-    ) -> Result<Self, NoSetUp> {
+    ) -> Result<Self, SetUpError> {
         if let Some(elastic) = &own.compliance {
             return elastic::problem(study, own, elastic, tolerance);
         }
@@ -124,17 +124,17 @@ impl<'a> Problem<'a> {
         let length = suspension.length_unit;
         let output = |c: &Characteristic| Column::of_characteristic(*c, length);
         let bands = tolerance.bands.iter().map(banded).collect();
-        let workshop = Workshop::of(study, tolerance, suspension, None)?;
+        let wheel_assembler = WheelAssembler::of(study, tolerance, suspension, None)?;
         let quantities = characteristics.iter().copied();
         let quantities = quantities.map(Quantity::Characteristic).collect();
         let columns = characteristics.iter().map(output).collect();
-        let drawn = Cow::Owned(workshop.assembler.suspension().clone());
+        let drawn = Cow::Owned(wheel_assembler.assembler.suspension().clone());
         Ok(Problem {
             study,
             tolerance,
             request: Request::of_corner(drawn, stations, quantities, columns),
             bands,
-            workshops: vec![workshop],
+            wheel_assemblers: vec![wheel_assembler],
             elastic: Vec::new(),
             interrupt: Interrupt::default(),
         })
@@ -144,13 +144,23 @@ impl<'a> Problem<'a> {
         study: &'a Study,
         both: &AxleStudy,
         tolerance: &'a Tolerance,
-    ) -> Result<Self, NoSetUp> {
-        let mut workshops = Vec::new();
+    ) -> Result<Self, SetUpError> {
+        let mut wheel_assemblers = Vec::new();
         for side in Side::ALL {
             let suspension = both.axle.suspension(side);
-            workshops.push(Workshop::of(study, tolerance, suspension, Some(side))?);
+            wheel_assemblers.push(WheelAssembler::of(
+                study,
+                tolerance,
+                suspension,
+                Some(side),
+            )?);
         }
-        let drawn = |side: Side| workshops[side as usize].assembler.suspension().clone();
+        let drawn = |side: Side| {
+            wheel_assemblers[side as usize]
+                .assembler
+                .suspension()
+                .clone()
+        };
         let axle = Axle {
             left: drawn(Side::Left),
             right: Some(drawn(Side::Right)),
@@ -158,11 +168,11 @@ impl<'a> Problem<'a> {
             elastic: both.axle.elastic.clone(),
         };
         let mut plan = both.plan.quantities_alone();
-        let of_motion = plan.course.placements();
-        let at_design = plan.course.at_design().placements();
+        let of_motion = plan.motion.placements();
+        let at_design = plan.motion.at_design().placements();
         let mut wanted = Vec::new();
         for band in &tolerance.bands {
-            let (About::Axle(quantities), between) = (&band.of.about, band.between) else {
+            let (TargetKind::Axle(quantities), between) = (&band.of.kind, band.between) else {
                 unreachable!("a band of an axle");
             };
             for quantity in quantities {
@@ -207,7 +217,7 @@ impl<'a> Problem<'a> {
             tolerance,
             bands,
             request: Request::of_axle(stations),
-            workshops,
+            wheel_assemblers,
             elastic: Vec::new(),
             interrupt: Interrupt::default(),
         })

@@ -3,7 +3,7 @@
 use super::builds::{Builder, Outcome};
 use super::order::{Order, Sifted};
 use super::{PERCENTILES, Problem};
-use crate::assembly::Reject;
+use crate::assembly::AssemblyError;
 use crate::evaluate::{BLOCK, Block};
 use crate::mechanism::DesignFault;
 use crate::model::Side;
@@ -44,7 +44,7 @@ pub struct Rejected {
     /// For an axle: the wheel of the first that cannot be assembled.
     pub side: Option<Side>,
     /// The reason why the first cannot be assembled.
-    pub why: Reject,
+    pub why: AssemblyError,
 }
 
 /// Scatter of a value over builds. In radians and length units.

@@ -6,7 +6,7 @@ use super::super::output::pool;
 use super::super::tolerance::ended;
 use super::super::{interrupt, progress};
 use super::{keep, open};
-use crate::assembly::NoSetUp;
+use crate::assembly::SetUpError;
 use crate::report::CarToleranceSummary;
 use crate::study::{CarStudy, CarTolerance};
 use crate::tolerance::{CarBuilds, CarProblem};
@@ -65,7 +65,7 @@ pub(in crate::cli) fn tolerance(arguments: &ToleranceArguments) -> Result<Exit, 
     )
 }
 
-fn refused(study: &CarStudy, path: &Path, (axle, why): &(usize, NoSetUp)) -> Stop {
+fn refused(study: &CarStudy, path: &Path, (axle, why): &(usize, SetUpError)) -> Stop {
     let reason = crate::scatter::refusal(&study.axles[*axle], why.clone());
     Stop::in_file(path, format!("{} axle: {reason}", ["front", "rear"][*axle]))
 }

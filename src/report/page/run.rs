@@ -402,7 +402,7 @@ fn missed_in_words(missed: &[(&str, String)]) -> String {
     }
 }
 
-/// Targets, moved hardpoints and the course of an optimisation.
+/// Targets, moved hardpoints and the motion of an optimisation.
 fn tuning_sections(tuning: &TuningSummary, history: String, charts: &mut Charts) -> String {
     let unseen: String = tuning
         .unseen()

@@ -34,7 +34,7 @@ fn of_wheel(plan: &SweepPlan, study: &Study) -> Places {
 /// Coordinates that the motion gives for each position. Results (the travels in roll) are left out.
 fn of_axle(AxleStudy { axle, plan, .. }: &AxleStudy) -> Places {
     let columns = GivenColumns { plan, axle };
-    let placements = plan.course.placements().into_iter().enumerate();
+    let placements = plan.motion.placements().into_iter().enumerate();
     let stations = placements.map(|(number, at)| (number, columns.values(number, &at)));
     (columns.names(), stations.collect())
 }

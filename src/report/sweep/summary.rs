@@ -239,7 +239,7 @@ impl SweepSummary {
 
     /// The numbers of at most `most` designs that are worth a look: the best and some of the front or, without targets,
     /// those with the least or the largest value of an output.
-    pub fn telling(&self, most: usize) -> Vec<u64> {
+    pub fn representative_designs(&self, most: usize) -> Vec<u64> {
         let mut telling: Vec<u64> = self.best.iter().map(|d| d.design).collect();
         let front = self.pareto.as_deref().unwrap_or_default();
         let step = front

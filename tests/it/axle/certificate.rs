@@ -2,7 +2,7 @@
 
 use super::axle;
 use super::reference::{names, placement, read};
-use hardpoint::axle::{AxleCertifier, AxleSolver, Hold, Placed, Placement, axle_curves};
+use hardpoint::axle::{AxleCertifier, AxlePose, AxleSolver, Hold, Placement, axle_curves};
 use hardpoint::mechanism::Configuration;
 use hardpoint::model::Side;
 use hardpoint::number::{Interval, Jet, Vector3};
@@ -19,7 +19,7 @@ fn study(name: &str, overrides: &[&str]) -> Study {
 }
 
 /// Positions of the wheel centres, in the kernel's frame of each side.
-fn centres(both: &hardpoint::axle::Axle, placed: &Placed) -> [Vector3<f64>; 2] {
+fn centres(both: &hardpoint::axle::Axle, placed: &AxlePose) -> [Vector3<f64>; 2] {
     [Side::Left, Side::Right].map(|side| {
         let suspension = both.suspension(side);
         let at = Configuration {

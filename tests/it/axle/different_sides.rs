@@ -5,7 +5,7 @@ use super::one_state::axles;
 use super::reference::condition;
 use hardpoint::ask::Unit;
 use hardpoint::axle::{
-    Axle, AxleQuantity as A, AxleSolver, Placed, Placement, Quantity, WheelQuantity as W,
+    Axle, AxlePose, AxleQuantity as A, AxleSolver, Placement, Quantity, WheelQuantity as W,
 };
 use hardpoint::characteristics::Characteristic as C;
 use hardpoint::model::Side::{Left, Right};
@@ -264,14 +264,14 @@ impl<'a> Independent<'a> {
     }
 
     /// Position of a carrier's point that was at `designed`, in the kernel's frame of the side.
-    fn carried(&self, placed: &Placed, side: Side, designed: Vector3<f64>) -> Vector3<f64> {
+    fn carried(&self, placed: &AxlePose, side: Side, designed: Vector3<f64>) -> Vector3<f64> {
         let suspension = self.axle.suspension(side);
         let origin = suspension.design[suspension.mechanism.origin.0];
         let pose = &placed.poses()[side as usize];
         pose.origin + pose.rotation.apply(designed - origin)
     }
 
-    fn wheel(&mut self, placed: &Placed, side: Side, plane: Plane) -> Wheel {
+    fn wheel(&mut self, placed: &AxlePose, side: Side, plane: Plane) -> Wheel {
         let suspension = self.axle.suspension(side);
         let mechanism = &suspension.mechanism;
         let vehicle = |v: Vector3<f64>| match side {
@@ -315,14 +315,14 @@ impl<'a> Independent<'a> {
         }
     }
 
-    fn wheels(&mut self, placed: &Placed) -> ([Wheel; 2], Plane) {
+    fn wheels(&mut self, placed: &AxlePose) -> ([Wheel; 2], Plane) {
         let plane = Plane::at(placed.roll);
         let wheels = [Left, Right].map(|side| self.wheel(placed, side, plane));
         (wheels, plane)
     }
 
     /// The wheels' own outputs: spring forces, motion ratios, angles and motion ratios of the bar's levers.
-    fn own(&mut self, placed: &Placed) -> [[f64; 2]; 4] {
+    fn own(&mut self, placed: &AxlePose) -> [[f64; 2]; 4] {
         let read = self.solver.read(placed).unwrap();
         let has_bar = self.axle.setup.bar_rate.is_some();
         let of = |quantity: Quantity| quantity.evaluate(&read.state);
@@ -337,7 +337,7 @@ impl<'a> Independent<'a> {
     }
 
     /// Loads of both wheels by the virtual work of springs and bar, and the track.
-    fn loads(&mut self, placed: &Placed, bar_rate: f64) -> [f64; 3] {
+    fn loads(&mut self, placed: &AxlePose, bar_rate: f64) -> [f64; 3] {
         let [force, ratio, lever, lever_ratio] = self.own(placed);
         let torque = bar_rate * (lever[0] - lever[1]);
         let (wheels, plane) = self.wheels(placed);
@@ -349,14 +349,14 @@ impl<'a> Independent<'a> {
         [load(0, torque), load(1, -torque), track]
     }
 
-    fn roll_moment(&mut self, placed: &Placed) -> f64 {
+    fn roll_moment(&mut self, placed: &AxlePose) -> f64 {
         let [left, right, track] = self.loads(placed, self.axle.setup.bar_rate.unwrap_or(0.0));
         0.5 * track * (right - left)
     }
 
     /// Roll centre: height over the mean of both contact points, and distance to the left of midway between them. Both
     /// normals to the velocities of the contact points run through it.
-    fn roll_centre(&mut self, placed: &Placed) -> [f64; 2] {
+    fn roll_centre(&mut self, placed: &AxlePose) -> [f64; 2] {
         let (wheels, plane) = self.wheels(placed);
         let along = |v: Vector3<f64>| [plane.left.dot(v), plane.normal.dot(v)];
         let [[a, b], [c, d]] = [along(wheels[0].velocity), along(wheels[1].velocity)];
@@ -371,7 +371,7 @@ impl<'a> Independent<'a> {
         ]
     }
 
-    fn jacking(&mut self, placed: &Placed) -> [f64; 2] {
+    fn jacking(&mut self, placed: &AxlePose) -> [f64; 2] {
         let (wheels, plane) = self.wheels(placed);
         let ratio = |wheel: &Wheel, outboard: f64| {
             outboard * wheel.velocity.dot(plane.left) / wheel.velocity.dot(plane.normal)
@@ -379,14 +379,14 @@ impl<'a> Independent<'a> {
         [ratio(&wheels[0], 1.0), ratio(&wheels[1], -1.0)]
     }
 
-    fn force_height(&mut self, placed: &Placed) -> f64 {
+    fn force_height(&mut self, placed: &AxlePose) -> f64 {
         let [left, right] = self.jacking(placed);
         let (wheels, plane) = self.wheels(placed);
         plane.left.dot(wheels[0].contact - wheels[1].contact) * (left + right) / 4.0
     }
 
     /// Camber, camber to the ground and steer of both wheels.
-    fn angles(&mut self, placed: &Placed) -> [f64; 6] {
+    fn angles(&mut self, placed: &AxlePose) -> [f64; 6] {
         let (wheels, plane) = self.wheels(placed);
         let steer = |wheel: &Wheel, side: f64| {
             // The wheel looks along z x a, turned to the front.
@@ -409,7 +409,7 @@ impl<'a> Independent<'a> {
         &mut self,
         step: f64,
         placement: impl Fn(f64) -> Placement,
-        of: impl Fn(&mut Self, &Placed) -> [f64; N],
+        of: impl Fn(&mut Self, &AxlePose) -> [f64; N],
     ) -> [f64; N] {
         derivative(step, |by| {
             let placed = self.solver.place(&placement(by)).unwrap();
@@ -462,7 +462,7 @@ fn from_above(wheels: &[Wheel; 2], steer: [f64; 2], axle: &Axle) -> FromAbove {
 /// Values of quantities by this evaluation.
 type Values = Vec<(Quantity, f64)>;
 
-fn wheel_values(both: &mut Independent<'_>, placed: &Placed, values: &mut Values) {
+fn wheel_values(both: &mut Independent<'_>, placed: &AxlePose, values: &mut Values) {
     let (wheels, plane) = both.wheels(placed);
     let angles = both.angles(placed);
     let jacking = both.jacking(placed);
@@ -497,7 +497,7 @@ fn wheel_values(both: &mut Independent<'_>, placed: &Placed, values: &mut Values
     }
 }
 
-fn axle_values(both: &mut Independent<'_>, placed: &Placed, values: &mut Values) {
+fn axle_values(both: &mut Independent<'_>, placed: &AxlePose, values: &mut Values) {
     let axle = both.axle;
     let (wheels, plane) = both.wheels(placed);
     let mut add = |q: A, value: f64| values.push((Quantity::Axle(q), value));

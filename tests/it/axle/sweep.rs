@@ -87,7 +87,7 @@ fn rows_are_what_the_designs_own_curves_have() {
 fn designs_that_fail_say_so() {
     let mut study = study("[axle]\nright = \"mirrored\"");
     if let Some(axle) = study.axle_mut() {
-        let stations = axle.plan.course.along(hardpoint::axle::Coordinate::Heave);
+        let stations = axle.plan.motion.along(hardpoint::axle::Coordinate::Heave);
         *stations.unwrap() = vec![0.0, 900.0];
     }
     let plan = SweepPlan::of(&study, study.sweep.as_ref().unwrap()).unwrap();

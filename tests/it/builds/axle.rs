@@ -110,7 +110,7 @@ fn a_printed_build_is_the_build() {
     let stations = curves[0].stations.len();
     assert_eq!(
         problem.placements()[..stations],
-        study.axle().unwrap().plan.course.placements()
+        study.axle().unwrap().plan.motion.placements()
     );
     for (k, column) in curves[0].columns.iter().enumerate() {
         for station in 0..stations {

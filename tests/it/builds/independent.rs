@@ -4,7 +4,7 @@
 use super::other_equations::{Drawing, Motion, Parts, Reading, Solved};
 use super::{assembler, parameter, plan, study};
 use crate::support::{number, random::Random};
-use hardpoint::assembly::{Assembler, BuildParameter, Built, Reject, Rest, built_curves};
+use hardpoint::assembly::{Assembler, AssemblyError, BuildParameter, Built, Rest, built_curves};
 use hardpoint::bench::DoubleDouble;
 use hardpoint::model::Axis;
 use hardpoint::number::{Scalar, Vector3};
@@ -193,7 +193,7 @@ impl Case {
         (theirs, ours)
     }
 
-    fn build(&self, changes: &[f64]) -> (Result<Built, Reject>, Parts<DoubleDouble>) {
+    fn build(&self, changes: &[f64]) -> (Result<Built, AssemblyError>, Parts<DoubleDouble>) {
         let (theirs, ours) = self.parts(changes);
         (self.assembler.build(&theirs, Rest::Height(0.0)), ours)
     }

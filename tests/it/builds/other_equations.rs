@@ -259,12 +259,12 @@ impl Drawing {
 
     /// Positions of all points in a pose.
     fn places<T: Scalar>(&self, parts: &Parts<T>, rack: f64, x: &[T]) -> Vec<V<T>> {
-        let drawn = |id: usize| self.points[id].map(|c| x[0].lit(c));
+        let drawn = |id: usize| self.points[id].map(|c| x[0].constant(c));
         let carried = |p: V<T>| self.carried(parts, x, p);
         let mut places: Vec<V<T>> = Vec::with_capacity(parts.points.len());
         for (point, on) in parts.points.iter().zip(&self.on) {
             places.push(match (on, self.strut) {
-                (On::Rack, _) => V::new(point.x, point.y + x[0].lit(rack), point.z),
+                (On::Rack, _) => V::new(point.x, point.y + x[0].constant(rack), point.z),
                 (On::Carrier, _) => carried(*point),
                 (On::StrutRod, Some((top, ..))) => {
                     parts.points[top] + turned(x, *point - drawn(top))
@@ -311,11 +311,11 @@ impl Drawing {
     }
 
     fn residuals<T: Scalar>(&self, parts: &Parts<T>, at: Motion, x: &[T]) -> Vec<T> {
-        let drawn = |id: usize| self.points[id].map(|c| x[0].lit(c));
+        let drawn = |id: usize| self.points[id].map(|c| x[0].constant(c));
         let places = self.places(parts, at.rack, x);
         let mut rows = Vec::with_capacity(x.len());
         rows.push(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6] - x[0].one());
-        rows.push(x[2] - drawn(self.centre).z - x[0].lit(at.travel));
+        rows.push(x[2] - drawn(self.centre).z - x[0].constant(at.travel));
         for ((_, [a, b]), length) in self.members.iter().zip(&parts.lengths) {
             let d = places[*a] - places[*b];
             rows.push((d.dot(d) - *length * *length) / (*length + *length));
@@ -390,7 +390,7 @@ impl Drawing {
             };
             let mut moved = 0.0_f64;
             for (j, (x, step)) in x.iter_mut().zip(step.iter()).enumerate() {
-                *x = *x - x.lit(*step);
+                *x = *x - x.constant(*step);
                 moved += (self.weight(j) * step).abs();
             }
             if moved.is_nan() || moved > FARTHEST {
@@ -515,7 +515,7 @@ impl Drawing {
 /// v turned by the quaternion among the unknowns: v + 2 w a x v + 2 a x (a x v).
 fn turned<T: Scalar>(x: &[T], v: V<T>) -> V<T> {
     let axis = V::new(x[4], x[5], x[6]);
-    let t = axis.cross(v) * x[0].lit(2.0);
+    let t = axis.cross(v) * x[0].constant(2.0);
     v + t * x[3] + axis.cross(t)
 }
 

@@ -2,7 +2,7 @@
 
 use super::{assembler, parameter, study};
 use crate::support::random::Random;
-use hardpoint::assembly::{Built, NoSetUp, Rest, SetUp, Static, built_curves};
+use hardpoint::assembly::{Built, Rest, SetUp, SetUpError, Static, built_curves};
 use hardpoint::characteristics::Characteristic;
 use hardpoint::model::{Axis, FrameConvention, LengthUnit, Side};
 use hardpoint::plan::Plan;
@@ -184,7 +184,7 @@ fn aims_out_of_reach_are_named_alone() {
         let study = study("double_wishbone_tolerance", &[want]);
         let setup = study.setup.as_ref().unwrap();
         match SetUp::solve(&study, setup, &assembler(&study)) {
-            Err(NoSetUp::OutOfReach(missed)) => missed,
+            Err(SetUpError::OutOfReach(missed)) => missed,
             other => panic!("{other:?}"),
         }
     };

@@ -336,7 +336,7 @@ impl Chart {
         let (position, turn) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
         let rotation = rotation(cell);
         let one = Interval::point(1.0);
-        let twice = one.lit(2.0) / (one + a.squared() + b.squared() + c.squared());
+        let twice = one.constant(2.0) / (one + a.squared() + b.squared() + c.squared());
         let row = |lever: Vector3<Interval>, gradient: Vector3<Interval>| {
             let moment = lever.cross(gradient);
             let by_turn = (moment + moment.cross(turn)) * twice;
@@ -350,7 +350,7 @@ impl Chart {
             let along = position + lever - rod.inner;
             let squared = along.x.squared() + along.y.squared() + along.z.squared();
             f[k] = (squared - rod.squared).scaled(0.5 * rod.scale);
-            jacobian[k] = row(lever, along * one.lit(rod.scale));
+            jacobian[k] = row(lever, along * one.constant(rod.scale));
         }
         let lever = apply(&rotation, self.wheel_lever);
         f[5] = position.z + lever.z - self.height;
@@ -379,7 +379,7 @@ fn rotation(cell: &Cell) -> [Vector3<Interval>; 3] {
     let v = [cell[3], cell[4], cell[5]];
     let squares = v.map(Real::squared);
     let one = Interval::point(1.0);
-    let twice = one.lit(2.0) / (one + squares[0] + squares[1] + squares[2]);
+    let twice = one.constant(2.0) / (one + squares[0] + squares[1] + squares[2]);
     let unit = Interval::bounds(-1.0, 1.0);
     let within = |entry: Interval| entry.common(unit).unwrap_or(unit);
     // 1 - 2 t/(1 + x^2 + t) with t the other two squares: t/(s + t) grows with t and falls with s.

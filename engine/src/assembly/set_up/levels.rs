@@ -1,7 +1,7 @@
 //! The first level: threads meet their aims exactly, whatever the shims are.
 
 use super::problem::Problem;
-use super::{AdjustedSuspension, NoSetUp};
+use super::{AdjustedSuspension, SetUpError};
 use nalgebra::{DMatrix, DVector};
 
 /// Maximum number of steps of Newton's method.
@@ -69,7 +69,7 @@ impl Problem<'_> {
         state: AdjustedSuspension,
         aims: &[usize],
         adjustments: &[usize],
-    ) -> Result<AdjustedSuspension, NoSetUp> {
+    ) -> Result<AdjustedSuspension, SetUpError> {
         self.settle(state, aims, |state, aims| {
             self.newton(state, aims, adjustments)
         })
@@ -82,7 +82,7 @@ impl Problem<'_> {
         state: AdjustedSuspension,
         aims: &[usize],
         iteration: impl Fn(AdjustedSuspension, &[usize]) -> End,
-    ) -> Result<AdjustedSuspension, NoSetUp> {
+    ) -> Result<AdjustedSuspension, SetUpError> {
         let mut left = aims.to_vec();
         let mut ended = iteration(state, &left);
         loop {

@@ -65,7 +65,7 @@ mod levels;
 mod problem;
 mod shims;
 
-use super::assembler::{Assembler, Reject};
+use super::assembler::{Assembler, AssemblyError};
 use super::rest::Built;
 use crate::characteristics::Characteristic;
 use crate::mechanism::DesignFault;
@@ -147,7 +147,7 @@ pub struct SetUp {
 
 /// A missed aim.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Miss {
+pub struct MissedTarget {
     /// The static value.
     pub of: Static,
     /// Value at which it ends, in printed units.
@@ -158,15 +158,15 @@ pub struct Miss {
 
 /// Reason for which a set-up has no answer.
 #[derive(Clone, Debug, PartialEq)]
-pub enum NoSetUp {
+pub enum SetUpError {
     /// The parts of the design, or parts a little adjusted, cannot be put together.
-    Reject(Reject),
+    AssemblyError(AssemblyError),
     /// The assembled parts form a design that cannot move.
     Fault(DesignFault),
     /// No adjustment moves a value that must be held.
     Unsettled,
     /// The adjustments cannot meet these aims.
-    OutOfReach(Vec<Miss>),
+    OutOfReach(Vec<MissedTarget>),
     /// The aims take an adjustment that no workshop makes: more than a tenth of the suspension's size.
     Absurd {
         /// Number of the adjustment.
@@ -176,27 +176,27 @@ pub enum NoSetUp {
     },
 }
 
-impl From<Reject> for NoSetUp {
-    fn from(reject: Reject) -> Self {
-        NoSetUp::Reject(reject)
+impl From<AssemblyError> for SetUpError {
+    fn from(reject: AssemblyError) -> Self {
+        SetUpError::AssemblyError(reject)
     }
 }
 
-impl From<DesignFault> for NoSetUp {
+impl From<DesignFault> for SetUpError {
     fn from(fault: DesignFault) -> Self {
-        NoSetUp::Fault(fault)
+        SetUpError::Fault(fault)
     }
 }
 
 impl SetUp {
     /// Solves for the adjustments that give the wanted values of a study.
-    pub fn solve(study: &Study, setup: &Setup, assembler: &Assembler) -> Result<SetUp, NoSetUp> {
+    pub fn solve(study: &Study, setup: &Setup, assembler: &Assembler) -> Result<SetUp, SetUpError> {
         let (problem, drawn) = Problem::of(study, setup, assembler)?;
         let (state, levels) = problem.solve(&drawn)?;
         let most = FARTHEST * assembler.suspension().size();
         let mut amounts = state.amounts.iter().copied().enumerate();
         if let Some((adjustment, amount)) = amounts.find(|(_, amount)| amount.abs() > most) {
-            return Err(NoSetUp::Absurd { adjustment, amount });
+            return Err(SetUpError::Absurd { adjustment, amount });
         }
         let order = problem.order(&drawn);
         let mut amounts = vec![0.0; order.len()];
@@ -224,7 +224,7 @@ impl SetUp {
     }
 
     /// Returns the state of the nominal design with the effects of each adjustment, even if there is no set-up.
-    pub fn drawn(study: &Study, setup: &Setup, assembler: &Assembler) -> Result<SetUp, NoSetUp> {
+    pub fn drawn(study: &Study, setup: &Setup, assembler: &Assembler) -> Result<SetUp, SetUpError> {
         let (problem, drawn) = Problem::of(study, setup, assembler)?;
         Ok(SetUp {
             allowed: vec![0.0; problem.statics.len()],

@@ -1,7 +1,9 @@
 //! The static values of a set-up, their aims, and states of the adjusted suspension.
 
 use super::levels::{Levels, felt};
-use super::{AdjustedSuspension, Aim, MET, Miss, NoSetUp, PARTS_OF_A_TURN, Static, is_continuous};
+use super::{
+    AdjustedSuspension, Aim, MET, MissedTarget, PARTS_OF_A_TURN, SetUpError, Static, is_continuous,
+};
 use crate::ask::Unit;
 use crate::assembly::assembler::Assembler;
 use crate::assembly::derivatives::built_curves;
@@ -36,7 +38,7 @@ impl<'a> Problem<'a> {
         study: &Study,
         setup: &Setup,
         assembler: &'a Assembler,
-    ) -> Result<(Self, AdjustedSuspension), NoSetUp> {
+    ) -> Result<(Self, AdjustedSuspension), SetUpError> {
         let characteristics = characteristics(study, setup);
         let lifts = setup.adjust.iter().any(|a| lifts(a, study));
         let length = study.wheel().length_unit;
@@ -150,7 +152,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Puts the parts together with these amounts of the adjustments.
-    pub(super) fn state(&self, amounts: &[f64]) -> Result<AdjustedSuspension, NoSetUp> {
+    pub(super) fn state(&self, amounts: &[f64]) -> Result<AdjustedSuspension, SetUpError> {
         let mechanism = &self.assembler.suspension().mechanism;
         let mut parts = self.assembler.drawn().clone();
         for (direction, amount) in self.directions.iter().zip(amounts) {
@@ -201,17 +203,17 @@ impl<'a> Problem<'a> {
     }
 
     /// Names those of these values that miss their aims. A value that does not exist misses its aim.
-    pub(super) fn out_of_reach(&self, state: &AdjustedSuspension, values: &[usize]) -> NoSetUp {
+    pub(super) fn out_of_reach(&self, state: &AdjustedSuspension, values: &[usize]) -> SetUpError {
         let missed = values.iter().filter_map(|i| {
             let (value, wanted) = (state.values[*i], self.aims[*i].value()?);
             let met = (value - wanted).abs() <= MET;
-            (!met).then_some(Miss {
+            (!met).then_some(MissedTarget {
                 of: self.statics[*i],
                 value,
                 wanted,
             })
         });
-        NoSetUp::OutOfReach(missed.collect())
+        SetUpError::OutOfReach(missed.collect())
     }
 
     /// Smallest change of an adjustment that a mechanic makes.

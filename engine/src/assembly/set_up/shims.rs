@@ -2,7 +2,7 @@
 
 use super::levels::{End, Levels, least_step};
 use super::problem::Problem;
-use super::{AdjustedSuspension, MET, NoSetUp};
+use super::{AdjustedSuspension, MET, SetUpError};
 use nalgebra::{DMatrix, DVector};
 
 /// Maximum number of shims whose two neighbours are both tried, which gives 2^10 combinations. The others are rounded.
@@ -17,7 +17,7 @@ impl Problem<'_> {
     pub(super) fn solve(
         &self,
         drawn: &AdjustedSuspension,
-    ) -> Result<(AdjustedSuspension, Levels), NoSetUp> {
+    ) -> Result<(AdjustedSuspension, Levels), SetUpError> {
         let levels = self.levels(drawn);
         let real = if levels.rest.is_empty() {
             let all: Vec<usize> = (0..self.increments.len()).collect();
@@ -61,7 +61,7 @@ impl Problem<'_> {
         &self,
         state: AdjustedSuspension,
         levels: &Levels,
-    ) -> Result<AdjustedSuspension, NoSetUp> {
+    ) -> Result<AdjustedSuspension, SetUpError> {
         if levels.shims.is_empty() {
             return Ok(state);
         }
@@ -80,7 +80,7 @@ impl Problem<'_> {
     }
 
     /// The state with these shims, in which the threads meet their aims: `X(z)` of equation (2).
-    fn with_threads(&self, amounts: &[f64], levels: &Levels) -> Result<End, NoSetUp> {
+    fn with_threads(&self, amounts: &[f64], levels: &Levels) -> Result<End, SetUpError> {
         Ok(self.newton(self.state(amounts)?, &levels.exact, &levels.threads))
     }
 
@@ -89,7 +89,7 @@ impl Problem<'_> {
         &self,
         real: &AdjustedSuspension,
         levels: &Levels,
-    ) -> Result<AdjustedSuspension, NoSetUp> {
+    ) -> Result<AdjustedSuspension, SetUpError> {
         let mut best: Option<(bool, f64, f64, AdjustedSuspension)> = None;
         let mut refused = None;
         for amounts in self.neighbours(real, levels) {
@@ -123,7 +123,7 @@ impl Problem<'_> {
         match (best, refused) {
             (Some((.., state)), _) => Ok(state),
             (None, Some(reason)) => Err(reason),
-            (None, None) => Err(NoSetUp::Unsettled),
+            (None, None) => Err(SetUpError::Unsettled),
         }
     }
 

@@ -137,7 +137,7 @@ fn aims_are_met_to_rounding() {
             state.values[*i] = problem.aims[*i].value().unwrap();
         }
         let missed = |state: &AdjustedSuspension| match problem.out_of_reach(state, &targets) {
-            NoSetUp::OutOfReach(missed) => missed.iter().map(|m| m.of).collect::<Vec<_>>(),
+            SetUpError::OutOfReach(missed) => missed.iter().map(|m| m.of).collect::<Vec<_>>(),
             other => panic!("{other:?}"),
         };
         assert_eq!(missed(&state), []);
@@ -201,7 +201,7 @@ fn adjustments_beyond_a_tenth_of_the_size_are_refused() {
     };
     assert!((at(-0.09).unwrap() + 0.09).abs() < 1e-9);
     match at(-0.11) {
-        Err(NoSetUp::Absurd { adjustment: 0, .. }) => {}
+        Err(SetUpError::Absurd { adjustment: 0, .. }) => {}
         other => panic!("{other:?}"),
     }
 }

@@ -1,6 +1,6 @@
 //! Curves of an axle with elastic parts: its equilibria over the motion.
 
-use super::super::places::{motion, place};
+use super::super::places::{motion_columns, place};
 use super::super::{Axle, AxleColumn, AxleCurves, AxlePlan};
 use super::{AxleRead, Equilibria};
 use crate::ask::NoValue;
@@ -21,7 +21,7 @@ pub(in crate::axle) fn curves(
     let columns = plan.columns(axle);
     let reads: Vec<AxleRead> = columns.iter().filter_map(AxleColumn::read).collect();
     let mut found = Curves {
-        motion: motion(&plan.course, axle),
+        motion: motion_columns(&plan.motion, axle),
         columns: columns.iter().map(Column::from).collect(),
         ..Curves::default()
     };
@@ -33,8 +33,8 @@ pub(in crate::axle) fn curves(
         columns,
         tape: Tape::default(),
     };
-    for (number, placement) in plan.course.placements().iter().enumerate() {
-        let at = place(&plan.course, axle, (number, placement), None);
+    for (number, placement) in plan.motion.placements().iter().enumerate() {
+        let at = place(&plan.motion, axle, (number, placement), None);
         let read = match placement.on_level_pads() {
             Some(place) => reader.read(number, place).map_err(NoPose::from),
             None => Err(NoPose::NoGround),

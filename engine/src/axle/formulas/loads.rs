@@ -17,7 +17,7 @@ pub(crate) fn spring_force<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>,
     let (length, _, design) = state.wheel(side).reading.spring_length();
     match &state.setup.springs {
         Some(springs) => springs[side as usize].force(length, design),
-        None => state.like().lit(f64::NAN),
+        None => state.like().constant(f64::NAN),
     }
 }
 
@@ -39,7 +39,7 @@ pub(crate) fn bar_torque<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -
 fn rocker_forces<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> RockerForces<T> {
     let motions = state.readings.each_ref().map(RockerMotion::read);
     let laws = &state.setup.rocker_springs;
-    laws.map(|c| state.like().lit(c)).forces(&motions)
+    laws.map(|c| state.like().constant(c)).forces(&motions)
 }
 
 /// Force of the heave spring.
@@ -75,7 +75,7 @@ fn sprung_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side)
         None => None,
     };
     if state.setup.rocker_springs.are_none() {
-        return own.unwrap_or_else(|| state.like().lit(f64::NAN));
+        return own.unwrap_or_else(|| state.like().constant(f64::NAN));
     }
     let shared = rocker_forces(state).work[side as usize] / state.wheel(side).rise();
     match own {
@@ -163,9 +163,9 @@ pub(crate) fn roll_stiffness_on_road<T: Scalar, W: WheelParts<T>>(state: &AxleSt
 /// Roll moment by roll angle on a plane ground, the sum of the wheel loads and the rack held.
 pub(crate) fn roll_stiffness_at_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let plane = state.on_plane();
-    let (rolling, heaving) = (plane.moving(Motion::Roll), plane.moving(Motion::Heave));
-    let sinking = axle_load(&rolling)[1] / axle_load(&heaving)[1];
-    roll_moment(&rolling)[1] - roll_moment(&heaving)[1] * sinking
+    let (rolling, derivative_by_heave) = (plane.moving(Motion::Roll), plane.moving(Motion::Heave));
+    let sinking = axle_load(&rolling)[1] / axle_load(&derivative_by_heave)[1];
+    roll_moment(&rolling)[1] - roll_moment(&derivative_by_heave)[1] * sinking
 }
 
 /// Half the load that the axle gains by heave of the wheel centres, of the springs alone. The rack is held, on a plane
@@ -179,7 +179,7 @@ pub(crate) fn ride_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) ->
     let rate = ride_rate_without_tyres(state);
     match state.setup.tyre_rate {
         None => rate,
-        Some(tyre) => in_series(rate, rate.lit(tyre)),
+        Some(tyre) => in_series(rate, rate.constant(tyre)),
     }
 }
 
@@ -206,5 +206,5 @@ pub(crate) fn wheel_hop_frequency<T: Scalar, W: WheelParts<T>>(state: &AxleState
         true => axle_load(&state.on_pads().moving(Motion::Heave))[1].scaled(0.5),
         false => (wheel_rate(state, Side::Left) + wheel_rate(state, Side::Right)).scaled(0.5),
     };
-    frequency(state, rate + rate.lit(tyre), state.setup.unsprung_mass)
+    frequency(state, rate + rate.constant(tyre), state.setup.unsprung_mass)
 }

@@ -124,8 +124,8 @@ impl<T: Real> Turn<T> {
             inner: [inner_axis_x.scaled(-forward), inner_axis_y],
             outer: [outer_axis_x.scaled(forward), outer_axis_y],
             ahead: [
-                (inner_x - middle).scaled(forward) + like.lit(wheelbase),
-                (outer_x - middle).scaled(forward) + like.lit(wheelbase),
+                (inner_x - middle).scaled(forward) + like.constant(wheelbase),
+                (outer_x - middle).scaled(forward) + like.constant(wheelbase),
             ],
             across: left_centre.y + right_centre.y,
             design_across: left_design.y + right_design.y,
@@ -175,7 +175,7 @@ pub(crate) fn ackermann_by_inner<T: Real, W: WheelParts<T>>(state: &AxleState<T,
     let turn = Turn::of(state);
     let [inner, outer] = turn.angles();
     let [sine, cosine] = turn.outer;
-    let length = sine.lit(state.setup.wheelbase.unwrap_or(f64::NAN));
+    let length = sine.constant(state.setup.wheelbase.unwrap_or(f64::NAN));
     let ideal = (length * sine).atan2(length * cosine - turn.design_across * sine);
     ((inner - outer) / (ideal - outer)).scaled(100.0)
 }
@@ -185,7 +185,7 @@ pub(crate) fn ackermann_by_inner<T: Real, W: WheelParts<T>>(state: &AxleState<T,
 pub(crate) fn ackermann_by_cotangents<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let turn = Turn::of(state);
     let [inner, outer] = turn.cotangents();
-    let length = inner.lit(state.setup.wheelbase.unwrap_or(f64::NAN));
+    let length = inner.constant(state.setup.wheelbase.unwrap_or(f64::NAN));
     ((outer - inner) * length / turn.design_across).scaled(100.0)
 }
 

@@ -23,7 +23,7 @@ impl LaneReader<'_> {
     #[inline(always)]
     pub fn slopes<B: SimdReal>(&self, read: &LaneInputs<B>, to: &mut [f64], stride: usize) {
         let inputs = &read.inputs;
-        let unknown = inputs.turn.x.lit(f64::NAN);
+        let unknown = inputs.turn.x.constant(f64::NAN);
         let mut takes_series = false;
         for (number, rule) in self.rules.iter().enumerate() {
             let slope = match (rule, self.quantities[number]) {

@@ -11,13 +11,13 @@ mod watching;
 pub use gradients::ByDirections;
 
 use super::gains::angle_of_gain;
-use super::reading::Asked;
+use super::reading::ReadSet;
 use super::{Characteristic, Constants, Inputs, Quantity, Slot, Slots};
 use crate::derive::DesignedSpinAxis;
 use crate::model::{Axis, Body, Drive, Mechanism, PointId, RockerId};
 use crate::number::{SimdReal, Vector3};
-use crate::solve::{Batch, KnucklePoint, KnuckleVector, LaneDesign};
-use watching::RodsOnTheirWay;
+use crate::solve::{CornerTracker, KnucklePoint, KnuckleVector, LaneDesign};
+use watching::ToggleWatch;
 
 /// Reads quantities off poses in lanes.
 #[derive(Clone, Debug)]
@@ -66,7 +66,7 @@ pub struct LaneInputs<B> {
     points: Vec<[Vector3<B>; 2]>,
     /// Velocity of the wheel centre and angular velocity by the rack, the travel held.
     by_rack: [Vector3<B>; 2],
-    rods: RodsOnTheirWay<B>,
+    rods: ToggleWatch<B>,
 }
 
 impl<B> LaneInputs<B> {
@@ -101,7 +101,7 @@ impl<'a> LaneReader<'a> {
     /// A reader of these quantities; `None` if one of them cannot be read in lanes.
     pub fn new(
         mechanism: &'a Mechanism,
-        batch: &Batch<'_>,
+        batch: &CornerTracker<'_>,
         constants: Constants,
         quantities: Vec<Quantity>,
     ) -> Option<Self> {
@@ -140,7 +140,7 @@ impl<'a> LaneReader<'a> {
     /// if lanes cannot read one of them.
     pub fn of_slots(
         mechanism: &'a Mechanism,
-        batch: &Batch<'_>,
+        batch: &CornerTracker<'_>,
         constants: Constants,
         slots: Slots,
         rates: bool,
@@ -151,13 +151,13 @@ impl<'a> LaneReader<'a> {
     /// A reader of these slots and of the coordinates of these points. `None` if one of them cannot be read in lanes.
     fn reading(
         mechanism: &'a Mechanism,
-        batch: &Batch<'_>,
+        batch: &CornerTracker<'_>,
         constants: Constants,
         slots: Slots,
         points: Vec<PointId>,
         rates: bool,
     ) -> Option<Self> {
-        let mut asked = Asked::by(mechanism, slots);
+        let mut asked = ReadSet::by(mechanism, slots);
         if asked.steering_axis && !batch.steers_about(mechanism.steering_axis) {
             return None;
         }
@@ -250,14 +250,14 @@ impl<'a> LaneReader<'a> {
     /// Storage for the inputs, all NaN.
     #[inline(always)]
     pub fn inputs<B: SimdReal>(&self, like: B) -> LaneInputs<B> {
-        let unknown = like.lit(f64::NAN);
+        let unknown = like.constant(f64::NAN);
         let inputs = Inputs::unknown(unknown, self.constants);
         let nothing = inputs.turn;
         LaneInputs {
             inputs,
             points: vec![[nothing; 2]; self.points.len()],
             by_rack: [nothing; 2],
-            rods: RodsOnTheirWay::of(self.rockers.len(), unknown),
+            rods: ToggleWatch::of(self.rockers.len(), unknown),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Reads the parts of poses in lanes.
 
 use super::{LaneInputs, LaneReader, LaneWheels};
-use crate::characteristics::reading::{Moving, Posed};
+use crate::characteristics::reading::{Moving, PoseReader};
 use crate::mechanism::{Configuration, Twist};
 use crate::model::{PointId, RockerId};
 use crate::number::{Outlined, SimdReal, Vector3};
@@ -17,7 +17,7 @@ const STEEPEST_SPIN_AXIS: f64 = 0.9;
 
 impl LaneReader<'_> {
     /// Reads the inputs of formulas from a pose, with their velocities if `rates` is true. Returns the accepted lanes: those in
-    /// which every input is well determined (see [`Batch`](crate::solve::Batch)), and in which no rod can have reached a toggle
+    /// which every input is well determined (see [`CornerTracker`](crate::solve::CornerTracker)), and in which no rod can have reached a toggle
     /// since the previous station.
     #[inline(always)]
     pub fn read<B: SimdReal>(
@@ -72,7 +72,7 @@ impl<B: SimdReal, P: LanePose<B>> Outlined for ReadingPose<'_, '_, B, P> {
             false => None,
         };
         if let Some(rates) = &rates {
-            accepted = at.knows(rates);
+            accepted = at.velocity_is_reliable(rates);
             inputs.turn = rates.turn();
             if let (true, Some(at)) = (reader.watches_rods(), &configuration) {
                 accepted = accepted & rods.watch(&reader.rockers, at, &rates.twist());
@@ -124,15 +124,15 @@ impl<B: SimdReal, P: LanePose<B>> PoseInLanes<'_, '_, '_, B, P> {
     /// Lanes are accepted where a rocker is far from its toggle.
     #[inline(always)]
     fn require_leverage(&mut self, squared: B) {
-        self.accepted = self.accepted & squared.lit(LEAST_LEVERAGE).less(squared);
+        self.accepted = self.accepted & squared.constant(LEAST_LEVERAGE).less(squared);
     }
 }
 
-impl<B: SimdReal, P: LanePose<B>> Posed<B> for PoseInLanes<'_, '_, '_, B, P> {
+impl<B: SimdReal, P: LanePose<B>> PoseReader<B> for PoseInLanes<'_, '_, '_, B, P> {
     #[inline(always)]
     fn spin_axis(&mut self) -> Moving<Vector3<B>> {
         let now = self.at.vector(&self.wheels.spin_axis);
-        self.accepted = self.accepted & now.z.abs().less(now.z.lit(STEEPEST_SPIN_AXIS));
+        self.accepted = self.accepted & now.z.abs().less(now.z.constant(STEEPEST_SPIN_AXIS));
         let mut axis = Moving::without_rate(now);
         if let Some(rates) = self.rates {
             axis.rate = Some(rates.vector(now));

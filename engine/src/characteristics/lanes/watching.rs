@@ -6,14 +6,14 @@ use crate::number::{Outlined, SimdReal};
 
 /// The places of the rods of rockers at stations visited before.
 #[derive(Clone, Debug)]
-pub(super) struct RodsOnTheirWay<B> {
+pub(super) struct ToggleWatch<B> {
     /// At the first station and at the last.
     rods: Vec<[RodReach<B>; 2]>,
     /// True if a station at this rack displacement has been visited.
     has_begun: bool,
 }
 
-impl<B> RodsOnTheirWay<B> {
+impl<B> ToggleWatch<B> {
     /// Makes ready for stations at another rack displacement.
     #[inline(always)]
     pub(super) fn begin(&mut self) {
@@ -21,11 +21,11 @@ impl<B> RodsOnTheirWay<B> {
     }
 }
 
-impl<B: SimdReal> RodsOnTheirWay<B> {
+impl<B: SimdReal> ToggleWatch<B> {
     /// A watch over this number of rockers that has seen no rod yet; `nothing` is a NaN.
     #[inline(always)]
     pub(super) fn of(rockers: usize, nothing: B) -> Self {
-        RodsOnTheirWay {
+        ToggleWatch {
             rods: vec![[RodReach::filled(nothing); 2]; rockers],
             has_begun: false,
         }
@@ -54,7 +54,7 @@ struct Watching<'i, B: SimdReal> {
     rockers: &'i [RockerId],
     at: &'i Configuration<'i, B>,
     motion: &'i Twist<B>,
-    on_their_way: &'i mut RodsOnTheirWay<B>,
+    on_their_way: &'i mut ToggleWatch<B>,
 }
 
 impl<B: SimdReal> Outlined for Watching<'_, B> {
@@ -62,7 +62,7 @@ impl<B: SimdReal> Outlined for Watching<'_, B> {
     #[inline(always)]
     fn work(self) -> B::Mask {
         let mut right = self.at.rack.everywhere();
-        let RodsOnTheirWay { rods, has_begun } = self.on_their_way;
+        let ToggleWatch { rods, has_begun } = self.on_their_way;
         for ([first, last], id) in rods.iter_mut().zip(self.rockers) {
             let rod = self.at.moving_rod(*id, self.motion);
             let before = match *has_begun {

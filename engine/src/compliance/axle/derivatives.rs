@@ -48,7 +48,7 @@ impl<T: Scalar> ElasticAxle<T> {
         task: &AxleTask<T>,
     ) -> Option<AxleEquilibrium<T>> {
         let like = self.like();
-        let mut state = at.map(|c| like.lit(c));
+        let mut state = at.map(|c| like.constant(c));
         if self.shared.rack.is_none() {
             state.around.rack = task.rack;
         }

@@ -198,9 +198,9 @@ impl<T: Scalar> ElasticAxle<T> {
 
     fn level(&self, travels: [f64; 2], rack: f64) -> AxleTask<T> {
         let like = self.like();
-        let task = |travel: f64| level_task(like.lit(travel), like.zero());
+        let task = |travel: f64| level_task(like.constant(travel), like.zero());
         AxleTask {
-            rack: like.lit(rack),
+            rack: like.constant(rack),
             wheels: travels.map(task),
         }
     }

@@ -100,7 +100,7 @@ impl<T: Scalar> Here<T> {
     /// Loads in the numbers of the station.
     fn loads(&self, loads: &[WheelLoads; 2]) -> AxleChange<T> {
         let like = self.axle.travel(&self.at, Side::Left);
-        AxleChange::Loads(loads.map(|load| load.map(|c| like.lit(c))))
+        AxleChange::Loads(loads.map(|load| load.map(|c| like.constant(c))))
     }
 }
 
@@ -458,7 +458,7 @@ impl<'a> AxleKcRun<'a> {
         let has_spring = here.axle.spring(&here.at, Side::Left).is_some();
         match (test.load, test.mode) {
             (TestLoad::Roll, _) => {
-                let angle = by.map_or(like.lit(f64::NAN), |by| self.roll(here, &by)[0]);
+                let angle = by.map_or(like.constant(f64::NAN), |by| self.roll(here, &by)[0]);
                 push("steer_by_roll", Unit::AnglePerAngle, &|by| {
                     steer(by) / angle
                 });

@@ -241,7 +241,7 @@ impl Sheet<'_> {
     /// The wheel's rate with the tyre's in series.
     fn ride_rate<T: Scalar>(&self, rate: Option<T>) -> Option<T> {
         let rate = rate?;
-        let tyre = rate.lit(self.tyre_rate?);
+        let tyre = rate.constant(self.tyre_rate?);
         Some(rate * tyre / (rate + tyre))
     }
 }

@@ -110,7 +110,7 @@ impl<'s, T: Scalar> Station<'s, T> {
         let wheel = self.wheel;
         let like = wheel.travel(&self.at);
         let change = match test.change(&self.sheet.suspension.vehicle) {
-            Change::Load(loads) => Change::Load(loads.map(|c| like.lit(c))),
+            Change::Load(loads) => Change::Load(loads.map(|c| like.constant(c))),
             Change::Travel => Change::Travel,
             Change::Rack => Change::Rack,
         };

@@ -222,13 +222,13 @@ impl<T: Real> ArmEnd<T> {
     fn on_arm(&self, at: &Configuration<T>) -> Vector3<T> {
         outlined!(
             [T: Real] at.rack; row: &'p ArmEnd<T> = self, at: &'p Configuration<'p, T> = at => Vector3<T> {
-                row.on_arm_here(at)
+                row.on_arm_inline(at)
             }
         )
     }
 
     #[inline(always)]
-    fn on_arm_here(&self, at: &Configuration<T>) -> Vector3<T> {
+    fn on_arm_inline(&self, at: &Configuration<T>) -> Vector3<T> {
         let arm = at.mechanism.arms[self.arm.0];
         let front = at.designed(arm.front);
         let axis = (at.designed(arm.rear) - front).normalised();
@@ -301,12 +301,12 @@ impl<T: Real> ArmEnd<T> {
         outlined!(
             [T: Real] at.rack;
             row: &'p ArmEnd<T> = self, at: &'p Configuration<'p, T> = at, along: &'p Twist<T> = along
-                => Wrench<T> { row.wrench_rate_here(at, along) }
+                => Wrench<T> { row.wrench_rate_inline(at, along) }
         )
     }
 
     #[inline(always)]
-    fn wrench_rate_here(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
+    fn wrench_rate_inline(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         let arm = at.mechanism.arms[self.arm.0];
         let [axis, _] = frame(arm, at.design);
         let lever = |id| at.pose.rotation.apply(at.designed_lever(id));

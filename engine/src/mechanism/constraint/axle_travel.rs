@@ -89,7 +89,7 @@ impl TravelRow {
         match at.mechanism.body(far.0) {
             Body::Rocker(_) => {
                 let zero = at.rack.zero();
-                let up = Vector3::new(zero, zero, zero.lit(far.1));
+                let up = Vector3::new(zero, zero, zero.constant(far.1));
                 wrench = constant_push_rate(far.0, up, at, along);
             }
             _ => levers = levers + at.designed_lever(far.0).map(|c| c.scaled(far.1)),

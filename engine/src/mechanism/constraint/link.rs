@@ -112,12 +112,12 @@ impl<T: Real> Link<T> {
             [T: Real] at.rack;
             row: &'p Link<T> = self, at: &'p Configuration<'p, T> = at, along: &'p Twist<T> = along,
             other: PointId = other, moving: [Vector3<T>; 4] = moving
-                => Wrench<T> { row.opposite_rate_here(at, along, other, moving) }
+                => Wrench<T> { row.opposite_rate_inline(at, along, other, moving) }
         )
     }
 
     #[inline(always)]
-    fn opposite_rate_here(
+    fn opposite_rate_inline(
         &self,
         at: &Configuration<T>,
         along: &Twist<T>,

@@ -126,12 +126,12 @@ impl<T: Real> RockerEnd<T> {
         outlined!(
             [T: Real] at.rack;
             row: &'p RockerEnd<T> = self, at: &'p Configuration<'p, T> = at, along: &'p Twist<T> = along
-                => Wrench<T> { row.wrench_rate_here(at, along) }
+                => Wrench<T> { row.wrench_rate_inline(at, along) }
         )
     }
 
     #[inline(always)]
-    fn wrench_rate_here(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
+    fn wrench_rate_inline(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         let [inner, outer] = [self.inner, self.outer];
         let on_rocker = |id: PointId| matches!(at.mechanism.body(id), Body::Rocker(_));
         let (x, p) = match on_rocker(inner) {

@@ -1,7 +1,7 @@
 //! Fronts that are known.
 
 use super::super::test_problems::{Values, stated};
-use super::super::trade::{Aim, Distance};
+use super::super::trade::{Criterion, Distance};
 use super::super::{Bounds, Control, Options};
 use super::{Found, Traced, Tracer};
 use nalgebra::DVector;
@@ -26,7 +26,7 @@ fn traced(
         bounds: &bounds,
         distance: &distance,
         aims: (0..aims)
-            .map(|aim| Aim::misfit((aim * each..(aim + 1) * each).collect(), 1.0))
+            .map(|aim| Criterion::misfit((aim * each..(aim + 1) * each).collect(), 1.0))
             .collect(),
         rest: None,
         options: &options,

@@ -228,7 +228,7 @@ impl<T: Real> ClosedForm<T> {
         let dd = self.upper.length_squared(d);
         let (gg, dg) = (g.norm_squared(), d.dot(g));
         let tau = self.tie_by_m.plus_product(self.tie_by_u, slide);
-        let kappa = self.tie_difference.plus_product(gg, gg.lit(0.5));
+        let kappa = self.tie_difference.plus_product(gg, gg.constant(0.5));
         let gram = (dd * gg).minus_product(dg, dg);
         let e = (dd * self.tie_squared).minus_product(tau, tau);
         let [inverse_gram, inverse_e] = gram.inverses(e);
@@ -368,12 +368,12 @@ impl<B: SimdReal> ArmState<B> {
     /// Lanes in which the closed form is well conditioned, because no divisor is small. False for NaN.
     #[inline(always)]
     pub(crate) fn is_well_conditioned(&self) -> B::Mask {
-        let least = self.ga.lit(LEAST);
+        let least = self.ga.constant(LEAST);
         let [a, b, c] = self.squares();
         (a.1 * least).less(a.0)
             & (b.1 * least).less(b.0)
             & (c.1 * least).less(c.0)
-            & self.ga.lit(LEAST_UPPER).less(self.upper_margin)
+            & self.ga.constant(LEAST_UPPER).less(self.upper_margin)
     }
 }
 

@@ -101,7 +101,7 @@ impl<T: Real> Upper<T> {
     /// better value of [`Upper::square`] than the one that follows from the joint, if there is one.
     #[inline(always)]
     pub(crate) fn at(&self, ball_joint: Vector3<T>, square: Option<T>) -> (Vector3<T>, T, T) {
-        let known = |own: T| square.map_or(own, |square| own.also(square));
+        let known = |own: T| square.map_or(own, |square| own.intersected_with(square));
         match self {
             Upper::Strut {
                 top,
@@ -146,7 +146,7 @@ impl<T: Real> Upper<T> {
                 ..
             } => d
                 .norm_squared()
-                .also(circle.radius.norm_squared() + half_difference.scaled(2.0)),
+                .intersected_with(circle.radius.norm_squared() + half_difference.scaled(2.0)),
         }
     }
 

@@ -83,7 +83,7 @@ impl<B: SimdReal> Acceptance<B> {
     #[inline(always)]
     pub fn require(&mut self, mask: B::Mask, otherwise: Rejection) {
         let failing = self.accepted & !mask;
-        self.reason = B::select(failing, self.reason.lit(otherwise.code()), self.reason);
+        self.reason = B::select(failing, self.reason.constant(otherwise.code()), self.reason);
         self.accepted = self.accepted & mask;
     }
 

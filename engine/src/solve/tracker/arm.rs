@@ -7,8 +7,8 @@ use super::pair::{Corrected, Linear, Wheel, WheelOnKnuckle};
 use super::route::{Leg, RouteStep};
 use super::track::{PlaceEquations, predicted, weighted};
 use super::{
-    Acceptance, InKnuckle, KnuckleVector, LaneAdjoint, LaneMembers, LanePose, LaneRates, Rejection,
-    Visit, within_half,
+    Acceptance, AdjointConstants, InKnuckle, KnuckleVector, LaneAdjoint, LanePose, LaneRates,
+    Rejection, Visit, within_half,
 };
 use crate::derive::Gradient;
 use crate::mechanism::{Configuration, Twist, Wrench};
@@ -44,7 +44,7 @@ impl<B: SimdReal> ArmDesign<'_, B> {
     #[inline(always)]
     fn slope(&self, state: &ArmState<B>, tangent: B) -> B {
         let velocity = self.form.velocity(state, tangent);
-        let half = tangent.lit(0.5);
+        let half = tangent.constant(0.5);
         // The tangent of half an angle by the angle is (1 + tangent^2)/2.
         velocity.arm_angle * half.plus_product(half, tangent * tangent) / velocity.rise
     }
@@ -109,7 +109,7 @@ impl<B: SimdReal> LanePose<B> for ArmPose<'_, B> {
     /// True in every lane. If travel is the drive, the guards have checked the slope of the arm. If the arm's angle is the
     /// drive, nothing turns fast.
     #[inline(always)]
-    fn knows(&self, _: &LaneRates<B>) -> B::Mask {
+    fn velocity_is_reliable(&self, _: &LaneRates<B>) -> B::Mask {
         self.tangent.everywhere()
     }
 
@@ -132,11 +132,11 @@ impl<B: SimdReal> LanePose<B> for ArmPose<'_, B> {
     #[inline(always)]
     fn adjoint<'p>(
         &'p self,
-        members: &'p LaneMembers<B>,
+        members: &'p AdjointConstants<B>,
         at: &'p Configuration<'p, B>,
         rates: &LaneRates<B>,
     ) -> impl LaneAdjoint<B> + 'p {
-        let LaneMembers(Some(members)) = members else {
+        let AdjointConstants(Some(members)) = members else {
             unreachable!("the members of a design with a closed form")
         };
         let (roles, form) = (self.roles, &self.design.form);
@@ -222,7 +222,7 @@ impl ByArm {
 
     /// Hands over the poses at these half tangents.
     #[inline(always)]
-    pub(crate) fn revisit<B: SimdReal>(
+    pub(crate) fn visit_stations_in_lanes<B: SimdReal>(
         &self,
         design: &ArmDesign<'_, B>,
         drive: Drive,
@@ -240,7 +240,7 @@ impl ByArm {
         });
     }
 
-    /// The equations of a single wheel, for a design of this batch.
+    /// The equations of a single wheel, for a design of this tracker.
     #[inline(always)]
     pub(super) fn corner<'w, 'd, B: SimdReal, V: Visit<B>>(
         &'w self,
@@ -251,10 +251,10 @@ impl ByArm {
     ) -> ArmCorner<'w, 'd, B, V> {
         let zero = design.form.like().zero();
         ArmCorner {
-            way: self,
+            method: self,
             design,
             drive,
-            tolerance: zero.lit(tolerance),
+            tolerance: zero.constant(tolerance),
             visitor,
             slope: zero,
             state: design.form.at_half_tangent(zero, zero),
@@ -284,7 +284,7 @@ impl ByArm {
         }
         let rate = match drive {
             Drive::Travel => design.slope(state, tangent),
-            Drive::ArmAngle => tangent.lit(self.slope),
+            Drive::ArmAngle => tangent.constant(self.slope),
         };
         let guard = BranchGuard::start(state, tangent, rate);
         guard.check_slope(&guard, self.steepest, accepted);
@@ -297,7 +297,7 @@ impl ByArm {
 
 /// The equations of a single wheel.
 pub(super) struct ArmCorner<'w, 'd, B, V> {
-    way: &'w ByArm,
+    method: &'w ByArm,
     design: &'w ArmDesign<'d, B>,
     drive: Drive,
     tolerance: B,
@@ -320,13 +320,13 @@ impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, 1> for ArmCorner<'_, '_, B, V> 
         // Values of the previous place need not stay in registers.
         (self.step, self.missed) = (like.zero(), [like.zero(); 2]);
         if self.drive == Drive::ArmAngle {
-            return [like.lit((0.5 * place.value).tan())];
+            return [like.constant((0.5 * place.value).tan())];
         }
         self.slope = match &place.slope {
             Some(stencil) => weighted::<1, _, B>(stencil, history, 0),
-            None => like.lit(self.way.slope),
+            None => like.constant(self.method.slope),
         };
-        predicted(place, history, [self.way.slope * place.along_slope])
+        predicted(place, history, [self.method.slope * place.along_slope])
     }
 
     /// Makes two corrections at a time. One is always needed, and an unpredictable branch would cost more than the second. If
@@ -340,7 +340,7 @@ impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, 1> for ArmCorner<'_, '_, B, V> 
         round: usize,
     ) -> B::Mask {
         let form = &self.design.form;
-        let (target, rack) = (tangent.lit(place.value), tangent.lit(place.rack));
+        let (target, rack) = (tangent.constant(place.value), tangent.constant(place.rack));
         if round > 1 {
             let [before, after] = self.missed;
             self.slope = B::select(settled, self.slope, self.step / (after - before));
@@ -370,10 +370,10 @@ impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, 1> for ArmCorner<'_, '_, B, V> 
     ) -> BranchGuard<B> {
         let inverse_step = match place.leg {
             Leg::Rack => None,
-            _ => Some(tangent.lit(1.0 / place.step)),
+            _ => Some(tangent.constant(1.0 / place.step)),
         };
         let at = (&self.state, tangent);
-        (self.way).guard(self.design, self.drive, at, before, inverse_step, accepted)
+        (self.method).guard(self.design, self.drive, at, before, inverse_step, accepted)
     }
 
     #[inline(always)]
@@ -385,7 +385,7 @@ impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, 1> for ArmCorner<'_, '_, B, V> 
         accepted: Acceptance<B>,
     ) {
         let pose = ArmPose {
-            roles: &self.way.roles,
+            roles: &self.method.roles,
             design: self.design,
             state: self.state,
             tangent,
@@ -428,7 +428,7 @@ impl<B: SimdReal> BranchGuard<B> {
     #[inline(always)]
     fn check(state: &ArmState<B>, tangent: B, accepted: &mut Acceptance<B>) {
         accepted.require(state.is_well_conditioned(), Rejection::IllConditioned);
-        let is_near = tangent.abs().less(tangent.lit(FARTHEST));
+        let is_near = tangent.abs().less(tangent.constant(FARTHEST));
         accepted.require(is_near, Rejection::TurnedFar);
     }
 
@@ -436,7 +436,7 @@ impl<B: SimdReal> BranchGuard<B> {
     #[inline(always)]
     fn check_slope(&self, before: &Self, steepest: f64, accepted: &mut Acceptance<B>) {
         let ahead = self.rate + (self.rate - before.rate);
-        let is_flat = ahead.abs().less(ahead.lit(steepest));
+        let is_flat = ahead.abs().less(ahead.constant(steepest));
         accepted.require(is_flat, Rejection::FoldNear);
     }
 
@@ -448,14 +448,14 @@ impl<B: SimdReal> BranchGuard<B> {
             within_half(self.rate, before.rate) & within_half(self.margin, before.margin);
         accepted.require(is_steady, Rejection::ChangedTooMuch);
         let step = (self.tangent - before.tangent).abs();
-        let is_short = step.less(self.tangent.lit(LONGEST));
+        let is_short = step.less(self.tangent.constant(LONGEST));
         accepted.require(is_short, Rejection::TurnedFar);
     }
 }
 
 /// The equations of one wheel of a pair.
 pub(super) struct ArmWheel<'w, 'd, B> {
-    way: &'w ByArm,
+    method: &'w ByArm,
     design: &'w ArmDesign<'d, B>,
     on_knuckle: WheelOnKnuckle<B>,
     tolerance: f64,
@@ -468,7 +468,7 @@ pub(super) struct ArmWheel<'w, 'd, B> {
 }
 
 impl ByArm {
-    /// The equations of one wheel of a pair, for a design of this batch.
+    /// The equations of one wheel of a pair, for a design of this tracker.
     #[inline(always)]
     pub(super) fn wheel<'w, 'd, B: SimdReal>(
         &'w self,
@@ -478,7 +478,7 @@ impl ByArm {
     ) -> ArmWheel<'w, 'd, B> {
         let zero = design.form.like().zero();
         ArmWheel {
-            way: self,
+            method: self,
             design,
             on_knuckle,
             tolerance,
@@ -507,7 +507,7 @@ impl<B: SimdReal> Wheel<B, 1> for ArmWheel<'_, '_, B> {
 
     #[inline(always)]
     fn slopes(&self) -> [[f64; 1]; 2] {
-        [[self.way.slope], [0.0]]
+        [[self.method.slope], [0.0]]
     }
 
     #[inline(always)]
@@ -517,7 +517,7 @@ impl<B: SimdReal> Wheel<B, 1> for ArmWheel<'_, '_, B> {
         self.missed = form.travel(&self.state) - travel;
         let velocity = form.velocity(&self.state, tangent);
         let per_travel = tangent.one() / velocity.rise;
-        let half = tangent.lit(0.5);
+        let half = tangent.constant(0.5);
         // The tangent of half an angle by the angle is (1 + tangent^2)/2.
         self.by_travel =
             velocity.arm_angle * half.plus_product(half, tangent * tangent) * per_travel;
@@ -546,7 +546,7 @@ impl<B: SimdReal> Wheel<B, 1> for ArmWheel<'_, '_, B> {
         let missed = form.travel(&self.state) - travel;
         let (centre, axis) = self.carried();
         Corrected {
-            is_settled: missed.abs().less(missed.lit(self.tolerance)),
+            is_settled: missed.abs().less(missed.constant(self.tolerance)),
             unknowns: *unknowns,
             centre,
             axis,
@@ -566,7 +566,7 @@ impl<B: SimdReal> Wheel<B, 1> for ArmWheel<'_, '_, B> {
             |step| tangent.one() / step,
         );
         let at = (&self.state, tangent);
-        (self.way).guard(
+        (self.method).guard(
             self.design,
             Drive::Travel,
             at,
@@ -579,7 +579,7 @@ impl<B: SimdReal> Wheel<B, 1> for ArmWheel<'_, '_, B> {
     #[inline(always)]
     fn pose<'p>(&'p self, &[tangent]: &[B; 1], _: B, _: B) -> impl LanePose<B> + 'p {
         ArmPose {
-            roles: &self.way.roles,
+            roles: &self.method.roles,
             design: self.design,
             state: self.state,
             tangent,

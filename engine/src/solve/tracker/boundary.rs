@@ -4,7 +4,7 @@
 //! the inputs of a guard differ only by rounding. A guard that accepts the first design with some slack also accepts
 //! the second one. So only the guard without slack rejects the second design.
 
-use super::{Acceptance, Batch, LanePose, Rejection, Visit};
+use super::{Acceptance, CornerTracker, LanePose, Rejection, Visit};
 use crate::model::{Drive, Suspension, Topology};
 use crate::number::Vector3;
 use crate::solve::StationOrder;
@@ -20,13 +20,13 @@ impl Visit<f64> for Nothing {
 
 /// Follows a design. Returns the reason why a leg ends early, if one does. `history` receives the unknowns.
 pub(super) fn rejection(
-    batch: &Batch<'_>,
+    tracker: &CornerTracker<'_>,
     rack: usize,
     design: &[Vector3<f64>],
     history: &mut [f64],
 ) -> Option<Rejection> {
-    let lanes = batch.design(design);
-    let tracked = batch.solve(&lanes, rack, history, &mut Nothing);
+    let lanes = tracker.design(design);
+    let tracked = tracker.solve(&lanes, rack, history, &mut Nothing);
     tracked.legs.iter().find_map(|leg| leg.reason(0))
 }
 
@@ -67,7 +67,7 @@ pub(super) fn boundaries(
     suspension: &Suspension,
     drive: Drive,
     lines: usize,
-    judge: impl Fn(&Batch<'_>, usize, &[Vector3<f64>], &[f64]) -> Vec<Judgement>,
+    judge: impl Fn(&CornerTracker<'_>, usize, &[Vector3<f64>], &[f64]) -> Vec<Judgement>,
 ) -> BTreeMap<&'static str, usize> {
     let base = &suspension.design;
     let size = suspension.size();
@@ -77,7 +77,8 @@ pub(super) fn boundaries(
     };
     let stations: Vec<f64> = (-8..=8).map(|k| reach * f64::from(k) / 8.0).collect();
     let order = StationOrder::through(&stations);
-    let batch = Batch::new(&suspension.mechanism, base, drive, &order, &[0.0, rack]).unwrap();
+    let tracker =
+        CornerTracker::new(&suspension.mechanism, base, drive, &order, &[0.0, rack]).unwrap();
     let mut noise = Noise(7);
     let mut counts = BTreeMap::new();
     for line in 0..lines {
@@ -90,8 +91,8 @@ pub(super) fn boundaries(
             let points = base.iter().zip(&direction);
             points.map(|(point, along)| *point + *along * t).collect()
         };
-        let mut history = batch.history(0.0_f64);
-        let mut reject = |t: f64| rejection(&batch, number, &at(t), &mut history);
+        let mut history = tracker.history(0.0_f64);
+        let mut reject = |t: f64| rejection(&tracker, number, &at(t), &mut history);
         // The nearest rejected design among a few, so that the boundary is one of ordinary designs.
         let Some(mut high) = (1..=24)
             .map(|k| f64::from(k) / 24.0)
@@ -112,7 +113,7 @@ pub(super) fn boundaries(
         }
         let reason = reject(high).expect("rejected");
         assert_eq!(reject(low), None);
-        let judged = judge(&batch, number, &at(low), &history);
+        let judged = judge(&tracker, number, &at(low), &history);
         for place in &judged {
             assert!(place.slack > -NONE, "{}: {}", place.guard, place.slack);
         }

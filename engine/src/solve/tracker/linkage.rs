@@ -37,8 +37,8 @@ use super::pair::{Corrected, Linear as Motion, Wheel, WheelOnKnuckle};
 use super::route::RouteStep;
 use super::track::{PlaceEquations, kept, predicted};
 use super::{
-    Acceptance, InKnuckle, KnuckleVector, LaneAdjoint, LaneMembers, LanePose, LaneRates, Rejection,
-    Visit, within_half,
+    Acceptance, AdjointConstants, InKnuckle, KnuckleVector, LaneAdjoint, LanePose, LaneRates,
+    Rejection, Visit, within_half,
 };
 use crate::derive::Gradient;
 use crate::derive::sensitivity::HardpointGradient;
@@ -209,7 +209,7 @@ impl<B: Real> Blocks<B> {
     /// Converts the square of a turn per size to the square of a turn per length.
     #[inline(always)]
     fn per_size(&self, square: f64) -> B {
-        self.inverse_size * self.inverse_size * self.inverse_size.lit(square)
+        self.inverse_size * self.inverse_size * self.inverse_size.constant(square)
     }
 
     /// Stores a row of the Jacobian.
@@ -256,12 +256,12 @@ impl<B: Real> Blocks<B> {
     #[inline(always)]
     fn solve(&self, f: [B; 6]) -> Twist<B> {
         outlined!(
-            [B: Real] f[0]; blocks: &'p Blocks<B> = self, f: [B; 6] = f => Twist<B> { blocks.solve_here(f) }
+            [B: Real] f[0]; blocks: &'p Blocks<B> = self, f: [B; 6] = f => Twist<B> { blocks.solve_inline(f) }
         )
     }
 
     #[inline(always)]
-    fn solve_here(&self, f: [B; 6]) -> Twist<B> {
+    fn solve_inline(&self, f: [B; 6]) -> Twist<B> {
         let (above, below) = (
             three(&f, &self.order.rows, 0),
             three(&f, &self.order.rows, 3),
@@ -333,7 +333,7 @@ fn slope<B: Real>(vector: Vector3<Jet<B, 2>>) -> Vector3<B> {
 fn moved<B: Real>(unknowns: [B; UNKNOWNS], twist: &Twist<B>) -> [B; UNKNOWNS] {
     let [x, y, z, a, b, c] = unknowns;
     let turned = Vector3::new(a, b, c);
-    let half = turned.x.lit(0.5);
+    let half = turned.x.constant(0.5);
     let h = twist.turn * half;
     let r = (turned + h + h.cross(turned)).plus_scaled(turned, turned.dot(h));
     let v = twist.shift;
@@ -386,12 +386,12 @@ impl<B: SimdReal> Outlined for Linearising<'_, '_, B> {
 impl<B: SimdReal> Linear<B> {
     /// Equations of zeros, to be formed before they are used.
     #[inline(always)]
-    fn unformed(way: &ByLinkage, like: B) -> Self {
+    fn unformed(method: &ByLinkage, like: B) -> Self {
         let zero = like.zero();
         Linear {
             residuals: [zero; 6],
             by_rack: [zero; 6],
-            blocks: Blocks::unformed(way.order, like.lit(1.0 / way.size)),
+            blocks: Blocks::unformed(method.order, like.constant(1.0 / method.size)),
         }
     }
 
@@ -439,7 +439,7 @@ impl<B: SimdReal> LanePose<B> for LinkagePose<'_, '_, B> {
         let (point, direction) = screw_axis(self.at.pose.origin, &steering);
         let (turn, square) = (steering.turn, steering.turn.norm_squared());
         let is_known = linear.blocks.per_size(LEAST_STEERING).less(square)
-            & (square * turn.z.lit(LEAST_UPRIGHT)).less(turn.z * turn.z);
+            & (square * turn.z.constant(LEAST_UPRIGHT)).less(turn.z * turn.z);
         (point, direction, is_known)
     }
 
@@ -461,7 +461,7 @@ impl<B: SimdReal> LanePose<B> for LinkagePose<'_, '_, B> {
     }
 
     #[inline(always)]
-    fn knows(&self, rates: &LaneRates<B>) -> B::Mask {
+    fn velocity_is_reliable(&self, rates: &LaneRates<B>) -> B::Mask {
         let fastest = self.linear().blocks.per_size(FASTEST_TURN);
         rates.turn.norm_squared().less(fastest)
     }
@@ -501,7 +501,7 @@ impl<B: SimdReal> LanePose<B> for LinkagePose<'_, '_, B> {
     #[inline(always)]
     fn adjoint<'p>(
         &'p self,
-        _: &'p LaneMembers<B>,
+        _: &'p AdjointConstants<B>,
         at: &'p Configuration<'p, B>,
         _: &LaneRates<B>,
     ) -> impl LaneAdjoint<B> + 'p {
@@ -613,7 +613,7 @@ impl ByLinkage {
         at: &'p Configuration<'p, Jet<B, 2>>,
     ) -> SeriesAdjoint<'p, B> {
         let like = at.rack.0[0];
-        let mut blocks = Blocks::unformed(self.order, at.rack.lit(1.0 / self.size));
+        let mut blocks = Blocks::unformed(self.order, at.rack.constant(1.0 / self.size));
         like.outlined(FormingSeries {
             closure,
             at,
@@ -655,7 +655,7 @@ impl ByLinkage {
 
     /// Hands over the poses with these unknowns.
     #[inline(always)]
-    pub(crate) fn revisit<B: SimdReal>(
+    pub(crate) fn visit_stations_in_lanes<B: SimdReal>(
         &self,
         linkage: &LinkageDesign<'_, B>,
         unknowns: [B; UNKNOWNS],
@@ -673,7 +673,7 @@ impl ByLinkage {
         });
     }
 
-    /// The equations of a single wheel, for a design of this batch.
+    /// The equations of a single wheel, for a design of this tracker.
     #[inline(always)]
     pub(super) fn corner<'w, 'd, B: SimdReal, V: Visit<B>>(
         &'w self,
@@ -689,7 +689,7 @@ impl ByLinkage {
         }
     }
 
-    /// The equations of one wheel of a pair, for a design of this batch.
+    /// The equations of one wheel of a pair, for a design of this tracker.
     #[inline(always)]
     pub(super) fn wheel<'w, 'd, B: SimdReal>(
         &'w self,
@@ -715,7 +715,7 @@ impl ByLinkage {
 
 /// Newton steps in the six unknowns.
 struct NewtonSteps<'w, 'd, B> {
-    way: &'w ByLinkage,
+    method: &'w ByLinkage,
     linkage: &'w LinkageDesign<'d, B>,
     tolerance: f64,
     /// The equations about the unknowns at which they were last formed.
@@ -726,13 +726,13 @@ struct NewtonSteps<'w, 'd, B> {
 
 impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
     #[inline(always)]
-    fn of(way: &'w ByLinkage, linkage: &'w LinkageDesign<'d, B>, tolerance: f64) -> Self {
+    fn of(method: &'w ByLinkage, linkage: &'w LinkageDesign<'d, B>, tolerance: f64) -> Self {
         let zero = linkage.design[0].x.zero();
         NewtonSteps {
-            way,
+            method,
             linkage,
             tolerance,
-            linear: RefCell::new(Linear::unformed(way, zero)),
+            linear: RefCell::new(Linear::unformed(method, zero)),
             determinants: [zero; 2],
         }
     }
@@ -768,15 +768,15 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
     #[inline(always)]
     fn is_near(&self, step: &Twist<B>) -> B::Mask {
         let like = step.shift.x;
-        let largest = like.lit(LARGEST_CORRECTION);
-        let inverse_size = like.lit(1.0 / self.way.size);
+        let largest = like.constant(LARGEST_CORRECTION);
+        let inverse_size = like.constant(1.0 / self.method.size);
         is_less(step.shift * inverse_size, largest) & is_less(step.turn, largest)
     }
 
     /// Checks the unknowns after a step. Returns the configuration, the lanes whose residuals are rounding, and the unknowns
     /// after one more correction with the present Jacobian, which rates need.
     #[inline(always)]
-    fn look(
+    fn check_residual(
         &mut self,
         unknowns: &[B; UNKNOWNS],
         [rack, travel]: [B; 2],
@@ -785,7 +785,7 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         let driver = Driver::Travel(travel);
         let missed = self.linkage.closure.residuals_inlined(&at, driver);
         let [a, b, c, d, e, g] = missed;
-        let tolerance = travel.lit(self.tolerance);
+        let tolerance = travel.constant(self.tolerance);
         let is_settled =
             is_less(Vector3::new(a, b, c), tolerance) & is_less(Vector3::new(d, e, g), tolerance);
         let rest = -self.linear.get_mut().blocks.solve(missed);
@@ -804,7 +804,7 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
             turned: Vector3::new(x, y, z),
             determinants: self.determinants,
         };
-        guard.check(&self.way.determinants, accepted);
+        guard.check(&self.method.determinants, accepted);
         if let Some(before) = before {
             guard.check_step(before, accepted);
         }
@@ -834,7 +834,7 @@ pub(super) struct LinkageCorner<'w, 'd, B: SimdReal, V> {
 /// Rack and travel at a place.
 #[inline(always)]
 fn at_place<B: Real>(place: &RouteStep, like: B) -> [B; 2] {
-    [like.lit(place.rack), like.lit(place.value)]
+    [like.constant(place.rack), like.constant(place.value)]
 }
 
 impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, UNKNOWNS> for LinkageCorner<'_, '_, B, V> {
@@ -845,7 +845,7 @@ impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, UNKNOWNS> for LinkageCorner<'_,
     fn predict(&mut self, place: &RouteStep, history: &[B]) -> [B; UNKNOWNS] {
         let ByLinkage {
             by_travel, by_rack, ..
-        } = self.steps.way;
+        } = self.steps.method;
         let mut along = [0.0; UNKNOWNS];
         for k in 0..UNKNOWNS {
             along[k] = by_travel[k] * place.along_slope + by_rack[k] * place.along_rack;
@@ -867,7 +867,7 @@ impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, UNKNOWNS> for LinkageCorner<'_,
             self.is_near = self.steps.is_near(&step);
         }
         let next = moved(*unknowns, &step);
-        let (_, is_settled, rest) = self.steps.look(&next, motion);
+        let (_, is_settled, rest) = self.steps.check_residual(&next, motion);
         *unknowns = kept(settled, *unknowns, kept(is_settled, rest, next));
         is_settled
     }
@@ -924,7 +924,7 @@ impl<B: SimdReal> Wheel<B, UNKNOWNS> for LinkageWheel<'_, '_, B> {
 
     #[inline(always)]
     fn slopes(&self) -> [[f64; UNKNOWNS]; 2] {
-        [self.steps.way.by_travel, self.steps.way.by_rack]
+        [self.steps.method.by_travel, self.steps.method.by_rack]
     }
 
     #[inline(always)]
@@ -969,7 +969,7 @@ impl<B: SimdReal> Wheel<B, UNKNOWNS> for LinkageWheel<'_, '_, B> {
         rack: B,
         travel: B,
     ) -> Corrected<B, UNKNOWNS> {
-        let (at, is_settled, unknowns) = self.steps.look(unknowns, [rack, travel]);
+        let (at, is_settled, unknowns) = self.steps.check_residual(unknowns, [rack, travel]);
         let (lever, axis) = self.carried(&at.pose.rotation);
         Corrected {
             is_settled,
@@ -1047,8 +1047,8 @@ impl<B: SimdReal> BranchGuard<B> {
     #[inline(always)]
     fn check(&self, base: &[f64; 2], accepted: &mut Acceptance<B>) {
         let [a, s] = self.determinants;
-        let is_conditioned =
-            a.lit(LEAST * base[0].abs()).less(a.abs()) & s.lit(LEAST * base[1].abs()).less(s.abs());
+        let is_conditioned = a.constant(LEAST * base[0].abs()).less(a.abs())
+            & s.constant(LEAST * base[1].abs()).less(s.abs());
         accepted.require(is_conditioned, Rejection::IllConditioned);
     }
 
@@ -1060,7 +1060,7 @@ impl<B: SimdReal> BranchGuard<B> {
         let is_steady =
             within_half(a, before.determinants[0]) & within_half(s, before.determinants[1]);
         accepted.require(is_steady, Rejection::ChangedTooMuch);
-        let is_short = is_less(self.turned - before.turned, a.lit(LONGEST));
+        let is_short = is_less(self.turned - before.turned, a.constant(LONGEST));
         accepted.require(is_short, Rejection::TurnedFar);
     }
 }

@@ -44,7 +44,7 @@ use arm::{ArmDesign, ByArm};
 pub(crate) use arm::{FARTHEST, STEEPEST};
 pub(crate) use linkage::SeriesAdjoint;
 use linkage::{ByLinkage, LinkageDesign};
-pub use pair::{PairBatch, PairDrive, PairStations, Stand, VisitPair};
+pub use pair::{AxleTracker, GroundContact, PairDrive, PairStations, VisitPair};
 pub(crate) use poses::{PoseTracker, TrackedPoses};
 use route::Route;
 pub use track::Tracked;
@@ -52,9 +52,9 @@ use track::track;
 
 /// A way to solve designs of one mechanism in lanes.
 #[derive(Clone, Debug)]
-pub struct Batch<'a> {
+pub struct CornerTracker<'a> {
     mechanism: &'a Mechanism,
-    way: Method,
+    method: Method,
     drive: Drive,
     /// A route for each displacement of the rack.
     routes: Vec<Route>,
@@ -110,7 +110,7 @@ enum InKnuckle<B> {
 pub struct KnucklePoint<B>(KnuckleVector<B>);
 
 /// Terms that the gradients in all poses of a design share; `None` for a mechanism without a closed form.
-pub struct LaneMembers<B>(Option<Members<B>>);
+pub struct AdjointConstants<B>(Option<Members<B>>);
 
 impl<B: SimdReal> LaneDesign<'_, B> {
     /// A vector of the knuckle in the design position.
@@ -145,7 +145,7 @@ pub trait LanePose<B: SimdReal> {
     fn by_rack(&self, rates: &LaneRates<B>) -> Twist<B>;
     /// Lanes in which velocities are well known: those in which the knuckle does not turn fast, as it does beside a
     /// fold.
-    fn knows(&self, rates: &LaneRates<B>) -> B::Mask;
+    fn velocity_is_reliable(&self, rates: &LaneRates<B>) -> B::Mask;
     /// The derivatives of the steering axis by the drive.
     fn steering_axis_rates(&self, rates: &LaneRates<B>) -> (Vector3<B>, Vector3<B>);
 
@@ -154,7 +154,7 @@ pub trait LanePose<B: SimdReal> {
     /// Prepares gradients in this pose, driven by the travel, from its configuration and rates.
     fn adjoint<'p>(
         &'p self,
-        members: &'p LaneMembers<B>,
+        members: &'p AdjointConstants<B>,
         at: &'p Configuration<'p, B>,
         rates: &LaneRates<B>,
     ) -> impl LaneAdjoint<B> + 'p;
@@ -221,7 +221,7 @@ const SHORTEST_LENGTH: f64 = 1e-6;
 /// Mechanisms farther from the origin than this, in sizes, are not tracked, since accuracy would be lost.
 const FAR: f64 = 100.0;
 
-impl<'a> Batch<'a> {
+impl<'a> CornerTracker<'a> {
     /// Prepares to solve designs of this mechanism that are not far from `base`, with the rack at each of `racks`
     /// (towards the kernel's +y). `None` if they cannot be solved in lanes.
     pub fn new(
@@ -232,7 +232,7 @@ impl<'a> Batch<'a> {
         racks: &[f64],
     ) -> Option<Self> {
         let (size, coordinate_scale) = (mechanism.size(base), mechanism.coordinate_scale(base));
-        let way = match Roles::of(mechanism) {
+        let method = match Roles::of(mechanism) {
             Some(roles) => Method::Arm(ByArm::of(roles, base, drive, size)?),
             None => Method::Linkage(ByLinkage::of(mechanism, base, drive, size)?),
         };
@@ -241,9 +241,9 @@ impl<'a> Batch<'a> {
             Drive::Travel => LONGEST_STEP * size,
             Drive::ArmAngle => LONGEST_STEP,
         };
-        Some(Batch {
+        Some(CornerTracker {
             mechanism,
-            way,
+            method,
             drive,
             routes: racks
                 .iter()
@@ -269,13 +269,13 @@ impl<'a> Batch<'a> {
 
     /// Returns true if `axis` is the steering axis that [`LanePose::steering_axis`] returns.
     pub fn steers_about(&self, axis: Option<SteeringAxis>) -> bool {
-        match &self.way {
-            Method::Arm(way) => axis == Some(way.steering_axis()),
+        match &self.method {
+            Method::Arm(method) => axis == Some(method.steering_axis()),
             Method::Linkage(_) => axis == Some(SteeringAxis::Instantaneous),
         }
     }
 
-    /// Room for the history of [`Batch::solve`].
+    /// Room for the history of [`CornerTracker::solve`].
     pub fn history<B: SimdReal>(&self, like: B) -> Vec<B> {
         let places = self.routes.iter().map(|route| route.places.len());
         vec![like.zero(); self.unknowns() * places.max().unwrap_or(0)]
@@ -289,7 +289,7 @@ impl<'a> Batch<'a> {
 
     /// Number of unknowns per station of one wheel.
     fn unknowns(&self) -> usize {
-        match self.way {
+        match self.method {
             Method::Arm(_) => 1,
             Method::Linkage(_) => linkage::UNKNOWNS,
         }
@@ -300,24 +300,24 @@ impl<'a> Batch<'a> {
     pub fn design<'d, B: SimdReal>(&'d self, design: &'d [Vector3<B>]) -> LaneDesign<'d, B> {
         outlined!(
             [B: SimdReal] design[0].x;
-            batch: &'p Batch<'p> = self, design: &'p [Vector3<B>] = design => LaneDesign<'p, B> {
-                batch.design_here(design)
+            tracker: &'p CornerTracker<'p> = self, design: &'p [Vector3<B>] = design => LaneDesign<'p, B> {
+                tracker.design_inline(design)
             }
         )
     }
 
     #[inline(always)]
-    fn design_here<'d, B: SimdReal>(&'d self, design: &'d [Vector3<B>]) -> LaneDesign<'d, B> {
+    fn design_inline<'d, B: SimdReal>(&'d self, design: &'d [Vector3<B>]) -> LaneDesign<'d, B> {
         let origin = design[self.mechanism.origin.0];
-        let shortest = origin.x.lit(self.shortest);
+        let shortest = origin.x.constant(self.shortest);
         let mut distinct = origin.x.zero().less(shortest);
         for (first, second) in &self.distinct {
             let length = (design[second.0] - design[first.0]).norm_squared();
             distinct = distinct & shortest.less(length);
         }
         LaneDesign {
-            form: match &self.way {
-                Method::Arm(way) => Form::Arm(way.design(self.mechanism, design)),
+            form: match &self.method {
+                Method::Arm(method) => Form::Arm(method.design(self.mechanism, design)),
                 Method::Linkage(_) => Form::Linkage(LinkageDesign::new(self.mechanism, design)),
             },
             origin,
@@ -325,16 +325,16 @@ impl<'a> Batch<'a> {
         }
     }
 
-    /// Terms that the gradients in all poses of designs share. The design must be of this batch.
+    /// Terms that the gradients in all poses of designs share. The design must be of this tracker.
     #[inline(always)]
-    pub fn members<B: SimdReal>(&self, design: &LaneDesign<'_, B>) -> LaneMembers<B> {
-        LaneMembers(match (&self.way, &design.form) {
-            (Method::Arm(way), Form::Arm(form)) => Some(way.members(form)),
+    pub fn members<B: SimdReal>(&self, design: &LaneDesign<'_, B>) -> AdjointConstants<B> {
+        AdjointConstants(match (&self.method, &design.form) {
+            (Method::Arm(method), Form::Arm(form)) => Some(method.members(form)),
             _ => None,
         })
     }
 
-    /// Visits every station with the rack at its `rack`-th displacement. The design must be of this batch.
+    /// Visits every station with the rack at its `rack`-th displacement. The design must be of this tracker.
     #[inline(always)]
     pub fn solve<B: SimdReal>(
         &self,
@@ -345,15 +345,15 @@ impl<'a> Batch<'a> {
     ) -> Tracked<B> {
         outlined!(
             [B: SimdReal, V: Visit<B>] design.origin.x;
-            batch: &'p Batch<'p> = self, design: &'p LaneDesign<'p, B> = design, rack: usize = rack,
+            tracker: &'p CornerTracker<'p> = self, design: &'p LaneDesign<'p, B> = design, rack: usize = rack,
             history: &'p mut [B] = history, visit: &'p mut V = visit => Tracked<B> {
-                batch.solve_here(design, rack, history, visit)
+                tracker.solve_inline(design, rack, history, visit)
             }
         )
     }
 
     #[inline(always)]
-    fn solve_here<B: SimdReal>(
+    fn solve_inline<B: SimdReal>(
         &self,
         design: &LaneDesign<'_, B>,
         rack: usize,
@@ -363,16 +363,16 @@ impl<'a> Batch<'a> {
         let places = &self.routes[rack].places;
         let mut accepted = Acceptance::everywhere(design.origin.x);
         accepted.require(design.distinct, Rejection::NoLength);
-        match (&self.way, &design.form) {
-            (Method::Arm(way), Form::Arm(form)) => {
-                let mut corner = way.corner(form, self.drive, self.tolerance, visit);
+        match (&self.method, &design.form) {
+            (Method::Arm(method), Form::Arm(form)) => {
+                let mut corner = method.corner(form, self.drive, self.tolerance, visit);
                 track(&mut corner, places, accepted, history)
             }
-            (Method::Linkage(way), Form::Linkage(form)) => {
-                let mut corner = way.corner(form, self.tolerance, visit);
+            (Method::Linkage(method), Form::Linkage(form)) => {
+                let mut corner = method.corner(form, self.tolerance, visit);
                 track(&mut corner, places, accepted, history)
             }
-            _ => unreachable!("a design of another batch"),
+            _ => unreachable!("a design of another tracker"),
         }
     }
 }
@@ -452,17 +452,17 @@ impl<B: SimdReal> SeriesDesign<B> {
 }
 
 /// Stations of one design side by side, a station in each lane.
-impl Batch<'_> {
-    /// The stations in the order in which [`Batch::revisit`] puts them into the lanes.
-    pub fn revisited(&self, rack: usize) -> impl Iterator<Item = usize> {
+impl CornerTracker<'_> {
+    /// The stations in the order in which [`CornerTracker::visit_stations_in_lanes`] puts them into the lanes.
+    pub fn stations_in_lanes(&self, rack: usize) -> impl Iterator<Item = usize> {
         self.routes[rack].places.iter().filter_map(|p| p.station)
     }
 
     /// Visits the stations of a design that all lanes hold, a station in each lane. `history` is that of
-    /// [`Batch::track_one`], which must have accepted every station. The visitor receives the number of a group of stations
+    /// [`CornerTracker::track_one`], which must have accepted every station. The visitor receives the number of a group of stations
     /// instead of a station number. Lanes beyond the last station repeat it.
     #[inline(always)]
-    pub fn revisit<B: SimdReal>(
+    pub fn visit_stations_in_lanes<B: SimdReal>(
         &self,
         design: &LaneDesign<'_, B>,
         rack: usize,
@@ -487,12 +487,12 @@ impl Batch<'_> {
             if filled == 0 || (filled < B::LANES && number + 1 < places.len()) {
                 continue;
             }
-            let (value, rack) = (like.load(&values), like.lit(place.rack));
+            let (value, rack) = (like.load(&values), like.constant(place.rack));
             let acceptance = Acceptance::everywhere(like);
-            match (&self.way, &design.form) {
-                (Method::Arm(way), Form::Arm(form)) => {
+            match (&self.method, &design.form) {
+                (Method::Arm(method), Form::Arm(form)) => {
                     let tangent = like.load(&lanes[0]);
-                    way.revisit(
+                    method.visit_stations_in_lanes(
                         form,
                         self.drive,
                         tangent,
@@ -501,12 +501,12 @@ impl Batch<'_> {
                         |pose| visit.pose(group, pose, acceptance),
                     );
                 }
-                (Method::Linkage(way), Form::Linkage(form)) => {
+                (Method::Linkage(method), Form::Linkage(form)) => {
                     let mut unknowns = [like; linkage::UNKNOWNS];
                     for (unknown, lanes) in unknowns.iter_mut().zip(&lanes) {
                         *unknown = like.load(lanes);
                     }
-                    way.revisit(
+                    method.visit_stations_in_lanes(
                         form,
                         unknowns,
                         value,
@@ -515,7 +515,7 @@ impl Batch<'_> {
                         |pose| visit.pose(group, pose, acceptance),
                     );
                 }
-                _ => unreachable!("a design of another batch"),
+                _ => unreachable!("a design of another tracker"),
             }
             filled = 0;
             group += 1;
@@ -526,5 +526,6 @@ impl Batch<'_> {
 /// Returns the lanes in which the size of `now` is between half and twice that of `before`.
 #[inline(always)]
 fn within_half<B: SimdReal>(now: B, before: B) -> B::Mask {
-    ((now - (before + before)) * now.minus_product(before, before.lit(0.5))).less(before.zero())
+    ((now - (before + before)) * now.minus_product(before, before.constant(0.5)))
+        .less(before.zero())
 }

@@ -22,8 +22,8 @@ use super::linkage::UNKNOWNS;
 use super::route::{Leg, Route, RouteStep};
 use super::track::{PlaceEquations, Tracked, kept, predicted, track};
 use super::{
-    Acceptance, Batch, Form, KnucklePoint, KnuckleVector, LONGEST_STEP, LaneDesign, LanePose,
-    Method, Rejection,
+    Acceptance, CornerTracker, Form, KnucklePoint, KnuckleVector, LONGEST_STEP, LaneDesign,
+    LanePose, Method, Rejection,
 };
 use crate::derive::DesignedSpinAxis;
 use crate::mechanism::Ground;
@@ -67,8 +67,8 @@ pub struct PairStations {
 
 /// A way to solve axles of one kind in lanes.
 #[derive(Clone, Debug)]
-pub struct PairBatch<'a> {
-    wheels: [Batch<'a>; 2],
+pub struct AxleTracker<'a> {
+    wheels: [CornerTracker<'a>; 2],
     drive: PairDrive,
     routes: Vec<Route>,
     /// Displacement of the right wheel's rack by the left one's, each in its own frame: -1, or 1 if both share the mean travel
@@ -78,7 +78,7 @@ pub struct PairBatch<'a> {
 
 /// The position of an axle, in each lane.
 #[derive(Clone, Copy)]
-pub struct Stand<B> {
+pub struct GroundContact<B> {
     /// Travels of left and right wheel.
     pub travels: [B; 2],
     /// The ground in the left wheel's frame.
@@ -94,7 +94,7 @@ pub trait VisitPair<B: SimdReal> {
         &mut self,
         station: usize,
         at: [&P; 2],
-        stand: Stand<B>,
+        stand: GroundContact<B>,
         accepted: Acceptance<B>,
     );
 }
@@ -182,7 +182,7 @@ fn height<B: SimdReal>(ground: Ground<B>, radius: f64, wheel: &Linear<B>) -> [B;
     ]
 }
 
-impl<'a> PairBatch<'a> {
+impl<'a> AxleTracker<'a> {
     /// Prepares to solve axles of these mechanisms near `bases`, left and right, each in its own frame. `None` if they
     /// cannot be solved in lanes.
     pub fn new(
@@ -192,8 +192,9 @@ impl<'a> PairBatch<'a> {
         stations: &[PairStations],
     ) -> Option<Self> {
         let nowhere = StationOrder::through(&[]);
-        let wheel =
-            |side: usize| Batch::new(mechanisms[side], bases[side], Drive::Travel, &nowhere, &[]);
+        let wheel = |side: usize| {
+            CornerTracker::new(mechanisms[side], bases[side], Drive::Travel, &nowhere, &[])
+        };
         let wheels = [wheel(0)?, wheel(1)?];
         let longest_travel = LONGEST_STEP * mechanisms[0].size(bases[0]);
         let longest = match drive {
@@ -202,7 +203,7 @@ impl<'a> PairBatch<'a> {
         };
         let route =
             |s: &PairStations| Route::through(&s.order, [s.rack, s.heave], longest, longest_travel);
-        Some(PairBatch {
+        Some(AxleTracker {
             routes: stations.iter().map(route).collect(),
             wheels,
             drive,
@@ -223,20 +224,20 @@ impl<'a> PairBatch<'a> {
         self.routes.iter().all(|route| route.is_complete)
     }
 
-    /// The batch of a wheel, for the constants of its designs.
-    pub fn wheel(&self, side: usize) -> &Batch<'a> {
+    /// The tracker of a wheel, for the constants of its designs.
+    pub fn wheel(&self, side: usize) -> &CornerTracker<'a> {
         &self.wheels[side]
     }
 
-    /// Room for the history of [`PairBatch::solve`].
+    /// Room for the history of [`AxleTracker::solve`].
     pub fn history<B: SimdReal>(&self, like: B) -> Vec<B> {
         let places = self.routes.iter().map(|route| route.places.len());
         let unknowns = self.wheels[0].unknowns();
         vec![like.zero(); (2 * unknowns + 1) * places.max().unwrap_or(0)]
     }
 
-    /// Visits the stations of entry `stations` of those given to [`PairBatch::new`]. The designs, left and right, must
-    /// be of [`PairBatch::wheel`], and `points` must be the points they were made of.
+    /// Visits the stations of entry `stations` of those given to [`AxleTracker::new`]. The designs, left and right, must
+    /// be of [`AxleTracker::wheel`], and `points` must be the points they were made of.
     #[inline(always)]
     pub fn solve<B: SimdReal>(
         &self,
@@ -254,7 +255,7 @@ impl<'a> PairBatch<'a> {
         let on_left = WheelOnKnuckle::of(self.wheels[0].mechanism, left, points[0]);
         let on_right = WheelOnKnuckle::of(self.wheels[1].mechanism, right, points[1]);
         let [first, second] = &self.wheels;
-        match (&first.way, &second.way, &left.form, &right.form) {
+        match (&first.method, &second.method, &left.form, &right.form) {
             (Method::Arm(one), Method::Arm(two), Form::Arm(left), Form::Arm(right)) => {
                 let left = one.wheel(left, on_left, first.tolerance);
                 let right = two.wheel(right, on_right, second.tolerance);
@@ -272,7 +273,7 @@ impl<'a> PairBatch<'a> {
                 let mut pair = self.pair::<B, _, _, UNKNOWNS>([left, right], like, visit);
                 track::<B, { 2 * UNKNOWNS + 1 }, _>(&mut pair, places, accepted, history)
             }
-            _ => unreachable!("designs of another batch"),
+            _ => unreachable!("designs of another tracker"),
         }
     }
 
@@ -285,7 +286,7 @@ impl<'a> PairBatch<'a> {
         }
     }
 
-    /// The equations of both wheels, for designs of this batch.
+    /// The equations of both wheels, for designs of this tracker.
     #[inline(always)]
     fn pair<'w, B, W, V, const N: usize>(
         &'w self,
@@ -299,9 +300,9 @@ impl<'a> PairBatch<'a> {
     {
         let coarser = self.wheels[0].tolerance.max(self.wheels[1].tolerance);
         BothWheels {
-            batch: self,
+            tracker: self,
             wheels,
-            level: like.lit(OF_HEIGHTS * coarser),
+            level: like.constant(OF_HEIGHTS * coarser),
             radius: match self.drive {
                 PairDrive::Heave => None,
                 PairDrive::Roll { radius, .. } => Some(radius),
@@ -317,7 +318,7 @@ impl<'a> PairBatch<'a> {
 /// The equations of both wheels of an axle, each with `N` unknowns. The unknowns are those of the left wheel, those of
 /// the right one, and half the difference of their travels.
 struct BothWheels<'w, B: SimdReal, W, V, const N: usize> {
-    batch: &'w PairBatch<'w>,
+    tracker: &'w AxleTracker<'w>,
     wheels: [W; 2],
     /// Largest difference of the heights of both contact points.
     level: B,
@@ -336,9 +337,9 @@ impl<B: SimdReal, W, V, const N: usize> BothWheels<'_, B, W, V, N> {
     /// Rack and travel of left and right wheel at a place.
     #[inline(always)]
     fn motions(&self, place: &RouteStep, half: B) -> [[B; 2]; 2] {
-        let (mean, _) = self.batch.at(place);
-        let (mean, rack) = (half.lit(mean), half.lit(place.rack));
-        let right = rack.scaled(self.batch.right_rack);
+        let (mean, _) = self.tracker.at(place);
+        let (mean, rack) = (half.constant(mean), half.constant(place.rack));
+        let right = rack.scaled(self.tracker.right_rack);
         [[rack, mean + half], [right, mean - half]]
     }
 }
@@ -376,13 +377,13 @@ where
 
     #[inline(always)]
     fn predict(&mut self, place: &RouteStep, history: &[B]) -> [B; ALL] {
-        let (_, roll) = self.batch.at(place);
+        let (_, roll) = self.tracker.at(place);
         self.ground = Ground {
-            sine: history[0].lit(roll.sin()),
-            cosine: history[0].lit(roll.cos()),
+            sine: history[0].constant(roll.sin()),
+            cosine: history[0].constant(roll.cos()),
         };
         // The first steps go by the slopes of the base design.
-        let (along_left, along_right) = match self.batch.drive {
+        let (along_left, along_right) = match self.tracker.drive {
             PairDrive::Heave => (place.along_slope, place.along_slope),
             PairDrive::Roll { half_track, .. } => (
                 place.along_heave - half_track * place.along_slope,
@@ -392,7 +393,7 @@ where
         let mut along = [[0.0; N]; 2];
         let ways = [
             [along_left, place.along_rack],
-            [along_right, self.batch.right_rack * place.along_rack],
+            [along_right, self.tracker.right_rack * place.along_rack],
         ];
         for wheel in 0..2 {
             let [by_travel, by_rack] = self.wheels[wheel].slopes();
@@ -425,7 +426,7 @@ where
             let [left_height, left_rise] = height(ground, radius, &one);
             let [right_height, right_rise] = height(mirrored, radius, &two);
             step = (right_height - left_height) / (left_rise + right_rise);
-            let least_rise = half.lit(LEAST_RISE);
+            let least_rise = half.constant(LEAST_RISE);
             let upward = least_rise.less(left_rise) & least_rise.less(right_rise);
             self.rises = match round {
                 1 => upward,
@@ -480,7 +481,7 @@ where
                 },
             ),
         };
-        // A loop, for the compiler: the guards are the longest piece of the way.
+        // A loop, for the compiler: the guards are the longest piece of the method.
         let mut guards = known;
         let mut wheel = 0;
         while wheel < 2 {
@@ -501,11 +502,11 @@ where
     ) {
         let ([left_unknowns, right_unknowns], half) = parted::<B, N, ALL>(unknowns);
         let [[left_rack, left_travel], [right_rack, right_travel]] = self.motions(place, half);
-        let (_, roll) = self.batch.at(place);
-        let stand = Stand {
+        let (_, roll) = self.tracker.at(place);
+        let stand = GroundContact {
             travels: [left_travel, right_travel],
             ground: self.ground,
-            roll: half.lit(roll),
+            roll: half.constant(roll),
         };
         let [left, right] = &self.wheels;
         let one = left.pose(&left_unknowns, left_rack, left_travel);

@@ -1,6 +1,6 @@
 //! Tracks a single design, one number at a time; lanes that all hold the same number would gain nothing.
 
-use super::{Acceptance, Batch, LanePose, Rejection, Visit};
+use super::{Acceptance, CornerTracker, LanePose, Rejection, Visit};
 use crate::mechanism::Pose;
 use crate::model::{Drive, Mechanism};
 use crate::number::{Matrix3, SimdReal, SimdTask, Vector3, Width};
@@ -28,7 +28,7 @@ struct PreparedBatch<'m> {
     rack: f64,
     values: Vec<f64>,
     /// `None` if the mechanism cannot be tracked.
-    batch: Option<Batch<'m>>,
+    tracker: Option<CornerTracker<'m>>,
 }
 
 /// The poses of a design that the tracker found.
@@ -82,15 +82,21 @@ impl<'m> PoseTracker<'m> {
                     drive,
                     rack,
                     values: values.to_vec(),
-                    batch: Batch::new(self.mechanism, &self.base, drive, station_order, &[rack]),
+                    tracker: CornerTracker::new(
+                        self.mechanism,
+                        &self.base,
+                        drive,
+                        station_order,
+                        &[rack],
+                    ),
                 });
                 self.prepared.len() - 1
             }
         };
-        if let Some(batch) = &self.prepared[number].batch {
+        if let Some(tracker) = &self.prepared[number].tracker {
             self.history.clear();
             let legs = self.width.run_one(Tracking {
-                batch,
+                tracker,
                 design,
                 number: 0,
                 rack,
@@ -113,9 +119,9 @@ impl<'m> PoseTracker<'m> {
     }
 }
 
-impl Batch<'_> {
+impl CornerTracker<'_> {
     /// Tracks a single design with the rack at its `rack`-th displacement. Appends to `history` the unknowns that
-    /// [`Batch::revisit`] needs. Returns true if every station was accepted.
+    /// [`CornerTracker::visit_stations_in_lanes`] needs. Returns true if every station was accepted.
     pub(crate) fn track_one(
         &self,
         width: Width,
@@ -124,7 +130,7 @@ impl Batch<'_> {
         history: &mut Vec<f64>,
     ) -> bool {
         let legs = width.run_one(Tracking {
-            batch: self,
+            tracker: self,
             design,
             number: rack,
             rack: 0.0,
@@ -137,7 +143,7 @@ impl Batch<'_> {
 }
 
 struct Tracking<'t, 'm> {
-    batch: &'t Batch<'m>,
+    tracker: &'t CornerTracker<'m>,
     design: &'t [Vector3<f64>],
     /// Index of the rack displacement, and the displacement.
     number: usize,
@@ -159,20 +165,20 @@ impl SimdTask for Tracking<'_, '_> {
         let mut points = Vec::with_capacity(self.design.len());
         for point in self.design {
             points.push(Vector3::new(
-                like.lit(point.x),
-                like.lit(point.y),
-                like.lit(point.z),
+                like.constant(point.x),
+                like.constant(point.y),
+                like.constant(point.z),
             ));
         }
-        let design = self.batch.design(&points);
-        let mut history = self.batch.history(like);
+        let design = self.tracker.design(&points);
+        let mut history = self.tracker.history(like);
         let mut collecting = Collecting {
-            rack: like.lit(self.rack),
+            rack: like.constant(self.rack),
             poses: self.into,
         };
-        let tracked = (self.batch).solve(&design, self.number, &mut history, &mut collecting);
+        let tracked = (self.tracker).solve(&design, self.number, &mut history, &mut collecting);
         *self.rounds = tracked.rounds;
-        for unknown in &history[..self.batch.steps(self.number)] {
+        for unknown in &history[..self.tracker.steps(self.number)] {
             self.history.push(unknown.in_lane(0));
         }
         let [up, down] = tracked.legs;

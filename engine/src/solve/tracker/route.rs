@@ -126,8 +126,8 @@ impl Route {
         let mut places = vec![at_zero(0.0, 0.0, 0)];
         if rack != 0.0 || heave != 0.0 {
             // Along the longer of both ways.
-            let way = rack.abs().max(heave.abs());
-            let Some(steps) = steps(0.0, way, longest_of_lead) else {
+            let method = rack.abs().max(heave.abs());
+            let Some(steps) = steps(0.0, method, longest_of_lead) else {
                 return Route {
                     places,
                     is_complete: false,

@@ -126,7 +126,7 @@ pub(super) fn predicted<B: SimdReal, const N: usize>(
 ) -> [B; N] {
     let mut unknowns = [history[0]; N];
     for k in 0..N {
-        let along = history[0].lit(along_slopes[k]);
+        let along = history[0].constant(along_slopes[k]);
         unknowns[k] = weighted::<N, _, B>(&place.prediction, history, k) + along;
     }
     unknowns
@@ -141,11 +141,11 @@ pub(super) fn weighted<const N: usize, const PLACES: usize, B: SimdReal>(
     unknown: usize,
 ) -> B {
     let mut k = weights.len() - 1;
-    let mut sum = history[N * weights[k].0 + unknown] * history[0].lit(weights[k].1);
+    let mut sum = history[N * weights[k].0 + unknown] * history[0].constant(weights[k].1);
     while k > 0 {
         k -= 1;
         let (place, weight) = weights[k];
-        sum = sum.plus_product(history[N * place + unknown], history[0].lit(weight));
+        sum = sum.plus_product(history[N * place + unknown], history[0].constant(weight));
     }
     sum
 }

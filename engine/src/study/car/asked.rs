@@ -118,7 +118,7 @@ impl Resolver<'_> {
             return Some(None);
         };
         let written = section.get_ref();
-        let asked = samples::Asked {
+        let asked = samples::SamplingKeys {
             section: section.span(),
             variables: written.variables.span(),
             method: &written.method,

@@ -5,7 +5,7 @@ use super::super::names::choose;
 use super::super::resolve::{Context, each, some};
 use super::super::suspension::{above_zero, positive};
 use super::super::targets::each_target;
-use super::super::{About, Motion, Move, Optimise, Variable, parse};
+use super::super::{Motion, Move, Optimise, TargetKind, Variable, parse};
 use super::variables::Written;
 use super::{CarOptimise, ENDS, Resolver};
 use crate::ask::Need;
@@ -351,7 +351,7 @@ impl Resolver<'_> {
         let kept = each_constraint(constraints.iter().copied(), &context, self.problems);
         let (read, _) = read?;
         for (target, entry) in read.iter().zip(targets) {
-            if let About::Axle(quantities) = &target.of.about {
+            if let TargetKind::Axle(quantities) = &target.of.kind {
                 self.refuse_moved_rates(end, variables, quantities, entry.span())?;
             }
         }

@@ -370,7 +370,7 @@ fn derivatives_by_the_design_agree_with_differences() {
         let here = on_tape.carried(&at).unwrap();
         let tangent = on_tape.axle.tangent(&here, HELD).unwrap();
         let load = on_tape.axle.wheel_load(&here, Side::Right);
-        let loads = unit.map(|unit| unit.map(|c| load.lit(c)));
+        let loads = unit.map(|unit| unit.map(|c| load.constant(c)));
         let by = on_tape
             .axle
             .figures_along(&tangent, &AxleChange::Loads(loads));

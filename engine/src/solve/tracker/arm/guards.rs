@@ -1,7 +1,7 @@
 //! Every guard of designs with a closed form, at its threshold.
 
 use super::super::boundary::{Judgement, above, below, boundaries, rejection, steady, template};
-use super::super::{Batch, Form, Method};
+use super::super::{CornerTracker, Form, Method};
 use super::*;
 use crate::number::Vector3;
 use crate::solve::StationOrder;
@@ -15,24 +15,24 @@ fn reason(check: impl FnOnce(&mut Acceptance<f64>)) -> Option<Rejection> {
 
 /// The guards at all places of an accepted design, by their formulas and published thresholds.
 fn judge(
-    batch: &Batch<'_>,
+    tracker: &CornerTracker<'_>,
     rack: usize,
     points: &[Vector3<f64>],
     history: &[f64],
 ) -> Vec<Judgement> {
-    let lanes = batch.design(points);
-    let (Method::Arm(_), Form::Arm(design)) = (&batch.way, &lanes.form) else {
+    let lanes = tracker.design(points);
+    let (Method::Arm(_), Form::Arm(design)) = (&tracker.method, &lanes.form) else {
         unreachable!("a design with a closed form")
     };
     // By the size of the base design, as in `STEEPEST`.
-    let base = template(batch.mechanism.topology.name);
-    let steepest = match batch.drive {
+    let base = template(tracker.mechanism.topology.name);
+    let steepest = match tracker.drive {
         Drive::Travel => 3.0 / base.size(),
         Drive::ArmAngle => f64::INFINITY,
     };
     let mut judged = Vec::new();
     let mut last: [Option<(f64, f64, f64)>; 2] = [None; 2];
-    for (place, tangent) in batch.routes[rack].places.iter().zip(history) {
+    for (place, tangent) in tracker.routes[rack].places.iter().zip(history) {
         let tangent = *tangent;
         let state = design.form.at_half_tangent(tangent, place.rack);
         let mut add = |guard, reason, slack| {
@@ -69,7 +69,7 @@ fn judge(
         let is_on_leg = place.leg != Leg::Rack;
         let rate = match before {
             Some((known, ..)) if is_on_leg => (tangent - known) / place.step,
-            _ if batch.drive == Drive::ArmAngle => 0.5,
+            _ if tracker.drive == Drive::ArmAngle => 0.5,
             _ => {
                 // The slope of the half tangent by the travel, by differences of the closed form's own travel.
                 let travel = |t: f64| {
@@ -165,9 +165,10 @@ fn an_arm_is_followed_to_seventy_degrees() {
         for share in [0.5, 0.9, 1.0 - 1e-9, 1.0 + 1e-9] {
             let order = StationOrder::through(&[sign * share * far]);
             let (mechanism, design) = (&suspension.mechanism, &suspension.design);
-            let batch = Batch::new(mechanism, design, Drive::ArmAngle, &order, &[0.0]).unwrap();
-            let mut history = batch.history(0.0_f64);
-            let found = rejection(&batch, 0, design, &mut history);
+            let tracker =
+                CornerTracker::new(mechanism, design, Drive::ArmAngle, &order, &[0.0]).unwrap();
+            let mut history = tracker.history(0.0_f64);
+            let found = rejection(&tracker, 0, design, &mut history);
             match (share < 1.0, found) {
                 (true, found) => last = found,
                 (false, found) if last.is_none() => {

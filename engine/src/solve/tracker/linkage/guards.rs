@@ -2,7 +2,7 @@
 
 use super::super::boundary::{Judgement, above, below, boundaries, steady, template};
 use super::super::route::Leg;
-use super::super::{Batch, Form, Method};
+use super::super::{CornerTracker, Form, Method};
 use super::*;
 use std::collections::BTreeMap;
 
@@ -28,20 +28,20 @@ impl Visit<f64> for Nothing {
 /// The guards at all places of an accepted design, by their formulas and published thresholds. Each place is corrected again
 /// from its prediction, since the determinants are those of the last step of Newton's method.
 fn judge(
-    batch: &Batch<'_>,
+    tracker: &CornerTracker<'_>,
     rack: usize,
     points: &[Vector3<f64>],
     history: &[f64],
 ) -> Vec<Judgement> {
-    let lanes = batch.design(points);
-    let (Method::Linkage(way), Form::Linkage(linkage)) = (&batch.way, &lanes.form) else {
+    let lanes = tracker.design(points);
+    let (Method::Linkage(method), Form::Linkage(linkage)) = (&tracker.method, &lanes.form) else {
         unreachable!("a design in six unknowns")
     };
     let mut visitor = Nothing;
-    let mut corner = way.corner(linkage, batch.tolerance, &mut visitor);
+    let mut corner = method.corner(linkage, tracker.tolerance, &mut visitor);
     let mut judged = Vec::new();
     let mut last: [Option<(Vector3<f64>, [f64; 2])>; 2] = [None; 2];
-    for (number, place) in batch.routes[rack].places.iter().enumerate() {
+    for (number, place) in tracker.routes[rack].places.iter().enumerate() {
         let mut add = |guard, reason, slack| {
             judged.push(Judgement {
                 guard,
@@ -52,7 +52,7 @@ fn judge(
         let mut unknowns = corner.predict(place, history);
         let first = at_place(place, unknowns[0]);
         let (_, step) = corner.steps.linearise(&unknowns, first, false);
-        let moved = largest(step.shift) / way.size;
+        let moved = largest(step.shift) / method.size;
         let correction = moved.max(largest(step.turn));
         add(
             "correction",
@@ -68,7 +68,7 @@ fn judge(
         assert_eq!(&unknowns[..], found, "the same place again");
         let determinants = corner.steps.determinants;
         for (k, guard) in ["first block", "second block"].into_iter().enumerate() {
-            let share = (determinants[k] / way.determinants[k]).abs();
+            let share = (determinants[k] / method.determinants[k]).abs();
             add(guard, Rejection::IllConditioned, above(share, 0.25));
         }
         let turned = Vector3::new(unknowns[3], unknowns[4], unknowns[5]);
@@ -170,7 +170,7 @@ fn a_step_is_guarded_at_its_thresholds() {
 fn a_prediction_is_near_up_to_a_fiftieth() {
     let suspension = template("five_link");
     let size = suspension.size();
-    let way = ByLinkage::of(
+    let method = ByLinkage::of(
         &suspension.mechanism,
         &suspension.design,
         Drive::Travel,
@@ -178,7 +178,7 @@ fn a_prediction_is_near_up_to_a_fiftieth() {
     )
     .unwrap();
     let linkage = LinkageDesign::new(&suspension.mechanism, &suspension.design);
-    let steps = NewtonSteps::<f64>::of(&way, &linkage, 1e-12);
+    let steps = NewtonSteps::<f64>::of(&method, &linkage, 1e-12);
     for k in 0..6 {
         let near = |by: f64| {
             let mut twist = [0.0; 6];

@@ -15,7 +15,7 @@ impl VisitPair<f64> for Rises {
         &mut self,
         _: usize,
         at: [&P; 2],
-        stand: Stand<f64>,
+        stand: GroundContact<f64>,
         _: Acceptance<f64>,
     ) {
         for (side, ground) in [stand.ground, stand.ground.mirrored()]
@@ -51,14 +51,14 @@ fn contact_points_rise_half_as_fast_as_their_wheels() {
         rack: 0.0,
         order: StationOrder::through(&stations),
     };
-    let batch = PairBatch::new([mechanism; 2], [base; 2], drive, &[stations]).unwrap();
-    let mut history = batch.history(0.0_f64);
+    let tracker = AxleTracker::new([mechanism; 2], [base; 2], drive, &[stations]).unwrap();
+    let mut history = tracker.history(0.0_f64);
     let mut follow = |points: &[Vector3<f64>]| {
-        let design = batch.wheel(0).design(points);
+        let design = tracker.wheel(0).design(points);
         let on = [(), ()].map(|()| WheelOnKnuckle::of(mechanism, &design, points));
         let least = f64::INFINITY;
         let mut rises = Rises { on, radius, least };
-        let tracked = batch.solve([&design; 2], [points; 2], 0, &mut history, &mut rises);
+        let tracked = tracker.solve([&design; 2], [points; 2], 0, &mut history, &mut rises);
         let reason = tracked.legs.iter().find_map(|leg| leg.reason(0));
         (reason, rises.least)
     };

@@ -1,12 +1,14 @@
 //! Builds one wheel: changes the parts by random numbers, and assembles them.
 
-use crate::assembly::{Alignment, Assembler, BuildParameter, Built, NoSetUp, Parts, Reject};
+use crate::assembly::{
+    Alignment, Assembler, AssemblyError, BuildParameter, Built, Parts, SetUpError,
+};
 use crate::model::{Side, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::study::{Source, Study, Tolerance};
 
 /// Builds one wheel.
-pub(super) struct Workshop {
+pub(super) struct WheelAssembler {
     /// Puts builds together.
     pub(super) assembler: Assembler,
     pub(super) alignment: Option<Alignment>,
@@ -14,20 +16,20 @@ pub(super) struct Workshop {
     pub(super) side: Option<Side>,
 }
 
-impl Workshop {
+impl WheelAssembler {
     /// Prepares to build a wheel from its nominal design.
     pub(super) fn of(
         study: &Study,
         tolerance: &Tolerance,
         suspension: &Suspension,
         side: Option<Side>,
-    ) -> Result<Self, NoSetUp> {
+    ) -> Result<Self, SetUpError> {
         let assembler = Assembler::new(suspension)?;
         let alignment = match (tolerance.aligned, &study.setup) {
             (true, Some(setup)) => Some(Alignment::of(&setup.adjust, &assembler)?),
             _ => None,
         };
-        Ok(Workshop {
+        Ok(WheelAssembler {
             assembler,
             alignment,
             side,
@@ -92,7 +94,7 @@ impl Workshop {
         &self,
         parts: &mut Parts<f64>,
         into: &mut [Vector3<f64>],
-    ) -> Result<(), Reject> {
+    ) -> Result<(), AssemblyError> {
         match &self.alignment {
             None => self.assembler.assemble(parts, 0.0, into),
             Some(alignment) => alignment.assemble(&self.assembler, parts, into),

@@ -55,8 +55,8 @@ pub trait SimdReal: Real {
     /// The number, or NaN for one that is not finite.
     #[inline(always)]
     fn finite(self) -> Self {
-        let is_finite = self.abs().less(self.lit(f64::INFINITY));
-        Self::select(is_finite, self, self.lit(f64::NAN))
+        let is_finite = self.abs().less(self.constant(f64::INFINITY));
+        Self::select(is_finite, self, self.constant(f64::NAN))
     }
 }
 

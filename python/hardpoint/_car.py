@@ -16,6 +16,7 @@ from . import _hardpoint
 from ._frame import Column, Frame
 from ._study import Overrides, Study, study_of, text_of, written
 from ._sweep import Sweep
+from ._tuning import effect_row
 
 Floats = NDArray[np.float64]
 
@@ -61,6 +62,9 @@ class CarTuning:
     """Columns of the variables (k)."""
     targets: Frame
     """A row for each target: output, case, tolerance, deviation in tolerances, wanted and values (before, after) as pairs."""
+    side_effects: Frame
+    """Changes that no target asks for, those beyond a customary tolerance first: output, unit, before_min, before_max, after_min,
+    after_max, largest_change, case, wheel, at, tolerance, flagged, lost; empty with side_effects = false in [optimise]."""
     studies: dict[str, str]
     """Texts of the tuned studies by the name of the file: optimised.toml, optimised_front.toml, optimised_rear.toml."""
 
@@ -180,6 +184,7 @@ class Car:
             misfit=found["misfit"],
             variables=self.variables,
             targets=Frame.of_records(json.loads(found["targets"])),
+            side_effects=Frame.of_records(map(_effect, json.loads(found["side_effects"]))),
             studies=dict(zip(names, found["studies"], strict=True)),
         )
 
@@ -188,6 +193,11 @@ class Car:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (_restored, (self._car,))
+
+
+def _effect(record: dict[str, Any]) -> dict[str, Any]:
+    """A row of `CarTuning.side_effects`."""
+    return {"case": "", **effect_row(record)}
 
 
 def _restored(car: _hardpoint.Car) -> Car:

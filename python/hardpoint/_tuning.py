@@ -103,7 +103,7 @@ def _move(name: str, record: dict[str, Any]) -> dict[str, Any]:
     return {"name": name, **record, "low": low, "high": high, "at_bound": record["at_bound"] or ""}
 
 
-def _effect(record: dict[str, Any]) -> dict[str, Any]:
+def effect_row(record: dict[str, Any]) -> dict[str, Any]:
     """A row of `Tuning.side_effects`, its station in words."""
     at = ", ".join(f"{place['name']} {place['value']:g} {place['unit']}" for place in record["at"])
     return {**record, "at": at, "wheel": record["wheel"] or ""}
@@ -159,7 +159,7 @@ def optimise(
         moves=Frame.of_records(map(_move, found["variables"], summary["variables"])),
         targets=Frame.of_records(summary["targets"]),
         constraints=Frame.of_records(constraints),
-        side_effects=Frame.of_records(map(_effect, summary.get("side_effects", []))),
+        side_effects=Frame.of_records(map(effect_row, summary.get("side_effects", []))),
         front=None if found["front"] is None else Frame(_hardpoint.parse_table(found["front"])),
         prices=Frame.of_records(summary["prices"]) if prices else None,
         history=Frame(_hardpoint.parse_table(found["history"])),

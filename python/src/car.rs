@@ -12,6 +12,7 @@ use hardpoint::report::{
     lift_limits_table, optimised_car,
 };
 use hardpoint::scatter;
+use hardpoint::side_effects::side_effects_of_car;
 use hardpoint::study::{CarStudy, TunedCar};
 use hardpoint::sweep::{CarNotBegun, CarSweepPlan, Swept};
 use hardpoint::tolerance::CarProblem;
@@ -241,13 +242,15 @@ pub(crate) fn car_optimise<'py>(
             let solver = CarSolver::new(&of.car).map_err(|fault| of.car.describe_fault(&fault));
             Ok::<_, String>(CarResults::solve(of, &mut solver?, of.cases.len()))
         });
+        let effects = side_effects_of_car(study, &tuned)?;
+        let effects = serde_json::to_string(&effects).map_err(|e| e.to_string())?;
         let [before, after] = records;
         let targets = after?.target_records(wanted, &before?, fit.x.as_slice());
         let targets = serde_json::to_string(&targets).map_err(|e| e.to_string())?;
         let texts = optimised_car(study, &tuned.car, fit.x.as_slice());
-        Ok::<_, String>((fit, targets, texts))
+        Ok::<_, String>((fit, targets, effects, texts))
     };
-    let (tuned, targets, texts) =
+    let (tuned, targets, effects, texts) =
         interruptible(py, threads, work, |_, _| Ok(()))?.map_err(failure)?;
     let x = tuned.x.as_slice();
     let result = PyDict::new(py);
@@ -257,6 +260,7 @@ pub(crate) fn car_optimise<'py>(
     result.set_item("message", tuned.ended().to_string())?;
     result.set_item("misfit", tuned.misfit())?;
     result.set_item("targets", targets)?;
+    result.set_item("side_effects", effects)?;
     result.set_item("studies", texts.to_vec())?;
     Ok(result)
 }

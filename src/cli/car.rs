@@ -16,6 +16,7 @@ pub(super) use tolerance::tolerance;
 
 use super::exit::{Exit, Stop};
 use super::interrupt;
+use super::optimise::say_side_effects;
 use super::output::{Destination, Output};
 use super::printer::Printer;
 use super::terminal;
@@ -24,15 +25,16 @@ use crate::car::CarSolver;
 use crate::optimise::Control;
 use crate::report::{
     CarRecord, CarResults, CarState, car_constraints_table, car_page, car_targets_json,
-    car_targets_table, counted, optimised_car,
+    car_targets_table, counted, optimised_car, side_effects_in_words, side_effects_table,
 };
 use crate::results::{Claim, digest_of_texts};
+use crate::side_effects::side_effects_of_car;
 use crate::study::CarStudy;
 use serde_json::json;
 use std::path::Path;
 
 /// The files of the commands on cars.
-const FILES: [&str; 15] = [
+const FILES: [&str; 16] = [
     "report.json",
     "report.html",
     "cases.csv",
@@ -41,6 +43,7 @@ const FILES: [&str; 15] = [
     "sensitivities.csv",
     "tolerance.csv",
     "contributors.csv",
+    "side_effects.csv",
     "summary.json",
     "study.toml",
     "front.toml",
@@ -294,6 +297,8 @@ pub(super) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.file("cases_before.csv", &before.cases_csv())?;
     let targets = after.target_records(wanted, &before, x);
     let constraints = after.constraint_records(wanted, &before, x);
+    let effects = side_effects_of_car(&study, &after_study);
+    let effects = effects.map_err(|why| Stop::unsolved(path, why))?;
     let met = tuned.misfit();
     let summary = json!({
         "command": "optimise",
@@ -305,17 +310,23 @@ pub(super) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
         "variables": after.variables_json(&study, x),
         "targets": car_targets_json(&targets),
         "constraints": constraints,
+        "side_effects": effects,
     });
     output.json("summary.json", &summary)?;
     files.extend(["cases.csv", "cases_before.csv", "summary.json"]);
+    let csv = (!effects.is_empty()).then(|| side_effects_table(&effects).csv(None).into_bytes());
+    files.extend(output.file_if_any("side_effects.csv", csv)?);
     files.extend(keep(&output, &study)?);
     let mut record = after.record("optimise", &mut after_solver, None, &after.warnings());
     record.targets.clone_from(&targets);
+    record.side_effects.clone_from(&effects);
     files.extend(page(&output, record, &files, arguments.report)?);
     output.finish()?;
+    let words = side_effects_in_words(&effects).map(|words| format!("; {words}"));
     output.say(&format!(
-        "{}\nmisfit {met:.3e} (root mean square, in tolerances); {}\n\n",
+        "{}\nmisfit {met:.3e} (root mean square, in tolerances){}; {}\n\n",
         headline(&study),
+        words.unwrap_or_default(),
         tuned.ended()
     ))?;
     output.table("targets", &car_targets_table(&targets))?;
@@ -325,6 +336,7 @@ pub(super) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
         output.text_only("\n")?;
     }
     output.table("variables", &after.variables_table(&study, x))?;
+    say_side_effects(&output, &effects)?;
     output.print_files(&files)?;
     Ok(Exit::of(
         tuned.termination.at_minimum() && tuned.is_feasible(),

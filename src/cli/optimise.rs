@@ -13,7 +13,7 @@ use crate::report::{
     side_effects_table, unchanged_in_words, variable_plausibility,
 };
 use crate::rig::RigTests;
-use crate::side_effects::side_effects;
+use crate::side_effects::{SideEffect, side_effects};
 use crate::solved::Solved;
 use crate::study::{CarStudy, Optimise, Study, StudyErrors};
 use std::path::Path;
@@ -42,13 +42,12 @@ pub(super) fn say_outcome(
         output.text_only("\n")?;
         output.table("constraints", &table)?;
     }
-    say_side_effects(output, summary)?;
+    say_side_effects(output, &summary.side_effects)?;
     output.say_remarks(summary.remarks())
 }
 
 /// Prints the changes that no target asks for, flagged ones first.
-fn say_side_effects(output: &Output, summary: &TuningSummary) -> Result<(), Stop> {
-    let effects = &summary.side_effects;
+pub(super) fn say_side_effects(output: &Output, effects: &[SideEffect]) -> Result<(), Stop> {
     if effects.is_empty() {
         return Ok(());
     }

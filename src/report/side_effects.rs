@@ -42,20 +42,22 @@ fn change(effect: &SideEffect) -> Option<String> {
     })
 }
 
-/// Returns true if a reader sees no change.
-fn is_unchanged(effect: &SideEffect) -> bool {
+/// Returns true if a reader sees a change.
+pub(super) fn is_visible(effect: &SideEffect) -> bool {
     let shown = change(effect).unwrap_or_default();
-    !effect.flagged && !shown.contains(|c: char| ('1'..='9').contains(&c))
+    effect.flagged || shown.contains(|c: char| ('1'..='9').contains(&c))
 }
 
-/// The station of the largest change: `roll 3 deg, heave -40 mm, left wheel`.
+/// The station of the largest change: `roll 3 deg, heave -40 mm, left wheel`, or `skid_pad, front left wheel`.
 fn place(effect: &SideEffect) -> String {
     let coordinate = |c: &PlaceCoordinate| {
         let name = c.name.replace('_', " ");
         format!("{name} {} {}", as_written(c.value), c.unit)
     };
-    let wheel = effect.wheel.iter().map(|wheel| format!("{wheel} wheel"));
-    let coordinates = effect.at.iter().map(coordinate);
+    let wheel = effect.wheel.iter();
+    let wheel = wheel.map(|wheel| format!("{} wheel", wheel.replace('_', " ")));
+    let case = effect.case.iter().cloned();
+    let coordinates = case.chain(effect.at.iter().map(coordinate));
     coordinates.chain(wheel).collect::<Vec<_>>().join(", ")
 }
 
@@ -148,11 +150,7 @@ pub fn side_effects_table(effects: &[SideEffect]) -> Table {
 /// The side effects that a reader is shown: the flagged ones, then others that change visibly, and how many more of
 /// these there are.
 pub fn shown_side_effects(effects: &[SideEffect]) -> (Vec<SideEffect>, usize) {
-    let changed: Vec<SideEffect> = effects
-        .iter()
-        .filter(|e| !is_unchanged(e))
-        .cloned()
-        .collect();
+    let changed: Vec<SideEffect> = effects.iter().filter(|e| is_visible(e)).cloned().collect();
     let flagged = changed.iter().filter(|e| e.flagged).count();
     let shown = changed.len().min(MOST_ROWS.max(flagged));
     let more = changed.len() - shown;
@@ -174,7 +172,7 @@ pub fn side_effects_in_words(effects: &[SideEffect]) -> Option<String> {
 
 /// Names of the outputs that do not change visibly, in words; `None` without one.
 pub fn unchanged_in_words(effects: &[SideEffect]) -> Option<String> {
-    let unchanged = effects.iter().filter(|e| is_unchanged(e));
+    let unchanged = effects.iter().filter(|e| !is_visible(e));
     let names: Vec<String> = unchanged.map(SideEffect::column).collect();
     (!names.is_empty()).then(|| format!("unchanged: {}", names.join("; ")))
 }

@@ -217,7 +217,7 @@ fn frame(axle: &Axle, plan: &AxlePlan, at: &[f64], side: Side) -> Option<Frame> 
     let mut motion = plan.motion.clone();
     motion.steering_wheel = None;
     for (coordinate, value) in coordinates(&plan.motion).into_iter().zip(at) {
-        *motion.along(coordinate)? = vec![coordinate.in_course(*value, axle)];
+        *motion.along(coordinate)? = vec![coordinate.in_kernel(*value, axle)];
     }
     let here = AxlePlan {
         motion,

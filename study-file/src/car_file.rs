@@ -39,6 +39,8 @@ pub struct Car {
     pub wheelbase: Option<Number>,
     /// or place of the rear study's origin.
     pub rear_offset: Option<Coordinates>,
+    /// Unit of masses.
+    pub mass_unit: Option<Text>,
     /// Mass of the whole car,
     pub mass: Option<Number>,
     /// with its centre of gravity;
@@ -339,6 +341,8 @@ pub struct Optimise {
     pub starts: Option<Whole>,
     /// Seed of the starts.
     pub seed: Option<Whole>,
+    /// True if changes that no target asks for are reported.
+    pub side_effects: Option<Spanned<bool>>,
     /// Design variables.
     pub variables: Spanned<Vec<Spanned<Variable>>>,
     /// Targets of cases, and of axles by themselves.

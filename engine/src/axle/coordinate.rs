@@ -78,7 +78,7 @@ impl Coordinate {
 
     /// Converts a value as the study writes it (degrees, lengths along the study's axes) to one of a [`AxleMotion`]. The
     /// angle of the steering wheel becomes the displacement of the rack that it makes.
-    pub fn in_course(self, written: f64, axle: &Axle) -> f64 {
+    pub fn in_kernel(self, written: f64, axle: &Axle) -> f64 {
         match self {
             Coordinate::Roll => written.to_radians(),
             Coordinate::Rack => written * axle.left.frame.sign(Axis::Y),
@@ -93,7 +93,7 @@ impl Coordinate {
         let short = |value: f64| format!("{value:.12e}").parse().unwrap_or(value);
         match self {
             Coordinate::Roll => short(value.to_degrees()),
-            _ => short(value / self.in_course(1.0, axle)),
+            _ => short(value / self.in_kernel(1.0, axle)),
         }
     }
 }

@@ -136,39 +136,11 @@ impl<T: Real> Corner<T> {
         steps: Steps<T>,
         lift: impl Fn(U) -> T + Copy,
     ) -> Self {
-        let (a, b) = match carriers {
-            Carriers::Independent => (steps.own, steps.rack),
-            Carriers::Rigid(held) => {
-                let mean = (steps.own + steps.other).scaled(0.5);
-                let difference = (steps.own - steps.other).scaled(0.5);
-                match held {
-                    AxleTravel::Mean => (difference, Some(mean)),
-                    AxleTravel::Difference => (mean, Some(difference)),
-                }
-            }
-        };
-        let number = |part: NumberPart| polynomial(|p| lift(wheel.number(part, p)), a, b);
-        let vector = |of: &dyn Fn([usize; 2]) -> Vector3<U>| {
-            let known = |p: [usize; 2]| b.is_some() || p[1] == 0;
-            let zero = a.zero();
-            // Each coefficient is read once for its three components.
-            let mut table = [[Vector3::new(zero, zero, zero); 4]; 4];
-            for (i, row) in table.iter_mut().enumerate() {
-                for (j, entry) in row.iter_mut().enumerate().take(4 - i) {
-                    if known([i, j]) {
-                        *entry = of([i, j]).map(lift);
-                    }
-                }
-            }
-            let [x, y, z] = [
-                polynomial(|[i, j]| table[i][j].x, a, b),
-                polynomial(|[i, j]| table[i][j].y, a, b),
-                polynomial(|[i, j]| table[i][j].z, a, b),
-            ];
-            [0, 1, 2].each(|k| Vector3::new(x[k], y[k], z[k]))
-        };
+        let at = Displacement::of(carriers, &steps);
+        let number = |part: NumberPart| at.number(|p| lift(wheel.number(part, p)));
+        let vector = |of: &dyn Fn([usize; 2]) -> Vector3<U>| at.vector(|p| of(p).map(lift));
         let mirrored = |v: Vector3<T>| Vector3::new(v.x, v.y.scaled(sign), v.z);
-        let zero = a.zero();
+        let zero = at.first.zero();
         let mut turns = [Vector3::new(zero, zero, zero); 2];
         for i in 0..3 {
             let [column, first, second] = vector(&|powers| wheel.column(i, powers));
@@ -188,38 +160,13 @@ impl<T: Real> Corner<T> {
         let [end, end_first, _] =
             vector(&|powers| wheel.read_vector(VectorPart::HeaveSpring, powers));
         let [angle, angle_first, _] = number(NumberPart::RockerAngle);
-        let rates = |centre, turn, spring, bar| WheelRates {
-            centre,
-            turn,
-            spring,
-            bar,
-        };
-        let (own, other) = match carriers {
-            Carriers::Independent => {
-                let own = rates(centres[0], turns[0], spring_first, bar_first);
-                (own, None)
-            }
-            Carriers::Rigid(held) => {
-                let vectors = |[first, second]: [Vector3<T>; 2]| {
-                    let [x, y, z] = [
-                        by_travels(held, [first.x, second.x]),
-                        by_travels(held, [first.y, second.y]),
-                        by_travels(held, [first.z, second.z]),
-                    ];
-                    ByTravels {
-                        own: Vector3::new(x.own, y.own, z.own),
-                        other: Vector3::new(x.other, y.other, z.other),
-                    }
-                };
-                let (centre, turn) = (vectors(centres), vectors(turns));
-                let spring = by_travels(held, [spring_first, spring_second]);
-                let bar = by_travels(held, [bar_first, bar_second]);
-                (
-                    rates(centre.own, turn.own, spring.own, bar.own),
-                    Some(rates(centre.other, turn.other, spring.other, bar.other)),
-                )
-            }
-        };
+        let (own, other) = rates(
+            carriers,
+            centres,
+            turns,
+            [spring_first, spring_second],
+            [bar_first, bar_second],
+        );
         let design = wheel.design();
         Corner {
             sign,
@@ -239,6 +186,94 @@ impl<T: Real> Corner<T> {
             other,
         }
     }
+}
+
+/// A little step from the point of expansion.
+struct Displacement<T> {
+    /// Step of the first coordinate: the wheel's own travel, or the one that an axle's mode does not hold.
+    first: T,
+    /// Step of the second coordinate: the rack or the held travel; `None` without one.
+    second: Option<T>,
+}
+
+impl<T: Real> Displacement<T> {
+    fn of(carriers: Carriers, steps: &Steps<T>) -> Self {
+        let (first, second) = match carriers {
+            Carriers::Independent => (steps.own, steps.rack),
+            Carriers::Rigid(held) => {
+                let mean = (steps.own + steps.other).scaled(0.5);
+                let difference = (steps.own - steps.other).scaled(0.5);
+                match held {
+                    AxleTravel::Mean => (difference, Some(mean)),
+                    AxleTravel::Difference => (mean, Some(difference)),
+                }
+            }
+        };
+        Displacement { first, second }
+    }
+
+    /// A number and its derivatives by both coordinates, from its coefficients by powers.
+    fn number(&self, of: impl Fn([usize; 2]) -> T) -> [T; 3] {
+        polynomial(of, self.first, self.second)
+    }
+
+    /// A vector and its derivatives, likewise.
+    fn vector(&self, of: impl Fn([usize; 2]) -> Vector3<T>) -> [Vector3<T>; 3] {
+        let (a, b) = (self.first, self.second);
+        let known = |p: [usize; 2]| b.is_some() || p[1] == 0;
+        let zero = a.zero();
+        // Each coefficient is read once for its three components.
+        let mut table = [[Vector3::new(zero, zero, zero); 4]; 4];
+        for (i, row) in table.iter_mut().enumerate() {
+            for (j, entry) in row.iter_mut().enumerate().take(4 - i) {
+                if known([i, j]) {
+                    *entry = of([i, j]);
+                }
+            }
+        }
+        let [x, y, z] = [
+            polynomial(|[i, j]| table[i][j].x, a, b),
+            polynomial(|[i, j]| table[i][j].y, a, b),
+            polynomial(|[i, j]| table[i][j].z, a, b),
+        ];
+        [0, 1, 2].each(|k| Vector3::new(x[k], y[k], z[k]))
+    }
+}
+
+/// Rates by the wheel's own travel and by the other wheel's, from derivatives by the coordinates of the expansion.
+fn rates<T: Real>(
+    carriers: Carriers,
+    centres: [Vector3<T>; 2],
+    turns: [Vector3<T>; 2],
+    springs: [T; 2],
+    bars: [T; 2],
+) -> (WheelRates<T>, Option<WheelRates<T>>) {
+    let of = |centre, turn, spring, bar| WheelRates {
+        centre,
+        turn,
+        spring,
+        bar,
+    };
+    let held = match carriers {
+        Carriers::Independent => return (of(centres[0], turns[0], springs[0], bars[0]), None),
+        Carriers::Rigid(held) => held,
+    };
+    let vectors = |[first, second]: [Vector3<T>; 2]| {
+        let [x, y, z] = [
+            by_travels(held, [first.x, second.x]),
+            by_travels(held, [first.y, second.y]),
+            by_travels(held, [first.z, second.z]),
+        ];
+        ByTravels {
+            own: Vector3::new(x.own, y.own, z.own),
+            other: Vector3::new(x.other, y.other, z.other),
+        }
+    };
+    let (centre, turn) = (vectors(centres), vectors(turns));
+    let spring = by_travels(held, springs);
+    let bar = by_travels(held, bars);
+    let other = of(centre.other, turn.other, spring.other, bar.other);
+    (of(centre.own, turn.own, spring.own, bar.own), Some(other))
 }
 
 trait Scaled {

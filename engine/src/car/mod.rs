@@ -100,7 +100,7 @@ pub use templates::{CarTemplate, TEMPLATES};
 pub use tune::{CarConstraint, CarGoals, CarRun, CarTarget, RigGoals, tune};
 
 use crate::axle::Axle;
-use crate::model::{LengthUnit, TorquePath};
+use crate::model::{LengthUnit, MassUnit, TorquePath};
 use crate::number::Vector3;
 
 /// Standard acceleration of free fall, m/s2.
@@ -117,6 +117,8 @@ pub struct Car {
     pub masses: Masses,
     /// Mass, kg: of the whole car or sprung, as `masses` says.
     pub mass: f64,
+    /// Unit in which studies and results give masses.
+    pub mass_unit: MassUnit,
     /// The centre of gravity of that mass, design position.
     pub cg: Vector3<f64>,
     /// Front share of the braking force.

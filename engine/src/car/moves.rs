@@ -91,8 +91,22 @@ impl Moves {
         (names.join("+"), axis)
     }
 
+    /// Program units in one unit of the study: newtons in a pound-force, kilograms in a pound.
+    fn written_unit(&self, car: &Car) -> f64 {
+        match self {
+            Moves::Rate { .. } => car.length_unit.newtons(),
+            Moves::Body(BodyParameter::Mass) => car.mass_unit.kilograms(),
+            Moves::Hardpoints(_) | Moves::Body(_) | Moves::Wheelbase => 1.0,
+        }
+    }
+
     /// The value in a car, as the study writes it; 0 for the offset of a hardpoint. `None` if the car has no such figure.
     pub fn value(&self, car: &Car) -> Option<f64> {
+        Some(self.internal(car)? / self.written_unit(car))
+    }
+
+    /// The value in the program's units: newtons, kilograms and the study's length unit.
+    fn internal(&self, car: &Car) -> Option<f64> {
         match *self {
             Moves::Hardpoints(_) => Some(0.0),
             Moves::Rate { axle, parameter } => {
@@ -138,7 +152,8 @@ impl Moves {
 
     /// Moves a part of the car to a value; a hardpoint by it.
     pub fn apply(&self, value: f64, car: &mut Car) {
-        let now = self.value(car).unwrap_or(0.0);
+        let now = self.internal(car).unwrap_or(0.0);
+        let value = value * self.written_unit(car);
         match *self {
             Moves::Hardpoints(ref points) => move_points(points, value, car),
             Moves::Rate { axle, parameter } => {
@@ -198,25 +213,25 @@ impl Moves {
 
     /// Its unit; empty for a share.
     pub fn unit(&self, car: &Car) -> String {
-        let length = car.length_unit.symbol();
+        let (length, force) = (car.length_unit.symbol(), car.length_unit.force_symbol());
         match self {
             Moves::Hardpoints(_) | Moves::Wheelbase => length.to_owned(),
             Moves::Rate { parameter, .. } => match parameter {
                 AxleParameter::BarRate | AxleParameter::TBarRate | AxleParameter::HeaveBarRate => {
-                    format!("N_{length}_per_rad")
+                    format!("{force}_{length}_per_rad")
                 }
-                _ => format!("N_per_{length}"),
+                _ => format!("{force}_per_{length}"),
             },
-            Moves::Body(BodyParameter::Mass) => "kg".to_owned(),
+            Moves::Body(BodyParameter::Mass) => car.mass_unit.symbol().to_owned(),
             Moves::Body(parameter) if Moves::axis(*parameter).is_some() => length.to_owned(),
             Moves::Body(_) => String::new(),
         }
     }
 
-    /// The derivative of a result by the variable.
+    /// The derivative of a result by the variable, per unit of the study.
     pub fn slope(&self, car: &Car, gradient: &CarGradient) -> f64 {
         let by = |parameter: Parameter| gradient.parameters[parameter.place()];
-        match *self {
+        let slope = match *self {
             Moves::Hardpoints(ref points) => {
                 let slope = |at: &PointMove| {
                     let along = gradient.hardpoints[at.axle][at.point.0][at.axis];
@@ -227,7 +242,8 @@ impl Moves {
             Moves::Rate { axle, parameter } => by(Parameter::Axle(axle, parameter)),
             Moves::Body(parameter) => Moves::sign(parameter, car) * by(Parameter::Body(parameter)),
             Moves::Wheelbase => -by(Parameter::Axle(1, AxleParameter::OffsetX)),
-        }
+        };
+        slope * self.written_unit(car)
     }
 
     /// Name of the variable.

@@ -105,6 +105,37 @@ impl FrameConvention {
     }
 }
 
+/// The unit of masses in a study. Inside the program masses are in kilograms.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MassUnit {
+    /// Kilograms.
+    #[default]
+    Kilogram,
+    /// Pounds (avoirdupois).
+    Pound,
+}
+
+impl MassUnit {
+    /// Every unit there is.
+    pub const ALL: [MassUnit; 2] = [MassUnit::Kilogram, MassUnit::Pound];
+
+    /// The unit's symbol.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            MassUnit::Kilogram => "kg",
+            MassUnit::Pound => "lb",
+        }
+    }
+
+    /// Kilograms in the unit; a pound by definition (International Yard and Pound Agreement, 1959).
+    pub fn kilograms(self) -> f64 {
+        match self {
+            MassUnit::Kilogram => 1.0,
+            MassUnit::Pound => 0.453_592_37,
+        }
+    }
+}
+
 /// The unit of every length in a study and in its results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LengthUnit {
@@ -132,7 +163,7 @@ impl LengthUnit {
     }
 
     /// The same unit of lengths, with forces in newtons.
-    pub fn with_newtons(self) -> LengthUnit {
+    fn with_newtons(self) -> LengthUnit {
         match self {
             LengthUnit::InchPound => LengthUnit::Inch,
             other => other,

@@ -19,7 +19,7 @@ mod topology;
 mod trailing_arm_two_links;
 mod twist_beam;
 
-pub use frame::{Axis, Frame, FrameConvention, LengthUnit, Side};
+pub use frame::{Axis, Frame, FrameConvention, LengthUnit, MassUnit, Side};
 pub use rigid_axle::{AxleTravel, RigidAxle, mirrored};
 pub use rocker::{Rocker, RockerId, Rod};
 pub use seats::Seat;

@@ -1,15 +1,21 @@
 //! Layout of targets and constraints over the stations of the motions.
 
+mod draft;
+mod rows;
+
+pub(super) use rows::{Check, LimitedValue};
+
 use super::Linearisation;
 use super::axle::AxleLayout;
 use super::elastic::ElasticLayout;
 use super::trade::Criterion;
 use crate::characteristics::{Measure, Slots};
-use crate::evaluate::index_or_push;
-use crate::model::{Axis, Drive, Frame, Mechanism, Suspension};
+use crate::model::{Drive, Mechanism, Suspension};
 use crate::solve::StationOrder;
-use crate::study::{Limited, Motion, Optimise, Sample, Site, Target, Vehicle};
+use crate::study::{Limited, Optimise, Sample, Site, Target, Vehicle};
+use draft::{Draft, TargetPlace, draft_of, legs_of};
 use nalgebra::DVector;
+use rows::RowNumbers;
 
 /// A target at one station of a leg or of an axle.
 #[derive(Clone, Debug)]
@@ -36,64 +42,6 @@ impl TargetSample {
             into.jacobian.row_mut(row).fill(0.0);
         }
         pulls
-    }
-}
-
-/// A part of a constraint at one station, and the rows it makes.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Check {
-    pub part: usize,
-    /// Row of the lower limit and row of the upper one; an equality has a row in `equal` alone.
-    pub lower: Option<usize>,
-    pub upper: Option<usize>,
-    pub equal: Option<usize>,
-}
-
-impl Check {
-    /// Writes the rows of the limits, from the value of the part and its derivatives by the variables.
-    pub(super) fn write(&self, of: &Limited, found: f64, slopes: &[f64], rows: &mut Linearisation) {
-        let limits = [
-            (self.lower, of.lower, -1.0),
-            (self.upper, of.upper, 1.0),
-            (self.equal, of.upper, 1.0),
-        ];
-        for (row, limit, sign) in limits {
-            if let (Some(row), Some(limit)) = (row, limit) {
-                let scale = sign / of.scale;
-                rows.residuals[row] = (found - limit) * scale;
-                rows.write_slopes(row, slopes, scale);
-            }
-        }
-    }
-}
-
-/// A limit on a value of elastic parts at a station.
-#[derive(Clone, Debug)]
-pub(super) struct LimitedValue {
-    /// The part of a constraint.
-    pub part: usize,
-    /// Number among the values.
-    pub of: usize,
-    /// The limits.
-    pub limited: Limited,
-    /// Its rows.
-    pub check: Check,
-}
-
-impl LimitedValue {
-    /// A limit without rows yet.
-    pub(super) fn new(part: usize, of: usize, limited: &Limited) -> Self {
-        LimitedValue {
-            part,
-            of,
-            limited: limited.clone(),
-            check: Check {
-                part,
-                lower: None,
-                upper: None,
-                equal: None,
-            },
-        }
     }
 }
 
@@ -200,76 +148,6 @@ pub struct TargetLayout {
     pub(super) reads: Slots,
 }
 
-/// A leg while its stations are collected.
-struct Draft {
-    drive: Drive,
-    rack: f64,
-    values: Vec<f64>,
-    /// Row, target, station and wanted value.
-    targets: Vec<(usize, usize, usize, Sample)>,
-    /// Part and station.
-    checks: Vec<(usize, usize)>,
-    extremes: Vec<usize>,
-}
-
-impl Draft {
-    fn station(&mut self, drive: f64) -> usize {
-        index_or_push(&mut self.values, drive)
-    }
-
-    /// Leaves out the stations that no target or constraint uses; they are not visited.
-    fn leave_out_unused(&mut self) {
-        let of_targets = self.targets.iter_mut().map(|(_, _, station, _)| station);
-        let of_checks = self.checks.iter_mut().map(|(_, station)| station);
-        let mut all: Vec<&mut usize> = of_targets.chain(of_checks).collect();
-        let is_used = |station: &usize| all.iter().any(|s| **s == *station);
-        let used: Vec<usize> = (0..self.values.len()).filter(is_used).collect();
-        for station in &mut all {
-            **station = used.binary_search(station).expect("it is used");
-        }
-        self.values = used.iter().map(|station| self.values[*station]).collect();
-    }
-}
-
-/// Number of the draft with this drive, this rack displacement and stations that begin with these; a missing draft is
-/// added.
-fn draft_of(drafts: &mut Vec<Draft>, drive: Drive, rack: f64, values: &[f64]) -> usize {
-    let same = |d: &Draft| d.drive == drive && d.rack == rack && d.values.starts_with(values);
-    drafts.iter().position(same).unwrap_or_else(|| {
-        drafts.push(Draft {
-            drive,
-            rack,
-            values: values.to_vec(),
-            targets: Vec::new(),
-            checks: Vec::new(),
-            extremes: Vec::new(),
-        });
-        drafts.len() - 1
-    })
-}
-
-/// The motion of a site and the numbers of its drafts, one for each rack displacement.
-fn legs_of<'m>(
-    site: &'m Site,
-    motion: &'m Motion,
-    frame: &Frame,
-    drafts: &mut Vec<Draft>,
-) -> (&'m Motion, Vec<usize>) {
-    let motion = site.motion.as_ref().map_or(motion, |(_, motion)| motion);
-    let home = if motion.rack_moves {
-        0.0
-    } else {
-        motion.rack[0]
-    };
-    let racks = match site.racks.as_slice() {
-        [] => vec![home],
-        racks => racks.to_vec(),
-    };
-    let drive = motion.drive.in_kernel();
-    let of_rack = |rack: f64| draft_of(drafts, drive, frame.sign(Axis::Y) * rack, &motion.values);
-    (motion, racks.into_iter().map(of_rack).collect())
-}
-
 impl TargetLayout {
     /// Lays out the targets and constraints of a mechanism. Curves are compared at the stations of the
     /// motion between their ends and at those added for them; single values at their own. The rack is
@@ -354,133 +232,44 @@ impl TargetLayout {
         rows: usize,
         own: &[usize],
     ) -> Self {
-        let total: f64 = optimise.targets.iter().map(|t| t.weight).sum();
-        let shares: Vec<f64> = optimise
-            .targets
-            .iter()
-            .zip(own)
-            .map(|(target, own)| match optimise.fit {
-                // A measured point counts as one, however many there are of its kind.
-                true => (target.weight / total * optimise.targets.len() as f64).sqrt(),
-                false => (target.weight / total * rows as f64 / *own as f64).sqrt(),
-            })
-            .collect();
+        let shares = shares(optimise, rows, own);
         if let Some(beside) = &mut beside {
             beside.weigh(&shares);
         }
         // The measures are those of the targets of one wheel, in their order.
         let mut measures = Vec::new();
-        let places: Vec<usize> = optimise
-            .targets
-            .iter()
-            .map(|target| {
+        let targets = optimise.targets.iter().zip(&shares);
+        let targets: Vec<TargetPlace> = targets
+            .map(|(target, share)| {
                 measures.extend(target.of.of_wheel().cloned());
-                measures.len().saturating_sub(1)
+                TargetPlace {
+                    of: measures.len().saturating_sub(1),
+                    scale: share / target.tolerance,
+                }
             })
             .collect();
-        let is_equality = |part: &Part| {
-            let Limited { lower, upper, .. } = part.limited;
-            lower.is_some() && lower == upper
-        };
-        let label = |part: usize, is_upper: bool, leg: usize, station: usize| RowLabel {
-            constraint: parts[part].constraint,
-            part,
-            is_upper,
-            leg,
-            station,
-        };
-        let mut labels = Vec::new();
-        // The equalities first.
-        for (leg, draft) in drafts.iter().enumerate() {
-            for &(part, station) in draft.checks.iter().filter(|c| is_equality(&parts[c.0])) {
-                labels.push(label(part, true, leg, station));
-            }
-        }
         let of_elastic = drafts.len();
-        if let Some(beside) = &beside {
-            for (station, limits) in beside.limits().into_iter().enumerate() {
-                for own in limits.iter().filter(|own| is_equality(&parts[own.part])) {
-                    labels.push(label(own.part, true, of_elastic, station));
-                }
+        let limits = beside.iter().flat_map(Beside::limits).enumerate();
+        let limits = limits.flat_map(|(station, limits)| {
+            limits
+                .iter()
+                .map(move |own| (own.part, of_elastic, station))
+        });
+        let checks = drafts.iter().enumerate().flat_map(|(leg, draft)| {
+            let checks = draft.checks.iter();
+            checks.map(move |&(part, station)| (part, leg, station))
+        });
+        let mut numbers = RowNumbers::of(&parts, checks.chain(limits));
+        let legs = drafts.into_iter().enumerate();
+        let legs = legs.map(|(leg, draft)| draft.into_leg(leg, &targets, &mut numbers));
+        let legs: Vec<Leg> = legs.collect();
+        let limits = beside.iter_mut().flat_map(Beside::limits_mut);
+        for (station, limits) in limits.enumerate() {
+            for own in limits {
+                own.check = numbers.check(own.part, of_elastic, station);
             }
         }
-        let equalities = labels.len();
-        let mut legs: Vec<Leg> = Vec::new();
-        for (number, draft) in drafts.into_iter().enumerate() {
-            let mut targets = vec![Vec::new(); draft.values.len()];
-            let mut checks = vec![Vec::new(); draft.values.len()];
-            for (row, target, station, sample) in draft.targets {
-                targets[station].push(TargetSample {
-                    row,
-                    target,
-                    of: places[target],
-                    wanted: sample,
-                    scale: shares[target] / optimise.targets[target].tolerance,
-                });
-            }
-            for &(part, station) in &draft.checks {
-                let equal = label(part, true, number, station);
-                let equal = labels[..equalities].iter().position(|l| *l == equal);
-                let mut row = |limit: Option<f64>, is_upper: bool| {
-                    limit.filter(|_| equal.is_none())?;
-                    labels.push(label(part, is_upper, number, station));
-                    Some(labels.len() - 1)
-                };
-                checks[station].push(Check {
-                    part,
-                    lower: row(parts[part].limited.lower, false),
-                    upper: row(parts[part].limited.upper, true),
-                    equal,
-                });
-            }
-            let mut sorted: Vec<usize> = (0..draft.values.len()).collect();
-            sorted.sort_by(|a, b| draft.values[*a].total_cmp(&draft.values[*b]));
-            let mut extremes = Vec::new();
-            for &part in &draft.extremes {
-                for sign in [-1.0, 1.0] {
-                    let row = |station: &usize| {
-                        let check = checks[*station].iter().find(|check| check.part == part)?;
-                        let row = if sign > 0.0 { check.upper } else { check.lower };
-                        Some((*station, row?))
-                    };
-                    let rows: Vec<(usize, usize)> = sorted.iter().filter_map(row).collect();
-                    if !rows.is_empty() {
-                        extremes.push(Extremes { part, sign, rows });
-                    }
-                }
-            }
-            legs.push(Leg {
-                drive: draft.drive,
-                rack: draft.rack,
-                order: StationOrder::through(&draft.values),
-                targets,
-                checks,
-                extremes,
-            });
-        }
-        if let Some(beside) = &mut beside {
-            let mut check = |part: usize, station: usize| {
-                let equal = label(part, true, of_elastic, station);
-                let equal = labels[..equalities].iter().position(|l| *l == equal);
-                let mut row = |limit: Option<f64>, is_upper: bool| {
-                    limit.filter(|_| equal.is_none())?;
-                    labels.push(label(part, is_upper, of_elastic, station));
-                    Some(labels.len() - 1)
-                };
-                let limited = &parts[part].limited;
-                Check {
-                    part,
-                    lower: row(limited.lower, false),
-                    upper: row(limited.upper, true),
-                    equal,
-                }
-            };
-            for (station, limits) in beside.limits_mut().into_iter().enumerate() {
-                for own in limits {
-                    own.check = check(own.part, station);
-                }
-            }
-        }
+        let (labels, equalities) = numbers.into_labels();
         let all = || measures.iter().chain(parts.iter().map(|p| &p.limited.of));
         TargetLayout {
             rate_order: all().map(Measure::rate_order).max().unwrap_or(0),
@@ -653,6 +442,19 @@ impl TargetLayout {
             })
             .collect()
     }
+}
+
+/// For each target, the residual per deviation in tolerances, from the number of all rows and that of its own.
+fn shares(optimise: &Optimise, rows: usize, own: &[usize]) -> Vec<f64> {
+    let total: f64 = optimise.targets.iter().map(|t| t.weight).sum();
+    let targets = optimise.targets.iter().zip(own);
+    targets
+        .map(|(target, own)| match optimise.fit {
+            // A measured point counts as one, however many there are of its kind.
+            true => (target.weight / total * optimise.targets.len() as f64).sqrt(),
+            false => (target.weight / total * rows as f64 / *own as f64).sqrt(),
+        })
+        .collect()
 }
 
 /// A row of a target, and where it is looked at.

@@ -7,6 +7,7 @@ use crate::axle::{
     AxleColumn, AxlePlan, AxleQuantity, Coordinate, Of, Placement, Quantity, axle_curves,
 };
 use crate::mechanism::DesignFault;
+use crate::model::Side;
 use crate::study::{AxleStudy, Optimise, Study};
 
 /// Names of the quantities that are compared besides the study's outputs.
@@ -125,6 +126,7 @@ fn stations(
                 unit: c.unit(length).to_owned(),
             })
             .collect(),
+        case: None,
         is_straight: placement.rack() == 0.0,
     };
     stations.map(station).collect()
@@ -149,7 +151,7 @@ fn series_of(column: &AxleColumn, stations: &[Station], study: &Study) -> Option
                     Some(_) if is_axle_name => format!("wheel_{name}"),
                     _ => name,
                 },
-                wheel,
+                wheel: wheel.map(Side::name),
                 // In roll the lines of both wheels become parallel, and the kinematic roll centre moves without bounds.
                 tolerance: series
                     .tolerance

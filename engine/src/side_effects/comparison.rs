@@ -19,7 +19,7 @@ impl RequestedChanges {
         let pairs = before.series.iter().zip(&after.series);
         let asked = pairs.map(|(from, to)| {
             let shifts = Wanted::of(from, to, &before.stations).shifts.into_iter();
-            let drive = |number: usize| before.stations[number].place[0].value;
+            let drive = |number: usize| before.stations[number].drive();
             let mut by_drive: Vec<_> = shifts.map(|(_, k, change)| (drive(k), change)).collect();
             by_drive.sort_by(|a, b| a.0.total_cmp(&b.0));
             (from.output.clone(), by_drive)
@@ -90,7 +90,7 @@ fn effect(
                 continue;
             };
             let shift = match wanted.shifts.is_empty() {
-                true => asked.shift_at(&before.output, stations[station].place[0].value),
+                true => asked.shift_at(&before.output, stations[station].drive()),
                 false => wanted.shift_at(stations, station),
             };
             let amount = to - from - shift;
@@ -123,7 +123,8 @@ fn effect(
         after_max: is.ends.map(|ends| ends[1]),
         largest_change: largest.as_ref().map(|_| change.map_or(0.0, |l| l.amount)),
         at: change.map_or(Vec::new(), |l| stations[l.station].place.clone()),
-        wheel: change.and_then(|l| Some(pairs[l.series].0.wheel?.name().to_owned())),
+        case: change.and_then(|l| stations[l.station].case.clone()),
+        wheel: change.and_then(|l| Some(pairs[l.series].0.wheel?.to_owned())),
         tolerance: first.tolerance,
         flagged: lost > 0 || first.tolerance.is_some_and(exceeds),
         lost,

@@ -127,6 +127,7 @@ fn stations(motion: &Motion, length: LengthUnit) -> (Vec<Station>, Grid) {
         Station {
             position: grid.shares(place),
             place: coordinates,
+            case: None,
             is_straight: rack == 0.0,
         }
     };

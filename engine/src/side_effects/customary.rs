@@ -18,12 +18,23 @@ const UNBOUNDED: [&str; 6] = [
     "side_view_centre_height",
 ];
 
-/// Change of a quantity up to which an engineer does not mind it, in the printed unit: toe 0.05 degrees, camber 0.1
-/// degrees, caster and inclination of the steering axis 0.2 degrees, lengths 1 mm. `None` for all others.
+/// Beginnings of the names of a car's results that grow without bounds in a turn, as the kinematic roll centre does.
+const UNBOUNDED_IN_TURNS: [&str; 3] = [
+    "roll_centre_height_",
+    "roll_centre_lateral_",
+    "roll_centre_moment_arm",
+];
+
+/// Change of a quantity up to which an engineer does not mind it, in the printed unit: toe 0.05 degrees, camber, roll and pitch
+/// 0.1 degrees, caster and inclination of the steering axis 0.2 degrees, lengths 1 mm, the share of the front axle in the
+/// load transfer 1 %, roll gradient 0.05 degrees/g. `None` for all others.
 pub(super) fn tolerance(name: &str, unit: Unit, length: LengthUnit) -> Option<f64> {
     match (name, unit) {
         ("toe", _) => Some(0.05),
-        ("camber" | "camber_to_road", _) => Some(0.1),
+        ("camber" | "camber_to_road" | "roll" | "pitch", _) => Some(0.1),
+        ("lateral_load_transfer_distribution", _) => Some(1.0),
+        ("roll_gradient", _) => Some(0.05),
+        _ if UNBOUNDED_IN_TURNS.iter().any(|of| name.starts_with(of)) => None,
         ("caster" | "kingpin_inclination", _) => Some(0.2),
         (_, Unit::Length) if !UNBOUNDED.contains(&name) => {
             Some(length.convert(LENGTH, LengthUnit::Millimetre))

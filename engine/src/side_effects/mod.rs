@@ -17,10 +17,13 @@
 //! length. Limits of a constraint on a quantity count as a target, too: between them the study allows any value.
 
 mod axle;
+mod car;
 mod comparison;
 mod corner;
 mod customary;
 mod observed;
+
+pub use car::side_effects_of_car;
 
 use crate::mechanism::DesignFault;
 use crate::study::Study;
@@ -47,7 +50,10 @@ pub struct SideEffect {
     pub largest_change: Option<f64>,
     /// Station of that change; empty without a change.
     pub at: Vec<PlaceCoordinate>,
-    /// Wheel of an axle that changes most, `left` or `right`; `None` for other outputs.
+    /// Load case of that change, for results of a car's load cases.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub case: Option<String>,
+    /// Wheel that changes most: `left` or `right` of an axle, `front_left` and so on of a car; `None` for other outputs.
     pub wheel: Option<String>,
     /// Customary tolerance; `None` if the output has none.
     pub tolerance: Option<f64>,
@@ -96,6 +102,13 @@ pub fn side_effects(before: &Study, after: &Study) -> Result<Vec<SideEffect>, De
     if !asked.is_some_and(|optimise| optimise.side_effects) {
         return Ok(Vec::new());
     }
+    let mut found = over_all_motions(before, after)?;
+    by_severity(&mut found);
+    Ok(found)
+}
+
+/// Side effects over `[motion]` and over the named motions that have curves, in the order of the outputs.
+fn over_all_motions(before: &Study, after: &Study) -> Result<Vec<SideEffect>, DesignFault> {
     let mut found = Vec::new();
     let mut asked = comparison::RequestedChanges::default();
     let named = before.motion_names().into_iter().map(Some);
@@ -107,11 +120,15 @@ pub fn side_effects(before: &Study, after: &Study) -> Result<Vec<SideEffect>, De
             asked = comparison::RequestedChanges::of(&before, &after);
         }
     }
-    found.sort_by(|one: &SideEffect, other| {
+    Ok(found)
+}
+
+/// Sorts side effects, the worst first.
+fn by_severity(effects: &mut [SideEffect]) {
+    effects.sort_by(|one, other| {
         let (one, other) = (severity(one), severity(other));
         one.0.cmp(&other.0).then(other.1.total_cmp(&one.1))
     });
-    Ok(found)
 }
 
 /// Rank of a side effect, from 0 for the worst kind, and its size among those of the same rank.

@@ -1,22 +1,22 @@
-//! Values of a design at the stations of a motion: the same data for one wheel and for an axle.
+//! Values of a design at stations: of a motion of one wheel or an axle, or the load cases of a car.
 
 use super::{PlaceCoordinate, axle, corner, customary};
 use crate::ask::Unit;
 use crate::mechanism::DesignFault;
-use crate::model::{LengthUnit, Side};
+use crate::model::LengthUnit;
 use crate::study::{Study, Vehicle};
 use std::collections::HashMap;
 
 /// Shares of a motion's range, or study units of a coordinate that does not move, within which two places are one.
 const SAME_PLACE: f64 = 1e-9;
 
-/// Values of a design over a motion.
+/// Values of a design over a motion, or in the load cases of a car.
 pub(super) struct Observed {
     /// Name of the motion; `None` for the study's own.
     pub motion: Option<String>,
     /// Stations of the motion.
     pub stations: Vec<Station>,
-    /// Values by output, and for an axle by wheel.
+    /// Values by output, and for an axle or a car by wheel.
     pub series: Vec<Series>,
 }
 
@@ -26,8 +26,17 @@ pub(super) struct Station {
     pub position: Vec<f64>,
     /// Coordinates as the study writes them.
     pub place: Vec<PlaceCoordinate>,
+    /// Name of the load case, of a car.
+    pub case: Option<String>,
     /// True if the rack is at 0.
     pub is_straight: bool,
+}
+
+impl Station {
+    /// The drive value, as the study writes it; 0 for a load case.
+    pub(super) fn drive(&self) -> f64 {
+        self.place.first().map_or(0.0, |drive| drive.value)
+    }
 }
 
 /// Values of one output at all stations.
@@ -40,8 +49,8 @@ pub(super) struct Series {
     pub tolerance: Option<f64>,
     /// True if stations with a steered rack are left out.
     pub straight_only: bool,
-    /// Wheel of an axle.
-    pub wheel: Option<Side>,
+    /// Name of the wheel, of an axle or a car.
+    pub wheel: Option<&'static str>,
     /// Stations at which a target or a constraint is about the output.
     pub wanted: Vec<usize>,
     /// Values as printed.

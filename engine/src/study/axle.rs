@@ -1,24 +1,26 @@
 //! `[axle]` and the sections that belong to it: both wheels, steering, springs, the motions of an axle.
 
+mod motion;
+mod springs;
+
+pub(super) use springs::{force_curve, springs};
+
 use super::compliance::axle_compliance;
 use super::elastic_targets::refuse_in_outputs;
 use super::error::Problems;
 use super::file::{self, File};
 use super::loads::loads_of_axle;
-use super::motion::{time_law, values};
-use super::names::{choose, choose_or};
+use super::names::choose;
 use super::outputs::{self, distinct};
 use super::resolve::Parts;
-use super::right_wheel::{self, right_wheel};
+use super::right_wheel::right_wheel;
 use super::rocker_springs;
 use super::solid_axle;
 use super::suspension::{above_zero, kilograms, positive};
 use super::twist_beam;
-use super::value::{Number, Text, Values};
-use super::{MOST_STATIONS, TimeLaw};
+use super::value::{Text, Values};
 use crate::axle::{
-    Axle, AxleKind, AxleMotion, AxlePlan, AxleTime, BumpStop, Coordinate, ForceCurve, Law, Motion,
-    Quantity, Setup, SpringLaw, WheelMotion, not_in_equilibrium,
+    Axle, AxleKind, AxleMotion, AxlePlan, Coordinate, Quantity, Setup, not_in_equilibrium,
 };
 use crate::characteristics::Constants;
 use crate::model::{Axis, Side, Suspension};
@@ -158,7 +160,7 @@ pub(super) fn axle(
         elastic: None,
     };
     track_agrees(file, &axle, problems)?;
-    let motion = motion(file, &file.motion, &axle, problems);
+    let own = motion::motion(file, &file.motion, &axle, problems);
     let mut motions = Vec::new();
     let mut places = Vec::new();
     for (name, section) in &file.motions {
@@ -169,7 +171,7 @@ pub(super) fn axle(
                 sound = false;
                 continue;
             }
-            match self::motion(file, section, &axle, problems) {
+            match motion::motion(file, section, &axle, problems) {
                 Some(motion) => {
                     places.push(section.span());
                     motions.push((name.get_ref().clone(), motion));
@@ -178,13 +180,13 @@ pub(super) fn axle(
             }
         }
     }
-    if let Some(own) = &motion {
+    if let Some(own) = &own {
         let named = motions.iter().map(|(_, motion)| motion);
         let all = std::iter::once((file.motion.span(), own)).chain(places.into_iter().zip(named));
         let elastic = axle_compliance(file, &axle, all, parts, directory, problems);
         axle.elastic = elastic?.map(Box::new);
     }
-    let plan = plan(file, &axle, motion, problems)?;
+    let plan = plan(file, &axle, own, problems)?;
     check_needs(file, &axle, &plan, problems)?;
     sound.then_some(AxleStudy {
         axle,
@@ -293,132 +295,6 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
     })
 }
 
-/// The laws of both springs; the inner `None` without springs.
-pub(super) fn springs(
-    file: &File,
-    left: &Suspension,
-    problems: &mut Problems,
-) -> Option<Option<[SpringLaw; 2]>> {
-    let own = right_wheel::own(file).and_then(|own| own.spring.as_ref());
-    let newtons = left.length_unit.newtons();
-    let mut stop = |section: &Option<Spanned<file::BumpStop>>| match section {
-        None => Some(None),
-        Some(stop) => {
-            let points = force_curve(&stop.get_ref().force_curve, newtons, problems);
-            Some(Some(BumpStop {
-                gap: stop.get_ref().gap.value,
-                curve: points?,
-            }))
-        }
-    };
-    let (bump_stop, rebound_stop) = (stop(&file.bump_stop)?, stop(&file.rebound_stop)?);
-    let Some(section) = &file.spring else {
-        let stop = file.bump_stop.as_ref().map(Spanned::span);
-        let rebound = file.rebound_stop.as_ref().map(Spanned::span);
-        let beside = [
-            ("[bump_stop]", stop),
-            ("[rebound_stop]", rebound),
-            ("[axle.right.spring]", own.map(Spanned::span)),
-        ];
-        let mut beside = beside
-            .into_iter()
-            .filter_map(|(name, span)| Some((name, span?)));
-        let Some((name, span)) = beside.next() else {
-            return Some(None);
-        };
-        let message = match name {
-            "[bump_stop]" => "[bump_stop] acts beside a spring: expected [spring] too",
-            "[rebound_stop]" => "[rebound_stop] acts beside a spring: expected [spring] too",
-            _ => "[axle.right.spring] is what differs from [spring]: expected [spring] too",
-        };
-        return problems.refuse(span, message);
-    };
-    if left.mechanism.spring.is_none() {
-        let message = "[spring] is given, but the study gives no spring";
-        let error = problems.add(section.span(), message);
-        error.help("spring_upper and spring_lower in [suspension.hardpoints] make one");
-        return None;
-    }
-    let common = section.get_ref();
-    let (rate, force) = (common.rate.as_ref(), common.force.as_ref());
-    let given = (rate, force, common.force_curve.as_ref());
-    let left = spring(given, newtons, section.span(), problems);
-    let right = match own {
-        None => left.clone(),
-        Some(section) => {
-            let own = section.get_ref();
-            let (own_rate, own_force) = (own.rate.as_ref(), own.force.as_ref());
-            let given = match &own.force_curve {
-                Some(curve) => (own_rate, own_force, Some(curve)),
-                // Rate or force alone differs from what both have.
-                None => (own_rate.or(rate), own_force.or(force), None),
-            };
-            spring(given, newtons, section.span(), problems)
-        }
-    };
-    let law = |spring: Law| SpringLaw {
-        spring,
-        bump_stop: bump_stop.clone(),
-        rebound_stop: rebound_stop.clone(),
-    };
-    Some(Some([law(left?), law(right?)]))
-}
-
-/// Rate, force and curve as they are written.
-type GivenSpring<'a> = (
-    Option<&'a Number>,
-    Option<&'a Number>,
-    Option<&'a Spanned<Vec<Spanned<Vec<Number>>>>>,
-);
-
-fn spring(
-    given: GivenSpring<'_>,
-    newtons: f64,
-    place: std::ops::Range<usize>,
-    problems: &mut Problems,
-) -> Option<Law> {
-    match given {
-        (Some(rate), Some(force), None) => Some(Law::Linear {
-            rate: above_zero(rate, problems)? * newtons,
-            force: force.value * newtons,
-        }),
-        (None, None, Some(curve)) => Some(Law::Curve(force_curve(curve, newtons, problems)?)),
-        (_, _, Some(curve)) => {
-            let message =
-                "force_curve already gives the spring; expected rate and force, or force_curve";
-            problems.refuse(curve.span(), message)
-        }
-        _ => {
-            let message = "expected rate and force (in the design position), or force_curve";
-            problems.refuse(place, message)
-        }
-    }
-}
-
-/// The curve through pairs of length and force; `newtons` is the unit of its forces.
-pub(super) fn force_curve(
-    written: &Spanned<Vec<Spanned<Vec<Number>>>>,
-    newtons: f64,
-    problems: &mut Problems,
-) -> Option<ForceCurve> {
-    let mut points = Vec::new();
-    for pair in written.get_ref() {
-        match pair.get_ref().as_slice() {
-            [x, y] => points.push([x.value, y.value * newtons]),
-            other => {
-                let message = format!("expected a pair [length, force], found {}", other.len());
-                return problems.refuse(pair.span(), message);
-            }
-        }
-    }
-    let curve = ForceCurve::through(&points);
-    if curve.is_none() {
-        let message = "expected two or more pairs, each length above the one before";
-        problems.add(written.span(), message);
-    }
-    curve
-}
-
 /// The track of `[vehicle]` must be the design's.
 fn track_agrees(file: &File, axle: &Axle, problems: &mut Problems) -> Option<()> {
     let Some(track) = &file.vehicle.track else {
@@ -441,187 +317,6 @@ fn track_agrees(file: &File, axle: &Axle, problems: &mut Problems) -> Option<()>
         .add(track.span.clone(), message)
         .help("leave out track");
     None
-}
-
-/// Returns true if roll holds the load instead of the mean travel.
-fn at_load(
-    file: &File,
-    section: &file::Motion,
-    axle: &Axle,
-    problems: &mut Problems,
-) -> Option<bool> {
-    let Some(text) = &section.hold else {
-        return Some(false);
-    };
-    let holds = [("mean_travel", false), ("load", true)];
-    let at_load = choose(text, "hold", &holds, problems)?;
-    let certifies = file.outputs.as_ref().and_then(|o| o.certify.as_ref());
-    let message = if section.roll.is_none() {
-        "hold applies to roll, and this motion has no roll"
-    } else if at_load && !axle.setup.is_sprung() {
-        "hold = \"load\" needs [spring] for the wheel loads"
-    } else if at_load && certifies.is_some_and(|c| *c.get_ref()) {
-        "certify does not work with hold = \"load\"; expected hold = \"mean_travel\", or no certify"
-    } else if at_load && file.tolerance.is_some() {
-        "[tolerance] does not work with hold = \"load\"; expected hold = \"mean_travel\", or no [tolerance]"
-    } else {
-        return Some(at_load);
-    };
-    problems.refuse(text.span(), message)
-}
-
-/// The law of the coordinate that moves over time, and its values as the study would write them; `Some(None)` without one.
-fn over_time(
-    section: &file::Motion,
-    axle: &Axle,
-    problems: &mut Problems,
-) -> Option<Option<(AxleTime, Vec<f64>)>> {
-    let Some(time) = &section.time else {
-        return Some(None);
-    };
-    let names = Coordinate::ALL.map(|coordinate| (coordinate.key(), coordinate));
-    let coordinate = choose_or(&section.drive, Coordinate::Heave, "drive", &names, problems)?;
-    let key = coordinate.key();
-    let given = Coordinate::ALL.into_iter().zip(coordinates!(section));
-    for (_, given) in given.filter(|(other, _)| *other == coordinate) {
-        if let Some(given) = given {
-            let message = format!("time already gives the drive; expected {key} or time");
-            let error = problems.add(given.span(), message);
-            error.related(time.span(), "given here");
-            return None;
-        }
-    }
-    let polynomial = time.get_ref().polynomial.span();
-    let written = time_law(time.get_ref(), |c| c, problems)?;
-    let values: Vec<f64> = written.times.iter().map(|t| written.value(*t)).collect();
-    if values.iter().any(|v| v.abs() > Number::MOST) {
-        let message = "the polynomial grows beyond 1e12 between these times";
-        return problems.refuse(polynomial, message);
-    }
-    let in_course = |c: &f64| coordinate.in_course(*c, axle);
-    let law = TimeLaw {
-        polynomial: written.polynomial.iter().map(in_course).collect(),
-        ..written
-    };
-    Some(Some((AxleTime { coordinate, law }, values)))
-}
-
-/// The stations of a motion.
-fn motion(
-    file: &File,
-    section: &Spanned<file::Motion>,
-    axle: &Axle,
-    problems: &mut Problems,
-) -> Option<AxleMotion> {
-    let (place, section) = (section.span(), section.get_ref());
-    let on_plane = match &section.ground {
-        None => None,
-        Some(text) => Some((
-            choose(
-                text,
-                "ground",
-                &[("plane", true), ("pads", false)],
-                problems,
-            )?,
-            text.span(),
-        )),
-    };
-    let at_load = at_load(file, section, axle, problems);
-    let time = over_time(section, axle, problems)?;
-    let coordinates = Coordinate::ALL.into_iter().zip(coordinates!(section));
-    let mut read = coordinates.map(|(coordinate, given)| match (&time, given) {
-        (Some((time, values)), _) if time.coordinate == coordinate => Some(Some(values.clone())),
-        (_, None) => Some(None),
-        (_, Some(given)) => values(given, problems).map(Some),
-    });
-    let mut next = || read.next().flatten();
-    let (roll, heave, left, right) = (next()?, next()?, next()?, next()?);
-    let (racks, wheel_angles) = (next()?, next()?);
-    let in_course = |coordinate: Coordinate, written: &[f64]| -> Vec<f64> {
-        let values = written.iter();
-        values.map(|v| coordinate.in_course(*v, axle)).collect()
-    };
-    let refuse = |problems: &mut Problems, given: &Option<Spanned<Values>>, message: &str| {
-        let place = given.as_ref().map_or(place.clone(), Spanned::span);
-        problems.refuse(place, message)
-    };
-    let wheels = match (heave, roll, left, right) {
-        (_, Some(_), l, r) if l.is_some() || r.is_some() => {
-            let message = "roll holds the mean travel; expected roll and heave, or travel_left and travel_right";
-            return refuse(problems, &section.roll, message);
-        }
-        (Some(_), _, l, r) if l.is_some() || r.is_some() => {
-            let message =
-                "heave moves both wheels; expected heave, or travel_left and travel_right";
-            return refuse(problems, &section.heave, message);
-        }
-        (heave, Some(roll), ..) => {
-            if let Some((false, span)) = on_plane {
-                let message = "roll needs a plane ground; expected ground = \"plane\", or travel_left and travel_right on pads";
-                return problems.refuse(span, message);
-            }
-            WheelMotion::Roll {
-                heave: heave.unwrap_or_else(|| vec![0.0]),
-                roll: in_course(Coordinate::Roll, &roll),
-                at_load: at_load?,
-            }
-        }
-        (Some(heave), None, ..) => match on_plane {
-            Some((true, _)) => WheelMotion::Roll {
-                heave,
-                roll: vec![0.0],
-                at_load: false,
-            },
-            _ => WheelMotion::Heave(heave),
-        },
-        (None, None, None, None) => {
-            let message = "expected heave, roll, or travel_left and travel_right";
-            return problems.refuse(place, message);
-        }
-        (None, None, left, right) => WheelMotion::Travels {
-            left: left.unwrap_or_else(|| vec![0.0]),
-            right: right.unwrap_or_else(|| vec![0.0]),
-            on_plane: on_plane.is_some_and(|(plane, _)| plane),
-        },
-    };
-    let (racks, steering_wheel) = match (racks, wheel_angles) {
-        (Some(_), Some(_)) => {
-            let message = "rack and steering_wheel_angle both give the rack; expected one of them";
-            return refuse(problems, &section.steering_wheel_angle, message);
-        }
-        (racks, None) => {
-            let racks = racks.unwrap_or_else(|| vec![0.0]);
-            (in_course(Coordinate::Rack, &racks), None)
-        }
-        (None, Some(angles)) => {
-            if axle.setup.c_factor.is_none() {
-                let message = "steering_wheel_angle needs c_factor in [steering]";
-                return refuse(problems, &section.steering_wheel_angle, message);
-            }
-            let racks = in_course(Coordinate::SteeringWheel, &angles);
-            let angles = angles.into_iter().map(f64::to_radians).collect();
-            (racks, Some(angles))
-        }
-    };
-    let motion = AxleMotion {
-        wheels,
-        racks,
-        shows_rack: section.rack.is_some()
-            || section.steering_wheel_angle.is_some()
-            || time
-                .as_ref()
-                .is_some_and(|(time, _)| time.coordinate.motion() == Motion::Rack),
-        steering_wheel,
-        time: time.map(|(time, _)| time),
-    };
-    if motion.stations() > MOST_STATIONS {
-        let message = format!(
-            "{} stations; expected at most {MOST_STATIONS}",
-            motion.stations()
-        );
-        return problems.refuse(place, message);
-    }
-    Some(motion)
 }
 
 /// Returns the results to compute at these stations, if the study has no error in them.

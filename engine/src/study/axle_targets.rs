@@ -51,7 +51,7 @@ impl AxleSite {
     pub fn placements(&self, at: f64, axle: &Axle) -> Vec<Placement> {
         let mut motion = self.held.clone();
         let along = motion.along(self.over).expect("a number of this motion");
-        *along = vec![self.over.in_course(at, axle)];
+        *along = vec![self.over.in_kernel(at, axle)];
         motion.placements()
     }
 }
@@ -346,7 +346,7 @@ fn site(
             let texts: Vec<_> = list.iter().map(ToString::to_string).collect();
             words += &format!(", {} {}", coordinate.key(), texts.join(" "));
         }
-        let values = list.iter().map(|v| coordinate.in_course(*v, &study.axle));
+        let values = list.iter().map(|v| coordinate.in_kernel(*v, &study.axle));
         let along = held.along(coordinate).expect("a number of this motion");
         *along = values.collect();
     }

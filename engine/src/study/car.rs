@@ -9,7 +9,7 @@ pub use tuned::TunedCar;
 
 use super::error::Problems;
 use super::names::{choose, choose_or};
-use super::suspension::{above_zero, positive, three};
+use super::suspension::{above_zero, mass_unit, positive, three};
 use super::{
     FileFormat, Law, Sampled, Study, StudyError, StudyErrors, Tolerance, overrides, parse, source,
 };
@@ -19,7 +19,7 @@ use crate::car::{
     Air, AirForce, Car, CarConstraint, CarGoals, CarQuantity, CarRun, CarTarget, CarVariable, Case,
     LateralShares, Longitudinal, LongitudinalShares, Masses, Moves, RigGoals, Tyre, TyreAxes,
 };
-use crate::model::{Axis, AxlePosition, Frame, Side};
+use crate::model::{Axis, AxlePosition, Frame, LengthUnit, MassUnit, Side};
 use crate::number::Vector3;
 use hardpoint_study_file::car_file::{self, CarFile};
 use hardpoint_study_file::error::Source;
@@ -83,6 +83,8 @@ pub struct CarOptimise {
     pub constraints: Vec<CarConstraint>,
     /// Targets and constraints of the front and of the rear axle by themselves.
     pub rigs: [Option<RigGoals>; 2],
+    /// True if changes that no target asks for are reported beside the tuned car.
+    pub side_effects: bool,
 }
 
 /// Sweep of a car.
@@ -382,27 +384,20 @@ impl Resolver<'_> {
         let file = self.file;
         let section = file.car.get_ref();
         let (front, rear) = (self.axle(0), self.axle(1));
-        let mut axles = [front?, rear?];
-        // A car gives forces in newtons.
-        for axle in &mut axles {
-            for wheel in [Some(&mut axle.left), axle.right.as_mut()]
-                .into_iter()
-                .flatten()
-            {
-                wheel.length_unit = wheel.length_unit.with_newtons();
-            }
-        }
-        let unit = axles[0].left.length_unit;
-        if axles[1].left.length_unit != unit {
+        let axles = [front?, rear?];
+        let [unit, of_rear] = axles.each_ref().map(|axle| axle.left.length_unit);
+        if of_rear != unit {
+            let words = |unit: LengthUnit| format!("{} and {}", unit.symbol(), unit.force_symbol());
             let message = format!(
-                "the rear study is in {}, the front study in {}: both axles of a car need one length_unit",
-                axles[1].left.length_unit.symbol(),
-                unit.symbol()
+                "the rear study is in {}, the front study in {}: both axles of a car need one length_unit and one force_unit",
+                words(of_rear),
+                words(unit)
             );
             return self.problems.refuse(section.rear.span(), message);
         }
+        let mass_unit = mass_unit(&section.mass_unit, self.problems)?;
         let rear_offset = self.rear_offset(&axles)?;
-        let (masses, mass, cg) = self.masses()?;
+        let (masses, mass, cg) = self.masses(mass_unit)?;
         let share = |written: &Option<Number>, problems: &mut Problems| match written {
             Some(share) if !(0.0..=1.0).contains(&share.value) => {
                 let message = format!("expected a share from 0 to 1, found {}", share.value);
@@ -425,6 +420,7 @@ impl Resolver<'_> {
             rear_offset,
             masses,
             mass,
+            mass_unit,
             cg,
             brake_share_front,
             drive_share_front,
@@ -469,7 +465,7 @@ impl Resolver<'_> {
         }
     }
 
-    fn masses(&mut self) -> Option<(Masses, f64, Vector3<f64>)> {
+    fn masses(&mut self, unit: MassUnit) -> Option<(Masses, f64, Vector3<f64>)> {
         let file = self.file;
         let section = file.car.get_ref();
         let whole = section.mass.as_ref().zip(section.cg.as_ref());
@@ -490,15 +486,18 @@ impl Resolver<'_> {
             }
         };
         let place = mass.span.clone();
-        let mass = above_zero(mass, self.problems)?;
+        let mass = above_zero(mass, self.problems)? * unit.kilograms();
         let unsprung: f64 = self
             .axles
             .iter()
             .filter_map(|a| a.axle()?.axle.setup.unsprung_mass)
             .sum();
         if masses == Masses::Whole && mass <= unsprung {
-            let message =
-                format!("the mass of the whole car is not above the {unsprung} kg of its axles");
+            let message = format!(
+                "the mass of the whole car is not above the {} {} of its axles",
+                unsprung / unit.kilograms(),
+                unit.symbol()
+            );
             return self.problems.refuse(place, message);
         }
         Some((masses, mass, self.point(cg)?))

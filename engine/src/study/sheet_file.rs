@@ -403,7 +403,7 @@ impl Reader<'_> {
         }
         let mut put = |coordinate: Coordinate, value: f64| {
             if let Some(along) = held.along(coordinate) {
-                *along = vec![coordinate.in_course(value, axle)];
+                *along = vec![coordinate.in_kernel(value, axle)];
             }
         };
         put(Coordinate::Rack, rack);

@@ -7,8 +7,8 @@ use super::names::{choose, choose_or, nearest};
 use super::value::{Number, Text};
 use crate::mechanism::HardpointFault;
 use crate::model::{
-    AxlePosition, Frame, FrameConvention, Group, LengthUnit, Mechanism, Point, Side, SpinAxis,
-    Suspension, Topology, TorquePath, VehicleFigures,
+    AxlePosition, Frame, FrameConvention, Group, LengthUnit, MassUnit, Mechanism, Point, Side,
+    SpinAxis, Suspension, Topology, TorquePath, VehicleFigures,
 };
 use crate::number::Vector3;
 use std::collections::BTreeMap;
@@ -94,13 +94,15 @@ fn with_forces(
     }
 }
 
+/// The unit of masses.
+pub(super) fn mass_unit(written: &Option<Text>, problems: &mut Problems) -> Option<MassUnit> {
+    let names = MassUnit::ALL.map(|unit| (unit.symbol(), unit));
+    choose_or(written, MassUnit::Kilogram, "mass unit", &names, problems)
+}
+
 /// Kilograms in the unit of masses.
 pub(super) fn kilograms(file: &File, problems: &mut Problems) -> Option<f64> {
-    const POUND: f64 = 0.453_592_37;
-    match &file.suspension.mass_unit {
-        None => Some(1.0),
-        Some(text) => choose(text, "mass unit", &[("kg", 1.0), ("lb", POUND)], problems),
-    }
+    Some(mass_unit(&file.suspension.mass_unit, problems)?.kilograms())
 }
 
 /// A hardpoint the file gives, in the study's axes.

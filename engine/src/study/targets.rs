@@ -93,27 +93,7 @@ fn target(
 ) -> Option<(Target, Option<WrittenCurve>)> {
     let place = spanned.span();
     let written = spanned.get_ref();
-    let (of, site, axle_motion) = match context.axle {
-        Some(study) => match axle_targets::target(spanned, study, context, problems) {
-            Some((of, site, motion)) => (Some(of), Some(site), Some(motion)),
-            None => (None, None, None),
-        },
-        None => {
-            axle_targets::Where::from(written).refuse(false, problems);
-            let of = match (context.elastic, &written.figure) {
-                (Some(elastic), _) => elastic_targets::subject(spanned, elastic, context, problems),
-                // What is wrong with the elastic parts is said already.
-                (None, Some(_)) if context.file.compliance.is_some() => None,
-                (None, Some(figure)) => problems.refuse(
-                    figure.span(),
-                    "a figure of a test needs [compliance] with elastic parts",
-                ),
-                (None, None) => subject(spanned, context, problems),
-            };
-            let site = site(&written.motion, &written.rack, context, problems);
-            (of, site, None)
-        }
-    };
+    let (of, site, axle_motion) = quantity_and_site(spanned, context, problems);
     let tolerance = not_tiny(&written.tolerance, problems);
     let weight = match &written.weight {
         None => Some(1.0),
@@ -135,65 +115,7 @@ fn target(
         interpolation: interpolation?,
     };
 
-    let mut from_file = None;
-    let band = written.between.is_some() || written.at_least.is_some() || written.at_most.is_some();
-    let given = (
-        &written.points,
-        &written.file,
-        &written.at,
-        &written.value,
-        band,
-    );
-    let wanted = match given {
-        (Some(points), None, None, None, false) => {
-            let curve = curve(points.get_ref(), points.span(), is_fit, problems)?;
-            target.curve(&curve, points.span(), is_fit, problems)
-        }
-        (None, Some(path), None, None, false) => {
-            let drive = target.motion.drive.column(context.suspension.length_unit);
-            let columns = WantedColumns {
-                drive: &drive,
-                value: written.column.as_ref().map_or(&*of.column, |c| c.get_ref()),
-                rack: &format!("rack_{}", context.suspension.length_unit.symbol()),
-                racks: &rack_displacements(&site, target.motion),
-                as_measured: is_fit,
-            };
-            let curve = curve_file::read(path, context.directory, &columns, problems)?;
-            let wanted = target.curve(&curve, path.span(), is_fit, problems);
-            from_file = Some(curve);
-            wanted
-        }
-        (None, None, Some(at), Some(value), false) => {
-            target.single(at, problems).map(|drive| Wanted::At {
-                drive,
-                value: of.from_printed(value.value),
-            })
-        }
-        (None, None, at, None, true) => target.band(written, at.as_ref(), problems),
-        (None, None, Some(at), None, false) => {
-            problems.refuse(at.span.clone(), "at needs value: the target value there")
-        }
-        // A figure is of the design height, if no travel is given.
-        (None, None, None, Some(value), false) if of.is_figure() => {
-            let value = of.from_printed(value.value);
-            Some(Wanted::At { drive: 0.0, value })
-        }
-        (None, None, None, Some(value), false) => problems.refuse(
-            value.span.clone(),
-            "value needs at: the drive value of the target",
-        ),
-        (None, None, None, None, false) => {
-            let message = "expected points = [[drive, value], ...], file = \"curve.csv\", at and value, or a band: \
-                           between, at_least, at_most";
-            problems.refuse(target.place.clone(), message)
-        }
-        _ => {
-            let message =
-                "expected one of points, file, at with value, or a band, found more than one";
-            problems.refuse(target.place.clone(), message)
-        }
-    };
-    let wanted = wanted?;
+    let (wanted, from_file) = target.wanted(written, &site, is_fit, context, problems)?;
     let target = Target {
         tolerance: of.from_printed(tolerance?).abs(),
         stations: added_stations(&wanted, target.motion),
@@ -203,6 +125,34 @@ fn target(
         site: site.clone(),
     };
     Some((target, from_file))
+}
+
+/// The quantity of a target, its site, and for an axle its motion; each if nothing is wrong with it.
+fn quantity_and_site(
+    spanned: &Spanned<Written>,
+    context: &Context,
+    problems: &mut Problems,
+) -> (Option<TargetQuantity>, Option<Site>, Option<Motion>) {
+    let written = spanned.get_ref();
+    if let Some(study) = context.axle {
+        return match axle_targets::target(spanned, study, context, problems) {
+            Some((of, site, motion)) => (Some(of), Some(site), Some(motion)),
+            None => (None, None, None),
+        };
+    }
+    axle_targets::Where::from(written).refuse(false, problems);
+    let of = match (context.elastic, &written.figure) {
+        (Some(elastic), _) => elastic_targets::subject(spanned, elastic, context, problems),
+        // Faults of the elastic parts are reported already.
+        (None, Some(_)) if context.file.compliance.is_some() => None,
+        (None, Some(figure)) => problems.refuse(
+            figure.span(),
+            "a figure of a test needs [compliance] with elastic parts",
+        ),
+        (None, None) => subject(spanned, context, problems),
+    };
+    let site = site(&written.motion, &written.rack, context, problems);
+    (of, site, None)
 }
 
 /// The rack displacements of a site.
@@ -328,6 +278,80 @@ struct TargetContext<'a> {
 }
 
 impl TargetContext<'_> {
+    /// The wanted values as written, and the curve of a file.
+    fn wanted(
+        &self,
+        written: &Written,
+        site: &Site,
+        is_fit: bool,
+        context: &Context,
+        problems: &mut Problems,
+    ) -> Option<(Wanted, Option<WrittenCurve>)> {
+        let mut from_file = None;
+        let band =
+            written.between.is_some() || written.at_least.is_some() || written.at_most.is_some();
+        let given = (
+            &written.points,
+            &written.file,
+            &written.at,
+            &written.value,
+            band,
+        );
+        let wanted = match given {
+            (Some(points), None, None, None, false) => {
+                let curve = curve(points.get_ref(), points.span(), is_fit, problems)?;
+                self.curve(&curve, points.span(), is_fit, problems)
+            }
+            (None, Some(path), None, None, false) => {
+                let drive = self.motion.drive.column(context.suspension.length_unit);
+                let columns = WantedColumns {
+                    drive: &drive,
+                    value: written
+                        .column
+                        .as_ref()
+                        .map_or(&*self.of.column, |c| c.get_ref()),
+                    rack: &format!("rack_{}", context.suspension.length_unit.symbol()),
+                    racks: &rack_displacements(site, self.motion),
+                    as_measured: is_fit,
+                };
+                let curve = curve_file::read(path, context.directory, &columns, problems)?;
+                let wanted = self.curve(&curve, path.span(), is_fit, problems);
+                from_file = Some(curve);
+                wanted
+            }
+            (None, None, Some(at), Some(value), false) => {
+                self.single(at, problems).map(|drive| Wanted::At {
+                    drive,
+                    value: self.of.from_printed(value.value),
+                })
+            }
+            (None, None, at, None, true) => self.band(written, at.as_ref(), problems),
+            (None, None, Some(at), None, false) => {
+                problems.refuse(at.span.clone(), "at needs value: the target value there")
+            }
+            // A figure is of the design height, if no travel is given.
+            (None, None, None, Some(value), false) if self.of.is_figure() => {
+                let value = self.of.from_printed(value.value);
+                Some(Wanted::At { drive: 0.0, value })
+            }
+            (None, None, None, Some(value), false) => problems.refuse(
+                value.span.clone(),
+                "value needs at: the drive value of the target",
+            ),
+            (None, None, None, None, false) => {
+                let message = "expected points = [[drive, value], ...], file = \"curve.csv\", at and value, or a band: \
+                           between, at_least, at_most";
+                problems.refuse(self.place.clone(), message)
+            }
+            _ => {
+                let message =
+                    "expected one of points, file, at with value, or a band, found more than one";
+                problems.refuse(self.place.clone(), message)
+            }
+        };
+        Some((wanted?, from_file))
+    }
+
     fn curve(
         &self,
         curve: &[[f64; 2]],

@@ -75,7 +75,10 @@ impl<'s> CarResults<'s> {
             true => CarMember::all(&self.study.car),
             false => Vec::new(),
         };
-        header.extend(members.iter().map(|member| format!("{}_N", member.label())));
+        let unit = self.study.car.length_unit;
+        let force_unit = unit.force_symbol();
+        let column = |member: &CarMember| format!("{}_{force_unit}", member.label());
+        header.extend(members.iter().map(column));
         header.extend(["reason".to_owned(), "status".to_owned()]);
         let per_turn = self.study.car.axles[0].setup.c_factor;
         let rows = self
@@ -105,7 +108,8 @@ impl<'s> CarResults<'s> {
                     },
                 ];
                 row.extend(self.values(state, case));
-                let force = |number: usize| optional(forces.get(number).copied());
+                let force =
+                    |number: usize| optional(forces.get(number).map(|f| f / unit.newtons()));
                 row.extend((0..members.len()).map(force));
                 row.extend(Self::end(state));
                 row

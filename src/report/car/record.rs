@@ -1,6 +1,7 @@
 //! `report.json` of a car: the data of its page.
 
 use super::{CarResults, CarState, lifted_wheels};
+use crate::SideEffect;
 use crate::car::{
     AxleEnd, AxleResult, CarQuantity, CarSolver, Case, Equilibrium, WheelPlace, WheelResult,
     WholeResult,
@@ -26,6 +27,9 @@ pub struct CarRecord {
     pub study: String,
     /// Unit of all lengths.
     pub length_unit: String,
+    /// Unit of all forces.
+    #[serde(default = "newtons")]
+    pub force_unit: String,
     /// True if tyres act as springs.
     pub elastic_tyres: bool,
     /// Warnings and notes.
@@ -38,10 +42,18 @@ pub struct CarRecord {
     pub map: Option<CarMap>,
     /// Targets of a tuning.
     pub targets: Vec<CarTargetRecord>,
+    /// Changes of a tuning that no target asks for.
+    #[serde(default)]
+    pub side_effects: Vec<SideEffect>,
     /// Parts of the front and of the rear axle.
     pub scenes: [Scene; 2],
     /// Names of the run's files.
     pub files: Vec<String>,
+}
+
+/// Unit of forces in records of older versions.
+fn newtons() -> String {
+    "N".to_owned()
 }
 
 /// A key value.
@@ -75,13 +87,13 @@ pub struct CarCase {
 pub struct CarStateRecord {
     /// Roll and pitch, degrees.
     pub attitude: [f64; 2],
-    /// Loads of the wheels, N: front left, front right, rear left, rear right.
+    /// Loads of the wheels: front left, front right, rear left, rear right.
     pub loads: [f64; 4],
     /// Camber to the road of each wheel, degrees.
     pub camber: [f64; 4],
     /// Lifted wheels.
     pub lifted: [bool; 4],
-    /// For each axle the elastic, geometric, longitudinal and unsprung part of its lateral load transfer, N.
+    /// For each axle the elastic, geometric, longitudinal and unsprung part of its lateral load transfer.
     pub transfer: [[f64; 4]; 2],
     /// Share of the front axle in the lateral load transfer, percent.
     pub front_share: Option<f64>,
@@ -177,12 +189,14 @@ impl<'s> CarResults<'s> {
             kind: "car".to_owned(),
             study: study.name.clone(),
             length_unit: self.unit().to_owned(),
+            force_unit: study.car.length_unit.force_symbol().to_owned(),
             elastic_tyres: study.car.tyres.is_some(),
             remarks: remarks.to_vec(),
             facts: self.facts(),
             cases: cases.collect(),
             map,
             targets: Vec::new(),
+            side_effects: Vec::new(),
             scenes: study.car.axles.each_ref().map(Scene::of_axle),
             files: Vec::new(),
         }
@@ -300,7 +314,7 @@ impl CarTargetRecord {
 
     /// The unit in the result's name.
     pub fn unit(&self) -> &'static str {
-        let ends = ["deg_per_g", "percent", "deg", "N", "mm"];
+        let ends = ["deg_per_g", "percent", "deg", "N", "lbf", "mm", "in"];
         let found = ends.into_iter().find(|unit| {
             let stem = self.output.strip_suffix(unit);
             stem.is_some_and(|stem| stem.ends_with('_'))

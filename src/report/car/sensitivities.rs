@@ -66,7 +66,7 @@ impl<'s> CarResults<'s> {
         push: &mut impl FnMut(&str, &str, &str, f64, &str),
     ) {
         let car = &self.study.car;
-        let length = self.unit();
+        let (length, mass) = (self.unit(), car.mass_unit);
         for (number, end) in ["front", "rear"].into_iter().enumerate() {
             let axle = &car.axles[number].left;
             for (k, by) in gradient.hardpoints[number].iter().enumerate() {
@@ -81,37 +81,47 @@ impl<'s> CarResults<'s> {
                     );
                 }
             }
-            let rate = format!("N_per_{length}");
-            let torque = format!("N_{length}_per_rad");
-            let moment = format!("N_{length}");
+            let force = car.length_unit.force_symbol();
+            let rate = format!("{force}_per_{length}");
+            let torque = format!("{force}_{length}_per_rad");
+            let moment = format!("{force}_{length}");
             for (parameter, unit) in [
                 (AxleParameter::SpringRate, rate.as_str()),
-                (AxleParameter::SpringForce, "N"),
+                (AxleParameter::SpringForce, force),
                 (AxleParameter::BarRate, torque.as_str()),
                 (AxleParameter::HeaveSpringRate, rate.as_str()),
-                (AxleParameter::HeaveSpringForce, "N"),
+                (AxleParameter::HeaveSpringForce, force),
                 (AxleParameter::TBarRate, torque.as_str()),
                 (AxleParameter::HeaveBarRate, torque.as_str()),
                 (AxleParameter::HeaveBarTorque, moment.as_str()),
                 (AxleParameter::Rack, length),
                 (AxleParameter::TyreRate, rate.as_str()),
                 (AxleParameter::Radius, length),
-                (AxleParameter::UnsprungMass, "kg"),
+                (AxleParameter::UnsprungMass, mass.symbol()),
             ] {
                 if !parameter.is_of(&car.axles[number]) {
                     continue;
                 }
-                let sign = match parameter {
+                // Program units in one unit of the study, with the sign of its axis.
+                let factor = match parameter {
                     AxleParameter::Rack => axle.frame.sign(Axis::Y),
-                    _ => 1.0,
+                    AxleParameter::Radius => 1.0,
+                    AxleParameter::UnsprungMass => mass.kilograms(),
+                    _ => car.length_unit.newtons(),
                 };
-                let by = sign * gradient.parameters[Parameter::Axle(number, parameter).place()];
+                let by = factor * gradient.parameters[Parameter::Axle(number, parameter).place()];
                 push(end, rate_key(parameter), "", by, unit);
             }
         }
         let frame = self.study.frame();
         let by = |own: BodyParameter| gradient.parameters[Parameter::Body(own).place()];
-        push("", "mass", "", by(BodyParameter::Mass), "kg");
+        push(
+            "",
+            "mass",
+            "",
+            mass.kilograms() * by(BodyParameter::Mass),
+            mass.symbol(),
+        );
         for (axis, own) in [
             (Axis::X, BodyParameter::CgX),
             (Axis::Y, BodyParameter::CgY),

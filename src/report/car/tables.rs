@@ -9,7 +9,10 @@ impl CarResults<'_> {
     /// Key results of every case for the terminal.
     pub fn summary_table(&self) -> Table {
         let unit = self.unit();
+        let force = self.study.car.length_unit.force_symbol();
         let heave = format!("heave {unit}");
+        let loads = ["load FL", "FR", "RL", "RR"].map(|load| format!("{load} {force}"));
+        let [front_left, front_right, rear_left, rear_right] = &loads;
         let mut table = Table::new([
             "case",
             "ax g",
@@ -18,10 +21,10 @@ impl CarResults<'_> {
             "roll deg",
             "pitch deg",
             &heave,
-            "load FL N",
-            "FR N",
-            "RL N",
-            "RR N",
+            front_left,
+            front_right,
+            rear_left,
+            rear_right,
             "front share %",
         ]);
         for (case, state) in self.study.cases.iter().zip(&self.states) {
@@ -36,7 +39,8 @@ impl CarResults<'_> {
                 (CarQuantity::Whole(WholeResult::Pitch), "deg"),
                 (CarQuantity::Whole(WholeResult::Heave), unit),
             ];
-            shown.extend(WheelPlace::ALL.map(|p| (CarQuantity::Wheel(p, WheelResult::Load), "N")));
+            shown
+                .extend(WheelPlace::ALL.map(|p| (CarQuantity::Wheel(p, WheelResult::Load), force)));
             shown.push((CarQuantity::Whole(WholeResult::Distribution), "percent"));
             row.extend(shown.into_iter().map(|(quantity, unit)| {
                 let value = match state {

@@ -7,8 +7,9 @@ use super::STYLE;
 use super::escape::html;
 use super::policy::policy;
 use crate::report::car::{CarCase, CarRecord, CarStateRecord};
+use crate::report::side_effects::is_visible;
 use crate::report::table::{Cell, Column, Table};
-use crate::report::{figure, with_decimals};
+use crate::report::{figure, side_effects_in_words, side_effects_table, with_decimals};
 
 /// Styles of the pictures.
 const CAR_STYLE: &str = include_str!("car.css");
@@ -19,7 +20,7 @@ const WHEELS: [&str; 4] = ["front left", "front right", "rear left", "rear right
 /// A number with the digits that a reader needs.
 fn shown(value: f64, unit: &str) -> String {
     match unit {
-        "N" => with_decimals(value, 0),
+        "N" | "lbf" => with_decimals(value, 0),
         "percent" | "mm" => with_decimals(value, 1),
         "deg" | "deg_per_g" | "in" | "tolerances" => with_decimals(value, 2),
         "m" => with_decimals(value, 4),
@@ -62,6 +63,7 @@ pub fn car_page(record: &CarRecord) -> String {
         .collect();
     let sections = [
         targets(record),
+        side_effects(record),
         corner_weights(record),
         transfer(record),
         map(record),
@@ -110,6 +112,9 @@ fn verdict(record: &CarRecord) -> String {
         (met, all) => said.push(format!(
             "{met} of {all} targets are met within their tolerances."
         )),
+    }
+    if let Some(words) = side_effects_in_words(&record.side_effects) {
+        said.push(format!("{}{}.", words[..1].to_uppercase(), &words[1..]));
     }
     let fact = |name: &str| record.facts.iter().find(|fact| fact.name == name);
     if let Some(roll) = fact("roll_gradient") {
@@ -197,21 +202,40 @@ fn targets(record: &CarRecord) -> String {
     )
 }
 
+/// Changes that no target asks for; those that a reader sees.
+fn side_effects(record: &CarRecord) -> String {
+    let effects = &record.side_effects;
+    if effects.is_empty() {
+        return String::new();
+    }
+    let seen: Vec<_> = effects.iter().filter(|e| is_visible(e)).cloned().collect();
+    let flagged = |row: usize| seen[row].flagged.then_some("unmet");
+    let note = "Changes that no target asks for, in the load cases and of each changed axle over its own motion. \
+        Those beyond a customary tolerance come first.";
+    section(
+        "side_effects",
+        "Side effects",
+        note,
+        &super::table::table(&side_effects_table(&seen), flagged),
+    )
+}
+
 fn corner_weights(record: &CarRecord) -> String {
     let Some((_, state)) = solved(record).next() else {
         return String::new();
     };
+    let unit = record.force_unit.as_str();
     let total: f64 = state.loads.iter().sum();
     let cells = state.loads.iter().zip(WHEELS).map(|(load, name)| {
         format!(
-            "<div><dt>{name}</dt><dd>{} <small>N</small></dd><dd class=\"share\">{} %</dd></div>",
-            shown(*load, "N"),
+            "<div><dt>{name}</dt><dd>{} <small>{unit}</small></dd><dd class=\"share\">{} %</dd></div>",
+            shown(*load, unit),
             shown(100.0 * load / total, "percent")
         )
     });
     let cells: String = cells.collect();
     let note = "Wheel loads of the car at rest, seen from above with the front at the top.";
-    let total = format!("<p>Sum {} N.</p>", shown(total, "N"));
+    let total = format!("<p>Sum {} {unit}.</p>", shown(total, unit));
     let content = format!("<dl class=\"corners\">{cells}</dl>{total}");
     section("weights", "Corner weights", note, &content)
 }
@@ -231,15 +255,18 @@ fn transfer(record: &CarRecord) -> String {
             titled(case),
             shown(case.ax, "g"),
             shown(case.ay, "g"),
-            charts::transfer(state, &scale)
+            charts::transfer(state, &scale, &record.force_unit)
         )
     });
     let figures: String = figures.collect();
-    let note = "Half the load of the right wheel less that of the left wheel, in N. The parts add up to the total: springs, \
-                stops and bars (elastic), side forces through the links (geometric), brake and drive forces through the links \
-                (longitudinal), weight and inertia of the wheels (unsprung).";
+    let note = format!(
+        "Half the load of the right wheel less that of the left wheel, in {}. The parts add up to the total: springs, \
+         stops and bars (elastic), side forces through the links (geometric), brake and drive forces through the links \
+         (longitudinal), weight and inertia of the wheels (unsprung).",
+        record.force_unit
+    );
     let content = format!("{}<div class=\"plots\">{figures}</div>", charts::key());
-    section("transfer", "Load transfer by part", note, &content)
+    section("transfer", "Load transfer by part", &note, &content)
 }
 
 fn map(record: &CarRecord) -> String {
@@ -321,7 +348,8 @@ fn cases(record: &CarRecord) -> String {
             number(state.map(|state| state.attitude[0]), "deg"),
             number(state.map(|state| state.attitude[1]), "deg"),
         ];
-        let loads = [0, 1, 2, 3].map(|wheel| number(state.map(|state| state.loads[wheel]), "N"));
+        let loads = [0, 1, 2, 3]
+            .map(|wheel| number(state.map(|state| state.loads[wheel]), &record.force_unit));
         let lifted = state.map_or_else(String::new, CarStateRecord::lifted_in_words);
         let tail = [
             number(state.and_then(|state| state.front_share), "percent"),
@@ -331,6 +359,14 @@ fn cases(record: &CarRecord) -> String {
         table.push_row(head.into_iter().chain(loads).chain(tail));
     }
     let failed = |row: usize| record.cases[row].reason.as_ref().map(|_| "unmet");
-    let note = "Wheel loads in N. cases.csv has all results.";
-    section("cases", "Cases", note, &super::table::table(&table, failed))
+    let note = format!(
+        "Wheel loads in {}. cases.csv has all results.",
+        record.force_unit
+    );
+    section(
+        "cases",
+        "Cases",
+        &note,
+        &super::table::table(&table, failed),
+    )
 }

@@ -9,12 +9,14 @@ mod mechanics;
 mod page;
 mod reference;
 mod rigs;
+mod side_effects;
 mod solid;
 mod stability;
 mod sweep;
 mod textbook;
 mod tolerance;
 mod twist_beam;
+mod units;
 
 use hardpoint::axle::{Axle, BumpStop, ForceCurve, Law, Setup, SpringLaw};
 use hardpoint::car::{
@@ -22,7 +24,7 @@ use hardpoint::car::{
     PointMove, Tyre, TyreAxes,
 };
 use hardpoint::characteristics::Constants;
-use hardpoint::model::{Axis, LengthUnit, PointId, Suspension};
+use hardpoint::model::{Axis, LengthUnit, MassUnit, PointId, Suspension};
 use hardpoint::number::Vector3;
 use hardpoint::study::Study;
 use serde_json::Value;
@@ -135,6 +137,7 @@ pub fn car(file: &Value) -> Car {
         rear_offset: vector(&file["rear"]["offset"]),
         masses: Masses::Sprung,
         mass: number(&body["sprung_mass"]),
+        mass_unit: MassUnit::Kilogram,
         cg: vector(&body["sprung_cg"]),
         brake_share_front: body["brake_share_front"].as_f64(),
         drive_share_front: body["drive_share_front"].as_f64(),

@@ -1,5 +1,7 @@
 //! The loop: one accepted step for each iteration of argmin.
 
+mod steps;
+
 use super::super::active_set::Held;
 use super::super::fit_record::{ArgminState, FitRecord, evaluations, execute, of};
 use super::super::{
@@ -7,11 +9,12 @@ use super::super::{
     Termination,
 };
 use super::filter::Filter;
-use super::model::{ConvexModel, Proposal};
+use super::model::ConvexModel;
 use super::movable::Movable;
 use super::{Assessment, Constrained};
 use argmin::core::{Error, KV, Problem, Solver, TerminationStatus};
 use nalgebra::DVector;
+use steps::{Trial, Trials};
 
 /// Rows violated by no more than this are kept. It is a millionth of a visible difference.
 pub(in crate::optimise) const KEPT: f64 = 1e-7;
@@ -293,126 +296,26 @@ impl<P: Constrained> Solver<P, ArgminState> for SequentialConvex<'_> {
     ) -> Result<(ArgminState, Option<KV>), Error> {
         let problem = of(problem);
         let mut x = state.take_param().expect("the state was given its start");
-        let mut from = self.pair(&self.current);
-        let curved = state.iter >= CURVED_FROM;
-        let negligible = self.record.options.reduction_below * NEGLIGIBLE * from[0];
-        let (mut evaluations, mut infeasible) = (0, 0);
-        let mut obstacle = None;
-        let mut step = 0.0;
-        let mut trials = 0;
-        loop {
-            let proposal = self.model.solve(self.radius, curved);
-            let length = self.model.largest_component();
-            let predicted = self.model.predicted_reduction();
-            if let Proposal::Relaxed {
-                remaining,
-                culprits,
-            } = &proposal
-                && *remaining >= (1.0 - STUCK) * from[1]
-                && from[1] > KEPT
-            {
-                self.culprits.clone_from(culprits);
-                self.record.end(Termination::ConstraintsExcludeEachOther);
-                break;
+        let from = self.pair(&self.current);
+        let mut trials = Trials {
+            from,
+            curved: state.iter >= CURVED_FROM,
+            negligible: self.record.options.reduction_below * NEGLIGIBLE * from[0],
+            ..Trials::default()
+        };
+        let step = loop {
+            match self.try_step(problem, &mut x, &mut trials) {
+                Trial::Refused => {}
+                Trial::Ended => break 0.0,
+                Trial::Accepted(step) => break step,
             }
-            // Rounding may keep the radius from falling: then the step is as short as it gets.
-            trials += 1;
-            let is_still =
-                length <= self.record.options.step_below.max(RESOLUTION) || trials > TRIALS;
-            let is_balanced = proposal == Proposal::Optimal
-                && from[1] <= KEPT
-                && length < self.radius
-                && predicted.abs() <= negligible;
-            if is_still {
-                self.record.end(match obstacle {
-                    Some(reason) => Termination::NoFeasibleStep(reason),
-                    None => Termination::StepBelowResolution,
-                });
-                break;
-            }
-            if is_balanced && obstacle.is_none() && self.model.imbalance() <= BALANCED {
-                // Another step would not show.
-                self.record.end(Termination::NoFurtherDescent);
-                break;
-            }
-            if !self.record.may_evaluate() {
-                break;
-            }
-            self.model.step_from(&x, &mut self.trial_x);
-            evaluations += 1;
-            match self.evaluate_trial(problem) {
-                Ok(false) => {}
-                Ok(true) => {
-                    self.count_new_rows(&x);
-                    from = self.pair(&self.current);
-                    continue;
-                }
-                Err(reason) => {
-                    infeasible += 1;
-                    obstacle = Some(reason);
-                    self.radius = 0.3 * length;
-                    continue;
-                }
-            }
-            let mut accepted = self.is_better(from, predicted);
-            if is_balanced && obstacle.is_none() {
-                self.record.end(Termination::NoFurtherDescent);
-                if !accepted {
-                    break;
-                }
-            }
-            if !accepted && self.pair(&self.trial)[1] > from[1].max(KEPT) {
-                // Curvature of the rows is in the way.
-                let corrected = self.model.solve_corrected(&self.trial, curved);
-                if corrected == Proposal::Optimal
-                    && self.model.largest_component() > 0.0
-                    && self.record.may_evaluate()
-                {
-                    self.model.step_from(&x, &mut self.trial_x);
-                    evaluations += 1;
-                    match self.evaluate_trial(problem) {
-                        Ok(false) => accepted = self.is_better(from, predicted),
-                        Ok(true) => {
-                            self.count_new_rows(&x);
-                            from = self.pair(&self.current);
-                            continue;
-                        }
-                        Err(_) => infeasible += 1,
-                    }
-                }
-            }
-            if self.record.has_ended() && !accepted {
-                break;
-            }
-            if !accepted {
-                self.keep_beside(length);
-                self.radius = (0.3 * length).min(0.5 * self.radius);
-                continue;
-            }
-            let [goal, violation] = self.pair(&self.trial);
-            if violation > KEPT || predicted <= 0.0 || from[1] > KEPT {
-                self.filter.pass(from[0], from[1]);
-            }
-            let ratio = (from[0] - goal) / predicted;
-            if from[1] <= KEPT && predicted > 0.0 && ratio < POOR {
-                self.radius = 0.5 * length;
-            } else if length >= 0.99 * self.radius && (ratio > GOOD || violation < 0.1 * from[1]) {
-                self.radius = (2.5 * self.radius).min(WHOLE);
-            }
-            step = self.record.bounds.distance(&x, &self.trial_x);
-            self.model.learn(&self.current, &self.trial);
-            std::mem::swap(&mut x, &mut self.trial_x);
-            std::mem::swap(&mut self.current, &mut self.trial);
-            self.leave_beside(length);
-            self.rebuild_model(&x);
-            break;
-        }
+        };
         let cost = self.current.goal.cost();
         let iteration = Iteration {
             iteration: state.iter + 1,
             step,
-            evaluations,
-            infeasible,
+            evaluations: trials.evaluations,
+            infeasible: trials.infeasible,
             ..Iteration::at(self.reported())
         };
         self.record.add(&x, iteration);

@@ -80,6 +80,10 @@ impl Resolver<'_> {
             targets,
             constraints,
             rigs,
+            side_effects: section
+                .side_effects
+                .as_ref()
+                .is_none_or(|said| *said.get_ref()),
         }))
     }
 
@@ -358,17 +362,9 @@ impl Resolver<'_> {
         Some(Some(RigGoals {
             columns,
             optimise: Optimise {
-                starts: 1,
-                seed: 1,
-                max_iterations: 1,
-                variables: own,
                 targets: read,
                 constraints: kept?,
-                good_enough: 0.0,
-                fit: false,
-                front: Vec::new(),
-                scatter: None,
-                side_effects: false,
+                ..without_goals(own)
             },
         }))
     }
@@ -406,6 +402,36 @@ impl Resolver<'_> {
             }
             _ => Some(()),
         }
+    }
+}
+
+impl CarOptimise {
+    /// The part of the tuning that a study of one axle could have.
+    pub(crate) fn of_axle(&self, end: usize) -> Optimise {
+        Optimise {
+            side_effects: self.side_effects,
+            ..match &self.rigs[end] {
+                Some(goals) => goals.optimise.clone(),
+                None => without_goals(variables_of(end, &self.variables).1),
+            }
+        }
+    }
+}
+
+/// The tuning of an axle by itself, with these variables and without targets.
+fn without_goals(variables: Vec<Variable>) -> Optimise {
+    Optimise {
+        starts: 1,
+        seed: 1,
+        max_iterations: 1,
+        variables,
+        targets: Vec::new(),
+        constraints: Vec::new(),
+        good_enough: 0.0,
+        fit: false,
+        front: Vec::new(),
+        scatter: None,
+        side_effects: false,
     }
 }
 

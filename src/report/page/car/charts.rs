@@ -19,7 +19,7 @@ pub(super) fn key() -> String {
 
 /// Scale that all charts of load transfer share.
 pub(super) struct Scale {
-    /// Sums of the parts below and above zero, N.
+    /// Sums of the parts below and above zero.
     ends: [f64; 2],
 }
 
@@ -44,10 +44,10 @@ pub(super) fn transfer_scale<'r>(states: impl Iterator<Item = &'r CarStateRecord
 }
 
 /// Bars of the front and of the rear axle, each with its parts and its total.
-pub(super) fn transfer(state: &CarStateRecord, scale: &Scale) -> String {
+pub(super) fn transfer(state: &CarStateRecord, scale: &Scale, unit: &str) -> String {
     let (from, to) = (40.0, WIDTH - 62.0);
     let [low, high] = scale.ends;
-    let x = |newtons: f64| from + (newtons - low) / (high - low) * (to - from);
+    let x = |force: f64| from + (force - low) / (high - low) * (to - from);
     let mut svg = format!(
         "<svg viewBox=\"0 0 {WIDTH} 92\" role=\"img\" aria-label=\"load transfer by part\">"
     );
@@ -62,19 +62,19 @@ pub(super) fn transfer(state: &CarStateRecord, scale: &Scale) -> String {
             ends[side] += part;
             let _ = write!(
                 svg,
-                "<rect class=\"part-{number}\" x=\"{:.1}\" y=\"{y}\" width=\"{:.1}\" height=\"26\"><title>{}: {} N</title></rect>",
+                "<rect class=\"part-{number}\" x=\"{:.1}\" y=\"{y}\" width=\"{:.1}\" height=\"26\"><title>{}: {} {unit}</title></rect>",
                 a.min(b),
                 (b - a).abs(),
                 PARTS[number],
-                shown(*part, "N")
+                shown(*part, unit)
             );
         }
         let total: f64 = parts.iter().sum();
         let _ = write!(
             svg,
-            "<text class=\"end\" x=\"{WIDTH}\" y=\"{}\">{} N</text>",
+            "<text class=\"end\" x=\"{WIDTH}\" y=\"{}\">{} {unit}</text>",
             y + 18.0,
-            shown(total, "N")
+            shown(total, unit)
         );
     }
     let zero = x(0.0);

@@ -109,9 +109,10 @@ pub(super) fn front(record: &CarRecord, state: &CarStateRecord, axle: usize) -> 
         let x = [WIDTH, 0.0][side];
         let _ = write!(
             svg,
-            "<text class=\"{anchor}\" x=\"{x}\" y=\"{:.1}\">{} N</text><text class=\"small {anchor}\" x=\"{x}\" y=\"{:.1}\">camber {} deg</text>",
+            "<text class=\"{anchor}\" x=\"{x}\" y=\"{:.1}\">{} {}</text><text class=\"small {anchor}\" x=\"{x}\" y=\"{:.1}\">camber {} deg</text>",
             ground + 17.0,
-            shown(state.loads[number], "N"),
+            shown(state.loads[number], &record.force_unit),
+            record.force_unit,
             ground + 32.0,
             shown(state.camber[number], "deg")
         );

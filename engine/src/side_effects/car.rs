@@ -1,0 +1,152 @@
+//! Side effects of a tuned car: results of its load cases, and curves of each axle by itself.
+//!
+//! The load cases are the stations of one comparison; their coordinates are accelerations, speed and steering. So by (2) the
+//! change that a target asks for in one case is taken off in the others. An axle that the tuning has changed is compared over
+//! the motions of its own study, too.
+
+use super::comparison::{RequestedChanges, compare};
+use super::observed::{Grid, Observed, Series, Station};
+use super::{SideEffect, by_severity, over_all_motions};
+use crate::car::{AxleEnd, CarQuantity, CarSolver, Case};
+use crate::model::Side;
+use crate::study::{AxleStudy, CarOptimise, CarStudy, Study, Vehicle};
+
+/// Names of the results that are compared besides those that the study asks for.
+const COMPARED: [&str; 11] = [
+    "roll",
+    "pitch",
+    "ride_height",
+    "camber_to_road",
+    "toe",
+    "lateral_load_transfer_distribution",
+    "roll_gradient",
+    "force_roll_centre_height",
+    "anti_dive_by_force",
+    "anti_squat_by_force",
+    "roll_understeer",
+];
+
+/// Compares a car before and after a tuning, in its load cases and in the motions of the axles that changed. The order is that
+/// of [`side_effects`](super::side_effects); the output of an axle by itself names the axle (`camber, front axle`). Empty
+/// without `[optimise]`, and if `[optimise]` has `side_effects = false`.
+///
+/// # Errors
+/// A design before or after the tuning cannot be solved at all; in words. A load case without equilibrium is no error: its
+/// results count as lost.
+pub fn side_effects_of_car(before: &CarStudy, after: &CarStudy) -> Result<Vec<SideEffect>, String> {
+    let asked = before.optimise.as_ref();
+    let Some(optimise) = asked.filter(|optimise| optimise.side_effects) else {
+        return Ok(Vec::new());
+    };
+    let cases = [before, after].map(|study| observe(study, &quantities(before), optimise));
+    let [from, to] = cases;
+    let mut found = compare(&from?, &to?, &RequestedChanges::default());
+    for end in AxleEnd::ALL {
+        let axles = [before, after].map(|study| &study.car.axles[end as usize]);
+        if axles[0] == axles[1] {
+            continue;
+        }
+        let own = [before, after].map(|study| axle_by_itself(study, end, optimise));
+        let effects = over_all_motions(&own[0], &own[1]);
+        let of_axle = |fault| {
+            let fault = (end as usize, Side::Left, fault);
+            before.car.describe_fault(&fault)
+        };
+        found.extend(effects.map_err(of_axle)?.into_iter().map(|effect| {
+            let output = match effect.output.split_once(", ") {
+                Some((output, motion)) => format!("{output}, {} axle, {motion}", end.name()),
+                None => format!("{}, {} axle", effect.output, end.name()),
+            };
+            SideEffect { output, ..effect }
+        }));
+    }
+    by_severity(&mut found);
+    Ok(found)
+}
+
+/// The compared results: those that the study asks for, and the customary ones that the car has.
+fn quantities(study: &CarStudy) -> Vec<CarQuantity> {
+    let mut found = study.quantities.clone();
+    for quantity in COMPARED.into_iter().flat_map(CarQuantity::named) {
+        if quantity.is_met_by(&study.car) && !found.contains(&quantity) {
+            found.push(quantity);
+        }
+    }
+    found
+}
+
+/// Values of a car in its load cases.
+fn observe(
+    study: &CarStudy,
+    quantities: &[CarQuantity],
+    optimise: &CarOptimise,
+) -> Result<Observed, String> {
+    let solver = CarSolver::new(&study.car);
+    let mut solver = solver.map_err(|fault| study.car.describe_fault(&fault))?;
+    let mut solve = |case: &Case| {
+        let found = solver.solve(case).ok()?;
+        solver.solved(case, &found).ok()
+    };
+    let solved: Vec<_> = study.cases.iter().map(&mut solve).collect();
+    let stations = stations(&study.cases);
+    let length = study.car.length_unit;
+    let series = quantities.iter().map(|quantity| {
+        let info = quantity.info();
+        let (name, wheel) = match quantity {
+            CarQuantity::Wheel(place, _) => (info.name.to_owned(), Some(place.name())),
+            CarQuantity::Axle(..) | CarQuantity::Whole(_) => (quantity.name(), None),
+        };
+        let targets = optimise.targets.iter().map(|own| (own.quantity, own.case));
+        let limits = optimise.constraints.iter();
+        let wanted = targets.chain(limits.map(|own| (own.quantity, own.case)));
+        let values = study.cases.iter().zip(&solved);
+        Series {
+            wheel,
+            wanted: wanted
+                .filter_map(|(of, case)| (of == *quantity).then_some(case))
+                .collect(),
+            values: values
+                .map(|(case, solved)| quantity.printed(solved.as_ref()?, case))
+                .collect(),
+            ..Series::new(&name, info.unit, length, &stations)
+        }
+    });
+    Ok(Observed {
+        motion: None,
+        series: series.collect(),
+        stations,
+    })
+}
+
+/// The load cases as stations.
+fn stations(cases: &[Case]) -> Vec<Station> {
+    let place = |case: &Case| vec![case.ay, case.ax, case.az, case.speed, case.racks[0]];
+    let places: Vec<Vec<f64>> = cases.iter().map(place).collect();
+    let grid = Grid::of(&places);
+    let stations = cases.iter().zip(&places);
+    let station = |(case, place): (&Case, &Vec<f64>)| Station {
+        position: grid.shares(place),
+        place: Vec::new(),
+        case: Some(case.name.clone()),
+        is_straight: case.racks == [0.0; 2],
+    };
+    stations.map(station).collect()
+}
+
+/// The study of an axle with the design of the car, and with the car's goals for the axle by itself.
+fn axle_by_itself(study: &CarStudy, end: AxleEnd, optimise: &CarOptimise) -> Study {
+    let end = end as usize;
+    let own = &study.axles[end];
+    let vehicle = match &own.vehicle {
+        Vehicle::Axle(both) => Vehicle::Axle(Box::new(AxleStudy {
+            axle: study.car.axles[end].clone(),
+            ..AxleStudy::clone(both)
+        })),
+        Vehicle::Wheel(_) => unreachable!("the axles of a car are studies of axles"),
+    };
+    Study {
+        vehicle,
+        optimise: Some(optimise.of_axle(end)),
+        ..own.clone()
+    }
+}

@@ -1,0 +1,242 @@
+//! `[motion]` of an axle, and its named motions.
+
+use super::super::error::Problems;
+use super::super::file::{self, File};
+use super::super::motion::{time_law, values};
+use super::super::names::{choose, choose_or};
+use super::super::value::{Number, Values};
+use super::super::{MOST_STATIONS, TimeLaw};
+use super::coordinates;
+use crate::axle::{Axle, AxleMotion, AxleTime, Coordinate, Motion, WheelMotion};
+use std::ops::Range as Span;
+use toml::Spanned;
+
+/// Returns true if roll holds the load instead of the mean travel.
+fn at_load(
+    file: &File,
+    section: &file::Motion,
+    axle: &Axle,
+    problems: &mut Problems,
+) -> Option<bool> {
+    let Some(text) = &section.hold else {
+        return Some(false);
+    };
+    let holds = [("mean_travel", false), ("load", true)];
+    let at_load = choose(text, "hold", &holds, problems)?;
+    let certifies = file.outputs.as_ref().and_then(|o| o.certify.as_ref());
+    let message = if section.roll.is_none() {
+        "hold applies to roll, and this motion has no roll"
+    } else if at_load && !axle.setup.is_sprung() {
+        "hold = \"load\" needs [spring] for the wheel loads"
+    } else if at_load && certifies.is_some_and(|c| *c.get_ref()) {
+        "certify does not work with hold = \"load\"; expected hold = \"mean_travel\", or no certify"
+    } else if at_load && file.tolerance.is_some() {
+        "[tolerance] does not work with hold = \"load\"; expected hold = \"mean_travel\", or no [tolerance]"
+    } else {
+        return Some(at_load);
+    };
+    problems.refuse(text.span(), message)
+}
+
+/// The law of the coordinate that moves over time, and its values as the study would write them; `Some(None)` without one.
+fn over_time(
+    section: &file::Motion,
+    axle: &Axle,
+    problems: &mut Problems,
+) -> Option<Option<(AxleTime, Vec<f64>)>> {
+    let Some(time) = &section.time else {
+        return Some(None);
+    };
+    let names = Coordinate::ALL.map(|coordinate| (coordinate.key(), coordinate));
+    let coordinate = choose_or(&section.drive, Coordinate::Heave, "drive", &names, problems)?;
+    let key = coordinate.key();
+    let given = Coordinate::ALL.into_iter().zip(coordinates!(section));
+    for (_, given) in given.filter(|(other, _)| *other == coordinate) {
+        if let Some(given) = given {
+            let message = format!("time already gives the drive; expected {key} or time");
+            let error = problems.add(given.span(), message);
+            error.related(time.span(), "given here");
+            return None;
+        }
+    }
+    let polynomial = time.get_ref().polynomial.span();
+    let written = time_law(time.get_ref(), |c| c, problems)?;
+    let values: Vec<f64> = written.times.iter().map(|t| written.value(*t)).collect();
+    if values.iter().any(|v| v.abs() > Number::MOST) {
+        let message = "the polynomial grows beyond 1e12 between these times";
+        return problems.refuse(polynomial, message);
+    }
+    let in_kernel = |c: &f64| coordinate.in_kernel(*c, axle);
+    let law = TimeLaw {
+        polynomial: written.polynomial.iter().map(in_kernel).collect(),
+        ..written
+    };
+    Some(Some((AxleTime { coordinate, law }, values)))
+}
+
+/// A motion as written.
+struct MotionKeys<'a> {
+    place: Span<usize>,
+    section: &'a file::Motion,
+    axle: &'a Axle,
+}
+
+/// Values of a coordinate, if the motion gives them.
+type Given = Option<Vec<f64>>;
+
+impl MotionKeys<'_> {
+    /// Refuses a key, or the section if it does not have it.
+    fn refuse<T>(
+        &self,
+        given: &Option<Spanned<Values>>,
+        message: &str,
+        problems: &mut Problems,
+    ) -> Option<T> {
+        let place = given.as_ref().map_or(self.place.clone(), Spanned::span);
+        problems.refuse(place, message)
+    }
+
+    fn in_kernel(&self, coordinate: Coordinate, written: &[f64]) -> Vec<f64> {
+        let values = written.iter();
+        values
+            .map(|v| coordinate.in_kernel(*v, self.axle))
+            .collect()
+    }
+
+    /// The positions of the wheels, from roll, heave and both travels.
+    fn wheels(
+        &self,
+        given: (Given, Given, Given, Given),
+        on_plane: Option<(bool, Span<usize>)>,
+        at_load: Option<bool>,
+        problems: &mut Problems,
+    ) -> Option<WheelMotion> {
+        let (roll, heave, left, right) = given;
+        let has_travels = left.is_some() || right.is_some();
+        Some(match (heave, roll) {
+            (_, Some(_)) if has_travels => {
+                let message = "roll holds the mean travel; expected roll and heave, or travel_left and travel_right";
+                return self.refuse(&self.section.roll, message, problems);
+            }
+            (Some(_), _) if has_travels => {
+                let message =
+                    "heave moves both wheels; expected heave, or travel_left and travel_right";
+                return self.refuse(&self.section.heave, message, problems);
+            }
+            (heave, Some(roll)) => {
+                if let Some((false, span)) = on_plane {
+                    let message = "roll needs a plane ground; expected ground = \"plane\", or travel_left and travel_right on pads";
+                    return problems.refuse(span, message);
+                }
+                WheelMotion::Roll {
+                    heave: heave.unwrap_or_else(|| vec![0.0]),
+                    roll: self.in_kernel(Coordinate::Roll, &roll),
+                    at_load: at_load?,
+                }
+            }
+            (Some(heave), None) => match on_plane {
+                Some((true, _)) => WheelMotion::Roll {
+                    heave,
+                    roll: vec![0.0],
+                    at_load: false,
+                },
+                _ => WheelMotion::Heave(heave),
+            },
+            (None, None) if !has_travels => {
+                let message = "expected heave, roll, or travel_left and travel_right";
+                return problems.refuse(self.place.clone(), message);
+            }
+            (None, None) => WheelMotion::Travels {
+                left: left.unwrap_or_else(|| vec![0.0]),
+                right: right.unwrap_or_else(|| vec![0.0]),
+                on_plane: on_plane.is_some_and(|(plane, _)| plane),
+            },
+        })
+    }
+
+    /// Rack displacements, with the angles of the steering wheel if these give them.
+    fn racks(&self, given: (Given, Given), problems: &mut Problems) -> Option<(Vec<f64>, Given)> {
+        let by_angle = &self.section.steering_wheel_angle;
+        match given {
+            (Some(_), Some(_)) => {
+                let message =
+                    "rack and steering_wheel_angle both give the rack; expected one of them";
+                self.refuse(by_angle, message, problems)
+            }
+            (racks, None) => {
+                let racks = racks.unwrap_or_else(|| vec![0.0]);
+                Some((self.in_kernel(Coordinate::Rack, &racks), None))
+            }
+            (None, Some(_)) if self.axle.setup.c_factor.is_none() => {
+                let message = "steering_wheel_angle needs c_factor in [steering]";
+                self.refuse(by_angle, message, problems)
+            }
+            (None, Some(angles)) => {
+                let racks = self.in_kernel(Coordinate::SteeringWheel, &angles);
+                Some((
+                    racks,
+                    Some(angles.into_iter().map(f64::to_radians).collect()),
+                ))
+            }
+        }
+    }
+}
+
+/// The stations of a motion.
+pub(super) fn motion(
+    file: &File,
+    section: &Spanned<file::Motion>,
+    axle: &Axle,
+    problems: &mut Problems,
+) -> Option<AxleMotion> {
+    let (place, section) = (section.span(), section.get_ref());
+    let on_plane = match &section.ground {
+        None => None,
+        Some(text) => Some((
+            choose(
+                text,
+                "ground",
+                &[("plane", true), ("pads", false)],
+                problems,
+            )?,
+            text.span(),
+        )),
+    };
+    let at_load = at_load(file, section, axle, problems);
+    let time = over_time(section, axle, problems)?;
+    let coordinates = Coordinate::ALL.into_iter().zip(coordinates!(section));
+    let mut read = coordinates.map(|(coordinate, given)| match (&time, given) {
+        (Some((time, values)), _) if time.coordinate == coordinate => Some(Some(values.clone())),
+        (_, None) => Some(None),
+        (_, Some(given)) => values(given, problems).map(Some),
+    });
+    let mut next = || read.next().flatten();
+    let given = (next()?, next()?, next()?, next()?);
+    let racks = (next()?, next()?);
+    let written = MotionKeys {
+        place: place.clone(),
+        section,
+        axle,
+    };
+    let wheels = written.wheels(given, on_plane, at_load, problems)?;
+    let (racks, steering_wheel) = written.racks(racks, problems)?;
+    let motion = AxleMotion {
+        wheels,
+        racks,
+        shows_rack: section.rack.is_some()
+            || section.steering_wheel_angle.is_some()
+            || time
+                .as_ref()
+                .is_some_and(|(time, _)| time.coordinate.motion() == Motion::Rack),
+        steering_wheel,
+        time: time.map(|(time, _)| time),
+    };
+    if motion.stations() > MOST_STATIONS {
+        let message = format!(
+            "{} stations; expected at most {MOST_STATIONS}",
+            motion.stations()
+        );
+        return problems.refuse(place, message);
+    }
+    Some(motion)
+}

@@ -1,0 +1,249 @@
+//! Inches, pounds-force and pounds: the same car in millimetres, newtons and kilograms gives the same numbers.
+
+use super::commands::{hardpoint, studies, text};
+use hardpoint::car::{CarQuantity, CarSolver};
+use hardpoint::study::{CarStudy, Study};
+use std::fs;
+use std::path::Path;
+use toml::{Table, Value};
+
+/// Newtons in a pound-force, kilograms in a pound, millimetres in an inch.
+const POUND_FORCE: f64 = 4.448_221_615_260_5;
+const POUND: f64 = 0.453_592_37;
+const INCH: f64 = 25.4;
+
+fn scaled(value: &mut Value, factor: f64) {
+    match value {
+        Value::Float(number) => *number *= factor,
+        Value::Integer(number) => *value = Value::Float(*number as f64 * factor),
+        Value::Array(list) => list.iter_mut().for_each(|entry| scaled(entry, factor)),
+        _ => panic!("{value}"),
+    }
+}
+
+/// Converts every number of a section that has a unit. `of` is the name of the section.
+fn convert(section: &mut Table, of: &str) {
+    for (key, value) in section.iter_mut() {
+        match (of, key.as_str()) {
+            ("hardpoints", _)
+            | (
+                _,
+                "c_factor"
+                | "radius"
+                | "gap"
+                | "wheelbase"
+                | "sprung_cg"
+                | "rack"
+                | "ride_height_point_front"
+                | "ride_height_point_rear",
+            ) => scaled(value, 1.0 / INCH),
+            (_, "force" | "load") => scaled(value, 1.0 / POUND_FORCE),
+            ("anti_roll_bar", "rate") => scaled(value, 1.0 / (INCH * POUND_FORCE)),
+            ("spring" | "tyre", "rate") => scaled(value, INCH / POUND_FORCE),
+            (_, "sprung_mass" | "unsprung_mass") => scaled(value, 1.0 / POUND),
+            (_, "force_curve") => {
+                for row in value.as_array_mut().unwrap() {
+                    let row = row.as_array_mut().unwrap();
+                    scaled(&mut row[0], 1.0 / INCH);
+                    scaled(&mut row[1], 1.0 / POUND_FORCE);
+                }
+            }
+            (_, name) => match value {
+                Value::Table(inner) => convert(inner, name),
+                Value::Array(list) => {
+                    let tables = list.iter_mut().filter_map(Value::as_table_mut);
+                    tables.for_each(|inner| convert(inner, name));
+                }
+                _ => {}
+            },
+        }
+    }
+}
+
+fn sample(name: &str) -> Table {
+    fs::read_to_string(studies().join(name))
+        .unwrap()
+        .parse()
+        .unwrap()
+}
+
+/// The texts of `studies/car.toml` without air, and of its axles, with rates of both axles as variables of a tuning.
+fn texts(is_imperial: bool) -> [String; 3] {
+    let mut car = sample("car.toml");
+    for section in ["gg_map", "sweep", "tolerance"] {
+        car.remove(section);
+    }
+    car["car"].as_table_mut().unwrap().remove("aero");
+    let mut axles = ["car_front.toml", "car_rear.toml"].map(sample);
+    let tuning = |bar: f64, spring: f64| {
+        format!(
+            "[optimise]\nvariables = [\n  {{ axle = \"front\", rate = \"anti_roll_bar\", range = [{:?}, {:?}] }},\n  \
+             {{ axle = \"rear\", rate = \"spring\", range = [{:?}, {:?}] }},\n]\ntargets = [\n  \
+             {{ characteristic = \"lateral_load_transfer_distribution\", case = \"turn\", value = 48.0, tolerance = 0.5 }},\n  \
+             {{ characteristic = \"roll_gradient\", case = \"turn\", value = 3.2, tolerance = 0.05 }},\n]\n",
+            3e5 * bar,
+            1.5e6 * bar,
+            20.0 * spring,
+            60.0 * spring
+        )
+    };
+    let (bar, spring) = match is_imperial {
+        true => (1.0 / (INCH * POUND_FORCE), INCH / POUND_FORCE),
+        false => (1.0, 1.0),
+    };
+    let tuning: Table = tuning(bar, spring).parse().unwrap();
+    if is_imperial {
+        convert(&mut car, "");
+        let own = car["car"].as_table_mut().unwrap();
+        own.insert("mass_unit".to_owned(), "lb".into());
+        for axle in &mut axles {
+            convert(axle, "");
+            let own = axle["suspension"].as_table_mut().unwrap();
+            for (key, unit) in [
+                ("length_unit", "in"),
+                ("force_unit", "lbf"),
+                ("mass_unit", "lb"),
+            ] {
+                own.insert(key.to_owned(), unit.into());
+            }
+        }
+    }
+    car.extend(tuning);
+    let [front, rear] = axles;
+    [car, front, rear].map(|table| table.to_string())
+}
+
+fn study(texts: &[String; 3]) -> CarStudy {
+    let axle = |text: &str| {
+        let study = Study::from_text("axle.toml", text, Path::new(""));
+        study.unwrap_or_else(|errors| panic!("{errors}"))
+    };
+    let [car, front, rear] = texts;
+    let made = CarStudy::of_axles("car", car, [axle(front), axle(rear)]);
+    made.unwrap_or_else(|errors| panic!("{errors}"))
+}
+
+#[test]
+fn inches_and_pounds_give_the_same_car() {
+    let studies = [false, true].map(|is_imperial| study(&texts(is_imperial)));
+    let units = [
+        ("_N_per_mm", "_lbf_per_in", INCH / POUND_FORCE),
+        (
+            "_N_m_per_deg",
+            "_lbf_ft_per_deg",
+            1.0 / (0.3048 * POUND_FORCE),
+        ),
+        ("_N_m", "_lbf_ft", 1.0 / (0.3048 * POUND_FORCE)),
+        ("_N", "_lbf", 1.0 / POUND_FORCE),
+        ("_mm", "_in", 1.0 / INCH),
+        ("", "", 1.0),
+    ];
+    let mut solvers = studies
+        .each_ref()
+        .map(|study| CarSolver::new(&study.car).unwrap());
+    let (mut compared, mut forces) = (0, 0);
+    for (case, own) in studies[0].cases.iter().zip(&studies[1].cases) {
+        let mut solved = [case, own]
+            .into_iter()
+            .zip(&mut solvers)
+            .map(|(case, solver)| {
+                let found = solver.solve(case).unwrap();
+                solver.solved(case, &found).unwrap()
+            });
+        let solved = [solved.next().unwrap(), solved.next().unwrap()];
+        for quantity in CarQuantity::all() {
+            if !studies.iter().all(|study| quantity.is_met_by(&study.car)) {
+                continue;
+            }
+            let names = studies
+                .each_ref()
+                .map(|study| quantity.column(study.car.length_unit));
+            let (stem, ending, factor) = units
+                .iter()
+                .find_map(|(from, to, factor)| Some((names[0].strip_suffix(from)?, to, factor)))
+                .unwrap();
+            // Natural frequencies and shares have the same unit in both.
+            assert_eq!(names[1], format!("{stem}{ending}"));
+            let values = [0, 1].map(|k| quantity.printed(&solved[k], [case, own][k]));
+            let [Some(metric), Some(imperial)] = values else {
+                assert_eq!(values[0].is_some(), values[1].is_some(), "{}", names[0]);
+                continue;
+            };
+            let expected = metric * factor;
+            // Both equilibria are known to rounding of the largest wheel load.
+            let scale = 1.0 + expected.abs();
+            assert!(
+                (imperial - expected).abs() < 1e-8 * scale,
+                "{} in {}: {imperial} {expected}",
+                names[1],
+                case.name
+            );
+            compared += 1;
+            forces += usize::from(*ending == "_lbf");
+        }
+    }
+    assert!(compared > 500 && forces > 100, "{compared} {forces}");
+}
+
+/// A tuned rate is written in the unit of its study, so that the tuned study gives the tuned car.
+#[test]
+fn tuned_rates_are_in_the_units_of_the_study() {
+    let directory = tempfile::tempdir().unwrap();
+    for is_imperial in [false, true] {
+        for (name, text) in ["car.toml", "car_front.toml", "car_rear.toml"]
+            .iter()
+            .zip(texts(is_imperial))
+        {
+            fs::write(directory.path().join(name), text).unwrap();
+        }
+        let out = ["metric", "imperial"][usize::from(is_imperial)];
+        let ended = hardpoint(directory.path(), &["optimise", "car.toml", "--out", out]).success();
+        let said = text(&ended.get_output().stdout);
+        assert!(said.contains("side effect"), "{said}");
+        let place = directory.path().join(out);
+        hardpoint(&place, &["solve", "optimised.toml", "--out", "again"]).success();
+        let rows = ["cases.csv", "again/cases.csv"].map(|name| {
+            let mut table = csv::Reader::from_path(place.join(name)).unwrap();
+            let rows = table.records().map(|row| {
+                let row = row.unwrap();
+                row.iter().map(str::to_owned).collect::<Vec<_>>()
+            });
+            rows.collect::<Vec<_>>()
+        });
+        for (own, again) in rows[0].iter().flatten().zip(rows[1].iter().flatten()) {
+            match (own.parse::<f64>(), again.parse::<f64>()) {
+                (Ok(own), Ok(again)) => {
+                    assert!(
+                        (own - again).abs() <= 1e-9 * (1.0 + own.abs()),
+                        "{own} {again}"
+                    );
+                }
+                _ => assert_eq!(own, again),
+            }
+        }
+    }
+    let rate = |out: &str| {
+        let path = directory.path().join(out).join("optimised_rear.toml");
+        let tuned: Table = fs::read_to_string(path).unwrap().parse().unwrap();
+        tuned["spring"]["rate"].as_float().unwrap()
+    };
+    let (metric, imperial) = (rate("metric"), rate("imperial"));
+    let expected = metric * INCH / POUND_FORCE;
+    assert!(
+        (imperial - expected).abs() < 1e-4 * expected,
+        "{imperial} {expected}"
+    );
+}
+
+#[test]
+fn both_axles_need_the_same_units() {
+    let metric = texts(false);
+    let [_, front, _] = texts(true);
+    let axle = |text: &str| Study::from_text("axle.toml", text, Path::new("")).unwrap();
+    let made = CarStudy::of_axles("car", &metric[0], [axle(&front), axle(&metric[2])]);
+    let said = made.unwrap_err().to_string();
+    assert!(
+        said.contains("mm and N") && said.contains("in and lbf"),
+        "{said}"
+    );
+}

@@ -89,6 +89,16 @@ def test_tuned_cars_are_studies(tmp_path):
     again = hp.Car(tuned.save(tmp_path / "tuned")).solve()
     assert again.of("turn")["lateral_load_transfer_distribution_percent"] == pytest.approx(48.0, abs=0.05)
     assert len(tuned.targets["output"]) == 3
+    # Changes that no target asks for: those of the program.
+    assert hp.run(["--quiet", "optimise", str(path), "--out", str(tmp_path / "run")]) == 0
+    effects = hp.read_run(tmp_path / "run").summary["side_effects"]
+    frame = tuned.side_effects
+    assert frame.rows == len(effects) > 10
+    assert list(frame["output"]) == [effect["output"] for effect in effects]
+    np.testing.assert_array_equal(frame["largest_change"], [effect["largest_change"] for effect in effects])
+    assert set(frame["case"]) <= {*car.cases, ""}
+    flagged = [name for name, is_flagged in zip(frame["output"], frame["flagged"], strict=True) if is_flagged]
+    assert "roll" in flagged and "roll_gradient" not in flagged
 
 
 def test_mistakes_have_their_place(tmp_path):

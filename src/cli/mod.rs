@@ -22,7 +22,6 @@ mod limits_of_builds;
 mod man;
 mod merge;
 mod new;
-mod new_bushings;
 mod optimise;
 mod output;
 mod printer;

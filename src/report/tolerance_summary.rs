@@ -96,6 +96,9 @@ pub struct ValueRecord {
     pub percentiles: [Option<f64>; PERCENTILES.len()],
     /// The least and the greatest.
     pub range: [Option<f64>; 2],
+    /// Histogram of a value that is drawn with its band.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub histogram: Option<HistogramRecord>,
     /// First-order share of each contributor in the variance, in the order of the study.
     pub shares: Vec<Option<f64>>,
     /// Part of the builds' variance beyond first order: curvature and interaction.
@@ -108,6 +111,15 @@ pub struct ValueRecord {
     at_rest: bool,
     /// Unit of the values.
     unit: String,
+}
+
+/// Histogram of a value, as printed. Its bins have equal widths.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HistogramRecord {
+    /// The least and the greatest value.
+    pub range: [f64; 2],
+    /// Number of builds in each bin.
+    pub counts: Vec<u32>,
 }
 
 /// Effect of a contributor on the yield.
@@ -161,7 +173,7 @@ impl ToleranceSummary {
     ) -> Self {
         let tolerance = problem.tolerance;
         let contributor = |number: usize| tolerance.scatter[number].name.clone();
-        ToleranceSummary {
+        let mut summary = ToleranceSummary {
             study: problem.study.name.clone(),
             builds: builds.builds,
             seed: tolerance.seed,
@@ -210,6 +222,21 @@ impl ToleranceSummary {
                     })
                     .collect()
             }),
+        };
+        summary.keep_drawn_histograms();
+        summary
+    }
+
+    /// Keeps the histograms of the values that are drawn with their bands.
+    fn keep_drawn_histograms(&mut self) {
+        let bands = self.bands.iter();
+        let drawn: Vec<ValueRecord> = bands
+            .filter_map(|band| band.worst_value(&self.values).cloned())
+            .collect();
+        for value in &mut self.values {
+            if !drawn.contains(value) {
+                value.histogram = None;
+            }
         }
     }
 
@@ -539,6 +566,13 @@ fn values(
                 },
                 percentiles: spread.percentiles.map(scaled),
                 range: spread.range.map(scaled),
+                histogram: spread.histogram.and_then(|of| {
+                    let [low, high] = of.range.map(scaled);
+                    Some(HistogramRecord {
+                        range: [low?, high?],
+                        counts: of.counts.to_vec(),
+                    })
+                }),
                 shares: shares.collect(),
                 remainder: of_scatter(remainder.part),
                 remainder_error: of_scatter(remainder.error),

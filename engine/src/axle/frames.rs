@@ -6,11 +6,11 @@
 use super::formulas::steering::turn;
 use super::reading::WheelParts;
 use super::solver::{AxlePose, AxleSolver, Placement};
-use super::{Axle, AxleQuantity, Quantity};
+use super::{Axle, AxleQuantity, AxleState, Quantity};
 use crate::characteristics::instant_centres_of;
 use crate::curves::{OtherWheel, Placement as Drawn, Turn};
 use crate::mechanism::{Configuration, DesignFault, NoPose};
-use crate::model::{PointId, Side};
+use crate::model::{Frame, PointId, Side};
 use crate::number::Vector3;
 
 /// Both wheels in every position, in the study's axes, or the reason why a position does not exist. Errors if the
@@ -49,6 +49,79 @@ fn design_ground(axle: &Axle, solver: &mut AxleSolver<2>) -> f64 {
     0.5 * (left + right)
 }
 
+/// Place of an axle in the drawing: the body turned by the roll angle, the ground at its height.
+struct Attitude<'a> {
+    frame: &'a Frame,
+    sine: f64,
+    cosine: f64,
+    /// Distance by which the body is lifted.
+    lifted: f64,
+}
+
+impl Attitude<'_> {
+    /// A vector of a side's own frame (that of the right wheel is the mirror image), turned with the body.
+    fn turned(&self, side: Side, v: Vector3<f64>) -> Vector3<f64> {
+        let y = match side {
+            Side::Left => v.y,
+            Side::Right => -v.y,
+        };
+        let (sine, cosine) = (self.sine, self.cosine);
+        Vector3::new(v.x, y * cosine - v.z * sine, y * sine + v.z * cosine)
+    }
+
+    /// A point, in the kernel's axes of the drawing.
+    fn placed(&self, side: Side, v: Vector3<f64>) -> Vector3<f64> {
+        self.turned(side, v) + Vector3::new(0.0, 0.0, self.lifted)
+    }
+
+    /// A vector in the study's axes, without -0.
+    fn written(&self, v: Vector3<f64>) -> [f64; 3] {
+        self.frame.vector(v).to_array().map(|x| x + 0.0)
+    }
+
+    fn direction(&self, side: Side, v: Vector3<f64>) -> [f64; 3] {
+        self.written(self.turned(side, v))
+    }
+
+    fn place(&self, side: Side, v: Vector3<f64>) -> [f64; 3] {
+        self.written(self.placed(side, v))
+    }
+
+    /// Spin axis, contact point and instantaneous centres of a wheel.
+    fn wheel(&self, side: Side, state: &AxleState<f64>, has_ground: bool) -> OtherWheel {
+        let wheel = &state.wheels()[side as usize];
+        let mut drawn = OtherWheel {
+            spin_axis: self.direction(side, wheel.reading.spin_axis()),
+            contact: None,
+            front_view_centre: None,
+            side_view_centre: None,
+        };
+        if has_ground {
+            let contact = wheel.contact_point();
+            let [_, turn] = wheel.reading.by_travel();
+            let (velocity, size) = (wheel.contact_velocity(), state.setup.constants.size);
+            let [front, view] = instant_centres_of(contact, velocity, turn, size);
+            drawn.contact = Some(self.place(side, contact));
+            drawn.front_view_centre = front.map(|v| self.place(side, v));
+            drawn.side_view_centre = view.map(|v| self.place(side, v));
+        }
+        drawn
+    }
+
+    /// The roll centre: between both contact points, along the ground and above it.
+    fn roll_centre(&self, state: &AxleState<f64>) -> Option<[f64; 3]> {
+        let value = |quantity| Quantity::Axle(quantity).value(state).ok();
+        let height = value(AxleQuantity::RollCentreHeight)?;
+        let lateral = value(AxleQuantity::RollCentreLateral)?;
+        let contacts = Side::ALL.map(|side| {
+            let wheel = &state.wheels()[side as usize];
+            self.placed(side, wheel.contact_point())
+        });
+        let between = (contacts[0] + contacts[1]) * 0.5;
+        Some(self.written(between + Vector3::new(0.0, lateral, height)))
+    }
+}
+
 fn drawn(
     axle: &Axle,
     solver: &mut AxleSolver<2>,
@@ -62,35 +135,19 @@ fn drawn(
     let state = read.state;
     let has_ground = axle.setup.wheel_radius.is_some();
     let (sine, cosine) = placed.roll.sin_cos();
-    let turned =
-        |v: Vector3<f64>| Vector3::new(v.x, v.y * cosine - v.z * sine, v.y * sine + v.z * cosine);
     let wheels = state.wheels();
-    let lifted = match has_ground {
-        true => ground - 0.5 * (wheels[0].height() + wheels[1].height()),
-        false => 0.0,
-    };
-    let up = Vector3::new(0.0, 0.0, lifted);
-    let frame = axle.left.frame;
-    // Of a side's own frame; that of the right wheel is the mirror image.
-    let plain = |side: Side, v: Vector3<f64>| match side {
-        Side::Left => v,
-        Side::Right => Vector3::new(v.x, -v.y, v.z),
-    };
-    let direction = |side: Side, v: Vector3<f64>| {
-        frame
-            .vector(turned(plain(side, v)))
-            .to_array()
-            .map(|x| x + 0.0)
-    };
-    let place = |side: Side, v: Vector3<f64>| {
-        frame
-            .vector(turned(plain(side, v)) + up)
-            .to_array()
-            .map(|x| x + 0.0)
+    let frame = &axle.left.frame;
+    let attitude = Attitude {
+        frame,
+        sine,
+        cosine,
+        lifted: match has_ground {
+            true => ground - 0.5 * (wheels[0].height() + wheels[1].height()),
+            false => 0.0,
+        },
     };
     let mut points = Vec::new();
-    let mut others = Vec::new();
-    for (side, wheel) in Side::ALL.into_iter().zip(wheels) {
+    for side in Side::ALL {
         let suspension = axle.suspension(side);
         let at = Configuration {
             mechanism: &suspension.mechanism,
@@ -100,44 +157,17 @@ fn drawn(
             steering: None,
         };
         let all = 0..suspension.mechanism.points.len();
-        points.extend(all.map(|i| place(side, at.point(PointId(i)))));
-        let mut other = OtherWheel {
-            spin_axis: direction(side, wheel.reading.spin_axis()),
-            contact: None,
-            front_view_centre: None,
-            side_view_centre: None,
-        };
-        if has_ground {
-            let contact = wheel.contact_point();
-            let [_, turn] = wheel.reading.by_travel();
-            let (velocity, size) = (wheel.contact_velocity(), state.setup.constants.size);
-            let [front, view] = instant_centres_of(contact, velocity, turn, size);
-            other.contact = Some(place(side, contact));
-            other.front_view_centre = front.map(|v| place(side, v));
-            other.side_view_centre = view.map(|v| place(side, v));
-        }
-        others.push(other);
+        points.extend(all.map(|i| attitude.place(side, at.point(PointId(i)))));
     }
-    let value = |quantity| Quantity::Axle(quantity).value(&state).ok();
-    let centre = || {
-        let height = value(AxleQuantity::RollCentreHeight)?;
-        let lateral = value(AxleQuantity::RollCentreLateral)?;
-        // Between both contact points, along the ground and above it.
-        let middle = Side::ALL.map(|side| {
-            let wheel = &state.wheels()[side as usize];
-            turned(plain(side, wheel.contact_point())) + up
-        });
-        let between = (middle[0] + middle[1]) * 0.5;
-        let centre = between + Vector3::new(0.0, lateral, height);
-        Some(frame.vector(centre).to_array().map(|x| x + 0.0))
+    let [left, right] = Side::ALL.map(|side| attitude.wheel(side, &state, has_ground));
+    let roll_centre = match has_ground {
+        true => attitude.roll_centre(&state),
+        false => None,
     };
-    let roll_centre = if has_ground { centre() } else { None };
     let flat = |[x, y]: [f64; 2]| {
         let [x, y, _] = frame.vector(Vector3::new(x, y, 0.0)).to_array();
         [x + 0.0, y + 0.0]
     };
-    let right = others.pop();
-    let left = others.pop().expect("two wheels");
     Ok(Drawn {
         points,
         spin_axis: left.spin_axis,
@@ -146,7 +176,7 @@ fn drawn(
         roll_centre,
         front_view_centre: left.front_view_centre,
         side_view_centre: left.side_view_centre,
-        right,
+        right: Some(right),
         turn: turn(&state).map(|turn| Turn {
             wheels: turn.wheels.map(|ends| ends.map(flat)),
             meets: turn.meets.map(|meets| meets.map(flat)),

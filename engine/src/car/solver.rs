@@ -558,16 +558,8 @@ impl<'a> CarSolver<'a> {
             let travels: [f64; 4] = [0, 1, 2, 3].map(|k| x[TRAVELS + k]);
             let wheels = match self.wheels(travels, case.racks, is_last) {
                 Ok(wheels) => wheels,
-                // Half the way back to where the wheels had poses.
                 Err(failure) => {
-                    let back = reached.ok_or_else(|| failure.clone())?;
-                    let far = (0..4).map(|k| (x[TRAVELS + k] - back[TRAVELS + k]).abs());
-                    if far.fold(0.0, f64::max) <= 1e-9 * sizes.metre {
-                        return Err(failure);
-                    }
-                    for k in 0..UNKNOWNS {
-                        x[k] = 0.5 * (x[k] + back[k]);
-                    }
+                    x = sizes.half_way_back(&x, reached.as_ref()).ok_or(failure)?;
                     continue;
                 }
             };
@@ -599,26 +591,21 @@ impl<'a> CarSolver<'a> {
                 continue;
             }
             if is_end {
-                // One step with the tangent of this place; the wheels are known about their travels, too.
                 let (residuals, tangent) = tangent(&base, &parameters, &x);
-                let factors = Factors::of(&tangent).ok_or(NoEquilibrium::Singular)?;
-                let last = factors.solve(residuals.map(|residual| -residual));
-                for k in 0..UNKNOWNS {
-                    x[k] += last[k];
-                }
                 let placed = match &wheels {
                     Wheels::Exact(readings) => readings.placed,
                     Wheels::Near(_) => self.placed(travels, case.racks)?,
                 };
-                return Ok(Equilibrium {
+                let near = Equilibrium {
                     unknowns: x,
                     lifted,
                     evaluations,
                     placed,
                     is_near,
+                    factors: Box::new(Factors::of(&tangent).ok_or(NoEquilibrium::Singular)?),
                     tangent: Box::new(tangent),
-                    factors: Box::new(factors),
-                });
+                };
+                return Ok(near.after_last_step(residuals));
             }
             if !is_fresh && longest > CONTRACTION * smallest {
                 // The tangent of this place is needed.
@@ -640,6 +627,15 @@ impl<'a> CarSolver<'a> {
 }
 
 impl Equilibrium {
+    /// One step with the tangent of this place; the wheels are known about their travels, too.
+    fn after_last_step(mut self, residuals: [f64; UNKNOWNS]) -> Self {
+        let last = self.factors.solve(residuals.map(|residual| -residual));
+        for (unknown, step) in self.unknowns.iter_mut().zip(last) {
+            *unknown += step;
+        }
+        self
+    }
+
     /// Travels of the wheels.
     pub(super) fn travels(&self) -> [f64; 4] {
         [0, 1, 2, 3].map(|k| self.unknowns[TRAVELS + k])
@@ -653,6 +649,18 @@ struct Sizes {
 }
 
 impl Sizes {
+    /// The place half the way back to `reached`, where the wheels had poses; `None` if that is no way, or there is no such place.
+    fn half_way_back(
+        &self,
+        x: &[f64; UNKNOWNS],
+        reached: Option<&[f64; UNKNOWNS]>,
+    ) -> Option<[f64; UNKNOWNS]> {
+        let back = reached?;
+        let far = (0..4).map(|k| (x[TRAVELS + k] - back[TRAVELS + k]).abs());
+        let is_far = far.fold(0.0, f64::max) > 1e-9 * self.metre;
+        is_far.then(|| std::array::from_fn(|k| 0.5 * (x[k] + back[k])))
+    }
+
     fn of(start: &[f64; UNKNOWNS], car: &Car) -> Self {
         let loads = start[LOADS..LOADS + 4].iter();
         Sizes {

@@ -172,79 +172,19 @@ fn resolve(
     refuse_car(&source)?;
     let file = parse::parse(&source)?;
     let mut problems = Problems::new(source.clone());
-
     let suspension = suspension::suspension(&file, &mut problems);
-    // A solid axle is one without [axle], too.
-    let topology = Topology::named(file.suspension.topology.get_ref());
-    let is_rigid = topology.is_some_and(Topology::carries_both_wheels);
-    let of_axle = file.axle.is_some() || is_rigid;
-    let motion = match of_axle {
-        true => Some(Motion::still()),
-        false => motion::motion(&file.motion, false, &mut problems),
-    };
-    let motions = motions_of_wheel(&file, of_axle, &mut problems);
     // Without a suspension there are no names that the rest could be right or wrong about.
     let Some(suspension) = suspension else {
+        let of_axle = is_of_axle(&file);
+        if !of_axle {
+            motion::motion(&file.motion, false, &mut problems);
+        }
+        motions_of_wheel(&file, of_axle, &mut problems);
         return problems.finish(None);
     };
-    let axle = match of_axle {
-        true => axle::axle(&file, &suspension, (parts, directory), &mut problems).map(Some),
-        false => {
-            axle::refuse_without_axle(&file, &mut problems);
-            Some(None)
-        }
-    };
-    let elastic = match &axle {
-        Some(None) => compliance::compliance(&file, &suspension, parts, directory, &mut problems),
-        // The elastic parts of an axle are in its study.
-        Some(Some(_)) | None => Some(None),
-    };
-    if let Some(motion) = &motion {
-        motion::check_drive(&file.motion, motion, &suspension, &mut problems);
-    }
-    check_named_motions(&file, &motions, &suspension, &mut problems);
-    let formulation = solver::formulation(&file, &suspension, &mut problems);
-    solver::refuse_accuracy(&file, &mut problems);
-    let outputs = match of_axle {
-        true => Some(Outputs::of(Vec::new())),
-        // Faults of the elastic parts are reported already.
-        false if elastic.is_none() => None,
-        false => {
-            let elastic = elastic.as_ref().and_then(Option::as_ref);
-            outputs::outputs(&file, &suspension, elastic, &mut problems)
-        }
-    };
-    if let (Some(formulation), Some(outputs)) = (formulation, &outputs) {
-        solver::check_outputs(&file, formulation, motion.as_ref(), outputs, &mut problems);
-    }
-    check_sensitivities(
-        &file,
-        motion.as_ref(),
-        &motions,
-        outputs.as_ref(),
-        &mut problems,
-    );
-    if let Some(Some(both)) = &axle {
-        let plan = &both.plan;
-        let (stations, points) = (plan.motion.stations(), plan.sensitivities.len());
-        motion::check_sensitivities(file.motion.span(), stations, points, &mut problems);
-    }
-    if let (false, Some(outputs)) = (of_axle, &outputs) {
-        check_sweep_keeps_something(&file, outputs, &mut problems);
-    }
-    let context = Context {
-        elastic: elastic.as_ref().and_then(Option::as_ref),
-        suspension: &suspension,
-        motion: motion.as_ref(),
-        motions: &motions,
-        loads: outputs.as_ref().map_or(&[], |outputs| &outputs.loads),
-        axle: axle.as_ref().and_then(Option::as_ref),
-        file: &file,
-        directory,
-    };
-    // Sections of an axle that could not be read would only repeat its faults.
-    let is_known = !of_axle || axle.is_some();
-    let tasks = Tasks::read(&context, is_known, formulation, &mut problems);
+    let main = MainSections::read(&file, &suspension, (parts, directory), &mut problems);
+    let context = main.context(&file, &suspension, directory);
+    let tasks = Tasks::read(&context, main.is_known(), main.formulation, &mut problems);
     let bushings = bushings_of_files(
         &file,
         NamedParts::of(&suspension, context.elastic, context.elastic_axle()),
@@ -252,26 +192,14 @@ fn resolve(
     let study = || {
         let tasks = tasks?;
         let text = edit::with_curves_inside(&source.text, &tasks.curves);
+        let name = path.file_stem().unwrap_or_default();
+        let inputs = named_files(&file).map(|name| directory.join(name));
+        let motions = main.motions.clone();
         Some(Study {
-            name: path
-                .file_stem()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned(),
+            name: name.to_string_lossy().into_owned(),
             text: edit::with_bushings_inside(text, &bushings),
-            inputs: named_files(&file)
-                .map(|name| directory.join(name))
-                .collect(),
-            vehicle: match axle? {
-                Some(both) => Vehicle::Axle(Box::new(both)),
-                None => Vehicle::Wheel(Box::new(WheelStudy {
-                    suspension,
-                    motion: motion?,
-                    formulation: formulation?,
-                    outputs: outputs?,
-                    compliance: elastic?,
-                })),
-            },
+            inputs: inputs.collect(),
+            vehicle: main.vehicle(suspension)?,
             motions,
             optimise: tasks.optimise,
             sweep: tasks.sweep,
@@ -280,6 +208,135 @@ fn resolve(
         })
     };
     problems.finish(study())
+}
+
+/// Returns true for the study of an axle. A solid axle is one without `[axle]`, too.
+fn is_of_axle(file: &file::File) -> bool {
+    let topology = Topology::named(file.suspension.topology.get_ref());
+    file.axle.is_some() || topology.is_some_and(Topology::carries_both_wheels)
+}
+
+/// The sections that describe the vehicle and its curves; each `None` if it has a fault.
+struct MainSections {
+    motion: Option<Motion>,
+    motions: Vec<(String, Motion)>,
+    /// The axle; the inner `None` for one wheel.
+    axle: Option<Option<AxleStudy>>,
+    /// The elastic parts of one wheel; the inner `None` without any. Those of an axle are in its study.
+    elastic: Option<Option<ComplianceStudy>>,
+    formulation: Option<Formulation>,
+    outputs: Option<Outputs>,
+}
+
+impl MainSections {
+    fn read(
+        file: &file::File,
+        suspension: &Suspension,
+        (parts, directory): (Parts, &Path),
+        problems: &mut Problems,
+    ) -> Self {
+        let of_axle = is_of_axle(file);
+        let motion = match of_axle {
+            true => Some(Motion::still()),
+            false => motion::motion(&file.motion, false, problems),
+        };
+        let motions = motions_of_wheel(file, of_axle, problems);
+        let axle = match of_axle {
+            true => axle::axle(file, suspension, (parts, directory), problems).map(Some),
+            false => {
+                axle::refuse_without_axle(file, problems);
+                Some(None)
+            }
+        };
+        let elastic = match &axle {
+            Some(None) => compliance::compliance(file, suspension, parts, directory, problems),
+            Some(Some(_)) | None => Some(None),
+        };
+        if let Some(motion) = &motion {
+            motion::check_drive(&file.motion, motion, suspension, problems);
+        }
+        check_named_motions(file, &motions, suspension, problems);
+        let formulation = solver::formulation(file, suspension, problems);
+        solver::refuse_accuracy(file, problems);
+        let outputs = match (of_axle, &elastic) {
+            (true, _) => Some(Outputs::of(Vec::new())),
+            // Faults of the elastic parts are reported already.
+            (false, None) => None,
+            (false, Some(elastic)) => {
+                outputs::outputs(file, suspension, elastic.as_ref(), problems)
+            }
+        };
+        let read = MainSections {
+            motion,
+            motions,
+            axle,
+            elastic,
+            formulation,
+            outputs,
+        };
+        read.check(file, problems);
+        read
+    }
+
+    /// Checks the sections against each other.
+    fn check(&self, file: &file::File, problems: &mut Problems) {
+        let (motion, outputs) = (self.motion.as_ref(), self.outputs.as_ref());
+        if let (Some(formulation), Some(outputs)) = (self.formulation, outputs) {
+            solver::check_outputs(file, formulation, motion, outputs, problems);
+        }
+        check_sensitivities(file, motion, &self.motions, outputs, problems);
+        match &self.axle {
+            Some(Some(both)) => {
+                let plan = &both.plan;
+                let (stations, points) = (plan.motion.stations(), plan.sensitivities.len());
+                motion::check_sensitivities(file.motion.span(), stations, points, problems);
+            }
+            Some(None) => {
+                if let Some(outputs) = outputs {
+                    check_sweep_keeps_something(file, outputs, problems);
+                }
+            }
+            None => {}
+        }
+    }
+
+    /// The parts to which later sections refer.
+    fn context<'a>(
+        &'a self,
+        file: &'a file::File,
+        suspension: &'a Suspension,
+        directory: &'a Path,
+    ) -> Context<'a> {
+        Context {
+            elastic: self.elastic.as_ref().and_then(Option::as_ref),
+            suspension,
+            motion: self.motion.as_ref(),
+            motions: &self.motions,
+            loads: self.outputs.as_ref().map_or(&[], |outputs| &outputs.loads),
+            axle: self.axle.as_ref().and_then(Option::as_ref),
+            file,
+            directory,
+        }
+    }
+
+    /// Returns false for an axle that could not be read: sections about it would only repeat its faults.
+    fn is_known(&self) -> bool {
+        self.axle.is_some()
+    }
+
+    /// The vehicle, if nothing is wrong with it.
+    fn vehicle(self, suspension: Suspension) -> Option<Vehicle> {
+        Some(match self.axle? {
+            Some(both) => Vehicle::Axle(Box::new(both)),
+            None => Vehicle::Wheel(Box::new(WheelStudy {
+                suspension,
+                motion: self.motion?,
+                formulation: self.formulation?,
+                outputs: self.outputs?,
+                compliance: self.elastic?,
+            })),
+        })
+    }
 }
 
 /// Refuses the study of a car, which has a reader of its own.

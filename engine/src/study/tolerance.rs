@@ -10,7 +10,7 @@ use super::outputs::{characteristic, hardpoint};
 use super::resolve::{Context, each, some};
 use super::suspension::above_zero;
 use super::targets::ends;
-use super::value::{Number, Text};
+use super::value::{MemberName, Number, Text};
 use super::{AxleStudy, Band, Contributor, Drive, Law, Setup, Source, TargetQuantity, Tolerance};
 use crate::assembly::BuildParameter;
 use crate::model::{Axis, PointId, Side, Suspension};
@@ -205,38 +205,59 @@ fn contributors(
         }
     }
     let law = law(written, place.clone(), problems);
-    if let Some(length) = &written.length {
-        if let Some(axis) = &written.axis {
-            problems.add(
-                axis.span(),
-                "a length has no axis: it changes along the member",
-            );
-        }
-        let (name, member) = member(length, suspension, problems)?;
-        if let (Some(limits), Some(Law::Uniform { low, .. })) = (&written.limits, law)
-            && let Some((one, other)) = member.ends(&suspension.mechanism)
-            && let drawn = (suspension.design[one.0] - suspension.design[other.0]).norm()
-            && drawn + low <= 0.0
-        {
-            let unit = suspension.length_unit.symbol();
-            let message = format!(
-                "the lowest limit leaves no length: {name} is {drawn:.1} {unit} long in the design"
-            );
-            problems.add(limits.span(), message);
-        }
-        let change = (BuildParameter::Length(member), 1.0);
-        let name = format!("{name} length");
-        return Some(vec![Contributor {
-            sources: vec![Source {
-                name: name.clone(),
-                changes: vec![change],
-                rate: None,
-                law: law?,
-                side: None,
-            }],
-            name,
-        }]);
+    match &written.length {
+        Some(of) => length(of, written, law, suspension, problems).map(|own| vec![own]),
+        None => hardpoints(written, place, law, suspension, problems),
     }
+}
+
+/// The length of a member that scatters.
+fn length(
+    of: &Spanned<MemberName>,
+    written: &file::Scatter,
+    law: Option<Law>,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<Contributor> {
+    if let Some(axis) = &written.axis {
+        problems.add(
+            axis.span(),
+            "a length has no axis: it changes along the member",
+        );
+    }
+    let (name, member) = member(of, suspension, problems)?;
+    if let (Some(limits), Some(Law::Uniform { low, .. })) = (&written.limits, law)
+        && let Some((one, other)) = member.ends(&suspension.mechanism)
+        && let drawn = (suspension.design[one.0] - suspension.design[other.0]).norm()
+        && drawn + low <= 0.0
+    {
+        let unit = suspension.length_unit.symbol();
+        let message = format!(
+            "the lowest limit leaves no length: {name} is {drawn:.1} {unit} long in the design"
+        );
+        problems.add(limits.span(), message);
+    }
+    let name = format!("{name} length");
+    Some(Contributor {
+        sources: vec![Source {
+            name: name.clone(),
+            changes: vec![(BuildParameter::Length(member), 1.0)],
+            rate: None,
+            law: law?,
+            side: None,
+        }],
+        name,
+    })
+}
+
+/// Hardpoints that scatter, each a contributor.
+fn hardpoints(
+    written: &file::Scatter,
+    place: Span<usize>,
+    law: Option<Law>,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<Vec<Contributor>> {
     let names = written.hardpoints.iter().flat_map(|list| list.get_ref());
     let names: Vec<&Text> = written.hardpoint.iter().chain(names).collect();
     if names.is_empty() {

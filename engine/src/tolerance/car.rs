@@ -5,6 +5,7 @@
 //! derivatives of the built designs by each source, and derivatives by rates and figures.
 
 use super::axle_expansion::{Moves as PointMoves, moves};
+use super::histogram::Histogram;
 use super::monte_carlo::moments;
 use super::{HOLDS, PERCENTILES, Problem, Spread};
 use crate::assembly::SetUpError;
@@ -348,5 +349,6 @@ fn spread(mut values: Vec<f64>, nominal: f64) -> Spread {
         sigma_error,
         range: [end(values.first()), end(values.last())],
         percentiles: PERCENTILES.map(at),
+        histogram: Histogram::of(values.iter().map(|value| (*value, 1))),
     }
 }

@@ -22,6 +22,7 @@ mod draw;
 mod elastic;
 mod elastic_axle;
 mod expansion;
+mod histogram;
 mod lanes;
 mod monte_carlo;
 mod order;
@@ -31,6 +32,7 @@ mod yields;
 pub use car::{CarBuilds, CarExpansion, CarProblem};
 pub use draw::normal_quantile;
 pub use expansion::{Expansion, HOLDS, Remainder};
+pub use histogram::{BINS, Histogram};
 pub use monte_carlo::{MonteCarlo, Rejected, Spread, monte_carlo, monte_carlo_in};
 pub use yields::{BandYield, Forecast, Ranking, Yields, rank};
 

@@ -1,6 +1,7 @@
 //! Builds by the thousand.
 
 use super::builds::{Builder, Outcome};
+use super::histogram::Histogram;
 use super::order::{Order, Sifted};
 use super::{PERCENTILES, Problem};
 use crate::assembly::AssemblyError;
@@ -62,6 +63,8 @@ pub struct Spread {
     pub range: [f64; 2],
     /// See [`PERCENTILES`].
     pub percentiles: [f64; PERCENTILES.len()],
+    /// Histogram of the first 4,096 builds, and those of their block; of all if there are no more. `None` without values.
+    pub histogram: Option<Histogram>,
 }
 
 impl MonteCarlo {
@@ -252,6 +255,7 @@ pub fn monte_carlo_in(
             sigma_error,
             range,
             percentiles: gathered.percentiles(cell),
+            histogram: gathered.histogram(cell),
         });
     }
     Ok(total)

@@ -14,6 +14,7 @@
 //! changes nothing: results have the same bytes for any number of threads.
 
 use super::PERCENTILES;
+use super::histogram::Histogram;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -51,6 +52,8 @@ pub(super) struct Gathered {
     windows: Arc<Windows>,
     cells: Vec<Cell>,
     narrows_at: u64,
+    /// Histograms of the builds before windows narrow; empty until then.
+    histograms: Vec<Option<Histogram>>,
 }
 
 /// The values of a cell.
@@ -76,6 +79,7 @@ impl Order {
             windows,
             cells: vec![Cell::default(); cells],
             narrows_at: FIRST,
+            histograms: Vec::new(),
         };
         (order, gathered)
     }
@@ -143,6 +147,9 @@ impl Gathered {
         }
         if builds >= self.narrows_at {
             self.narrows_at = 2 * builds;
+            if self.histograms.is_empty() {
+                self.histograms = self.cells.par_iter_mut().map(Cell::histogram).collect();
+            }
             self.narrow();
             *order.lock() = self.windows.clone();
         }
@@ -152,6 +159,14 @@ impl Gathered {
         let cells = self.cells.par_iter_mut().zip(&self.windows[..]);
         let windows = cells.map(|(cell, windows)| cell.narrow(windows));
         self.windows = Arc::new(windows.collect());
+    }
+
+    /// The histogram of a cell: of all builds, or of the first [`FIRST`] with those of their block. `None` without values.
+    pub(super) fn histogram(&mut self, cell: usize) -> Option<Histogram> {
+        match self.histograms.get(cell) {
+            Some(histogram) => *histogram,
+            None => self.cells[cell].histogram(),
+        }
     }
 
     /// The percentiles of a cell; NaN without values.
@@ -190,6 +205,12 @@ impl Cell {
             is_equal
         });
         self.compact_at = 2 * self.kept.len() + FEW;
+    }
+
+    /// The histogram of the stored values.
+    fn histogram(&mut self) -> Option<Histogram> {
+        self.compact();
+        Histogram::of(self.kept.iter().copied())
     }
 
     /// Narrows the windows to values that can still be a percentile.

@@ -9,7 +9,10 @@ use super::policy::policy;
 use crate::report::car::{CarCase, CarRecord, CarStateRecord};
 use crate::report::side_effects::is_visible;
 use crate::report::table::{Cell, Column, Table};
-use crate::report::{figure, side_effects_in_words, side_effects_table, with_decimals};
+use crate::report::{
+    counted, figure, shown_side_effects, side_effects_in_words, side_effects_table, with_decimals,
+};
+use crate::side_effects::SideEffect;
 
 /// Styles of the pictures.
 const CAR_STYLE: &str = include_str!("car.css");
@@ -93,7 +96,7 @@ fn about(record: &CarRecord) -> String {
         true => "tyre springs",
         false => "rigid tyres",
     };
-    let cases = crate::report::counted(record.cases.len(), "case");
+    let cases = counted(record.cases.len(), "case");
     format!(
         "hardpoint {} {}: {cases}, {tyres}, lengths in {}",
         record.version, record.command, record.length_unit
@@ -202,22 +205,27 @@ fn targets(record: &CarRecord) -> String {
     )
 }
 
-/// Changes that no target asks for; those that a reader sees.
+/// Changes that no target asks for: those that matter most, then the others that a reader sees, folded.
 fn side_effects(record: &CarRecord) -> String {
     let effects = &record.side_effects;
     if effects.is_empty() {
         return String::new();
     }
+    let table = |effects: &[SideEffect]| {
+        let flagged = |row: usize| effects[row].flagged.then_some("unmet");
+        super::table::table(&side_effects_table(effects), flagged)
+    };
     let seen: Vec<_> = effects.iter().filter(|e| is_visible(e)).cloned().collect();
-    let flagged = |row: usize| seen[row].flagged.then_some("unmet");
+    let (shown, more) = shown_side_effects(effects);
+    let mut content = table(&shown);
+    if more > 0 {
+        let words = counted(more, "further change");
+        let rest = table(&seen[shown.len()..]);
+        content += &format!("<details><summary>{words}</summary>{rest}</details>");
+    }
     let note = "Changes that no target asks for, in the load cases and of each changed axle over its own motion. \
         Those beyond a customary tolerance come first.";
-    section(
-        "side_effects",
-        "Side effects",
-        note,
-        &super::table::table(&side_effects_table(&seen), flagged),
-    )
+    section("side_effects", "Side effects", note, &content)
 }
 
 fn corner_weights(record: &CarRecord) -> String {

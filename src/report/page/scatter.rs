@@ -1,9 +1,11 @@
-//! Pictures of the scatter of values in their bands, and of each contributor's effect: SVG in the page.
+//! Pictures of the scatter of values in their bands (histograms and percentiles), and of each contributor's effect: SVG in the page.
 
 use super::escape::html;
 use crate::report::bands::BandRecord;
 use crate::report::figure::brief;
-use crate::report::tolerance_summary::{RankingRecord, ToleranceSummary, ValueRecord};
+use crate::report::tolerance_summary::{
+    HistogramRecord, RankingRecord, ToleranceSummary, ValueRecord,
+};
 use std::fmt::Write;
 
 /// Width of a picture; of its names; of the numbers at its right end.
@@ -11,7 +13,11 @@ const WIDTH: f64 = 760.0;
 const NAMES: f64 = 250.0;
 const NUMBERS: f64 = 110.0;
 /// Height of a row.
-const ROW: f64 = 46.0;
+const ROW: f64 = 64.0;
+/// Height of a histogram, of the band behind it, and place of the boxes below the histogram.
+const HISTOGRAM: f64 = 28.0;
+const BAND: f64 = 44.0;
+const BOXES: f64 = 38.0;
 /// Height of a contributor's row.
 const BAR: f64 = 26.0;
 
@@ -37,8 +43,8 @@ pub(super) fn distributions(summary: &ToleranceSummary) -> String {
         row(&mut svg, ROW * number as f64, band, value);
     }
     format!(
-        "<h3>Distributions in the bands</h3><p class=\"note\">Line: least to greatest of the builds. Light box: 1 % to 99 %. \
-         Dark box: 5 % to 95 %. Stroke: median. Dot: nominal. Shaded: the band. Cp and Cpk: width of the band, and margin of the \
+        "<h3>Distributions in the bands</h3><p class=\"note\">Bars: number of builds by value. Line: least to greatest of the builds. \
+         Light box: 1 % to 99 %. Dark box: 5 % to 95 %. Stroke: median. Dot: nominal. Shaded: the band. Cp and Cpk: width of the band, and margin of the \
          mean to the nearer limit, in six and in three standard deviations of the builds. Where a band holds over the motion, the \
          position with the least margin is drawn.</p><div class=\"scatter\">{svg}</svg></div>"
     )
@@ -62,14 +68,13 @@ fn row(svg: &mut String, top: f64, band: &BandRecord, value: &ValueRecord) {
     let (low, high) = (low - room, high + room);
     let (left, right) = (NAMES, WIDTH - NUMBERS);
     let x = |v: f64| left + (v - low) / (high - low) * (right - left);
-    let middle = top + 18.0;
+    let (middle, name) = (top + BOXES, top + 24.0);
     let (from, to) = (band.low.map_or(left, x), band.high.map_or(right, x));
     let _ = write!(
         svg,
-        "<text x=\"0\" y=\"{:.1}\">{}</text><rect class=\"band\" x=\"{from:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"28\"/>",
-        middle + 4.0,
+        "<text x=\"0\" y=\"{:.1}\">{}</text><rect class=\"band\" x=\"{from:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{BAND}\"/>",
+        name,
         html(&band.band),
-        middle - 14.0,
         to - from
     );
     for (limit, anchor) in [(band.low, "start"), (band.high, "end")] {
@@ -77,12 +82,14 @@ fn row(svg: &mut String, top: f64, band: &BandRecord, value: &ValueRecord) {
             let place = x(limit);
             let _ = write!(
                 svg,
-                "<path class=\"limit\" d=\"M{place:.1} {:.1}v28\"/><text class=\"small\" x=\"{place:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{}</text>",
-                middle - 14.0,
-                middle + 25.0,
+                "<path class=\"limit\" d=\"M{place:.1} {top:.1}v{BAND}\"/><text class=\"small\" x=\"{place:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{}</text>",
+                top + BAND + 11.0,
                 brief(limit)
             );
         }
+    }
+    if let Some(histogram) = &value.histogram {
+        bars(svg, top + 4.0 + HISTOGRAM, histogram, x);
     }
     if let [Some(least), Some(most)] = value.range {
         let _ = write!(
@@ -92,7 +99,7 @@ fn row(svg: &mut String, top: f64, band: &BandRecord, value: &ValueRecord) {
             x(most)
         );
     }
-    for (from, to, class, half) in [(P1, P99, "light", 6.0), (P5, P95, "dark", 9.0)] {
+    for (from, to, class, half) in [(P1, P99, "light", 2.5), (P5, P95, "dark", 4.0)] {
         if let [Some(from), Some(to)] = [from, to].map(|p| value.percentiles[p]) {
             let _ = write!(
                 svg,
@@ -107,9 +114,9 @@ fn row(svg: &mut String, top: f64, band: &BandRecord, value: &ValueRecord) {
     if let Some(median) = value.percentiles[P50] {
         let _ = write!(
             svg,
-            "<path class=\"median\" d=\"M{:.1} {:.1}v22\"/>",
+            "<path class=\"median\" d=\"M{:.1} {:.1}v11\"/>",
             x(median),
-            middle - 11.0
+            middle - 5.5
         );
     }
     if let Some(nominal) = value.drawn {
@@ -122,7 +129,7 @@ fn row(svg: &mut String, top: f64, band: &BandRecord, value: &ValueRecord) {
     let _ = write!(
         svg,
         "<text x=\"{WIDTH}\" y=\"{:.1}\" text-anchor=\"end\">{:.2} % in band</text>",
-        middle + 4.0,
+        name,
         100.0 * band.kept
     );
     let known = value.mean.zip(value.sigma);
@@ -131,9 +138,26 @@ fn row(svg: &mut String, top: f64, band: &BandRecord, value: &ValueRecord) {
         let _ = write!(
             svg,
             "<text class=\"small\" x=\"{WIDTH}\" y=\"{:.1}\" text-anchor=\"end\">{words}</text>",
-            middle + 20.0
+            name + 16.0
         );
     }
+}
+
+/// Bars of a histogram on the line `base`, the largest as high as there is room.
+fn bars(svg: &mut String, base: f64, histogram: &HistogramRecord, x: impl Fn(f64) -> f64) {
+    let largest = histogram.counts.iter().copied().max().unwrap_or(0);
+    let [low, high] = histogram.range;
+    if largest == 0 || low == high {
+        return;
+    }
+    let width = (high - low) / histogram.counts.len() as f64;
+    let mut path = format!("M{:.1} {base:.1}", x(low));
+    for (bin, count) in histogram.counts.iter().enumerate() {
+        let top = base - HISTOGRAM * f64::from(*count) / f64::from(largest);
+        let end = x(low + width * (bin as f64 + 1.0));
+        let _ = write!(path, "V{top:.1}H{end:.1}");
+    }
+    let _ = write!(svg, "<path class=\"bars\" d=\"{path}V{base:.1}Z\"/>");
 }
 
 /// Capability of a value in its band: `Cp 1.33, Cpk 1.10`. Cp is the width of the band in six standard deviations, Cpk the

@@ -78,7 +78,10 @@ fn the_page_of_a_tuning_answers_first() {
     let page = fs::read_to_string(directory.join("run/report.html")).unwrap();
     assert!(page.contains("All targets are met within their tolerances."));
     let targets = page.find("<section id=\"targets\">").unwrap();
-    assert!(targets < page.find("<section id=\"weights\">").unwrap());
+    let effects = page.find("<section id=\"side_effects\">").unwrap();
+    assert!(targets < effects);
+    assert!(effects < page.find("<section id=\"weights\">").unwrap());
+    assert!(page.contains("side effects beyond their tolerances."));
     // Pictures of curves are of suspensions.
     let refused = hardpoint(directory, &["report", "run", "--plots", "pictures"]).code(2);
     assert!(text(&refused.get_output().stderr).contains("its page has the pictures"));

@@ -1,0 +1,200 @@
+//! The text of a template with parts.
+
+use super::Part;
+use super::bushings::with_bushings;
+use super::fittings::{
+    ANTI_ROLL_BAR, FITTINGS, Fitting, PANHARD, PANHARD_PLACES, PUSHROD, WATT, WATT_PLACES,
+};
+use super::sections::{with_axle, with_points, with_springs};
+use crate::model::Topology;
+use std::fmt::Write as _;
+
+/// Targets of the template: constant toe.
+const TARGETS: &str = r#"  { characteristic = "toe", points = [[-80.0, 0.1], [0.0, 0.1], [80.0, 0.1]], tolerance = 0.02 },
+"#;
+
+/// Targets of an axle: constant toe in heave, and no roll steer.
+const AXLE_TARGETS: &str = r#"  { characteristic = "toe", over = "heave", points = [[-20.0, 0.1], [0.0, 0.1], [20.0, 0.1]], tolerance = 0.02 },
+  { characteristic = "roll_steer", over = "roll", between = [-0.02, 0.02], tolerance = 0.005 },
+"#;
+
+/// Targets of a solid axle: little roll steer, and anti-squat.
+const SOLID_AXLE_TARGETS: &str = r#"  { characteristic = "roll_steer", over = "roll", between = [-0.02, 0.02], tolerance = 0.005 },
+  { characteristic = "anti_squat", over = "heave", roll = 0.0, at = 0.0, value = 100.0, tolerance = 2.0 },
+"#;
+
+/// Targets of a twist beam: little roll steer, and a roll centre at this height.
+const TWIST_BEAM_TARGETS: &str = r#"  { characteristic = "roll_steer", over = "roll", between = [-0.02, 0.02], tolerance = 0.005 },
+  { characteristic = "force_roll_centre_height", over = "heave", roll = 0.0, at = 0.0, value = 200.0, tolerance = 5.0 },
+"#;
+
+/// The template of a topology with parts.
+///
+/// # Errors
+/// The reason in words: a part that the topology does not have.
+pub(super) fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
+    // Editors look for the schema beside the study: `hardpoint schema > hardpoint.schema.json`.
+    let own = format!("{}_solve.toml", topology.name);
+    let template = topology.template.replace(&own, "STUDY.toml");
+    let mut composed = Composed {
+        topology,
+        parts,
+        text: format!("#:schema ./hardpoint.schema.json\n{template}"),
+    };
+    if composed.has(Part::Axle) && topology.carries_both_wheels() {
+        return Err(format!("{} is an axle without this part", topology.name));
+    }
+    composed.add_lateral_linkage()?;
+    if composed.has(Part::Axle) {
+        composed.text = with_axle(&composed.text);
+    }
+    let needs_fitting = [
+        Part::Pushrod,
+        Part::AntiRollBar,
+        Part::Sweep,
+        Part::Optimise,
+    ];
+    let fitting = match needs_fitting.iter().any(|part| composed.has(*part)) {
+        true => Some(composed.fitting()?),
+        false => None,
+    };
+    if let Some(fitting) = fitting {
+        composed.add_rockers(fitting)?;
+    }
+    if composed.is_sprung() {
+        composed.text = with_springs(&composed.text, composed.has(Part::AntiRollBar));
+    }
+    if let Some(fitting) = fitting {
+        composed.add_tasks(fitting);
+    }
+    match composed.has(Part::Bushings) {
+        true => with_bushings(&composed.text, topology, composed.has(Part::Axle)),
+        false => Ok(composed.text),
+    }
+}
+
+/// A template while parts are added.
+struct Composed<'a> {
+    topology: &'a Topology,
+    parts: &'a [Part],
+    text: String,
+}
+
+impl Composed<'_> {
+    fn has(&self, part: Part) -> bool {
+        self.parts.contains(&part)
+    }
+
+    fn fitting(&self) -> Result<&'static Fitting, String> {
+        let name = self.topology.name;
+        let found = FITTINGS.iter().find(|fitting| fitting.topology == name);
+        found.ok_or_else(|| format!("{name} has no parts to choose from yet"))
+    }
+
+    /// Adds a Panhard rod or a Watt linkage.
+    fn add_lateral_linkage(&mut self) -> Result<(), String> {
+        let lateral = [
+            (Part::Panhard, "Panhard rod", PANHARD, &PANHARD_PLACES[..]),
+            (Part::Watt, "Watt linkage", WATT, &WATT_PLACES[..]),
+        ];
+        let lateral: Vec<_> = lateral
+            .into_iter()
+            .filter(|(part, ..)| self.has(*part))
+            .collect();
+        if lateral.len() > 1 {
+            return Err(
+                "a Panhard rod or a Watt linkage holds an axle sideways, not both".to_owned(),
+            );
+        }
+        for (_, name, points, places) in lateral {
+            if self.topology.hardpoint("panhard_axle").is_none() {
+                return Err(format!("{} has no {name}", self.topology.name));
+            }
+            let single =
+                "# single = [\"upper_link\"]        # with a Panhard rod or a Watt linkage";
+            let with = format!("single = [\"upper_link\"]          # with a {name}");
+            self.text = self.text.replace(single, &with);
+            self.text = with_points(&self.text, points, places, "axle", "jacking_force_ratio");
+        }
+        Ok(())
+    }
+
+    /// Adds pushrod and anti-roll bar.
+    fn add_rockers(&mut self, fitting: &Fitting) -> Result<(), String> {
+        let name = self.topology.name;
+        let carrier = fitting.carrier;
+        if self.has(Part::Pushrod) {
+            let places =
+                fitting
+                    .pushrod
+                    .ok_or_else(|| match self.topology.carries_both_wheels() {
+                        true => format!("{name} has no pushrod"),
+                        false => format!("{name} has no pushrod: its strut is the spring"),
+                    })?;
+            self.text = with_points(&self.text, PUSHROD, &places, carrier, "rocker_angle");
+        }
+        if self.has(Part::AntiRollBar) {
+            let places = fitting.anti_roll_bar.ok_or_else(|| {
+                format!("{name} has no anti-roll bar of its own: add its rate to torsional_rate")
+            })?;
+            let output = "anti_roll_bar_angle";
+            self.text = with_points(&self.text, ANTI_ROLL_BAR, &places, carrier, output);
+            if self.has(Part::Pushrod) {
+                // Beside a rocker a study must say where the drop link stands.
+                let body = carrier.replace(' ', "_");
+                let said =
+                    format!("\n[suspension.bodies]\ndrop_link_outer = \"{body}\"\n\n[wheel]");
+                self.text = self.text.replacen("\n[wheel]", &said, 1);
+            }
+        }
+        Ok(())
+    }
+
+    /// True if the study gets springs. Elastic parts bring a spring of their own.
+    fn is_sprung(&self) -> bool {
+        let has_ends = ["\nspring_lower ", "\nstrut_top "]
+            .iter()
+            .any(|end| self.text.contains(end));
+        has_ends && self.has(Part::Axle) && !self.has(Part::Bushings)
+    }
+
+    /// Adds the sections of a sweep and a tuning.
+    fn add_tasks(&mut self, fitting: &Fitting) {
+        let steers = fitting.steers;
+        if self.has(Part::Sweep) {
+            let _ = write!(
+                self.text,
+                r#"
+[sweep]
+method = "sobol"                 # or "latin_hypercube", "random", "saltelli"; or "grid" with steps in each variable
+samples = 1024
+variables = [                    # offsets from the design
+  {{ hardpoint = "{steers}", axis = "z", range = [-10.0, 10.0] }},
+  {{ hardpoint = "{steers}", axis = "y", range = [-10.0, 10.0] }},
+]
+"#
+            );
+        }
+        if self.has(Part::Optimise) {
+            let targets = match (self.topology.carries_both_wheels(), self.has(Part::Axle)) {
+                _ if self.topology.is_twist_beam() => TWIST_BEAM_TARGETS,
+                (true, _) => SOLID_AXLE_TARGETS,
+                (false, true) => AXLE_TARGETS,
+                (false, false) => TARGETS,
+            };
+            let _ = write!(
+                self.text,
+                r#"
+[optimise]
+starts = 4                       # the design, then points spread over the ranges
+variables = [                    # offsets from the design
+  {{ hardpoint = "{steers}", axis = "z", range = [-20.0, 20.0] }},
+  {{ hardpoint = "{steers}", axis = "y", range = [-20.0, 20.0] }},
+]
+targets = [                      # a curve over the motion, or `at` one value of it
+{targets}]
+"#
+            );
+        }
+    }
+}

@@ -16,7 +16,7 @@ use super::{
     Drive, FrontGoal, Motion, Move, Optimise, RobustAim, Scatter, Setup, Target, Tolerance, Turn,
     Variable,
 };
-use crate::model::{Axis, Suspension};
+use crate::model::{Axis, PointId, Suspension};
 use toml::Spanned;
 
 /// The optimisation, if nothing is wrong with it, and the targets that came from files, by the place of the target as
@@ -336,36 +336,8 @@ fn rigid(
     problems: &mut Problems,
 ) -> Vec<Option<Variable>> {
     let written = variable.get_ref();
-    let others = [
-        ("axis", written.axis.as_ref().map(Spanned::span)),
-        ("direction", written.direction.as_ref().map(Spanned::span)),
-        ("range", written.range.as_ref().map(Spanned::span)),
-        ("factors", written.factors.as_ref().map(Spanned::span)),
-        ("hardpoint", written.hardpoint.as_ref().map(Spanned::span)),
-        ("hardpoints", written.hardpoints.as_ref().map(Spanned::span)),
-    ];
-    let mut wrong = false;
-    for (key, place) in others {
-        if let Some(place) = place {
-            let message = format!("{key} does not work with rigid: use shift and turn");
-            problems.add(place, message);
-            wrong = true;
-        }
-    }
-    let names = points.get_ref();
-    let Some(ids) = each(names, |name| hardpoint(name, suspension, problems)) else {
-        return vec![None];
-    };
-    for (i, name) in names.iter().enumerate() {
-        if ids[..i].contains(&ids[i]) {
-            problems.add(name.span(), format!("{:?} is listed twice", name.get_ref()));
-            wrong = true;
-        }
-    }
-    if ids.len() < 2 {
-        problems.add(points.span(), "a body has at least two points");
-        return vec![None];
-    }
+    let is_alone = refuse_beside_rigid(written, problems);
+    let ids = points_of_body(points, suspension, problems);
     let shift = written
         .shift
         .as_ref()
@@ -384,46 +356,78 @@ fn rigid(
         problems.add(variable.span(), message);
         return vec![None];
     }
-    let (shift, turn, Some(cost), false) = (shift.flatten(), turn.flatten(), cost, wrong) else {
+    let (Some(ids), Some(cost), true) = (ids, cost, is_alone) else {
         return vec![None];
     };
-    let name = names
-        .iter()
-        .map(|n| n.get_ref().as_str())
-        .collect::<Vec<_>>()
-        .join("+");
-    let mut variables = Vec::new();
-    for axis in Axis::ALL {
-        if let Some(shift) = shift {
-            let moved = ids.iter().map(|point| Move {
-                point: *point,
-                axis,
-                factor: 1.0,
-            });
-            variables.push(Some(Variable {
-                name: name.clone(),
-                moves: moved.collect(),
-                turn: None,
-                rate: None,
-                range: [-shift, shift],
-                cost,
-            }));
+    let names = points.get_ref().iter().map(|n| n.get_ref().as_str());
+    let name = names.collect::<Vec<_>>().join("+");
+    let variable = |reach: f64| Variable {
+        name: name.clone(),
+        moves: Vec::new(),
+        turn: None,
+        rate: None,
+        range: [-reach, reach],
+        cost,
+    };
+    let shifts = Axis::ALL.into_iter().filter_map(|axis| {
+        let moved = ids.iter().map(|point| Move {
+            point: *point,
+            axis,
+            factor: 1.0,
+        });
+        Some(Some(Variable {
+            moves: moved.collect(),
+            ..variable(shift.flatten()?)
+        }))
+    });
+    let turns = Axis::ALL.into_iter().filter_map(|axis| {
+        let points = ids.clone();
+        Some(Some(Variable {
+            turn: Some(Turn { points, axis }),
+            ..variable(turn.flatten()?)
+        }))
+    });
+    shifts.chain(turns).collect()
+}
+
+/// Refuses keys that do not work with `rigid`. Returns true if there are none.
+fn refuse_beside_rigid(written: &file::Variable, problems: &mut Problems) -> bool {
+    let others = [
+        ("axis", written.axis.as_ref().map(Spanned::span)),
+        ("direction", written.direction.as_ref().map(Spanned::span)),
+        ("range", written.range.as_ref().map(Spanned::span)),
+        ("factors", written.factors.as_ref().map(Spanned::span)),
+        ("hardpoint", written.hardpoint.as_ref().map(Spanned::span)),
+        ("hardpoints", written.hardpoints.as_ref().map(Spanned::span)),
+    ];
+    let mut is_alone = true;
+    for (key, place) in others {
+        if let Some(place) = place {
+            let message = format!("{key} does not work with rigid: use shift and turn");
+            problems.add(place, message);
+            is_alone = false;
         }
     }
-    for axis in Axis::ALL {
-        if let Some(turn) = turn {
-            variables.push(Some(Variable {
-                name: name.clone(),
-                moves: Vec::new(),
-                turn: Some(Turn {
-                    points: ids.clone(),
-                    axis,
-                }),
-                rate: None,
-                range: [-turn, turn],
-                cost,
-            }));
+    is_alone
+}
+
+/// The points of a rigid body: at least two, each listed once.
+fn points_of_body(
+    points: &Spanned<Vec<Text>>,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<Vec<PointId>> {
+    let names = points.get_ref();
+    let ids = each(names, |name| hardpoint(name, suspension, problems))?;
+    let mut is_sound = true;
+    for (i, name) in names.iter().enumerate() {
+        if ids[..i].contains(&ids[i]) {
+            problems.add(name.span(), format!("{:?} is listed twice", name.get_ref()));
+            is_sound = false;
         }
     }
-    variables
+    if ids.len() < 2 {
+        return problems.refuse(points.span(), "a body has at least two points");
+    }
+    is_sound.then_some(ids)
 }

@@ -529,6 +529,9 @@ pub fn schema(names: fn(Root, &str) -> Option<Vec<String>>) -> Value {
     })
 }
 
+/// Words of the manual on keys that the study of one wheel or an axle knows only to refuse them.
+const OF_CARS: &str = "only in the [study of a car](car.md)";
+
 /// Everything known, while it is written down.
 struct Book {
     root: Root,
@@ -580,6 +583,9 @@ impl Book {
             let said = |section: &str| self.manual.get(&(section.to_owned(), (*key).to_owned()));
             // The manual explains ranges once.
             let said = said(&section).or_else(|| said("motion.travel"));
+            if self.root == Root::Suspension && said.is_some_and(|said| said.contains(OF_CARS)) {
+                continue;
+            }
             if let (Some(said), Value::Object(value)) = (said, &mut value) {
                 value.insert("description".to_owned(), json!(said));
             }
@@ -619,6 +625,15 @@ mod tests {
             case["properties"]["ay"]["description"],
             "acceleration to the left (a left turn), g"
         );
+        // Keys that only a car has.
+        let target = "/properties/optimise/properties/targets/items/properties";
+        let offers = |kind: usize, key: &str| {
+            let keys = schema["anyOf"][kind].pointer(target).unwrap();
+            keys.get(key).is_some()
+        };
+        for key in ["case", "axle"] {
+            assert!(offers(1, key) && !offers(0, key), "{key}");
+        }
         let schema = &schema["anyOf"][0];
         let at = |pointer: &str| {
             schema

@@ -70,7 +70,8 @@ impl<'s> RigTests<'s> {
         };
         if other.is_some() {
             return Err(
-                "--names is of one wheel: remove [axle] for the left wheel by itself".to_owned(),
+                "--names works for one wheel: remove [axle] for the left wheel by itself"
+                    .to_owned(),
             );
         }
         let vehicle = AxleVehicle {

@@ -165,7 +165,7 @@ fn refuse_for_axle(kind: BenchKind, path: &Path) -> Result<(), Stop> {
             "accuracy compares formulations, starts and precisions of one wheel's equations, and each wheel of an axle \
              is solved by the same equations"
         }
-        BenchKind::Equilibria => "equilibria are of one wheel with elastic parts",
+        BenchKind::Equilibria => "equilibria are measured for one wheel with elastic parts",
         BenchKind::Effects => {
             "effects times what each output adds to the position of one wheel, in an order for one wheel"
         }

@@ -114,7 +114,7 @@ impl Stop {
         Stop::not_met(format!("{}: {reason}", path.display()))
     }
 
-    /// The same message about a study whose input was accepted, and which has some results.
+    /// Marks a message as raised after the input was accepted and some results exist.
     pub(super) fn after_its_input(self) -> Self {
         match self {
             Stop::Failed { message, .. } => Stop::Failed {

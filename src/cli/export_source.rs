@@ -66,7 +66,7 @@ impl Source {
         }
     }
 
-    /// The source at the design that is exported.
+    /// Moves the source to the design that is to be exported.
     fn prepared(self, arguments: &ExportArguments) -> Result<Self, Stop> {
         let mut source = self;
         let path = &arguments.source;
@@ -315,7 +315,7 @@ impl Source {
 fn of_sweep(study: &Study, number: u64, path: &Path) -> Result<Study, Stop> {
     let refused = |reason: &str| Stop::in_file(path, reason);
     let sweep = study.sweep.as_ref();
-    let sweep = sweep.ok_or_else(|| refused("--design is of a sweep, and there is no [sweep]"))?;
+    let sweep = sweep.ok_or_else(|| refused("--design needs [sweep], and the study has none"))?;
     let plan = SweepPlan::of(study, sweep)
         .map_err(|_| refused("the sweep cannot start; `hardpoint sweep` prints the reason"))?;
     if number >= plan.record.designs {

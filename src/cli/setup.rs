@@ -85,7 +85,8 @@ fn print(output: &Output, summary: &SetUpSummary) -> Result<(), Stop> {
     }
     let results = summary.results();
     if !results.is_empty() {
-        output.text_only("\nwanted values, with computed and with rounded amounts\n\n")?;
+        output
+            .text_only("\nwanted values: results with computed and with rounded adjustments\n\n")?;
         output.text_only(&results.text(width))?;
         output.text_only(
             "\nAllowed error: half a step of the shims, half a sixteenth of a turn of the threads. \

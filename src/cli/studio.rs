@@ -23,7 +23,7 @@ pub(super) struct StudioArguments {
 pub(super) fn run(arguments: &StudioArguments) -> Result<Exit, Stop> {
     if arguments.study.as_deref() == Some(Path::new("-")) {
         return Err(Stop::wrong_input(
-            "the live page saves to the study's file; standard input is none",
+            "the live page saves to the study's file, so the study cannot come from standard input",
         ));
     }
     let studio = match &arguments.study {

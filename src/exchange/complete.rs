@@ -82,7 +82,7 @@ pub(super) fn drop_incomplete(
         ];
         hardpoints.retain(|h| !bar.contains(&h.name));
     }
-    // The user wants a named point.
+    // The user asked for these points by name, so they must not be dropped.
     let lost = before.iter().find(|was| {
         options.names.contains_key(was.name) && !hardpoints.iter().any(|h| h.name == was.name)
     });

@@ -104,7 +104,7 @@ fn axle(
             match roles::axles(mapped.map(Named::marks)).as_slice() {
                 [one] => {
                     notes.push(format!(
-                        "axle: {}, of which --map names points",
+                        "axle: {}, because --map names points of it",
                         name_of(*one)
                     ));
                     Some(*one)

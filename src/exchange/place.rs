@@ -174,11 +174,11 @@ fn found(
         };
         let known = match side {
             Some(_) => String::new(),
-            None => " (no side is said, so left is assumed)".to_owned(),
+            None => " (no side is given, so left is assumed)".to_owned(),
         };
         return Err(left_handed(
             format!(
-                "in these coordinates {shown}: of a {} wheel{known} that is left-handed, {}",
+                "in these coordinates {shown}; for a {} wheel{known} these axes are left-handed: {}",
                 wheel.name(),
                 placed.axes
             ),

@@ -20,7 +20,7 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
         if let Some(found) = header(sheet, *row, above)? {
             if found.unit.is_some() && table.unit.is_some() && found.unit != table.unit {
                 return Err(format!(
-                    "{}: the unit is another than in the table above",
+                    "{}: the unit differs from that of the table above",
                     sheet.row_place(*row)
                 ));
             }

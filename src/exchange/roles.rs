@@ -83,7 +83,8 @@ pub(super) fn is_optimum(points: &[NamedPoint]) -> bool {
     })
 }
 
-/// The hardpoint of a name of OptimumKinematics, which may stand behind its axle and before its wheel.
+/// Finds the hardpoint of an OptimumKinematics name. The axle's name may precede it, and the wheel's name may follow
+/// it.
 fn optimum(words: &[String]) -> Option<(&'static str, Marks)> {
     let (words, marks) = match words {
         [rest @ .., last] if !marks_of(last).is_empty() && rest.len() > 1 => (rest, marks_of(last)),

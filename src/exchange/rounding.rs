@@ -168,7 +168,8 @@ impl<'a> Problem<'a> {
         steps.collect()
     }
 
-    /// The design with its coordinates at these numbers of steps. A coordinate that does not move keeps its bits.
+    /// Design whose coordinates are these multiples of the rounding step. A coordinate that does not move keeps its
+    /// bits.
     fn result(&self, steps: &[f64], loss: Option<Loss>) -> Rounded {
         let suspension = self.study.wheel();
         let own = suspension.length_unit;

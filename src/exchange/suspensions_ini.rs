@@ -58,7 +58,7 @@ pub fn suspensions_ini_of_car(study: &CarStudy) -> Result<Written, String> {
     let wheelbase = front_centre.x - rear_centre.x;
     let mut ini = Ini::new(&front);
     ini.line("WHEELBASE", &shortest(metres(wheelbase)));
-    // Sprung and whole mass have other centres of gravity.
+    // The sprung mass and the whole mass have different centres of gravity.
     let has_whole = car.masses == Masses::Whole;
     match has_whole {
         true => {

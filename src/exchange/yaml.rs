@@ -87,7 +87,7 @@ fn key_of(node: Node, line: usize) -> Result<String, String> {
         Node::Number(number) => Ok(number.to_string()),
         Node::Truth(_) | Node::Other => Ok(String::new()),
         Node::List(_) | Node::Table(_) => Err(format!(
-            "line {line}: a list or a map as a key, which no name of a point is"
+            "line {line}: a key is a list or a map; expected the name of a point"
         )),
     }
 }

@@ -84,7 +84,7 @@ pub(super) fn stations_in_words(count: usize) -> String {
 pub(super) struct ConditionSummary {
     /// The largest condition number; to within a factor of ten where it is below 1000.
     worst: f64,
-    /// Station with this number.
+    /// Station of the largest condition number.
     at: StationLabel,
     /// The same station in words.
     #[serde(skip)]

@@ -205,7 +205,7 @@ fn decades(values: impl Iterator<Item = f64>, more: i32) -> Range<f64> {
     10_f64.powi(low)..10_f64.powi(high)
 }
 
-/// A logarithmic axis with at most eight ticks, evenly spaced: plotters' own choice has none below 1e-14.
+/// A logarithmic axis with at most eight evenly spaced ticks. The crate `plotters` would place none below 1e-14.
 fn ticked(range: Range<f64>) -> WithKeyPoints<LogCoord<f64>> {
     let [low, high] = [range.start, range.end].map(|end| end.log10().round() as i32);
     let step = (high - low) / 8 + 1;

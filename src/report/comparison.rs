@@ -99,7 +99,7 @@ pub struct ComparedOutput {
     pub title: String,
     /// For reading.
     pub unit: String,
-    /// Design by design, at the stations.
+    /// Values of each design at each station.
     pub values: Vec<Vec<Option<f64>>>,
 }
 

@@ -600,7 +600,7 @@ mod tests {
         );
     }
 
-    /// Names are whole at the width of a pipe, however many columns there are.
+    /// Output to a pipe breaks no name, for any number of columns.
     #[test]
     fn names_are_not_broken() {
         let columns = [

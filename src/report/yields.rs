@@ -35,7 +35,7 @@ pub struct Surrogate {
     pub value: f64,
     /// The surrogate minus the yield of builds that the tuning has not seen.
     pub error: Option<f64>,
-    /// True if the search found no design with a larger yield than the optimum without scatter, which is kept.
+    /// True if no design found has a larger yield than the optimum without scatter. That optimum is then the result.
     pub keeps_plain: bool,
 }
 
@@ -46,7 +46,7 @@ pub struct BandShares {
     pub band: String,
     /// Before and after.
     pub shares: [Option<f64>; 2],
-    /// The share of the optimum without scatter.
+    /// Share of the builds within all bands, at the optimum without scatter.
     #[serde(default)]
     pub plain: Option<f64>,
 }

@@ -104,7 +104,7 @@ pub(super) fn examine(path: &Path, claim: &Claim<'_>) -> Result<Manifest, Refusa
     taken.map_or(Ok(manifest), Err)
 }
 
-/// Returns true if a directory holds only files of finished runs, and no input of this one.
+/// Returns true if a directory holds only files of finished runs, and no input of the present run.
 pub(super) fn may_be_moved(path: &Path, claim: &Claim<'_>) -> bool {
     let Ok(manifest) = Manifest::read(path) else {
         return false;

@@ -64,7 +64,7 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
 pub(super) fn limits(opened: &Opened, of: &Designed) -> Result<LimitsAnswer, String> {
     let moved = opened.moved(&of.design)?;
     if moved.is_elastic() {
-        return Err("limits are of the rigid mechanism: the study has [compliance]".to_owned());
+        return Err("limits need the rigid mechanism: the study has [compliance]".to_owned());
     }
     let suspension = moved.wheel();
     let mechanism = &suspension.mechanism;

@@ -130,7 +130,7 @@ fn accept(listener: &TcpListener, server: &Arc<ServerState>, closes: &AtomicBool
             continue;
         };
         let server = server.clone();
-        // Where there is no thread to be had, the connection is closed.
+        // If no thread can be started, the connection is closed.
         let _ = std::thread::Builder::new().spawn(move || {
             if let Ok(mut connection) = Connection::new(stream) {
                 server.serve(&mut connection, &mut place);

@@ -1,4 +1,4 @@
-//! Figures and parts that quantities require.
+//! Input data and suspension parts that each quantity requires.
 
 use crate::model::{AxlePosition, Suspension};
 

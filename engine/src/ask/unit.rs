@@ -92,7 +92,7 @@ impl Unit {
         }
     }
 
-    /// The value inside the program of a printed one.
+    /// Converts a printed value to the program's units.
     pub fn from_printed(self, printed: f64, length: LengthUnit) -> f64 {
         match self {
             Unit::Angle | Unit::AnglePerLength | Unit::AnglePerG => printed.to_radians(),

@@ -54,7 +54,7 @@ pub enum Of {
     Force {
         /// Its name without the unit.
         name: String,
-        /// When it is positive.
+        /// Meaning of a positive value.
         positive: &'static str,
     },
 }

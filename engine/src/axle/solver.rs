@@ -143,7 +143,7 @@ pub(super) fn join_results<T>(
     }
 }
 
-/// Receives the number of a sought quantity, and its gradients by the points of the left wheel and of the right.
+/// Receives the index of a requested quantity, and its gradients by the points of the left and of the right wheel.
 pub(super) type ReceiveGradients<'r> = dyn FnMut(usize, [&[Vector3<f64>]; 2]) + 'r;
 
 /// A position that was found.
@@ -641,7 +641,7 @@ impl WheelRead {
     }
 }
 
-/// An axle as it was read in a position.
+/// State of an axle in a position, with everything that its quantities need.
 pub struct Read<'a> {
     /// The state.
     pub state: AxleState<'a, f64>,

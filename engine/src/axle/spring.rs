@@ -21,13 +21,13 @@ pub enum Law<T = f64> {
 pub struct SpringLaw<T = f64> {
     /// The spring.
     pub spring: Law<T>,
-    /// The bump stop, over its compression.
+    /// The bump stop, by its compression.
     pub bump_stop: Option<BumpStop>,
-    /// The rebound stop, over its deformation by the lengthening of the spring.
+    /// The rebound stop, by its deformation: the spring's extension beyond the gap.
     pub rebound_stop: Option<BumpStop>,
 }
 
-/// A bump stop; of a rebound stop "shortened" reads "lengthened".
+/// A bump stop. For a rebound stop read "lengthened" in place of "shortened".
 #[derive(Clone, Debug, PartialEq)]
 pub struct BumpStop {
     /// Compression of the spring from the design position at which it meets the stop.

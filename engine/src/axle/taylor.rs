@@ -131,7 +131,7 @@ impl<T: Real> Taylor<T> {
 mod tests {
     use super::*;
 
-    /// A cubic is recovered from its series along the lines, and its motion along any line is right.
+    /// Series along the sampled lines give back a cubic polynomial, with its values along any other line.
     #[test]
     fn polynomials_come_back_from_lines() {
         let coefficients: [f64; COEFFICIENTS] =

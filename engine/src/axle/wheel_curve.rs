@@ -50,7 +50,7 @@ pub(crate) struct WheelCurve {
 #[derive(Clone, Debug)]
 enum Known<T> {
     NotYet,
-    /// It does not exist: the wheel has no pose somewhere in the piece.
+    /// There is none: at some travel of this interval the wheel has no pose.
     Absent,
     Here(Box<T>),
 }

@@ -360,7 +360,7 @@ impl CarQuantity {
         found
     }
 
-    /// The columns that a study gets which asks for none.
+    /// Default columns, for a study that lists none.
     pub fn default_columns(car: &Car) -> Vec<CarQuantity> {
         let whole = |list: &[WholeResult]| -> Vec<CarQuantity> {
             list.iter().copied().map(CarQuantity::Whole).collect()
@@ -492,7 +492,8 @@ impl CarQuantity {
         self == CarQuantity::Whole(WholeResult::JackingHeave)
     }
 
-    /// Why the result has no value in a case, if it has none: a quotient of zeros, or of the other kind of force.
+    /// Reason why the result is undefined in a case: it is 0/0, or it is about braking in a case that drives, or the
+    /// reverse. `None` if it is defined.
     pub fn undefined_in(self, case: &Case) -> Option<&'static str> {
         use WholeResult::{
             AntiDive, AntiLiftFront, AntiLiftRear, AntiSquat, Distribution, DistributionElastic,

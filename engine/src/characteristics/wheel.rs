@@ -151,7 +151,7 @@ pub struct DesignWheel<T> {
 }
 
 impl<T: Copy> DesignWheel<T> {
-    /// The design wheel with the same number in every place.
+    /// Makes a design wheel whose entries all equal `number`.
     #[inline(always)]
     pub(crate) fn filled(number: T) -> Self {
         let vector = Vector3::new(number, number, number);
@@ -213,7 +213,7 @@ macro_rules! slots {
             /// Every slot.
             pub const ALL: &'static [Slot] = &[$(Slot::$slot),*];
 
-            /// Takes this slot over from inputs of another kind of number.
+            /// Copies this input from `from` to `to`, converted by `f`.
             #[inline(always)]
             fn carry<T: Real, U>(self, from: &Inputs<T>, to: &mut Inputs<U>, f: impl Fn(T) -> U + Copy) {
                 match self {

@@ -105,7 +105,7 @@ impl<const N: usize> WheelReading<N> {
         }
     }
 
-    /// The same of a quantity made of velocities, from its derivatives by the slots it reads.
+    /// Gradients of a quantity made of velocities, from its derivatives by the inputs that it reads.
     fn rate_gradients(
         &self,
         linearised: &Linearised<'_, N>,

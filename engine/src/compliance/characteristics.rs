@@ -43,14 +43,14 @@ pub fn not_of_equilibrium(of: Characteristic) -> Option<[&'static str; 2]> {
         | C::SideViewCentreHeight
         | C::AntiDive
         | C::AntiLift
-        | C::AntiSquat => Some(["is of the rigid mechanism", INSTEAD]),
+        | C::AntiSquat => Some(["applies to the rigid mechanism alone", INSTEAD]),
         C::SpringInclination
         | C::RockerAngle
         | C::AntiRollBarAngle
         | C::AntiRollBarMotionRatio
         | C::AttiaKingpin
         | C::AttiaCamber => Some([
-            "is of the rigid mechanism",
+            "applies to the rigid mechanism alone",
             "with [compliance] it is not available; remove [compliance], [bushings] and [links] for the rigid mechanism",
         ]),
     }

@@ -19,7 +19,7 @@ pub enum Relaxed {
 pub struct BushingPart<T = f64> {
     /// The hardpoint.
     pub point: PointId,
-    /// Laws along and about its axes.
+    /// Force laws along the bushing's axes, and torque laws about them.
     pub shapes: [Shape<T>; 6],
     /// Constant forces and torques.
     pub preload: [T; 6],

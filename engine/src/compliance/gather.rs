@@ -9,7 +9,7 @@ use crate::number::Scalar;
 /// Forces and tangents of a wheel's parts, summed by the bodies that hold them.
 #[derive(Clone, Debug)]
 pub(super) struct Gathered<T> {
-    /// Of body, subframe and rack, each in the axes of its holder.
+    /// Sums of body, subframe and rack, each in the axes of the part that holds its points.
     pub(super) sums: [Sum<T>; 3],
     /// Miss of each rigid joint and its row by the carrier, in the axes of its holder.
     pub(super) joints: [(T, [T; 6]); MOST_JOINTS],

@@ -145,7 +145,7 @@ pub(super) struct Coupling<T> {
     pub(super) own: [[T; SHARED]; SHARED],
     pub(super) by_corner: [[T; MOST]; SHARED],
     pub(super) corner_by: [[T; SHARED]; MOST],
-    /// Limbs that coordinates beside the carrier's move, with their responses.
+    /// Limbs that other coordinates than the carrier's move, with their responses.
     pub(super) beside: Vec<(usize, [[T; BESIDE]; 6])>,
 }
 

@@ -1,4 +1,5 @@
-//! The inputs of an elastic suspension, and the suspension on a tape that has some of them.
+//! Inputs of an elastic suspension, and a copy of the suspension that records chosen inputs on the tape of reverse
+//! differentiation.
 
 use super::definition::{AxialStiffness, Compliance};
 use super::fault::ElasticFault;

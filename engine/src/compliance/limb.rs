@@ -127,8 +127,8 @@ pub(super) const BESIDE: usize = 4;
 /// Number of the twist among them.
 pub(super) const TWIST_BESIDE: usize = 3;
 
-/// Forces of a part on coordinates beside the carrier's: the displacement of a spring's upper end on another body, and
-/// the twist of the middle of the anti-roll bar. Inner unknowns are eliminated.
+/// Forces of a part on other coordinates than the carrier's: displacement of a spring's upper end on another body, and
+/// twist of the middle of the anti-roll bar. Inner unknowns are eliminated.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Beside<T> {
     /// Derivatives of the energy by these coordinates.

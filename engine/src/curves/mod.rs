@@ -193,7 +193,7 @@ pub struct Curves {
     pub sensitivities: Vec<Sensitivity>,
     /// Counts of the work done; none are counted for an axle.
     pub work: Work,
-    /// Reasons for which the tracker left stations to the continuation, each with its count.
+    /// Reasons why the continuation solved stations instead of the tracker, each with the number of stations.
     pub left_to_continuation: Vec<(Rejection, usize)>,
 }
 

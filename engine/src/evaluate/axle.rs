@@ -27,7 +27,7 @@ pub(crate) struct AxleStations<'s> {
     pub placements: Vec<Placement>,
     of_motion: usize,
     pub(super) design: usize,
-    /// Needs of an axle with elastic parts beside them; `None` for the usual ones.
+    /// Further data of an axle with elastic parts; `None` for a rigid one.
     pub elastic: Option<ElasticAxleParts>,
     /// For each position, the printed value of the first number that moves.
     values: Vec<f64>,

@@ -63,7 +63,8 @@ struct Found {
     angles: Aligned,
     /// Their derivatives, `[angle][point][axis][lane]`.
     jacobian: Aligned,
-    /// Their derivatives along directions, `[angle][direction][lane]`, and how many directions.
+    /// Derivatives of the angles along directions, `[angle][direction][lane]`; the next field is the number of
+    /// directions.
     slopes: Vec<f64>,
     directions: usize,
     /// A sum of deviations, `[lane]`.
@@ -147,7 +148,7 @@ impl Jacobians<'_> {
             .vector(&self.found.jacobian, angle, point, design)
     }
 
-    /// Its derivative along a direction, if directions were asked for.
+    /// Derivative of an angle along a direction, if directions were requested.
     #[inline(always)]
     pub fn slope(&self, design: usize, angle: usize, direction: usize) -> f64 {
         let row = angle * self.found.directions + direction;

@@ -61,7 +61,8 @@ pub(super) fn arm_point<T: Real>(inputs: Inputs<T>) -> Vector3<T> {
     inputs[3] - lever + lever * cosine + axis.cross(lever) * sine
 }
 
-/// The derivative of `gradient . arm_point(inputs)` by each of the inputs: the formulas above, backwards.
+/// The derivative of `gradient . arm_point(inputs)` by each of the inputs: the formulas above, differentiated in
+/// reverse order.
 #[inline(always)]
 pub(super) fn arm_point_gradient<T: Real>(inputs: Inputs<T>, gradient: Vector3<T>) -> Inputs<T> {
     let ArmTurn {

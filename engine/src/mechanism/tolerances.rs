@@ -4,8 +4,8 @@
 /// double-precision result would be left.
 pub(crate) const DEGENERATE: f64 = 1e-10;
 
-/// Largest error of a second-order prediction, as a share of the move. On a smooth path the error is of third order in
-/// the step; near another assembly it is much larger.
+/// Largest error of a second-order prediction, as a share of the step. On a smooth path the error is of third order;
+/// near another assembly branch it is much larger.
 pub(crate) const GOOD_PREDICTION: f64 = 0.01;
 /// Corrections this small relative to the size are rounding.
 pub(crate) const ROUNDING: f64 = 4.0 * f64::EPSILON;

@@ -285,7 +285,7 @@ mod tests {
                     (found - expected).abs() <= 2e-16 * expected,
                     "{from:?} {to:?} {found}"
                 );
-                // As `per_metre` says it, and back again.
+                // Ratios of two units agree with `per_metre`, in both directions.
                 let ratio = to.per_metre() / from.per_metre();
                 assert!((found - length * ratio).abs() <= 4e-16 * expected);
                 assert!((from.convert(found, to) - length).abs() <= 4e-16 * length);

@@ -272,7 +272,8 @@ impl Mechanism {
         rods.position(Rod::is_of_spring).map(RockerId)
     }
 
-    /// The anti-roll bar, which a drop link turns; of a twist beam the far half, whose turn twists the cross member.
+    /// The anti-roll bar, which a drop link turns; for a twist beam the other half, whose rotation twists the cross
+    /// member.
     #[inline]
     pub fn anti_roll_bar(&self) -> Option<RockerId> {
         let mut rods = self.rockers.iter().map(|rocker| rocker.rod);

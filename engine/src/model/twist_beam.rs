@@ -62,7 +62,7 @@ pub struct TwistBeam {
 }
 
 impl TwistBeam {
-    /// Points without a place in a study, each with the point that they stay beside.
+    /// Points that a study does not give. Each keeps its distance from the second point of its pair.
     pub fn followers(&self) -> [[PointId; 2]; 2] {
         [
             [self.hinge, self.shear_centre],

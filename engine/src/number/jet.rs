@@ -156,8 +156,8 @@ impl<T: Real, const N: usize> Jet<T, N> {
     const IS_SINGLE: bool = N == 1;
     const IS_PAIR: bool = N == 2;
     const IS_LONG: bool = N > 2;
-    /// Angles are function calls if true. Inlined code lets the compiler drop the value of a series in registers when only
-    /// its slope is used.
+    /// True if angle functions are called and not inlined. Inlining lets the compiler drop the value of a series in
+    /// registers when only its slope is used.
     const ANGLES_IN_CALLS: bool = T::IS_LARGE && (T::IS_NESTED || !T::IN_REGISTERS);
     /// Products, quotients and roots are function calls if true (see [`call_outlined`]).
     const LARGE: bool = (size_of::<Self>() > 16 || T::IS_LARGE) && !T::IN_REGISTERS;

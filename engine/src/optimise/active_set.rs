@@ -51,7 +51,7 @@ pub struct Rows<'a> {
     pub slack: f64,
 }
 
-/// Outcome of a program.
+/// Outcome of a quadratic program.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
     /// The step is its minimum.
@@ -66,7 +66,7 @@ pub enum Outcome {
 #[derive(Clone, Debug)]
 pub struct ActiveSet {
     variables: usize,
-    /// J, column after column.
+    /// The basis J of the method, column after column.
     basis: Vec<f64>,
     /// T, column after column, n entries each.
     triangle: Vec<f64>,
@@ -389,8 +389,8 @@ impl ActiveSet {
         }
     }
 
-    /// Holds the constraint whose v is in `projected`. Rotates the columns of J that span the free directions, so
-    /// that only the first of them has a component along its gradient.
+    /// Adds a constraint to the active set; `projected` holds its gradient in the basis J. Rotates the free columns of
+    /// J so that only the first has a component along this gradient.
     fn hold(&mut self, constraint: Held, sign: f64, multiplier: f64) {
         let n = self.variables;
         let q = self.held.len();

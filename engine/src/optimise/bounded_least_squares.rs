@@ -181,7 +181,8 @@ impl BoundedLeastSquares {
         dot(self.column(j), &self.remainder) + damping * self.step[j]
     }
 
-    /// The held variable that gains most per length of its column by leaving its bound.
+    /// Index of the variable at a bound whose release reduces the sum of squares most, relative to the norm of its
+    /// column.
     fn worst_multiplier(&self, damping: f64) -> Option<usize> {
         // A slope is an inner product of n terms with the remainder, itself a sum of the offset and
         // n columns: what it may be off by.

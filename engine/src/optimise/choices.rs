@@ -25,8 +25,8 @@ pub struct Choice {
     /// targets and the move, which is the root of the sum of its squares in ranges, each times the cost of its
     /// variable.
     pub amounts: Vec<f64>,
-    /// The weight of each aim; weights add up to 1. One unit less of an aim costs its weight over that of the other in
-    /// units of the other. Zeros if nothing is traded.
+    /// Weight of each criterion; the weights add up to 1. One unit less of criterion i costs weight i / weight j units
+    /// of criterion j. Zeros without a trade-off.
     pub weights: Vec<f64>,
 }
 

@@ -67,8 +67,8 @@ pub struct Fulfilment {
 pub struct Best {
     /// Offsets of the variables, in the study's axes.
     pub offsets: Vec<f64>,
-    /// The tuned hardpoints, in the kernel's frame and in the order of the suspension's: the study of them, to be posed,
-    /// asked and swept like the first, is [`Study::at_design`](crate::study::Study::at_design).
+    /// Tuned hardpoints in the kernel's frame, in the order of the suspension's. The study of this design is
+    /// [`Study::at_design`](crate::study::Study::at_design).
     pub design: Vec<Vector3<f64>>,
     /// Its deviations from the targets.
     pub after: Fulfilment,

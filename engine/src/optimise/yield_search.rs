@@ -41,7 +41,7 @@ use nalgebra::DVector;
 
 /// Widths of the steps of the search, in standard deviations of the values of a band.
 const WIDTHS: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
-/// Largest width in relation to the width of the band.
+/// Largest width of the smoothed edge of a band, as a share of the band's width.
 const WIDEST: f64 = 0.25;
 /// Share of builds within all bands below which the search first lowers their distance from the bands.
 const FEW: f64 = 0.5;

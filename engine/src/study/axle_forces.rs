@@ -48,32 +48,32 @@ pub(super) fn refusal(
     let none_at_rear = |share: Option<f64>| share == Some(1.0);
     match need {
         Need::FrontBraking if !front => Some((
-            "is of the front axle in braking, and position is \"rear\"",
+            "applies to a front axle in braking, and position is \"rear\"",
             Some("a rear axle in braking has anti_lift"),
         )),
         Need::RearDrive if front && none_in_front(vehicle.drive_share_front) => Some((
-            "is of a driven rear axle, and this is an undriven front axle (drive_share_front = 0)",
+            "applies to a driven rear axle, and this is an undriven front axle (drive_share_front = 0)",
             None,
         )),
         Need::RearDrive if front => Some((
-            "is of the rear axle under drive, and position is \"front\"",
+            "applies to a rear axle under drive, and position is \"front\"",
             Some("a driven front axle has anti_lift"),
         )),
         _ => match (of_drive(need, vehicle)?, front) {
             (true, true) if none_in_front(vehicle.drive_share_front) => Some((
-                "of a front axle is of its drive, and it is not driven: drive_share_front is 0",
+                "of a front axle applies to its drive, and it is not driven: drive_share_front is 0",
                 Some("in braking a front axle has anti_dive"),
             )),
             (true, false) if none_at_rear(vehicle.drive_share_front) => Some((
-                "is of a driven rear axle, and this one is not driven: drive_share_front is 1",
+                "applies to a driven rear axle, and this rear axle is not driven: drive_share_front is 1",
                 None,
             )),
             (false, true) if none_in_front(vehicle.brake_share_front) => Some((
-                "is of a braked front axle, and this one is not braked: brake_share_front is 0",
+                "applies to a braked front axle, and this front axle has no brakes: brake_share_front is 0",
                 None,
             )),
             (false, false) if none_at_rear(vehicle.brake_share_front) => Some((
-                "is of a braked rear axle, and this one is not braked: brake_share_front is 1",
+                "applies to a braked rear axle, and this rear axle has no brakes: brake_share_front is 1",
                 None,
             )),
             _ => None,

@@ -361,8 +361,9 @@ impl Resolver<'_> {
             .position
             .is_some_and(|position| position != wanted)
         {
-            let message =
-                format!("the {name} study is of the other axle: its [vehicle] position differs");
+            let message = format!(
+                "the {name} study describes the other axle: its [vehicle] position differs"
+            );
             return self.problems.refuse(place, message);
         }
         let needed = [

@@ -128,7 +128,7 @@ impl Study {
         match left_out.is_empty() {
             true => document.to_string(),
             false => format!(
-                "# Without {}: rates there are of both wheels, which have rates of their own here.\n{document}",
+                "# Without {}: rates there apply to both wheels, which have their own rates here.\n{document}",
                 left_out.join(", ")
             ),
         }
@@ -367,7 +367,7 @@ fn table<'a>(root: &'a mut dyn TableLike, path: &[&str]) -> Option<&'a mut dyn T
     keys.try_fold(root, |table, key| table.get_mut(key)?.as_table_like_mut())
 }
 
-/// A place in the kernel's frame as a study writes it.
+/// Converts a point from the kernel's frame to the form of a study file.
 fn written(place: Vector3<f64>, frame: Frame) -> Item {
     Item::Value(Array::from_iter(frame.vector(place).to_array()).into())
 }

@@ -153,7 +153,7 @@ pub(super) fn named(
     problems: &mut Problems,
 ) -> Option<ElasticQuantity> {
     if let Some(other) = others.iter().flatten().next() {
-        let message = "with [compliance] expected a figure of a test, or a characteristic; this is of the rigid mechanism";
+        let message = "with [compliance] expected a figure of a test, or a characteristic; this applies to the rigid mechanism alone";
         return problems.refuse(other.clone(), message);
     }
     let name = match (figure, characteristic) {
@@ -205,11 +205,11 @@ pub(super) fn refuse_in_outputs(section: &file::Outputs, problems: &mut Problems
     let places = [
         (
             points,
-            "points are of the rigid mechanism; with [compliance] levels.csv of `hardpoint kc` has wheel centre and contact point",
+            "points apply to the rigid mechanism; with [compliance] levels.csv of `hardpoint kc` has wheel centre and contact point",
         ),
         (
             is_on(&section.knuckle),
-            "knuckle is of the rigid mechanism; with [compliance] it is not available",
+            "knuckle applies to the rigid mechanism; with [compliance] it is not available",
         ),
         (
             is_on(&section.certify),
@@ -300,7 +300,7 @@ impl RateKeys<'_> {
             return problems.refuse(self.place.clone(), message);
         };
         if let Some(other) = self.others.iter().flatten().next() {
-            return problems.refuse(other.clone(), "this is of hardpoints, not of a rate");
+            return problems.refuse(other.clone(), "this key moves hardpoints, not a rate");
         }
         let is_relative = self.relative.as_ref().is_some_and(|said| *said.get_ref());
         let (name, parameter, design) = match (self.bushing, self.link) {
@@ -316,7 +316,7 @@ impl RateKeys<'_> {
         };
         if of_axle.is_some_and(|own| own.parts.differs(parameter)) {
             let message = format!(
-                "{name} has another rate on the right wheel: expected one rate of both to move"
+                "{name} has different rates on both wheels: a variable needs the same rate on both"
             );
             return problems.refuse(self.place.clone(), &message);
         }
@@ -429,7 +429,8 @@ fn link_rate(name: &Text, parts: &NamedParts<'_>, problems: &mut Problems) -> Op
 /// Refuses keys of a tuning that elastic parts do not have.
 pub(super) fn refuse_in_optimise(section: &file::Optimise, problems: &mut Problems) -> Option<()> {
     if let Some(scatter) = &section.scatter {
-        let message = "scatter is of the rigid mechanism; with [compliance] it is not available";
+        let message =
+            "scatter works for the rigid mechanism alone; with [compliance] it is not available";
         return problems.refuse(scatter.span(), message);
     }
     Some(())

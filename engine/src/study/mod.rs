@@ -429,8 +429,8 @@ pub struct Variable {
     pub rate: Option<Rate>,
     /// Lowest and highest offset from the design, in the study's axes; degrees of a turn.
     pub range: [f64; 2],
-    /// Cost of a move across the range, relative to the other variables; it counts where the design that moves least is
-    /// taken.
+    /// Cost of a move across the range, relative to the other variables. The search for the design that moves least
+    /// uses it.
     pub cost: f64,
 }
 
@@ -933,7 +933,7 @@ pub struct Source {
     pub name: String,
     /// Dimensions that it changes, each with its change per unit, in the kernel's frame.
     pub changes: Vec<(BuildParameter, f64)>,
-    /// The rate of an elastic part that it changes instead.
+    /// Rate of an elastic part, if the variable changes a rate instead of coordinates.
     pub rate: Option<Rate>,
     /// Distribution of the scatter.
     pub law: Law,

@@ -111,7 +111,7 @@ pub(super) fn scatter(
         problems.add(written.span(), message);
     };
     if section.fit.as_ref().is_some_and(|fit| *fit.get_ref()) {
-        wrong("scatter does not work with fit = true, because measurements are of one car");
+        wrong("scatter does not work with fit = true, because measurements come from one car");
         return None;
     }
     if context.axle.is_some() {

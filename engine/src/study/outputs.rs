@@ -201,7 +201,7 @@ fn refuses_axle_quantity(
     if is_of_a_wheel(name) {
         return false;
     }
-    // A misspelt name that is nearer to one of a wheel means that.
+    // If a misspelt name is closest to a quantity of one wheel, the message suggests that quantity.
     let all = of_a_wheel.iter().map(|(known, _)| *known);
     let meant = nearest(name, all.chain(Quantity::names()));
     let Some(meant) = meant.filter(|meant| !is_of_a_wheel(meant)) else {

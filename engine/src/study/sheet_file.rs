@@ -304,7 +304,9 @@ impl Reader<'_> {
     ) -> Result<Option<SheetFigure>, StudyErrors> {
         for name in ["mode", "wheel", "anti_roll_bar", "steering"] {
             if !row.cell(name).is_empty() {
-                return row.wrong(format!("{name} is of an axle; expected an empty cell"));
+                return row.wrong(format!(
+                    "{name} belongs to the axle; expected an empty cell"
+                ));
             }
         }
         let suspension = self.context.suspension;

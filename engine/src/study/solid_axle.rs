@@ -52,7 +52,7 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
         ),
         (
             file.tolerance.as_ref().map(Spanned::span),
-            "[tolerance] needs derivatives by both halves apart, and those of this axle move both halves together; leave it out",
+            "[tolerance] needs separate derivatives for both halves, and this axle has only those of both together; leave it out",
         ),
         (
             file.setup.as_ref().map(|setup| setup.adjust.span()),

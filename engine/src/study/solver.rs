@@ -53,7 +53,7 @@ pub(super) fn formulation(
     Some(formulation)
 }
 
-/// Refuses to give up accuracy.
+/// Refuses the key `accuracy`: every study is solved to rounding.
 pub(super) fn refuse_accuracy(file: &File, problems: &mut Problems) {
     if let Some(accuracy) = &file.solver.accuracy {
         let message = "poses always have full double precision: less saved no time, so accuracy is no longer a \

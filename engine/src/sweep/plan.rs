@@ -166,7 +166,7 @@ impl<'s> SweepPlan<'s> {
         self.worker_of_width(Some(Width::widest()))
     }
 
-    /// A worker that solves designs in lanes of this width, or all of them one by one without one.
+    /// Makes a worker that solves designs in SIMD lanes of this width; one by one if the width is `None`.
     pub fn worker_of_width(&self, width: Option<Width>) -> Result<Worker<'_>, DesignFault> {
         Ok(Worker {
             plan: self,

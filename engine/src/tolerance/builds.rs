@@ -138,8 +138,8 @@ impl<'a> Builder<'a> {
         })
     }
 
-    /// Draws and solves the builds number `first` and on, up to `count` of them, at most a block. `None` where the
-    /// problem's interrupt is raised meanwhile.
+    /// Draws and solves builds from number `first`, up to `count` of them, at most a block. `None` where the problem's
+    /// interrupt is raised meanwhile.
     pub(super) fn solve(&mut self, first: u64, count: usize) -> Option<Outcome> {
         let Problem {
             tolerance,

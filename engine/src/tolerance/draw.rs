@@ -46,7 +46,8 @@ impl Law {
             }
             return;
         };
-        // Nearly all are of the centre: all at once as if they were, then the others.
+        // Nearly all fractions are in the central region. Its formula is applied to all at once; the others are
+        // corrected after it.
         let mut numbers = [0.0; BLOCK];
         for (number, fraction) in numbers.iter_mut().zip(&*fractions) {
             *number = sigma * centre(fraction - 0.5);

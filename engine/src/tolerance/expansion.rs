@@ -136,8 +136,8 @@ pub struct Remainder {
     pub second: f64,
 }
 
-/// For a study of one wheel: the rate of every value by each source (`[cell][source]`), and the second-order terms of
-/// its mean and variance (`[cell]`).
+/// Derivatives of every value by each source (`[cell][source]`), and second-order terms of its mean and variance
+/// (`[cell]`), for one wheel.
 fn of_wheel(
     problem: &Problem,
     sources: &[&Source],

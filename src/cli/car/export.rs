@@ -67,7 +67,7 @@ fn check_call(arguments: &ExportArguments, study: &CarStudy) -> Result<(), Stop>
     ];
     if let Some((_, option)) = of_one_axle.iter().find(|(given, _)| *given) {
         return Err(Stop::wrong_input(format!(
-            "{option} is of a single axle; export the axles: {}",
+            "{option} works for a single axle; export the axles: {}",
             axles.join(", ")
         )));
     }

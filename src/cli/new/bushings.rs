@@ -45,7 +45,7 @@ pub(super) fn with_bushings(
         }
     }
     if is_axle {
-        // An equilibrium has the rig's steer by roll in place of roll steer.
+        // With elastic parts, the rig's derivative of steer by roll takes the place of `roll_steer`.
         written = written.replace(
             "{ characteristic = \"roll_steer\", over = \"roll\",",
             "{ figure = \"steer_by_roll\",",
@@ -69,7 +69,7 @@ fn sections(mechanism: &Mechanism) -> String {
          force = 4000.0                   # N in the design position\n\n\
          # Elastic parts: `hardpoint kc` loads the wheel as a rig does. Without these sections the mechanism is rigid.\n\
          [compliance]\n\
-         relaxed = \"at_design_load\"       # the hardpoints are of the loaded car; or \"free\": bushings are slack in the drawing\n\n\
+         relaxed = \"at_design_load\"       # the hardpoints describe the loaded car; or \"free\": no bushing has a force there\n\n\
          # Stiffness along x, y, z in N/mm, and about them in N mm/rad. Arms: x from the rear to the front pivot; links: from the\n\
          # inner to the outer end.\n",
     );

@@ -120,7 +120,7 @@ pub struct CarMap {
     pub ay: Vec<f64>,
     /// Largest friction demand of a wheel; `None` without an equilibrium.
     pub friction: Vec<Option<f64>>,
-    /// Number of lifted wheels.
+    /// Number of lifted wheels in each state.
     pub lifted: Vec<usize>,
 }
 

@@ -62,7 +62,7 @@ type Limit = (f64, Option<f64>, Option<f64>);
 /// An axis with its ticks.
 #[derive(Clone, Debug, Serialize)]
 pub(in crate::report) struct AxisLayout {
-    /// Column along the axis; empty if it has several.
+    /// Column along the axis; empty if the axis shows several columns.
     pub column: String,
     /// Name for reading.
     pub name: String,

@@ -30,7 +30,7 @@ pub fn kc_page(study: &str, results: &KcResults<'_>) -> String {
             title: format!("Toe, camber and displacement by load, at {place}"),
             note: match results.is_axle {
                 true => "Equilibria under rising load, of the left wheel; of the right one where it is loaded alone. Toe-in and top outboard are positive.",
-                false => "Equilibria under rising load. Toe-in and top outboard are positive.",
+                false => "Equilibria under rising load. Positive toe is toe-in; positive camber leans the top of the wheel outboard.",
             }
             .to_owned(),
             table: format!("<div class=\"plots\">{charts}</div>"),

@@ -35,7 +35,7 @@ pub(super) enum Sight {
 }
 
 impl Sight {
-    /// All three, in the order of a sheet.
+    /// The three views, in the order of a drawing sheet.
     pub(super) const ALL: [Sight; 3] = [Sight::Front, Sight::Side, Sight::Top];
 
     fn title(self) -> &'static str {

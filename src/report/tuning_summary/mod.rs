@@ -41,7 +41,7 @@ pub struct TuningSummary {
     variables: Vec<VariableSummary>,
     targets: Vec<TargetSummary>,
     starts: Vec<StartSummary>,
-    /// Directions of the variables that the targets see, and all there are.
+    /// Number of independent directions of the variables that change the targets.
     rank: Option<usize>,
     singular_values: Vec<f64>,
     /// Combinations of variables that the targets cannot tell apart: offsets by variable.

@@ -104,7 +104,7 @@ pub enum Undecided {
     Rotations(f64),
 }
 
-/// Starts of Newton's method where something is left undecided.
+/// Number of starting points of Newton's method, where the exact search has left an interval undecided.
 const TRIES: usize = 400;
 /// Distance (in sizes) below which an assembly without proof counts as equal to another one. They are then one double
 /// assembly, whose place is uncertain by the square root of the rounding.

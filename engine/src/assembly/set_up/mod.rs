@@ -126,8 +126,8 @@ impl Aim {
 /// A solved set-up.
 #[derive(Clone, Debug)]
 pub struct SetUp {
-    /// Static values: camber, toe, caster and bump steer if they exist, further ones that are wanted, and the change of
-    /// ride height.
+    /// Static values: camber, toe, caster and bump steer (where they are defined), other wanted values, and the change
+    /// of ride height.
     pub statics: Vec<Static>,
     /// Aim of each static value.
     pub aims: Vec<Aim>,

@@ -28,7 +28,7 @@ pub fn not_in_equilibrium(quantity: Quantity, is_derivative: bool) -> Option<[&'
     use WheelQuantity as W;
     const REMOVE: &str =
         "with [compliance] ask a figure of a test; without [compliance] the mechanism is rigid";
-    let rigid = Some(["is of the rigid mechanism", REMOVE]);
+    let rigid = Some(["applies to the rigid mechanism alone", REMOVE]);
     let once = match is_derivative {
         true => Some([
             "has no derivative along a motion with [compliance]",

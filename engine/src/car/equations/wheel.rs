@@ -158,7 +158,8 @@ impl<T: Scalar> Tread<T> {
         rates.centre + rates.turn.cross(self.lever)
     }
 
-    /// The same for longitudinal forces: without the turn about the spin axis if the body takes their torque.
+    /// Velocity of the point at which the longitudinal force acts. If the body takes its torque, rotation about the
+    /// spin axis is left out.
     fn pushed(&self, rates: &WheelRates<T>, spin: Vector3<T>, by_carrier: bool) -> Vector3<T> {
         match by_carrier {
             true => self.carried(rates),

@@ -73,8 +73,8 @@ impl AxleCompliance {
 }
 
 impl<T> AxleCompliance<T> {
-    /// The number of a parameter in the parts that both wheels share. Bushings beyond those of a wheel are the mounts of
-    /// the subframe.
+    /// Value of a parameter of the parts that both wheels share. Numbers of bushings after those of one wheel are the
+    /// subframe's mounts.
     pub(super) fn shared_number(&mut self, parameter: Parameter) -> Option<&mut T> {
         let (number, axis) = match parameter {
             Parameter::RackRate => return self.rack_rate.as_mut(),

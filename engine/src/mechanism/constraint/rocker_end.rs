@@ -139,7 +139,7 @@ impl<T: Real> RockerEnd<T> {
             false => (outer, inner),
         };
         let Some(turned) = TurnedRocker::under(x, at, along) else {
-            // Such a link is another row.
+            // A row of its own stands for such a link, so this row has no wrench.
             return Wrench::zero(at.rack);
         };
         let knuckle = KnuckleMotion { at, along };

@@ -19,7 +19,7 @@ const DAMPING: f64 = 1e-7;
 const LEVEL_MET: f64 = 1e-7;
 /// The most programs that a multiplier of the level is searched with.
 const SECANTS: usize = 30;
-/// Factor of the damping, and number of increases, for a program that has a solution but is not solved.
+/// Factor by which the damping rises if a quadratic program with a solution was not solved, and the most increases.
 const MORE_DAMPING: f64 = 100.0;
 const DAMPINGS: usize = 3;
 /// The most programs of one step, over all levels.

@@ -18,7 +18,8 @@ use steps::{Trial, Trials};
 
 /// Rows violated by no more than this are kept. It is a millionth of a visible difference.
 pub(in crate::optimise) const KEPT: f64 = 1e-7;
-/// A run ends at this share of [`Options::reduction_below`]: multipliers are right to the root of it.
+/// Share of [`Options::reduction_below`] at which a run ends. The relative error of the multipliers is about its square
+/// root.
 const NEGLIGIBLE: f64 = 1e-2;
 /// Multipliers that balance to this are those of a minimum: its goal is right to the square of it.
 const BALANCED: f64 = 1e-8;

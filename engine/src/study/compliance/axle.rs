@@ -73,7 +73,7 @@ pub(in super::super) fn axle_compliance<'m>(
     for (name, span) in between {
         if let Some(span) = span {
             let message = format!(
-                "{name} with [compliance] is not available: springs between the rockers are of rigid axles"
+                "{name} with [compliance] is not available: springs between the rockers need an axle without elastic parts"
             );
             return problems.refuse(span, &message);
         }
@@ -279,11 +279,11 @@ fn rack_rate(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Option
 fn refuse_motion(place: Span<usize>, motion: &AxleMotion, problems: &mut Problems) -> Option<()> {
     let on_plane = matches!(motion.wheels, WheelMotion::Travels { on_plane: true, .. });
     let message = if motion.time.is_some() {
-        "time is of rigid axles; with [compliance] expected heave, travel_left and travel_right, and rack"
+        "time needs an axle without elastic parts; with [compliance] expected heave, travel_left and travel_right, and rack"
     } else if matches!(motion.wheels, WheelMotion::Roll { .. }) {
-        "roll is of rigid axles; with [compliance] ask the test load = \"roll\" of kc"
+        "roll needs an axle without elastic parts; with [compliance] use the test load = \"roll\" of kc"
     } else if on_plane {
-        "ground = \"plane\" is of rigid axles; with [compliance] both wheels stand on level pads"
+        "ground = \"plane\" needs an axle without elastic parts; with [compliance] both wheels stand on level pads"
     } else {
         return Some(());
     };

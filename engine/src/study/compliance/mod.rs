@@ -218,7 +218,7 @@ pub(super) fn compliance(
 }
 
 /// The remedy where `relaxed` is missing.
-const RELAXED: &str = "relaxed = \"at_design_load\" if the hardpoints are of the loaded car, \"free\" if bushings are slack in the drawing";
+const RELAXED: &str = "relaxed = \"at_design_load\" if the hardpoints describe the loaded car, \"free\" if no bushing has a force there";
 
 fn relaxed(section: &Spanned<file::Compliance>, problems: &mut Problems) -> Option<Relaxed> {
     let Some(text) = &section.get_ref().relaxed else {
@@ -259,7 +259,7 @@ fn refuse_motion(motion: &file::Motion, problems: &mut Problems) -> Option<()> {
         return Some(());
     };
     let message =
-        format!("{key} is of a rigid mechanism; with [compliance] expected travel and rack");
+        format!("{key} needs a rigid mechanism; with [compliance] expected travel and rack");
     problems.refuse(span, &message)
 }
 

@@ -36,7 +36,8 @@ pub(super) fn subframe(
         problems.refuse(text.span(), &message)
     });
     if written.mounts.is_empty() {
-        let message = "a subframe needs mounts: their names with the places of the left ones";
+        let message =
+            "a subframe needs mounts: give each name with the coordinates of the left-hand mount";
         return problems.refuse(section.span(), message);
     }
     let mounts = each(&written.mounts, |(name, at)| {
@@ -115,7 +116,7 @@ fn check_held(
     for [first, second] in pairs {
         if is_held(first) != is_held(second) {
             let message = format!(
-                "{} and {} are of one part: expected both in carries, or neither",
+                "{} and {} belong to one part: list both in `carries`, or neither",
                 name(first),
                 name(second)
             );
@@ -170,7 +171,7 @@ pub(super) fn check_reach(
         foot = mechanism.rocker(id).outer;
     }
     if let Body::StrutRod(_) | Body::Rocker(_) = mechanism.body(foot) {
-        let message = "with [compliance] the drop link of the anti-roll bar stands on an arm, the wheel carrier or a rocker that an arm or the carrier moves";
+        let message = "with [compliance] the drop link of the anti-roll bar must be attached to an arm, the wheel carrier, or a rocker that one of these moves";
         return problems.refuse(section.span(), message);
     }
     let stretches = |id| {

@@ -42,7 +42,7 @@ fn refuse_of_axles(written: &file::ComplianceTest, problems: &mut Problems) -> O
     ];
     for (key, text) in keys {
         if let Some(text) = text {
-            let message = format!("{key} is of both wheels: it needs [axle]");
+            let message = format!("{key} describes both wheels: it needs [axle]");
             return problems.refuse(text.span(), &message);
         }
     }
@@ -109,7 +109,7 @@ fn in_modes(
         ("single", &Side::ALL.map(TestMode::Single)),
     ];
     if let (Some(mode), true) = (&written.mode, test.load.is_motion()) {
-        let message = format!("mode is of loads; {} is a motion", test.load.name());
+        let message = format!("mode works with loads; {} is a motion", test.load.name());
         return problems.refuse(mode.span(), &message);
     }
     let modes = choose_or(&written.mode, both, "mode", &modes, problems)?;
@@ -174,13 +174,13 @@ fn test(
     ];
     for (key, span) in of_loads {
         if let (Some(span), true) = (span, load.is_motion()) {
-            let message = format!("{key} is of loads; {} is a motion", load.name());
+            let message = format!("{key} works with loads; {} is a motion", load.name());
             return problems.refuse(span, &message);
         }
     }
     if let Some(trail) = &part.trail {
         if load != TestLoad::Lateral {
-            return problems.refuse(trail.span.clone(), "trail is of load = \"lateral\"");
+            return problems.refuse(trail.span.clone(), "trail works with load = \"lateral\"");
         }
         if trail.value < 0.0 {
             let message = format!("expected 0 or more, found {}", trail.value);

@@ -125,11 +125,11 @@ impl Reader<'_> {
         if self.context.is_elastic() && parts.iter().any(is_of_pose) {
             let message = match self.context.axle {
                 None => {
-                    "with [compliance] this constraint is of the rigid mechanism: expected at = \"design\", or a \
+                    "with [compliance] this constraint applies to the rigid mechanism: expected at = \"design\", or a \
                      characteristic or figure"
                 }
                 Some(_) => {
-                    "with [compliance] this constraint is of the rigid mechanism: expected at = \"design\"; a target with \
+                    "with [compliance] this constraint applies to the rigid mechanism: expected at = \"design\"; a target with \
                      between, at_least or at_most limits quantities of an elastic axle"
                 }
             };
@@ -142,7 +142,7 @@ impl Reader<'_> {
                            rack (the left wheel), heave, or travel_left and travel_right in [motions.NAME]; or at = \"design\"";
             return problems.refuse(self.place.clone(), message);
         }
-        // A figure is of the design height, if no motion is named.
+        // Without a named motion, a figure is limited at the design height.
         let of_figure =
             |part: &Limited| matches!(part.of, Measure::Elastic(KcValue::Figure { .. }));
         let is_design = is_design || parts.iter().any(of_figure) && written.motion.is_none();
@@ -437,7 +437,7 @@ impl Reader<'_> {
         self.takes(&["inside", "clearance", "radii"], problems);
         let [a, b] = names.get_ref().as_slice() else {
             let message = format!(
-                "expected two members with a clearance, found {}; or inside = {{ rim = ... }}",
+                "expected two members with a clearance, or inside = {{ rim = ... }}; found {}",
                 names.get_ref().len()
             );
             return problems.refuse(names.span(), message);

@@ -577,7 +577,7 @@ fn what_an_elastic_axle_does_not_have_is_refused() {
         )
     };
     for (text, why) in [
-        (output("roll_centre_lateral"), "is of the rigid mechanism"),
+        (output("roll_centre_lateral"), "applies to the rigid mechanism alone"),
         (output("toe_by_lateral_force_trail"), "did you mean \"toe_by_lateral_force_trail_30\"?"),
         (
             replaced(&output("toe_by_lateral_force_trail_30"), "[outputs]\n", "[outputs]\npoints = [\"wheel_centre\"]\n"),

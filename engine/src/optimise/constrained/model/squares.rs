@@ -1,4 +1,4 @@
-//! A sum of squares by the variables, as a triangle.
+//! Sum of squares as a function of the variables, stored as a triangular factor.
 
 use super::super::super::Linearisation;
 use super::super::super::qr::{dot, scale_columns, triangularise};

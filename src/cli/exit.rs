@@ -53,7 +53,7 @@ impl Exit {
         }
     }
 
-    /// Its exit code.
+    /// Exit code.
     pub(super) fn code(self) -> u8 {
         match self {
             Exit::Done => 0,

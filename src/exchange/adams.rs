@@ -51,26 +51,26 @@ impl Symmetry {
 /// A hardpoint of a subsystem.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SubsystemPoint {
-    /// Its name, without padding.
+    /// Name, without padding.
     pub name: String,
     /// Wheel of the point.
     pub symmetry: Symmetry,
     /// x rearward, y right, z up, in the file's unit.
     pub position: [f64; 3],
-    /// Its line, counted from 1.
+    /// Line, counted from 1.
     pub line: usize,
 }
 
 /// A parameter of a subsystem that is a number.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SubsystemParameter {
-    /// Its name, without padding.
+    /// Name, without padding.
     pub name: String,
     /// Wheel of the parameter.
     pub symmetry: Symmetry,
-    /// Its value, in the file's unit.
+    /// Value, in the file's unit.
     pub value: f64,
-    /// Its line, counted from 1.
+    /// Line, counted from 1.
     pub line: usize,
 }
 
@@ -297,7 +297,7 @@ fn fields(line: &str) -> Vec<Field<'_>> {
 /// A file rewritten with other coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Rewritten {
-    /// Its text; all but the coordinates is as it was.
+    /// Text; all but the coordinates is as it was.
     pub text: String,
     /// Number of changed rows.
     pub rows: usize,

@@ -45,13 +45,13 @@ pub(super) struct Laws {
 /// A bushing of a subsystem.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct AdamsBushing {
-    /// Its name.
+    /// Name.
     pub usage: String,
-    /// Its line in the subsystem.
+    /// Line in the subsystem.
     pub line: usize,
     /// True if the bushing is on the right wheel only.
     pub is_right: bool,
-    /// Its laws, or the reason why a study cannot use them.
+    /// Laws, or the reason why a study cannot use them.
     pub laws: Result<Laws, String>,
 }
 

@@ -24,7 +24,7 @@ pub(super) struct End {
 /// A link of the section `[AXLE]`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Link {
-    /// Its number in the keys.
+    /// Number in the keys.
     pub number: usize,
     /// Ends at the body and at the axle.
     pub ends: [End; 2],

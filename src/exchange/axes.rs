@@ -31,7 +31,7 @@ impl Way {
         Way::Down,
     ];
 
-    /// Its name in `--axes`.
+    /// Name in `--axes`.
     pub fn name(self) -> &'static str {
         ["forward", "rearward", "left", "right", "up", "down"][self as usize]
     }
@@ -53,12 +53,12 @@ impl Way {
         })
     }
 
-    /// Its axis in ISO 8855: 0 along the car, 1 across it, 2 upright.
+    /// Axis in ISO 8855: 0 along the car, 1 across it, 2 upright.
     pub(super) fn axis(self) -> usize {
         self as usize / 2
     }
 
-    /// Its sign in ISO 8855 (x forward, y left, z up).
+    /// Sign in ISO 8855 (x forward, y left, z up).
     pub(super) fn sign(self) -> f64 {
         [1.0, -1.0, 1.0, -1.0, 1.0, -1.0][self as usize]
     }
@@ -164,9 +164,9 @@ pub(super) enum Coordinate {
     /// Nothing.
     #[default]
     Unknown,
-    /// Its axis in ISO 8855 ("lateral"), not its sign.
+    /// Axis in ISO 8855 ("lateral"), not its sign.
     Along(usize),
-    /// Its direction.
+    /// Direction.
     Grows(Way),
 }
 

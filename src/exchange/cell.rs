@@ -25,7 +25,7 @@ pub(super) enum Places {
 /// A table: cells by row and column, both counted from 0.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sheet {
-    /// Its name; empty where the file is one table.
+    /// Name; empty where the file is one table.
     pub name: String,
     /// The cells that hold something.
     pub cells: BTreeMap<(u32, u32), Cell>,

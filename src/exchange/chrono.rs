@@ -160,7 +160,7 @@ const LOWER_ENDS: [(&str, &str); 4] = [
 /// The points of a suspension of Project Chrono; `None` if the map is not one.
 ///
 /// # Errors
-/// Its template has no counterpart.
+/// Template has no counterpart.
 pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
     let is_suspension = text(root, "Type") == Some("Suspension");
     let Some(template) = text(root, "Template").filter(|_| is_suspension) else {

@@ -14,7 +14,7 @@ pub(super) struct Named<'t> {
 }
 
 impl Named<'_> {
-    /// Its wheel and axle, by its own column or title first.
+    /// Wheel and axle, by its own column or title first.
     fn marks(&self) -> Marks {
         self.point.marks.or(self.role.marks)
     }

@@ -46,13 +46,13 @@ pub struct ImportOptions<'a> {
 /// A hardpoint that was found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hardpoint {
-    /// Its name in studies.
+    /// Name in studies.
     pub name: &'static str,
-    /// Its coordinates, in the axes and unit of [`Imported`].
+    /// Coordinates, in the axes and unit of [`Imported`].
     pub position: [f64; 3],
-    /// Its name in the file.
+    /// Name in the file.
     pub called: String,
-    /// Its place in the file.
+    /// Place in the file.
     pub place: String,
     /// The body it sits on, as a column of the file says it.
     pub body: Option<String>,
@@ -63,15 +63,15 @@ pub struct Hardpoint {
 /// The wheel of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Imported {
-    /// Its topology.
+    /// Topology.
     pub topology: &'static Topology,
-    /// Its hardpoints, in the topology's order.
+    /// Hardpoints, in the topology's order.
     pub hardpoints: Vec<Hardpoint>,
     /// The wheel.
     pub side: Side,
-    /// Its axes.
+    /// Axes.
     pub frame: FrameConvention,
-    /// Its unit.
+    /// Unit.
     pub unit: LengthUnit,
     /// Loaded radius of the wheel.
     pub wheel_radius: Option<f64>,

@@ -28,9 +28,9 @@ const SPRING: f64 = 1e-3;
 /// A rounded design.
 #[derive(Clone, Debug)]
 pub struct Rounded {
-    /// Its points, in the kernel's frame and the study's unit.
+    /// Points, in the kernel's frame and the study's unit.
     pub design: Vec<Vector3<f64>>,
-    /// Its points in the study's axes, as the grid's unit has them to the last digit.
+    /// Points in the study's axes, as the grid's unit has them to the last digit.
     pub coordinates: Vec<[f64; 3]>,
     /// The grid.
     pub grid: Grid,
@@ -113,7 +113,7 @@ pub fn rounded(study: &Study, grid: Grid, free: &[bool]) -> Result<Rounded, Stri
 pub struct Grid {
     /// The length.
     pub step: f64,
-    /// Its unit.
+    /// Unit.
     pub unit: LengthUnit,
 }
 

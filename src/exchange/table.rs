@@ -35,7 +35,7 @@ pub(super) struct NamedPoint {
     pub name: String,
     /// Part of the name with its meaning.
     pub read_as: String,
-    /// Its wheel and axle, where the file says so beside the name.
+    /// Wheel and axle, where the file says so beside the name.
     pub marks: Marks,
     /// True if the point gives the left wheel and, mirrored, the right one.
     pub mirrored: bool,
@@ -43,7 +43,7 @@ pub(super) struct NamedPoint {
     pub position: Result<[f64; 3], String>,
     /// The body that carries it, if the file gives one.
     pub body: Option<String>,
-    /// Its place in the file.
+    /// Place in the file.
     pub place: String,
 }
 
@@ -56,11 +56,11 @@ pub(super) struct Figure {
     pub read_as: String,
     /// The number.
     pub value: f64,
-    /// Its wheel and axle, where the file says so beside the name.
+    /// Wheel and axle, where the file says so beside the name.
     pub marks: Marks,
     /// Remarks beside it.
     pub remark: String,
-    /// Its place in the file.
+    /// Place in the file.
     pub place: String,
 }
 

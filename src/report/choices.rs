@@ -157,7 +157,7 @@ pub struct FrontPoint {
     pub offsets: Vec<f64>,
     /// Lines of its study that differ from the study of the first point: number of the line, from 0, and the line.
     pub lines: Vec<(usize, String)>,
-    /// Its curves with six digits, for charts.
+    /// Curves with six digits, for charts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub curves: Option<CurveTable>,
 }

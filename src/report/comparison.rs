@@ -44,13 +44,13 @@ pub struct Compared {
     pub label: String,
     /// The topology, where it is known.
     pub topology: Option<String>,
-    /// Its curves; lengths in `unit`.
+    /// Curves; lengths in `unit`.
     pub curves: CurveTable,
     /// The unit of its lengths.
     pub unit: LengthUnit,
-    /// Its hardpoints, in `unit`.
+    /// Hardpoints, in `unit`.
     pub points: Option<ComparedPoints>,
-    /// Its mechanism along the motion, if it is a study.
+    /// Mechanism along the motion, if it is a study.
     pub mechanism: Option<Box<Record>>,
 }
 

@@ -28,7 +28,7 @@ pub struct Shape {
     pub name: String,
     /// The point that it is about.
     pub point: usize,
-    /// Its outline.
+    /// Outline.
     pub lines: Vec<Vec<[f64; 3]>>,
 }
 

@@ -62,7 +62,7 @@ pub struct Record {
 /// A column of the curves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OutputRecord {
-    /// Its name in the CSV files.
+    /// Name in the CSV files.
     pub column: String,
     /// Title for reading: `camber`, `camber, 1st derivative`.
     pub title: String,

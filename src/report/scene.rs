@@ -33,7 +33,7 @@ pub struct SceneBody {
     pub name: String,
     /// Kind of the body.
     pub kind: BodyKind,
-    /// Its lines, at least one: indices of the points each runs through.
+    /// Lines, at least one: indices of the points each runs through.
     pub lines: Vec<Vec<usize>>,
 }
 

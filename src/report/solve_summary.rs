@@ -57,7 +57,7 @@ struct Left {
 struct FailedStation {
     #[serde(default)]
     station: usize,
-    /// Its place in words.
+    /// Place in words.
     #[serde(default)]
     at: String,
     /// Numbers of a corner's station.

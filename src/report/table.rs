@@ -289,7 +289,7 @@ impl Table {
         self.rows.is_empty()
     }
 
-    /// Its first rows, and how many more there are.
+    /// First rows, and how many more there are.
     pub fn first(mut self, most: usize) -> (Self, usize) {
         let more = self.rows.len().saturating_sub(most);
         self.rows.truncate(most);

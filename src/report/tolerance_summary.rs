@@ -125,9 +125,9 @@ pub struct HistogramRecord {
 /// Effect of a contributor on the yield.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RankingRecord {
-    /// Its name.
+    /// Name.
     pub contributor: String,
-    /// Its largest share of the variance of a banded value.
+    /// Largest share of the variance of a banded value.
     pub share: f64,
     /// Predicted yield with half its tolerance.
     pub yield_halved: f64,

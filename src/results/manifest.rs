@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Its name.
+/// Name.
 pub(super) const NAME: &str = "run.json";
 
 /// The form of the file. A reader takes no other.

@@ -6,7 +6,7 @@ use std::fmt;
 /// A process that writes somewhere.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Owner {
-    /// Its number.
+    /// Number.
     pub process: u32,
     /// The machine it runs on.
     pub host: String,

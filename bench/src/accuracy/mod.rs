@@ -48,7 +48,7 @@ pub enum Family {
 }
 
 impl Family {
-    /// Its name in tables.
+    /// Name in tables.
     pub fn name(self) -> &'static str {
         ["pose", "start", "curve", "derivative", "sensitivity"][self as usize]
     }

@@ -53,7 +53,7 @@ impl Member {
         }
     }
 
-    /// Its index in [`Parts::lengths`].
+    /// Index in [`Parts::lengths`].
     #[inline(always)]
     pub(crate) fn place(self, mechanism: &Mechanism) -> usize {
         match self {

@@ -25,7 +25,7 @@ pub struct AxleMotion {
 pub struct AxleTime {
     /// Coordinate that moves. For the steering wheel the law gives the displacement of the rack.
     pub coordinate: Coordinate,
-    /// Its law, in the motion's units.
+    /// Law, in the motion's units.
     pub law: TimeLaw,
 }
 

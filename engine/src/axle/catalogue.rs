@@ -51,7 +51,7 @@ macro_rules! catalogue {
         }
 
         impl WheelQuantity {
-            /// All of them.
+            /// All variants, in their order.
             pub const ALL: &'static [WheelQuantity] = &[$(WheelQuantity::$wheel),*];
 
             /// The catalogue's entry.
@@ -89,7 +89,7 @@ macro_rules! catalogue {
         }
 
         impl AxleQuantity {
-            /// All of them.
+            /// All variants, in their order.
             pub const ALL: &'static [AxleQuantity] = &[$(AxleQuantity::$axle),*];
 
             /// The catalogue's entry.

@@ -43,7 +43,7 @@ pub enum Of {
         id: PointId,
         /// The coordinate.
         axis: Axis,
-        /// Its name without the unit.
+        /// Name without the unit.
         name: String,
         /// True if the point is on a rocker.
         on_rocker: bool,
@@ -52,7 +52,7 @@ pub enum Of {
     Turn(Side, Axis),
     /// A force that carries a load on one wheel.
     Force {
-        /// Its name without the unit.
+        /// Name without the unit.
         name: String,
         /// Meaning of a positive value.
         positive: &'static str,

@@ -22,7 +22,7 @@ pub enum Coordinate {
 }
 
 impl Coordinate {
-    /// All of them.
+    /// All variants, in their order.
     pub const ALL: [Coordinate; 6] = [
         Coordinate::Roll,
         Coordinate::Heave,
@@ -32,7 +32,7 @@ impl Coordinate {
         Coordinate::SteeringWheel,
     ];
 
-    /// Its key in `[motion]`.
+    /// Key in `[motion]`.
     pub fn key(self) -> &'static str {
         match self {
             Coordinate::Roll => "roll",
@@ -71,7 +71,7 @@ impl Coordinate {
         }
     }
 
-    /// Its column in results.
+    /// Column in results.
     pub fn column(self, length: LengthUnit) -> String {
         format!("{}_{}", self.key(), self.unit(length))
     }

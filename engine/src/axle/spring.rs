@@ -32,7 +32,7 @@ pub struct SpringLaw<T = f64> {
 pub struct BumpStop {
     /// Compression of the spring from the design position at which it meets the stop.
     pub gap: f64,
-    /// Its force over its own compression, from 0 at 0.
+    /// Force over its own compression, from 0 at 0.
     pub curve: ForceCurve,
 }
 
@@ -146,7 +146,7 @@ impl SpringLaw {
 
 /// A smooth curve through points: cubics whose slopes at the points make it monotone between them where
 /// the points are (F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17, 1980), straight beyond its ends.
-/// Its second derivative jumps at the points.
+/// Second derivative jumps at the points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForceCurve {
     points: Vec<[f64; 2]>,

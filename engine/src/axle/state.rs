@@ -128,7 +128,7 @@ pub struct WheelState<'s, T, W = Reading<T>> {
     pub reading: &'s W,
     /// The ground under it.
     pub ground: Ground<T>,
-    /// Its loaded radius; NaN where the study gives none.
+    /// Loaded radius; NaN where the study gives none.
     pub radius: f64,
     /// Carriers of the wheels.
     pub carriers: Carriers,

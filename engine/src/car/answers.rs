@@ -29,7 +29,7 @@ pub struct FailedCases {
     pub count: usize,
     /// Number of the first of them.
     pub first: usize,
-    /// Its reason.
+    /// Reason.
     pub why: NoEquilibrium,
 }
 

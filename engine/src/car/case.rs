@@ -7,7 +7,7 @@ use std::fmt;
 /// A load case. Accelerations are in units of g, in the axes of the ground.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// Acceleration forward.
     pub ax: f64,

@@ -14,10 +14,10 @@ use crate::number::Scalar;
 pub struct WheelPlace(pub usize);
 
 impl WheelPlace {
-    /// All of them.
+    /// All variants, in their order.
     pub const ALL: [WheelPlace; 4] = [WheelPlace(0), WheelPlace(1), WheelPlace(2), WheelPlace(3)];
 
-    /// Its name in columns.
+    /// Name in columns.
     pub fn name(self) -> &'static str {
         ["front_left", "front_right", "rear_left", "rear_right"][self.0]
     }
@@ -46,7 +46,7 @@ impl AxleEnd {
     /// Both of them.
     pub const ALL: [AxleEnd; 2] = [AxleEnd::Front, AxleEnd::Rear];
 
-    /// Its name in studies and columns.
+    /// Name in studies and columns.
     pub fn name(self) -> &'static str {
         match self {
             AxleEnd::Front => "front",
@@ -167,10 +167,10 @@ macro_rules! catalogue {
             }
 
             impl $Kind {
-                /// All of them.
+                /// All variants, in their order.
                 pub const ALL: &'static [$Kind] = &[$($Kind::$entry),*];
 
-                /// Its entry.
+                /// Entry.
                 pub fn info(self) -> &'static CarInfo {
                     match self {
                         $($Kind::$entry => &CarInfo {
@@ -448,7 +448,7 @@ impl CarQuantity {
         columns
     }
 
-    /// Its entry.
+    /// Entry.
     pub fn info(self) -> &'static CarInfo {
         match self {
             CarQuantity::Wheel(_, result) => result.info(),

@@ -200,7 +200,7 @@ impl Moves {
         }
     }
 
-    /// Its name in columns, without the unit: `front_tie_rod_inner_dz`, `rear_anti_roll_bar_rate`, `car_cg_z`.
+    /// Name in columns, without the unit: `front_tie_rod_inner_dz`, `rear_anti_roll_bar_rate`, `car_cg_z`.
     pub fn stem(&self, car: &Car) -> String {
         if self.points().is_empty() {
             return self.label(car).replace('.', "_");
@@ -211,7 +211,7 @@ impl Moves {
         }
     }
 
-    /// Its unit; empty for a share.
+    /// Unit; empty for a share.
     pub fn unit(&self, car: &Car) -> String {
         let (length, force) = (car.length_unit.symbol(), car.length_unit.force_symbol());
         match self {

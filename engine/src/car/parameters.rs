@@ -45,11 +45,11 @@ pub enum AxleParameter {
 pub enum BodyParameter {
     /// Mass, of the whole car or the sprung mass.
     Mass,
-    /// Its centre of gravity, forward.
+    /// Centre of gravity, forward.
     CgX,
-    /// Its centre of gravity, to the left.
+    /// Centre of gravity, to the left.
     CgY,
-    /// Its centre of gravity, upward.
+    /// Centre of gravity, upward.
     CgZ,
     /// Front share of braking.
     BrakeShareFront,
@@ -72,7 +72,7 @@ const OF_AXLE: usize = 15;
 const COUNT: usize = 2 * OF_AXLE + 11;
 
 impl AxleParameter {
-    /// All of them.
+    /// All variants, in their order.
     pub const ALL: [AxleParameter; OF_AXLE] = [
         AxleParameter::SpringRate,
         AxleParameter::SpringForce,

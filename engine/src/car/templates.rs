@@ -3,7 +3,7 @@
 /// Studies of a car: the name, and for each file its name and text.
 pub type CarTemplate = (&'static str, [(&'static str, &'static str); 3]);
 
-/// All of them.
+/// All templates.
 pub const TEMPLATES: [CarTemplate; 2] = [
     (
         "car",

@@ -39,7 +39,7 @@ pub enum Measure {
         point: PointId,
         /// A point of the plane.
         over: Vector3<f64>,
-        /// Its unit normal.
+        /// Unit normal.
         normal: Vector3<f64>,
     },
     /// The distance of a point from a fixed one.
@@ -72,7 +72,7 @@ pub enum Measure {
         along: Vector3<f64>,
         /// Half its length.
         half: f64,
-        /// Its radius.
+        /// Radius.
         radius: f64,
     },
     /// The distance of a point from the spin axis.
@@ -137,7 +137,7 @@ pub(crate) type Vectors<T> = [Vector3<T>; MOST];
 pub(crate) enum Input {
     /// The position of a point.
     Now(PointId),
-    /// Its position in the design position.
+    /// Position in the design position.
     Designed(PointId),
     /// The spin axis.
     SpinAxis,

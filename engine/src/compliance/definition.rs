@@ -32,9 +32,9 @@ pub struct BushingPart<T = f64> {
 /// A mount of the subframe at the body: the left one; the right one is its mirror image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SubframeMount<T = f64> {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Its place in the design position, in the kernel's frame.
+    /// Place in the design position, in the kernel's frame.
     pub at: Vector3<T>,
     /// Laws along and about its axes.
     pub shapes: [Shape<T>; 6],
@@ -92,7 +92,7 @@ impl Subframe {
 pub struct LinkPart<T = f64> {
     /// The link.
     pub member: LinkMember,
-    /// Its stiffness.
+    /// Stiffness.
     pub stiffness: AxialStiffness<T>,
 }
 

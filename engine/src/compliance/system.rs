@@ -49,7 +49,7 @@ pub(super) enum Limb<T> {
 /// A bushing between body and carrier.
 #[derive(Clone, Debug)]
 pub(super) struct CarrierBushing<T> {
-    /// Its point, from the carrier's reference point.
+    /// Point, from the carrier's reference point.
     pub(super) lever: Vector3<T>,
     pub(super) bushing: Bushing<T>,
 }

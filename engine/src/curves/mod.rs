@@ -99,9 +99,9 @@ impl Status {
 /// A number of the motion: given by the study, or following from the position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionColumn {
-    /// Its name without the unit, as in `travel`.
+    /// Name without the unit, as in `travel`.
     pub key: &'static str,
-    /// Its unit, as in `mm`.
+    /// Unit, as in `mm`.
     pub unit: &'static str,
     /// True if the study gives the number; false if it follows from the position.
     pub is_given: bool,

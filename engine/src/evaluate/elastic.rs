@@ -12,7 +12,7 @@ use crate::study::{ComplianceStudy, WheelStudy};
 pub(crate) struct ElasticRead {
     /// The value.
     pub value: KcValue,
-    /// Its derivative by wheel travel, if that is wanted in the design position.
+    /// Derivative by wheel travel, if that is wanted in the design position.
     pub slope: Option<KcValue>,
 }
 

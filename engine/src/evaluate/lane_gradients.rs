@@ -69,7 +69,7 @@ struct Found {
     directions: usize,
     /// A sum of deviations, `[lane]`.
     sum: Aligned,
-    /// Its derivatives, `[point][axis][lane]`.
+    /// Derivatives, `[point][axis][lane]`.
     gradient: Aligned,
 }
 
@@ -117,7 +117,7 @@ impl Deviations<'_> {
         self.found.number(&self.found.sum, 0, design)
     }
 
-    /// Its gradient by a hardpoint, per length unit.
+    /// Gradient by a hardpoint, per length unit.
     #[inline(always)]
     pub fn gradient(&self, design: usize, point: PointId) -> Vector3<f64> {
         self.found.vector(&self.found.gradient, 0, point, design)
@@ -141,7 +141,7 @@ impl Jacobians<'_> {
         self.found.number(&self.found.angles, angle, design)
     }
 
-    /// Its gradient by a hardpoint, in radians per length unit.
+    /// Gradient by a hardpoint, in radians per length unit.
     #[inline(always)]
     pub fn gradient(&self, design: usize, angle: usize, point: PointId) -> Vector3<f64> {
         self.found

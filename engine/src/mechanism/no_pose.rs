@@ -14,7 +14,7 @@ pub enum NoPose {
     Wheel {
         /// The wheel.
         side: Side,
-        /// Its travel.
+        /// Travel.
         travel: f64,
         /// Reason of the failure.
         failure: Failure,

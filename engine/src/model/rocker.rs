@@ -58,7 +58,7 @@ impl Rod {
         matches!(self, Rod::Pushrod | Rod::Pullrod)
     }
 
-    /// Its name in keys and columns.
+    /// Name in keys and columns.
     pub fn key(self) -> &'static str {
         match self {
             Rod::Pushrod => "pushrod",

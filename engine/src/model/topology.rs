@@ -190,7 +190,7 @@ pub struct Topology {
     pub name: &'static str,
     /// Description in one line.
     pub summary: &'static str,
-    /// Its hardpoints, in the order they are printed.
+    /// Hardpoints, in the order they are printed.
     pub hardpoints: &'static [Hardpoint],
     /// Optional groups of hardpoints. A study gives the hardpoints of a group together.
     pub groups: &'static [&'static Group],
@@ -226,13 +226,13 @@ impl Topology {
         self.name == twist_beam::TWIST_BEAM.name
     }
 
-    /// Its hardpoints and those of its groups.
+    /// Hardpoints and those of its groups.
     pub fn all_hardpoints(&self) -> impl Iterator<Item = &'static Hardpoint> {
         let further = self.groups.iter().flat_map(|group| group.hardpoints);
         self.hardpoints.iter().chain(further)
     }
 
-    /// Its hardpoint of this name.
+    /// Hardpoint of this name.
     pub fn hardpoint(&self, name: &str) -> Option<&'static Hardpoint> {
         self.all_hardpoints().find(|h| h.name == name)
     }

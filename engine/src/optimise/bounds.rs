@@ -17,9 +17,9 @@ pub struct Bounds {
 pub struct EmptyRange {
     /// The variable.
     pub variable: usize,
-    /// Its lowest value.
+    /// Lowest value.
     pub lower: f64,
-    /// Its highest value.
+    /// Highest value.
     pub upper: f64,
 }
 

@@ -33,7 +33,7 @@ pub type ProgressCallback<'a> = dyn Fn(usize, &Iteration) + Sync + 'a;
 /// One iteration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Iteration {
-    /// Its number; 0 is the start.
+    /// Number; 0 is the start.
     pub iteration: u64,
     /// Half the sum of the squared residuals, at its end.
     pub cost: f64,

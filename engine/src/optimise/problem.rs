@@ -93,7 +93,7 @@ pub enum Infeasible {
     Residual {
         /// Index of the residual.
         row: usize,
-        /// Its value.
+        /// Value.
         value: f64,
     },
     /// A derivative is not a usable number.
@@ -103,7 +103,7 @@ pub enum Infeasible {
         row: usize,
         /// Index of the variable.
         column: usize,
-        /// Its value.
+        /// Value.
         value: f64,
     },
 }

@@ -78,9 +78,9 @@ const RESOLUTION: f64 = 1e-9;
 pub enum ConfidenceInterval {
     /// The variable is between its bounds. One of the ends may be that of its range.
     TwoSided {
-        /// Its lowest value.
+        /// Lowest value.
         lower: f64,
-        /// Its highest value.
+        /// Highest value.
         upper: f64,
     },
     /// The variable is at its lower bound, and no larger than this.

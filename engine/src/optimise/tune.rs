@@ -70,11 +70,11 @@ pub struct Best {
     /// Tuned hardpoints in the kernel's frame, in the order of the suspension's. The study of this design is
     /// [`Study::at_design`](crate::study::Study::at_design).
     pub design: Vec<Vector3<f64>>,
-    /// Its deviations from the targets.
+    /// Deviations from the targets.
     pub after: Fulfilment,
     /// Directions of the variables that the targets determine at that design.
     pub identifiability: Identifiability,
-    /// Its outcome for each constraint.
+    /// Outcome for each constraint.
     pub constraints: Vec<ConstraintOutcome>,
     /// Standard errors of the variables; only if the targets are measurements.
     pub errors: Option<StandardErrors>,

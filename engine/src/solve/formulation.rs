@@ -21,7 +21,7 @@ pub enum Drive {
 pub struct FormulationMotion<'a> {
     /// Input that drives the mechanism.
     pub drive: Drive,
-    /// Its values, in length units or radians.
+    /// Values, in length units or radians.
     pub values: &'a [f64],
     /// Displacements of the rack, towards the kernel's +y.
     pub racks: &'a [f64],

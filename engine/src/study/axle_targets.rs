@@ -19,7 +19,7 @@ use toml::Spanned;
 pub struct AxleSite {
     /// The number that varies.
     pub over: Coordinate,
-    /// Its values in the motion, as the study writes them: degrees, lengths along the study's axes.
+    /// Values in the motion, as the study writes them: degrees, lengths along the study's axes.
     pub values: Vec<f64>,
     /// The other numbers, held at these values: every combination.
     pub held: AxleMotion,

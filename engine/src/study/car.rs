@@ -139,7 +139,7 @@ pub enum CarContributor {
 }
 
 impl CarContributor {
-    /// Its name.
+    /// Name.
     pub fn name(&self) -> &str {
         match self {
             CarContributor::Part { name, .. } | CarContributor::Figure { name, .. } => name,

@@ -177,7 +177,7 @@ pub struct Outputs {
 /// A figure of a test on elastic parts, as studies name it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElasticFigure {
-    /// Its name, without the unit.
+    /// Name, without the unit.
     pub name: String,
     /// The value.
     pub value: KcValue,
@@ -508,7 +508,7 @@ impl Variable {
 pub struct Rate {
     /// The rate: of a bushing along or about an axis, or of a link.
     pub parameter: Parameter,
-    /// Its value in the study.
+    /// Value in the study.
     pub design: f64,
     /// True if the variable is the logarithm of a factor, false if it is added.
     pub is_relative: bool,
@@ -868,7 +868,7 @@ pub struct Setup {
 /// Something that can be adjusted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Adjustment {
-    /// Its name: `tie_rod`, `upper_ball_joint y`.
+    /// Name: `tie_rod`, `upper_ball_joint y`.
     pub name: String,
     /// The dimension, and its change in the kernel's frame per unit of the adjustment.
     pub change: (BuildParameter, f64),
@@ -920,16 +920,16 @@ pub struct Tolerance {
 /// Something that scatters: a point, a length or a jig.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contributor {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Its independent parts.
+    /// Independent parts.
     pub sources: Vec<Source>,
 }
 
 /// A number that scatters on its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// Dimensions that it changes, each with its change per unit, in the kernel's frame.
     pub changes: Vec<(BuildParameter, f64)>,

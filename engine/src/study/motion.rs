@@ -17,7 +17,7 @@ impl Drive {
         ("paper_theta", Drive::PaperTheta),
     ];
 
-    /// Its name in studies.
+    /// Name in studies.
     pub fn name(self) -> &'static str {
         Drive::ALL[self as usize].0
     }

@@ -76,7 +76,7 @@ fn extra_point(text: &Text, left: &Suspension) -> Option<PointId> {
     }
 }
 
-/// Its own static camber and toe; a missing value is the left wheel's.
+/// Own static camber and toe; a missing value is the left wheel's.
 fn spin_axis(
     file: &File,
     own: &file::OwnRight,

@@ -510,7 +510,7 @@ impl Reader<'_> {
 
 /// The figure that a row is about.
 struct SheetFigure {
-    /// Its name in a study.
+    /// Name in a study.
     name: String,
     of: TargetQuantity,
     /// The wheel that a row of an axle names.

@@ -15,7 +15,7 @@ impl Formulation {
         ("point_coordinates", Formulation::PointCoordinates),
     ];
 
-    /// Its name in studies.
+    /// Name in studies.
     pub fn name(self) -> &'static str {
         Formulation::ALL[self as usize].0
     }

@@ -29,7 +29,7 @@ impl Sampling {
         ("saltelli", Sampling::Saltelli),
     ];
 
-    /// Its name in studies.
+    /// Name in studies.
     pub fn name(self) -> &'static str {
         Sampling::ALL[self as usize].0
     }

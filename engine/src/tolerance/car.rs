@@ -26,7 +26,7 @@ const BLOCK: u64 = 16;
 pub struct CarProblem<'a> {
     /// The study.
     pub study: &'a CarStudy,
-    /// Its tolerances.
+    /// Tolerances.
     pub tolerance: &'a CarTolerance,
     /// Results of cases: the study's, then those of bands.
     pub request: CarRequest<'a>,

@@ -14,7 +14,7 @@ impl Law {
         }
     }
 
-    /// Its variance.
+    /// Variance.
     pub fn variance(self) -> f64 {
         match self {
             Law::Normal { sigma } => sigma * sigma,
@@ -22,7 +22,7 @@ impl Law {
         }
     }
 
-    /// Its fourth central moment over the square of its variance.
+    /// Fourth central moment over the square of its variance.
     pub fn kurtosis(self) -> f64 {
         match self {
             Law::Normal { .. } => 3.0,

@@ -130,7 +130,7 @@ impl Expansion {
 pub struct Remainder {
     /// The remainder over the builds' variance: with the parts of the contributors it adds up to 1.
     pub part: f64,
-    /// Its standard error.
+    /// Standard error.
     pub error: f64,
     /// The same part by second order; NaN if that is not known.
     pub second: f64,

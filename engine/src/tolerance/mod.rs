@@ -56,7 +56,7 @@ pub const PERCENTILES: [f64; 7] = [0.5, 1.0, 5.0, 50.0, 95.0, 99.0, 99.5];
 pub struct Problem<'a> {
     /// The study.
     pub study: &'a Study,
-    /// Its tolerances.
+    /// Tolerances.
     pub tolerance: &'a Tolerance,
     /// Quantities and stations: those of the study's outputs and motion, the design position, then those of bands. Of an
     /// axle each wheel has hardpoints of its own.

@@ -36,9 +36,9 @@ pub struct Yields {
 /// Effects of a contributor's tolerance on variance and yield.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ranking {
-    /// Its number among those of the study.
+    /// Number among those of the study.
     pub contributor: usize,
-    /// Its largest share of the variance of a banded value.
+    /// Largest share of the variance of a banded value.
     pub share: f64,
     /// The yield if its tolerance were half.
     pub halved: f64,

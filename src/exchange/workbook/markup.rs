@@ -17,7 +17,7 @@ pub(super) enum Event {
 /// The beginning of an element.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Element {
-    /// Its name, without the prefix of a namespace.
+    /// Name, without the prefix of a namespace.
     pub name: String,
     attributes: Vec<(String, String)>,
 }

@@ -122,7 +122,7 @@ pub(super) struct Line {
     pub is_main: bool,
     /// True if every point has a dot.
     pub has_dots: bool,
-    /// Its values.
+    /// Values.
     pub source: Source,
 }
 

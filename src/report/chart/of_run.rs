@@ -92,7 +92,7 @@ pub(in crate::report) struct Family {
     pub place: f64,
     /// The rows.
     pub rows: Vec<usize>,
-    /// Its place in the sequential scale.
+    /// Place in the sequential scale.
     shade: usize,
     /// True if it is nearest to zero.
     pub is_present: bool,

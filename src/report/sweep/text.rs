@@ -79,10 +79,10 @@ impl SweepText {
 
 /// The results of a block.
 pub struct Finished {
-    /// Its rows, as they stand in the file.
+    /// Rows, as they stand in the file.
     pub designs: Vec<u8>,
-    /// Its curves, as they stand in the file.
+    /// Curves, as they stand in the file.
     pub curves: Vec<u8>,
-    /// Its statistics.
+    /// Statistics.
     pub statistics: SweepStatistics,
 }

@@ -171,7 +171,7 @@ pub enum SetUpError {
     Absurd {
         /// Number of the adjustment.
         adjustment: usize,
-        /// Its amount.
+        /// Amount.
         amount: f64,
     },
 }

@@ -48,7 +48,7 @@ pub struct LaneReader<'a> {
 /// Evaluation rule of a quantity.
 #[derive(Clone, Copy, Debug)]
 enum EvaluationRule {
-    /// Its own formula.
+    /// Own formula.
     Formula(Characteristic),
     /// The slope of this angle by the drive. This is the angle's gain if the travel is the drive.
     Slope(Characteristic),

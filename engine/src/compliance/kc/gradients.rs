@@ -160,7 +160,7 @@ pub struct KcGradient<'g> {
     pub number: usize,
     /// The value; `None` if there is none.
     pub value: Option<f64>,
-    /// Its derivatives, in the order of the inputs.
+    /// Derivatives, in the order of the inputs.
     pub by: &'g [f64],
 }
 

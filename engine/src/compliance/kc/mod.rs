@@ -104,9 +104,9 @@ pub struct KcOutcome {
     pub test: KcTest,
     /// Place where its load acts.
     pub place: TestPlace,
-    /// Its figures.
+    /// Figures.
     pub figures: Vec<KcFigure>,
-    /// Its levels, from the lowest load to the highest; empty without levels.
+    /// Levels, from the lowest load to the highest; empty without levels.
     pub levels: Vec<KcLevel>,
 }
 

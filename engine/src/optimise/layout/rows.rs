@@ -47,7 +47,7 @@ pub(in crate::optimise) struct LimitedValue {
     pub of: usize,
     /// The limits.
     pub limited: Limited,
-    /// Its rows.
+    /// Rows.
     pub check: Check,
 }
 

@@ -373,7 +373,7 @@ fn shape_of_points(
 /// A bushing whose laws came from a file, to be written out in the study's text.
 #[derive(Clone, Debug)]
 pub(in super::super) struct BushingText {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// The key of each curve with its points; axes without stiffness have none.
     pub curves: Vec<(&'static str, Vec<[f64; 2]>)>,

@@ -8,7 +8,7 @@ use crate::study::Study;
 /// A bushing of a wheel, or a mount of a subframe.
 #[derive(Clone, Copy, Debug)]
 pub struct NamedBushing<'s> {
-    /// Its name.
+    /// Name.
     pub name: &'s str,
     /// Laws along and about its axes.
     pub shapes: &'s [Shape; 6],

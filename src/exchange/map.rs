@@ -264,7 +264,7 @@ impl Reader {
                     format!("{}: expected mm, m or in, found {text:?}", place(keys))
                 })?;
                 if self.table.unit.is_some_and(|known| known != unit) {
-                    return Err(format!("{}: the unit is another than above", place(keys)));
+                    return Err(format!("{}: the unit differs from the one above", place(keys)));
                 }
                 self.table.unit = Some(unit);
             }

@@ -139,7 +139,7 @@ true: yes
         for (text, said) in [
             ("a: &p [1, 2, 3]\nb: *p\n", "line 2: an alias"),
             ("a: [1, 2\nb: 3", "not YAML: line 2"),
-            ("? [1, 2]\n: 3\n", "line 1: a list or a map as a key"),
+            ("? [1, 2]\n: 3\n", "line 1: a key is a list or a map"),
         ] {
             let message = read(text).unwrap_err();
             assert!(message.contains(said), "{text:?}: {message}");

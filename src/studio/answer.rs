@@ -8,6 +8,7 @@ use crate::characteristics::Characteristic;
 use crate::compliance::not_of_equilibrium;
 use crate::curves::{Curves, Frame, frames, wheel_curves};
 use crate::drawing::leave_out_centres;
+use crate::exchange::{self, Outgoing, csv as csv_of_rows, point_rows};
 use crate::model::Suspension;
 use crate::plan::Plan;
 use crate::report::{FailureRange, OutputRecord, plausibility, remarks};
@@ -147,6 +148,18 @@ fn grouped(found: &Curves, plan: &Plan, request: &SolveRequest) -> (Groups, Vec<
 /// `curves.csv` of a design, as `hardpoint solve` writes it.
 pub(super) fn csv(opened: &Opened, of: &Designed) -> Result<Vec<u8>, String> {
     Ok(Solved::of(&opened.moved(&of.design)?)?.csv())
+}
+
+/// The hardpoints of a design as a table.
+pub(super) fn points(opened: &Opened, of: &Designed) -> Result<Vec<u8>, String> {
+    let study = opened.moved(&of.design)?;
+    Ok(csv_of_rows(&point_rows(&Outgoing::of(&study, None, None))))
+}
+
+/// The hardpoints and centre lines of a design, for CAD.
+pub(super) fn drawing(opened: &Opened, of: &Designed) -> Result<Vec<u8>, String> {
+    let study = opened.moved(&of.design)?;
+    Ok(exchange::drawing(&Outgoing::of(&study, None, None)))
 }
 
 pub(super) fn columns(found: &Curves) -> Vec<ColumnValues> {

@@ -110,7 +110,7 @@ impl Job {
             design: coordinates(suspension, &best.design),
             headline: summary.headline(),
             side_effects: SideEffectRows::of(&summary.side_effects),
-            remarks: summary.remarks(),
+            remarks: [summary.outcome_in_words(), summary.remarks()].concat(),
             interrupted: self.interrupt.load(Ordering::SeqCst),
         })
     }

@@ -44,6 +44,9 @@ pub(super) struct StartRequest {
     pub axes: Option<String>,
     pub side: Option<String>,
     pub half_track: Option<f64>,
+    /// Loaded radius of the wheel, in the unit of the points.
+    #[serde(default)]
+    pub wheel_radius: Option<f64>,
 }
 
 #[derive(Deserialize)]

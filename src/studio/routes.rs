@@ -22,6 +22,9 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 /// Number of texts of the study that are remembered, so that tabs opened before a save keep working and changes can
 /// be undone.
 const TEXTS: usize = 40;
+/// Media types of exported files.
+const CSV: &str = "text/csv; charset=utf-8";
+const DXF: &str = "image/vnd.dxf";
 /// Number of report pages that are remembered.
 const REPORTS: usize = 3;
 
@@ -148,7 +151,17 @@ impl ServerState {
             "influence" => self.with_text(body, |r: &InfluenceRequest| &r.of, influence::influence),
             "directions" => self.with_text(body, |r: &Designed| r, directions::directions),
             "limits" => self.with_text(body, |r: &Designed| r, directions::limits),
-            "csv" => return self.csv(body).unwrap_or_else(refusal),
+            "csv" => return self.file_of(body, CSV, answer::csv).unwrap_or_else(refusal),
+            "points" => {
+                return self
+                    .file_of(body, CSV, answer::points)
+                    .unwrap_or_else(refusal);
+            }
+            "dxf" => {
+                return self
+                    .file_of(body, DXF, answer::drawing)
+                    .unwrap_or_else(refusal);
+            }
             "report" => self.make_report(body),
             "choices" => message(body).and_then(|()| json(&start::choices())),
             "start" => self.start(body),
@@ -246,10 +259,16 @@ impl ServerState {
         json(&answer(&opened, &request).map_err(|why| (422, why))?)
     }
 
-    fn csv(&self, body: &[u8]) -> Result<Response, Refused> {
+    /// A file of a design, of this media type.
+    fn file_of(
+        &self,
+        body: &[u8],
+        kind: &'static str,
+        made: impl Fn(&Opened, &Designed) -> Result<Vec<u8>, String>,
+    ) -> Result<Response, Refused> {
         let of: Designed = message(body)?;
-        let csv = answer::csv(&*self.text(&of.digest)?, &of).map_err(|why| (422, why))?;
-        Ok(Response::new(200, "text/csv; charset=utf-8", csv))
+        let file = made(&*self.text(&of.digest)?, &of).map_err(|why| (422, why))?;
+        Ok(Response::new(200, kind, file))
     }
 
     fn tune(&self, body: &[u8]) -> Result<Response, Refused> {

@@ -103,7 +103,7 @@ fn imported(
         side: side.transpose()?,
         axle: None,
         half_track: request.half_track,
-        radius: None,
+        radius: request.wheel_radius,
         bushings: false,
         names: &BTreeMap::new(),
         bodies: &BTreeMap::new(),
@@ -123,11 +123,20 @@ fn in_form(refusal: &crate::exchange::Refusal) -> String {
     let words = refusal.to_string();
     let fields = [
         ("--half-track", "half track"),
+        ("--radius", "wheel radius"),
         ("--unit", "unit"),
         ("--axes", "axes"),
         ("--side", "wheel"),
     ];
-    fields
+    let words = fields
         .iter()
-        .fold(words, |words, (flag, field)| words.replace(flag, field))
+        .fold(words, |words, (flag, field)| words.replace(flag, field));
+    // The form has no file of names: points are renamed where they were pasted.
+    match words.split_once("say so in a file for --map, as in") {
+        Some((before, example)) => {
+            let hardpoint = example.split('=').next().unwrap_or_default().trim();
+            format!("{before}rename them in the points, for example to {hardpoint}")
+        }
+        None => words.replace("--map", "the names of the points"),
+    }
 }

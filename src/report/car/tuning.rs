@@ -128,7 +128,10 @@ impl CarResults<'_> {
                     wanted: [None, Some(tolerance)],
                     tolerance,
                     values: rms.map(|rms| Some(rms? * tolerance)),
-                    deviation: rms[1],
+                    // As in reports of an axle: the largest deviation decides.
+                    deviation: outcomes[1]
+                        .as_ref()
+                        .map(|found| found.targets[number].worst),
                 });
             }
         }

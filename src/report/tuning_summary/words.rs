@@ -107,6 +107,34 @@ impl TuningSummary {
         }
     }
 
+    /// Sentences for a page without the tables of targets and starts: why the search ended, which targets are missed, and which
+    /// variables are at the end of their range.
+    pub fn outcome_in_words(&self) -> Vec<String> {
+        let start = self
+            .best_start
+            .and_then(|kept| self.starts.iter().find(|s| s.start == kept));
+        let ended = start.map(|start| match self.good_enough > 0.0 {
+            true => format!(
+                "{} (good_enough = {} tolerances; 0 asks for the least misfit)",
+                start.ended,
+                brief(self.good_enough)
+            ),
+            false => start.ended.clone(),
+        });
+        let missed = self.missed().into_iter();
+        let missed = missed.map(|(_, output, by)| format!("missed: {output}, by up to {by}"));
+        let at_bounds = self.variables.iter().filter_map(|variable| {
+            let side = variable.at_bound.as_ref()?;
+            let [low, high] = variable.range.map(as_written);
+            let name = format!("{} {}", variable.hardpoint, variable.axis);
+            Some(format!(
+                "{} is at the {side} end of its range ({low} .. {high})",
+                name.trim_end()
+            ))
+        });
+        ended.into_iter().chain(missed).chain(at_bounds).collect()
+    }
+
     /// The starts in a line or two, where there are more than a few.
     pub fn starts_in_words(&self) -> Option<String> {
         let all = self.starts.len();

@@ -186,6 +186,8 @@ const exported = async (what) => {
   const [of_, form] = what.split('-');
   if (what === 'print') window.print();
   else if (what === 'csv') download(`${name}.csv`, new Blob([await postForText('csv', of())], { type: 'text/csv' }));
+  else if (what === 'points') download(`${name}_hardpoints.csv`, new Blob([await postForText('points', of())], { type: 'text/csv' }));
+  else if (what === 'dxf') download(`${name}.dxf`, new Blob([await postForText('dxf', of())], { type: 'image/vnd.dxf' }));
   else if (what === 'report') {
     const place = await post('report', of());
     say('The report page is ready.', 'ask', html('a', { href: place, target: '_blank', rel: 'noopener', text: 'Open it' }));

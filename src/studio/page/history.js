@@ -24,7 +24,23 @@ const pinRow = (letter) => {
   const button = (text, handler) => html('button', { class: 'small', text, 'aria-label': `${text} ${letter}`, on: { click: handler } });
   const words = own ? (misfit === undefined || misfit === null ? 'no misfit' : `misfit ${brief(misfit, 4)}`) : 'empty';
   return html('tr', { class: `pin-${letter}`, 'data-pin': letter }, html('th', { scope: 'row' }, html('span', { class: 'letter', text: letter })), html('td', { text: words }),
-    html('td', {}, button('Pin', () => pin(letter)), ...(own ? [button('Go to', () => put(own.design, 'pin')), button('Remove', () => unpin(letter))] : [])));
+    html('td', {}, ...(own ? [button('Go to', () => put(own.design, 'pin')), button('Replace', () => pin(letter)), button('Remove', () => unpin(letter))] : [button('Pin', () => pin(letter))])));
+};
+
+// Ranges of the curves of every pinned design beside those of the present one.
+const comparison = () => {
+  const pinned = LETTERS.filter((letter) => state.pins[letter]?.answer);
+  if (!pinned.length || !state.answer) return [];
+  const designs = [...pinned.map((letter) => [letter, state.pins[letter].answer]), ['now', state.answer]];
+  const range = (answer, column) => {
+    const values = answer.columns.find((c) => c.column === column)?.values.filter((v) => v !== null) ?? [];
+    return values.length ? `${brief(Math.min(...values), 4)} … ${brief(Math.max(...values), 4)}` : '–';
+  };
+  const rows = state.answer.columns.map(({ column, title, unit }) => html('tr', {}, html('th', { scope: 'row', text: unit ? `${title} [${unit}]` : title }),
+    ...designs.map(([, answer]) => html('td', { class: 'number', text: range(answer, column) }))));
+  return [html('div', { class: 'scroll' }, html('table', { id: 'comparison' },
+    html('thead', {}, html('tr', {}, ...['lowest … highest', ...designs.map(([name]) => name)].map((text, k) => html('th', { text, class: k ? 'number' : null })))),
+    html('tbody', {}, ...rows)))];
 };
 
 const draw = () => {
@@ -35,11 +51,12 @@ const draw = () => {
   const changes = html('button', { id: 'changes', text: 'Show lines that change', on: { click: async () => { await question('Changes', `${state.overview.file}: lines that saving would change.`, [['', 'Close']], await writtenDiff()); } } });
   byId('pane-history').replaceChildren(html('div', { class: 'columns' },
     html('div', { class: 'panel' }, html('h2', { text: 'History' }), html('ol', { class: 'deeds' }, ...deeds.reverse())),
-    html('div', { class: 'panel' }, html('h2', { text: 'Pinned designs' }), html('p', { class: 'hint', text: 'A pinned design stays in charts and views while you go on.' }), html('table', { id: 'pins' }, html('tbody', {}, ...LETTERS.map(pinRow))),
+    html('div', { class: 'panel' }, html('h2', { text: 'Pinned designs' }), html('p', { class: 'hint', text: 'A pinned design stays in charts and views while you go on.' }), html('table', { id: 'pins' }, html('tbody', {}, ...LETTERS.map(pinRow))), ...comparison(),
       html('div', { class: 'add' }, changes))));
 };
 
 export const startHistory = () => {
   for (const event of ['study', 'edited', 'deed', 'pins']) on(event, draw);
+  on('answer', () => { if (Object.keys(state.pins).length && !byId('pane-history').hidden) draw(); });
   for (const event of ['chosen', 'place', 'edited']) on(event, () => { if (Object.keys(state.pins).length) askPins(); });
 };

@@ -49,6 +49,9 @@ const tell = (key, value, note, bad) => {
   found.chip.title = note ? `${value} ${note}` : '';
 };
 
+// A target is met if the curve leaves it by no more than the tolerance anywhere, as in reports.
+const isMet = (target) => Math.abs(target.worst) <= 1;
+
 const figures = () => {
   const misfit = state.answer?.misfit;
   if (misfit) {
@@ -56,7 +59,7 @@ const figures = () => {
     const is = misfit.value === null ? 'none' : brief(misfit.value, 3);
     const changed = before !== null && before !== undefined && misfit.value !== null && Math.abs(before - misfit.value) > 5e-4;
     tell('misfit', is, changed ? `from ${brief(before, 3)}` : 'tolerances', misfit.value === null);
-    const met = misfit.targets.filter((t) => t.rms <= 1).length;
+    const met = misfit.targets.filter(isMet).length;
     tell('met', misfit.value === null ? '–' : `${met} of ${misfit.targets.length}`, 'targets', met < misfit.targets.length || misfit.value === null);
     const broken = misfit.constraints.filter((c) => c.is_violated);
     const [first, ...more] = broken;
@@ -78,9 +81,9 @@ const targets = () => {
   if (misfit.value === null) return [panel('Targets', html('p', { class: 'bad', text: `no misfit: ${misfit.reason}` }))];
   const body = misfit.targets.map((t, k) => html('tr', { class: state.arrows === k ? 'selected' : null },
     html('th', { scope: 'row' }, html('button', { class: 'name', text: words(t.column), title: 'Arrows for this target', on: { click: () => { state.arrows = state.arrows === k ? null : k; emit('options'); } } })),
-    html('td', { class: `number ${t.rms > 1 ? 'bad' : ''}`, text: brief(t.rms, 3) }),
-    html('td', { class: 'number', text: brief(t.worst, 3) }), html('td', { class: 'number', text: `${brief(t.worst_at, 4)} ${t.worst_at_unit}` })));
-  const found = [panel('Targets in tolerances', table(['target', 'rms', 'worst', 'at'], body))];
+    html('td', { class: 'number', text: brief(t.rms, 3) }),
+    html('td', { class: `number ${isMet(t) ? '' : 'bad'}`, text: brief(t.worst, 3) }), html('td', { class: 'number', text: `${brief(t.worst_at, 4)} ${t.worst_at_unit}` })));
+  const found = [panel('Deviation from the targets, in tolerances', table(['target', 'rms', 'largest', 'at'], body))];
   return found;
 };
 
@@ -120,7 +123,7 @@ const limitsPanel = () => {
   const rows = [row('travel', limits.travel)];
   if (limits.rack) rows.push(row('rack', limits.rack));
   const why = [...limits.travel.map((e, k) => [`travel ${k ? 'up' : 'down'}`, e]), ...(limits.rack ?? []).map((e, k) => [`rack ${k ? '+' : '−'}`, e])];
-  return [panel('Limits', table(['quantity', 'minimum', 'maximum'], rows), html('ul', { class: 'hint' }, ...why.map(([name, { because }]) => html('li', { text: `${name}: ${because}` }))))];
+  return [panel('Limits of the mechanism', table(['quantity', 'minimum', 'maximum'], rows), html('ul', { class: 'hint' }, ...why.map(([name, { because }]) => html('li', { text: `${name}: ${because}` }))))];
 };
 
 const warnings = () => {
@@ -143,7 +146,7 @@ const fill = (name, ...children) => {
 const draw = () => {
   figures();
   const misfit = state.answer?.misfit;
-  tellTab('targets', misfit?.value === null || !misfit ? '' : `${misfit.targets.filter((t) => t.rms <= 1).length}/${misfit.targets.length}`);
+  tellTab('targets', misfit?.value === null || !misfit ? '' : `${misfit.targets.filter(isMet).length}/${misfit.targets.length}`);
   tellTab('constraints', misfit?.constraints.some((c) => c.is_violated) ? '!' : '');
   tellTab('warnings', state.answer?.remarks.length || state.fault ? '!' : '');
   const select = byId('arrows');

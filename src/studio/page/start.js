@@ -38,14 +38,17 @@ const build = (choices) => {
 
 const start = async (event) => {
   event.preventDefault();
-  const half = byId('half-track').value.trim();
+  const length = (id) => {
+    const text = byId(id).value.trim();
+    return text === '' ? null : Number(text.replace(',', '.'));
+  };
   byId('refused').textContent = '';
   byId('start').disabled = true;
   try {
     const name = byId('name').value.trim();
     await post('start', {
       topology: chosen(), name: name.endsWith('.toml') ? name : `${name}.toml`, points: byId('points').value,
-      unit: byId('unit').value, axes: byId('axes').value.trim(), side: byId('side').value, half_track: half === '' ? null : Number(half.replace(',', '.')),
+      unit: byId('unit').value, axes: byId('axes').value.trim(), side: byId('side').value, half_track: length('half-track'), wheel_radius: length('wheel-radius'),
     });
     location.reload();
   } catch (refused) {

@@ -73,11 +73,17 @@ const variableName = (variable) => {
   const own = variable.hardpoint ?? variable.name ?? (variable.hardpoints ?? []).join(', ');
   return words([own, variable.axis].filter(Boolean).join(' ')) || 'variable';
 };
+// The range of a single coordinate in the study's axes. Offsets count from the present design, as Tune takes them.
+const placeOf = ({ hardpoint, axis }, ends) => {
+  const p = state.overview.points.findIndex(({ name }) => name === hardpoint);
+  const at = AXES.indexOf(axis);
+  return p < 0 || at < 0 ? '' : ends.map((by) => brief(state.design[p][at] + by, 6)).join(' … ');
+};
 const variableRow = (variable, k) => {
   const name = variableName(variable);
   const ends = Array.isArray(variable.range) && variable.range.every(Number.isFinite) ? variable.range : null;
   const end = (which, text) => (ends ? field(`${name}: ${text}`, ends[which], (value) => edit([{ path: at('variables', k, 'range', which), value }], `Range of ${name}: ${text} ${brief(value)}`)) : '');
-  return html('tr', { 'data-variable': k }, html('th', { scope: 'row', text: name }), html('td', {}, end(0, 'lowest')), html('td', {}, end(1, 'highest')),
+  return html('tr', { 'data-variable': k }, html('th', { scope: 'row', text: name }), html('td', {}, end(0, 'lowest')), html('td', {}, end(1, 'highest')), html('td', { class: 'number', text: ends ? placeOf(variable, ends) : '' }),
     html('td', {}, remover(`Remove variable ${name}`, at('variables', k), `variable ${name}`)));
 };
 const variableAdder = () => {
@@ -102,7 +108,8 @@ export const targetForms = () => {
   if (!optimise()) return [];
   const { targets = [], variables = [] } = optimise();
   return [headed('Change targets', ['target', 'wanted', 'tolerance', 'weight', ''], targets.map(targetRow)),
-    headed('Variables', ['variable', 'lowest', 'highest', ''], variables.map(variableRow), variableAdder())];
+    headed('Variables', ['variable', `lowest [${state.overview.unit}]`, `highest [${state.overview.unit}]`, 'coordinate', ''], variables.map(variableRow), variableAdder(),
+      html('p', { class: 'hint', text: 'Tune may move each point this far from where it is now: the ranges move along with an accepted proposal.' }))];
 };
 // Forms of the Elastic parts tab: rates of bushings, links, springs and the anti-roll bar.
 const RATE_AXES = ['x', 'y', 'z', 'about x', 'about y', 'about z'];

@@ -152,6 +152,7 @@ const propose = (base, { design, rates: changed, headline, side_effects: effects
   const rounding = html('select', { id: 'rounding', on: { change: () => { proposal.step = Number(rounding.value); preview(); } } },
     ...ROUNDINGS[unit].map((value) => html('option', { value, text: value ? `${value} ${unit}` : 'no rounding' })));
   const accept = html('button', { id: 'accept', class: 'strong', text: 'Accept', on: { click: acceptProposal } });
+  accept.disabled = changes.length === 0 && !tuned;
   const reject = html('button', { id: 'reject', text: 'Reject', on: { click: close } });
   const result = html('span', { id: 'proposal-misfit' });
   show(

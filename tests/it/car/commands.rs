@@ -122,7 +122,7 @@ fn mistakes_are_named() {
         (
             "rear = \"car_rear.toml\"",
             "rear = \"car_front.toml\"",
-            "is of the other axle",
+            "describes the other axle",
         ),
         (
             "characteristic = \"roll_gradient\"",

@@ -37,7 +37,7 @@ fn assert_mistake(from: &str, to: &str, on: &str, phrase: &str) {
 fn mistakes_are_named_by_line() {
     let rear = "stiffness = [700.0, 2500.0, 1800.0, 8.0e4, 2.5e5, 2.5e5]";
     let with = |more: &str| format!("{rear}\n{more}");
-    let relaxed = "relaxed = \"at_design_load\"   # the hardpoints are of the loaded car";
+    let relaxed = "relaxed = \"at_design_load\"   # the hardpoints describe the loaded car";
     let spring = "[spring]\nrate = 90.0       # N/mm along the spring\nforce = 7000.0    # N in the design position\n";
     for (from, to, on, phrase) in [
         (

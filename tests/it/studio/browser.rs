@@ -335,3 +335,25 @@ fn one_elastic_wheel_is_drawn_as_solved() {
     assert!(!offered.contains(&"roll_centre_height"), "{offered:?}");
     assert_eq!(browser.console(), Vec::<String>::new());
 }
+
+/// A pinned design is compared with the present one, and a filled place says that it would be replaced.
+#[test]
+fn pinned_designs_are_compared() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = Served::of(&sample("macpherson_front.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    browser.click("#tab-history");
+    browser.click("[data-pin=A] button[aria-label='Pin A']");
+    browser.wait("document.querySelector('#comparison') !== null");
+    browser.drag(&handle("front", "strut_top"), [14, -9], 7);
+    browser.wait(SETTLED);
+    browser.click("#tab-history");
+    let cells = "[...document.querySelectorAll('#comparison tbody tr')].map((row) => [...row.querySelectorAll('td')].map((cell) => cell.textContent))";
+    browser.wait(&format!("{cells}.some(([pinned, now]) => pinned !== now)"));
+    let buttons = browser.run("return [...document.querySelectorAll('[data-pin=A] button')].map((b) => b.textContent)");
+    assert_eq!(buttons, serde_json::json!(["Go to", "Replace", "Remove"]));
+    assert_eq!(browser.console(), Vec::<String>::new());
+}

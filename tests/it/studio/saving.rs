@@ -50,6 +50,16 @@ fn of_few_stations(text: &str) -> String {
     text
 }
 
+/// The file that `hardpoint export` makes of a study.
+fn exported(study: &std::path::Path, format: &str) -> Vec<u8> {
+    let mut command = assert_cmd::Command::cargo_bin("hardpoint").unwrap();
+    command
+        .arg("export")
+        .arg(study)
+        .args(["--to", format, "--out", "-", "--quiet"]);
+    command.assert().success().get_output().stdout.clone()
+}
+
 /// The curves of a moved design equal those that `hardpoint solve` prints for the saved study, to the last bit, and
 /// so does the CSV. The test covers several topologies and frames, for one wheel and for both.
 #[test]
@@ -66,6 +76,8 @@ fn answers_are_those_of_solve() {
         let of = served.moved(point, axis, 1.37);
         let answer = solve(&served, &of);
         let csv = served.post("csv", &of);
+        let files = [("points", "csv"), ("dxf", "dxf")]
+            .map(|(file, format)| (format, served.post(file, &of)));
         assert_eq!(
             served
                 .post("save", &json!({"of": of, "name": null, "anyway": false}))
@@ -75,6 +87,11 @@ fn answers_are_those_of_solve() {
         );
         let expected = solved(&served.study);
         assert_eq!(csv.body, expected, "{name}");
+        for (format, file) in files {
+            let made = exported(&served.study, format);
+            assert_eq!(file.body, made, "{name}: {format}");
+            assert!(made.len() > 200, "{name}: {format}");
+        }
         let expected = columns(&expected);
         let mut compared = 0;
         for (column, values) in answered(&answer) {

@@ -80,6 +80,28 @@ fn pasted_points_become_a_study() {
         assert_eq!(numbers(&own[name]), numbers(place), "{name}");
     }
     assert!(columns(&solved(&served.study)).len() > 3);
+    // Without a radius there are no quantities at the ground; the form asks for it.
+    assert!(written.get("wheel").is_none());
+    let served = empty();
+    let mut with_radius = request("double_wishbone", "new.toml", &pasted);
+    with_radius["wheel_radius"] = json!(305.0);
+    let started = served.post("start", &with_radius);
+    assert_eq!(started.status, 200, "{}", started.text());
+    let written: toml::Table = fs::read_to_string(&served.study).unwrap().parse().unwrap();
+    assert_eq!(written["wheel"]["radius"].as_float(), Some(305.0));
+    let offered = served.overview()["characteristics"].to_string();
+    assert!(offered.contains("roll_centre_height"), "{offered}");
+    // A name that is not known: the form has no file of names, and says what to rename.
+    let served = empty();
+    let renamed = pasted.replace("wheel_centre", "hub point");
+    let refused = served.post("start", &request("double_wishbone", "new.toml", &renamed));
+    assert_eq!(refused.status, 422);
+    let said = refused.text();
+    assert!(
+        said.contains("rename them in the points") && said.contains("wheel_centre"),
+        "{said}"
+    );
+    assert!(!said.contains("--"), "{said}");
 }
 
 #[test]

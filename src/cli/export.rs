@@ -3,7 +3,7 @@
 use super::exit::{Exit, Stop};
 use super::export_source::Source;
 use super::import::{frame, unit};
-use super::save::save;
+use super::save::{file_of_out, save};
 use super::terminal::note;
 use crate::exchange::{
     Envelope, Page, Span, Tool, Tyre, Value, Written, bytes_of, csv, curves_in, drawing,
@@ -165,7 +165,7 @@ pub(super) fn run_of(arguments: &ExportArguments, given: Option<&Study>) -> Resu
             say(written.map_err(refused)?)
         }
     };
-    match &arguments.out {
+    match file_of_out(&arguments.out) {
         None => std::io::stdout().write_all(&bytes)?,
         Some(out) => save(out, &bytes, arguments.force, &inputs(&source, arguments))?,
     }
@@ -200,7 +200,7 @@ fn check_call(arguments: &ExportArguments) -> Result<(), Stop> {
              names",
         ));
     }
-    if matches!(to, Target::Xlsx | Target::Stl) && arguments.out.is_none() {
+    if matches!(to, Target::Xlsx | Target::Stl) && file_of_out(&arguments.out).is_none() {
         return Err(Stop::wrong_input(
             "workbooks and solids cannot go to a terminal: give a file with --out",
         ));
@@ -271,7 +271,7 @@ fn optimum_k(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, St
         let extension = out.extension().unwrap_or_default();
         extension.eq_ignore_ascii_case("csv")
     };
-    let bytes = match arguments.out.as_deref().is_none_or(is_table) {
+    let bytes = match file_of_out(&arguments.out).is_none_or(is_table) {
         true => csv(&rows),
         false => {
             let position = outgoing.study.wheel().vehicle.position;

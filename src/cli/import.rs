@@ -3,7 +3,7 @@
 use super::exit::{Exit, Stop};
 use super::import_car;
 use super::instead::instead_of;
-use super::save::save;
+use super::save::{file_of_out, save};
 use super::terminal::{eprint, note};
 use crate::exchange::{
     Axes, ImportOptions, Imported, PointTable, Question, Refusal, bytes_of, for_shell, import,
@@ -225,7 +225,8 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
     }
     let imported = imported(arguments, &table, &names, &mut questions, &mut said)?;
     let study = study_text(arguments, &imported)?;
-    match &arguments.out {
+    let out = file_of_out(&arguments.out);
+    match out {
         Some(out) => {
             let inputs = [Some(arguments.file.clone()), arguments.map.clone()];
             let inputs: Vec<PathBuf> = inputs.into_iter().flatten().collect();
@@ -235,7 +236,7 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
     }
     let shown = arguments.file.display();
     let (count, kind) = (imported.hardpoints.len(), imported.topology.name);
-    let summary = summary(&imported, Some(arguments.out.as_deref()));
+    let summary = summary(&imported, Some(out));
     let part = match imported.topology.carries_both_wheels() {
         true => "left half".to_owned(),
         false => format!("{} wheel", imported.side.name()),

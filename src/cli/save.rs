@@ -4,6 +4,11 @@ use super::exit::Stop;
 use crate::results;
 use std::path::{Path, PathBuf};
 
+/// Path of `--out`; `None` for standard output, which `-` stands for as in commands with directories.
+pub(super) fn file_of_out(out: &Option<PathBuf>) -> Option<&Path> {
+    out.as_deref().filter(|out| *out != Path::new("-"))
+}
+
 /// Writes a file, whole or not at all. It replaces an existing file only with `--force`, and never an input.
 pub(super) fn save(out: &Path, bytes: &[u8], force: bool, inputs: &[PathBuf]) -> Result<(), Stop> {
     if let Some(input) = inputs.iter().find(|input| are_one_file(input, out)) {

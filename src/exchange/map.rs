@@ -264,7 +264,10 @@ impl Reader {
                     format!("{}: expected mm, m or in, found {text:?}", place(keys))
                 })?;
                 if self.table.unit.is_some_and(|known| known != unit) {
-                    return Err(format!("{}: the unit differs from the one above", place(keys)));
+                    return Err(format!(
+                        "{}: the unit differs from the one above",
+                        place(keys)
+                    ));
                 }
                 self.table.unit = Some(unit);
             }

@@ -373,7 +373,7 @@ fn outputs_that_cannot_be_computed() {
         ("position = \"front\"", "", "anti_dive", "outputs.characteristics", &["anti_dive needs position in [vehicle], \"front\" or \"rear\", which"]),
         ("brakes = \"outboard\"", "", "anti_dive", "outputs.characteristics", &["brakes in [vehicle], \"outboard\" or \"inboard\""]),
         ("position = \"front\"", "position = \"rear\"", "anti_dive", "outputs.characteristics", &["anti_dive applies to a front axle in braking, and position is \"rear\"", "anti_lift"]),
-        ("brake_share_front = 0.68", "brake_share_front = 0.0", "anti_dive", "outputs.characteristics", &["not braked"]),
+        ("brake_share_front = 0.68", "brake_share_front = 0.0", "anti_dive", "outputs.characteristics", &["has no brakes"]),
         ("position = \"front\"", "position = \"middle\"", "middle", "vehicle.position", &["\"front\" or \"rear\""]),
         ("[\"camber\", \"anti_dive\"]", "[\"camber\", \"camber\"]", "camber", "outputs.characteristics", &["\"camber\" is listed twice"]),
         ("order = \"velocity\"", "", "knuckle", "outputs.knuckle", &["order is \"position\""]),

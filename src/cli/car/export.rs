@@ -2,7 +2,7 @@
 
 use super::super::exit::{Exit, Stop};
 use super::super::export::{ExportArguments, Target, say};
-use super::super::save::save;
+use super::super::save::{file_of_out, save};
 use super::{solver, source};
 use crate::exchange::{
     Outgoing, Page, Value, csv, page_of_csv, point_rows, suspensions_ini_of_car, workbook,
@@ -43,7 +43,7 @@ pub(in crate::cli) fn export(arguments: &ExportArguments, file: &Path) -> Result
             csv(&rows)
         }
     };
-    match &arguments.out {
+    match file_of_out(&arguments.out) {
         None => std::io::stdout().write_all(&bytes)?,
         Some(out) => save(out, &bytes, arguments.force, &study.inputs)?,
     }

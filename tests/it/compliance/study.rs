@@ -211,7 +211,7 @@ fn mistakes_of_elastic_axles_are_named() {
         (
             "\"lower_arm_rear\", ",
             "",
-            "expected both in carries, or neither",
+            "list both in `carries`, or neither",
         ),
         (bar, "", "both on the subframe, or both on the body"),
         (

@@ -456,3 +456,28 @@ fn curves_go_out_as_a_table() {
         assert!((inch * 25.4 - mm).abs() < 1e-12);
     }
 }
+
+/// `-` is standard output, as for commands that write directories; no file has this name.
+#[test]
+fn a_dash_is_standard_output() {
+    let directory = tempfile::tempdir().unwrap();
+    let study = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_solve.toml");
+    let run = |arguments: &[&str]| {
+        let mut command = assert_cmd::Command::cargo_bin("hardpoint").unwrap();
+        command
+            .current_dir(directory.path())
+            .arg("export")
+            .arg(&study);
+        command
+            .args(arguments)
+            .assert()
+            .success()
+            .get_output()
+            .stdout
+            .clone()
+    };
+    let plain = run(&["--to", "csv"]);
+    assert!(plain.len() > 200);
+    assert_eq!(run(&["--to", "csv", "--out", "-"]), plain);
+    assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 0);
+}

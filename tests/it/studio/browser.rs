@@ -353,7 +353,9 @@ fn pinned_designs_are_compared() {
     browser.click("#tab-history");
     let cells = "[...document.querySelectorAll('#comparison tbody tr')].map((row) => [...row.querySelectorAll('td')].map((cell) => cell.textContent))";
     browser.wait(&format!("{cells}.some(([pinned, now]) => pinned !== now)"));
-    let buttons = browser.run("return [...document.querySelectorAll('[data-pin=A] button')].map((b) => b.textContent)");
+    let buttons = browser.run(
+        "return [...document.querySelectorAll('[data-pin=A] button')].map((b) => b.textContent)",
+    );
     assert_eq!(buttons, serde_json::json!(["Go to", "Replace", "Remove"]));
     assert_eq!(browser.console(), Vec::<String>::new());
 }

@@ -53,10 +53,7 @@ fn of_few_stations(text: &str) -> String {
 /// The file that `hardpoint export` makes of a study.
 fn exported(study: &std::path::Path, format: &str) -> Vec<u8> {
     let mut command = assert_cmd::Command::cargo_bin("hardpoint").unwrap();
-    command
-        .arg("export")
-        .arg(study)
-        .args(["--to", format, "--out", "-", "--quiet"]);
+    command.arg("export").arg(study).args(["--to", format]);
     command.assert().success().get_output().stdout.clone()
 }
 

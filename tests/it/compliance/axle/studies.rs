@@ -590,7 +590,7 @@ fn what_an_elastic_axle_does_not_have_is_refused() {
         ),
         (
             asymmetric("heave = [0.0]", TUNED).replace("upper_arm_front\", stiffness", "lower_arm_rear\", stiffness"),
-            "has another rate on the right wheel",
+            "has different rates on both wheels",
         ),
         (
             with(SUBFRAME, &SCATTERED.replace("stiffness = \"y\", sigma = 0.05, relative = true },\n]", "stiffness = \"y\", sigma = 0.05, relative = true, side = \"left\" },\n]")),

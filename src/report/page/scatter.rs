@@ -46,7 +46,7 @@ pub(super) fn distributions(summary: &ToleranceSummary) -> String {
         "<h3>Distributions in the bands</h3><p class=\"note\">Bars: number of builds by value. Line: least to greatest of the builds. \
          Light box: 1 % to 99 %. Dark box: 5 % to 95 %. Stroke: median. Dot: nominal. Shaded: the band. Cp and Cpk: width of the band, and margin of the \
          mean to the nearer limit, in six and in three standard deviations of the builds. Where a band holds over the motion, the \
-         position with the least margin is drawn.</p><div class=\"scatter\">{svg}</svg></div>"
+         position with the least margin is drawn.</p><div class=\"scatter\" tabindex=\"0\" role=\"group\">{svg}</svg></div>"
     )
 }
 
@@ -74,7 +74,7 @@ fn row(svg: &mut String, top: f64, band: &BandRecord, value: &ValueRecord) {
         svg,
         "<text x=\"0\" y=\"{:.1}\">{}</text><rect class=\"band\" x=\"{from:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{BAND}\"/>",
         name,
-        html(&band.band),
+        fitting(&band.band),
         to - from
     );
     for (limit, anchor) in [(band.low, "start"), (band.high, "end")] {
@@ -143,6 +143,18 @@ fn row(svg: &mut String, top: f64, band: &BandRecord, value: &ValueRecord) {
     }
 }
 
+/// The most letters of a name that has room beside a picture.
+const LETTERS: usize = 36;
+
+/// A name that fits beside a picture; a longer one is cut, and whole in its tooltip.
+fn fitting(name: &str) -> String {
+    if name.chars().count() <= LETTERS {
+        return html(name);
+    }
+    let start: String = name.chars().take(LETTERS - 1).collect();
+    format!("{}…<title>{}</title>", html(&start), html(name))
+}
+
 /// Bars of a histogram on the line `base`, the largest as high as there is room.
 fn bars(svg: &mut String, base: f64, histogram: &HistogramRecord, x: impl Fn(f64) -> f64) {
     let largest = histogram.counts.iter().copied().max().unwrap_or(0);
@@ -205,7 +217,7 @@ pub(super) fn contributors(summary: &ToleranceSummary) -> String {
             svg,
             "<text x=\"0\" y=\"{:.1}\">{}</text>",
             middle + 4.0,
-            html(contributor)
+            fitting(contributor)
         );
         for (class, end) in [("better", *yield_halved), ("worse", *yield_doubled)] {
             let (a, b) = (x(now).min(x(end)), x(now).max(x(end)));
@@ -231,7 +243,7 @@ pub(super) fn contributors(summary: &ToleranceSummary) -> String {
     );
     format!(
         "<h3>Contributors</h3><p class=\"note\">Predicted share of builds in all bands with half (blue) and with twice (orange) the \
-         tolerance of each contributor.</p><div class=\"scatter\">{svg}</svg></div>"
+         tolerance of each contributor.</p><div class=\"scatter\" tabindex=\"0\" role=\"group\">{svg}</svg></div>"
     )
 }
 

@@ -228,7 +228,7 @@ fn mistakes_of_elastic_axles_are_named() {
         (
             "heave = {",
             "roll = {",
-            "ask the test load = \"roll\" of kc",
+            "use the test load = \"roll\" of kc",
         ),
         (
             "{ load = \"roll\" },",

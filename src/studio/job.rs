@@ -4,6 +4,8 @@ use super::message::{JobState, Proposal, SideEffectRows, TuneRequest};
 use super::overview::coordinates;
 use super::rates::rate_edits;
 use super::study_file::Opened;
+use crate::model::Suspension;
+use crate::number::Vector3;
 use crate::optimise::{Control, Iteration, tune};
 use crate::report::TuningSummary;
 use crate::side_effects::side_effects;
@@ -21,6 +23,24 @@ fn panicked(panic: &(dyn Any + Send)) -> String {
         "the tuning failed by a fault of the program ({}); the study is unchanged, please report it",
         text.unwrap_or("no message")
     )
+}
+
+/// Makes the range of a variable count from the design in the file, wherever the page has moved its points since. The present
+/// place stays within it. Points that were moved apart keep the range about their present places.
+fn count_from_file(variable: &mut Variable, file: &Suspension, now: &[Vector3<f64>]) {
+    let moved = variable.moves.iter().map(|by| {
+        let [was, is] = [file.design[by.point.0], now[by.point.0]].map(|point| point[by.axis]);
+        file.frame.sign(by.axis) * (is - was) / by.factor
+    });
+    let moved: Vec<f64> = moved.collect();
+    let Some(first) = moved.first().copied() else {
+        return;
+    };
+    let [low, high] = variable.range;
+    let is_together = |by: &f64| (by - first).abs() <= 1e-9 * (high - low);
+    if moved.iter().all(is_together) {
+        variable.range = [(low - first).min(0.0), (high - first).max(0.0)];
+    }
 }
 
 /// A tuning, running or done.
@@ -42,6 +62,7 @@ impl Job {
         request: &TuneRequest,
     ) -> Result<Arc<Job>, String> {
         let mut study = opened.moved(&request.of.design)?;
+        let study_design = study.wheel().design.clone();
         let Some(optimise) = &mut study.optimise else {
             return Err("the study has no [optimise] section with variables and targets".into());
         };
@@ -55,6 +76,10 @@ impl Job {
             !points.chain(turned).any(locked)
         };
         optimise.variables.retain(|variable| free(&variable));
+        let (file, now) = (opened.study.wheel(), study_design.as_slice());
+        for variable in &mut optimise.variables {
+            count_from_file(variable, file, now);
+        }
         if optimise.variables.is_empty() {
             return Err("every variable of the study moves a point that is locked".to_owned());
         }

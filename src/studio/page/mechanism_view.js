@@ -168,13 +168,16 @@ export class MechanismView {
         p[axis] = tick;
         const [x, y] = this.project(p);
         grid.append(svg('path', { class: tick === 0 ? 'zero' : null, d: vertical ? `M${x.toFixed(1)} 0V${this.height}` : `M0 ${y.toFixed(1)}H${this.width}` }));
-        if (vertical ? x > 30 && x < this.width - 32 : y > 20 && y < this.height - 22) {
+        if (vertical ? x > 34 && x < this.width - 36 : y > 30 && y < this.height - 34) {
           grid.append(svg('text', vertical ? { x: x.toFixed(1), y: this.height - 5, 'text-anchor': 'middle', text: brief(tick) } : { x: 4, y: (y - 3).toFixed(1), text: brief(tick) }));
         }
       }
     }
-    grid.append(svg('text', { class: 'axis-name', x: this.width - 6, y: this.height - 5, 'text-anchor': 'end', text: AXES[h] }));
-    grid.append(svg('text', { class: 'axis-name', x: 5, y: 13, text: AXES[v] }));
+    // Each name stands where its coordinate grows.
+    const isRight = this.look.right[h] > 0;
+    const isUp = this.look.up[v] > 0;
+    grid.append(svg('text', { class: 'axis-name', x: isRight ? this.width - 6 : 6, y: this.height - 5, 'text-anchor': isRight ? 'end' : 'start', text: isRight ? `${AXES[h]} →` : `← ${AXES[h]}` }));
+    grid.append(svg('text', { class: 'axis-name', x: 5, y: isUp ? 13 : this.height - 20, text: `${isUp ? '↑' : '↓'} ${AXES[v]}` }));
   }
 
   drawTriad() {

@@ -7,13 +7,13 @@ let rows = [];
 let asked = null;
 let timer = null;
 
-// Pointing at a coordinate shows what it does; leaving it takes that away.
-const point = (p, axis) => {
+// Pointing at a coordinate for a while shows what it does; leaving it takes that away.
+const point = (p, axis, wait = 90) => {
   clearTimeout(timer);
   timer = setTimeout(() => {
     asked = p === null ? null : [p, axis];
     askInfluence(p, axis);
-  }, p === null ? 30 : 90);
+  }, p === null ? 30 : wait);
 };
 
 // All digits where there is room for them; else as many as there is, marked. The field shows all when it has the focus.
@@ -66,7 +66,7 @@ const cell = (p, axis) => {
   });
   const slope = html('span', { class: 'slope' });
   const bar = html('i', { class: 'bar' });
-  const td = html('td', { on: { pointerenter: () => point(p, axis), pointerleave: () => { if (document.activeElement !== input) point(null); } } },
+  const td = html('td', { on: { pointerenter: () => point(p, axis, 600), pointerleave: () => { if (document.activeElement !== input) point(null); } } },
     html('div', { class: 'cell' }, lock, html('span', { class: 'field' }, input, bar), slope));
   return { td, input, lock, slope, bar, p, axis };
 };

@@ -24,7 +24,9 @@ export const edit = (edits, label) => {
 };
 const at = (...path) => ['optimise', ...path];
 const nameOf = (k) => words(state.overview.targets[k]?.column ?? `target ${k + 1}`);
-export const setTarget = (k, path, value) => edit([{ path: at('targets', k, ...path), value }], `Target ${nameOf(k)}: ${words(path[0])} ${brief(value)}`);
+// `between` has two ends.
+const endOf = ([key, end]) => (key === 'between' ? LIMITS.between[end] : words(key));
+export const setTarget = (k, path, value) => edit([{ path: at('targets', k, ...path), value }], `Target ${nameOf(k)}: ${endOf(path)} ${brief(value)}`);
 
 const parsed = (text) => {
   const value = Number(text.trim().replace('−', '-').replace(',', '.'));
@@ -73,11 +75,11 @@ const variableName = (variable) => {
   const own = variable.hardpoint ?? variable.name ?? (variable.hardpoints ?? []).join(', ');
   return words([own, variable.axis].filter(Boolean).join(' ')) || 'variable';
 };
-// The range of a single coordinate in the study's axes. Offsets count from the present design, as Tune takes them.
+// The range of a single coordinate in the study's axes. Offsets count from the design in the file.
 const placeOf = ({ hardpoint, axis }, ends) => {
   const p = state.overview.points.findIndex(({ name }) => name === hardpoint);
   const at = AXES.indexOf(axis);
-  return p < 0 || at < 0 ? '' : ends.map((by) => brief(state.design[p][at] + by, 6)).join(' … ');
+  return p < 0 || at < 0 ? '' : ends.map((by) => brief(state.opened[p][at] + by, 6)).join(' … ');
 };
 const variableRow = (variable, k) => {
   const name = variableName(variable);
@@ -109,7 +111,7 @@ export const targetForms = () => {
   const { targets = [], variables = [] } = optimise();
   return [headed('Change targets', ['target', 'wanted', 'tolerance', 'weight', ''], targets.map(targetRow)),
     headed('Variables', ['variable', `lowest [${state.overview.unit}]`, `highest [${state.overview.unit}]`, 'coordinate', ''], variables.map(variableRow), variableAdder(),
-      html('p', { class: 'hint', text: 'Tune may move each point this far from where it is now: the ranges move along with an accepted proposal.' }))];
+      html('p', { class: 'hint', text: 'Ranges count from the design in the file, wherever the points are now. A saved design is the new origin.' }))];
 };
 // Forms of the Elastic parts tab: rates of bushings, links, springs and the anti-roll bar.
 const RATE_AXES = ['x', 'y', 'z', 'about x', 'about y', 'about z'];

@@ -430,6 +430,37 @@ fn a_tuning_is_that_of_optimise() {
     assert_eq!(served.post("progress", &json!({"job": 99})).status, 404);
 }
 
+/// Ranges count from the design in the file, wherever the page has moved its points, and a proposal names ranges that bind.
+#[test]
+fn ranges_count_from_the_file() {
+    let text = sample("macpherson_bump_steer.toml");
+    let served = Served::of(&text.replace("range = [-25.0, 25.0]", "range = [-5.0, 5.0]"));
+    let of = served.moved("tie_rod_inner", 2, -4.0);
+    let points = served.overview()["points"].clone();
+    let points = points.as_array().unwrap();
+    let inner = points
+        .iter()
+        .position(|point| point["name"] == "tie_rod_inner");
+    let locked = vec![[false; 3]; points.len()];
+    let begun = served.post("tune", &json!({"of": of, "locked": locked}));
+    let mut state = begun.json();
+    while state["done"] == false {
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        let asked = served.post("progress", &json!({"job": state["job"]}));
+        state = asked.json();
+    }
+    let proposal = &state["proposal"];
+    // The rack is too low by more than the range: the file has z = 228.
+    let z = proposal["design"][inner.unwrap()][2].as_f64().unwrap();
+    assert!((z - 233.0).abs() < 1e-6, "{z}");
+    let remarks = proposal["remarks"].to_string();
+    assert!(
+        remarks.contains("tie_rod_inner z is at the upper end of its range"),
+        "{remarks}"
+    );
+    assert!(remarks.contains("missed: toe_deg, by up to"), "{remarks}");
+}
+
 #[test]
 fn the_report_of_a_design_is_served() {
     for name in ["macpherson_solve.toml", "five_link_axle.toml"] {

@@ -125,12 +125,8 @@ impl TuningSummary {
         let missed = missed.map(|(_, output, by)| format!("missed: {output}, by up to {by}"));
         let at_bounds = self.variables.iter().filter_map(|variable| {
             let side = variable.at_bound.as_ref()?;
-            let [low, high] = variable.range.map(as_written);
             let name = format!("{} {}", variable.hardpoint, variable.axis);
-            Some(format!(
-                "{} is at the {side} end of its range ({low} .. {high})",
-                name.trim_end()
-            ))
+            Some(format!("{} is at the {side} end of its range", name.trim_end()))
         });
         ended.into_iter().chain(missed).chain(at_bounds).collect()
     }

@@ -126,7 +126,10 @@ impl TuningSummary {
         let at_bounds = self.variables.iter().filter_map(|variable| {
             let side = variable.at_bound.as_ref()?;
             let name = format!("{} {}", variable.hardpoint, variable.axis);
-            Some(format!("{} is at the {side} end of its range", name.trim_end()))
+            Some(format!(
+                "{} is at the {side} end of its range",
+                name.trim_end()
+            ))
         });
         ended.into_iter().chain(missed).chain(at_bounds).collect()
     }

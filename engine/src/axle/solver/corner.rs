@@ -1,0 +1,309 @@
+//! One wheel of the axle while it is solved.
+
+use super::*;
+
+/// One corner of the axle, ready to be solved.
+#[derive(Clone, Debug)]
+pub(super) struct Corner<'a, const N: usize> {
+    pub(super) mechanism: &'a Mechanism,
+    pub(super) solver: Solver<'a>,
+    /// Series of poses along the travel, for heights of contact points.
+    pub(super) slopes: DesignSeries<TERMS>,
+    pub(super) series: DesignSeries<N>,
+    /// 1, or -1 for the right wheel, in whose own frame the rack moves the other way. (The mean travel of a rigid axle takes
+    /// the rack's place and is the same at both wheels.)
+    pub(super) rack_sign: f64,
+    pub(super) toggles: Toggles,
+    /// Rack displacement, in this wheel's own frame, that `toggles` has begun with; `None` before the first.
+    pub(super) begun: Option<f64>,
+    /// Travels at which this design was found to end, per rack position.
+    pub(super) ends: Vec<End>,
+    pub(super) side: Side,
+    /// Points that are read with the wheel.
+    pub(super) points: Vec<PointId>,
+}
+
+/// The end of the travel at one rack displacement, both in the wheel's own frame. It is remembered because finding it
+/// takes as long as a hundred poses, and a search for a roll angle that does not exist comes there again and again.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct End {
+    pub(super) rack: f64,
+    pub(super) travel: f64,
+    pub(super) failure: Failure,
+}
+
+/// A wheel in a pose: its rate of motion by travel, and the height of its contact point over the origin.
+pub(super) struct WheelSeries {
+    pub(super) pose: Pose<Jet<f64, TERMS>>,
+    pub(super) height: Jet<f64, TERMS>,
+}
+
+impl WheelSeries {
+    pub(super) fn of(
+        at: &Configuration<Jet<f64, TERMS>>,
+        centre: PointId,
+        ground: Ground<f64>,
+        radius: f64,
+    ) -> Self {
+        let ground = ground.map(Jet::constant);
+        let contact = at.point(centre) + ground.contact_lever(at.spin_axis(), radius);
+        WheelSeries {
+            pose: at.pose,
+            height: ground.normal().dot(contact),
+        }
+    }
+
+    /// The pose a little further in travel.
+    pub(super) fn moved(&self, step: f64) -> Pose<f64> {
+        if step == 0.0 {
+            return self.pose.map(|c| c[0]);
+        }
+        let along = |c: Jet<f64, TERMS>| c[0] + step * (c[1] + step * (c[2] + step * c[3]));
+        let pose = self.pose.map(along);
+        Pose {
+            origin: pose.origin,
+            rotation: pose.rotation.orthonormalised(),
+        }
+    }
+}
+
+/// The change of half the difference of travels that puts two wheels at one height, by their series.
+pub(super) fn solve_level(left: &Jet<f64, TERMS>, right: &Jet<f64, TERMS>) -> f64 {
+    // The right wheel goes the other way.
+    let f = [0, 1, 2, 3].map(|k| match k % 2 {
+        0 => left[k] - right[k],
+        _ => left[k] + right[k],
+    });
+    let mut step = -f[0] / f[1];
+    for _ in 0..4 {
+        let value = f[0] + step * (f[1] + step * (f[2] + step * f[3]));
+        let slope = f[1] + step * (2.0 * f[2] + step * 3.0 * f[3]);
+        step -= value / slope;
+    }
+    step
+}
+
+impl<'a, const N: usize> Corner<'a, N> {
+    pub(super) fn new(
+        axle: &'a Axle,
+        side: Side,
+        parts: &Parts,
+        rockers: &[RockerId],
+    ) -> Result<Self, DesignFault> {
+        let suspension = axle.suspension(side);
+        let mechanism = &suspension.mechanism;
+        let design = &suspension.design;
+        Ok(Corner {
+            mechanism,
+            solver: Solver::new(mechanism, design)?,
+            slopes: DesignSeries::new(mechanism, design).with_steering_axis(false),
+            series: DesignSeries::new(mechanism, design)
+                .with_steering_axis(parts.contain_steering_axis()),
+            rack_sign: match &mechanism.rigid_axle {
+                Some(rigid) if rigid.held == AxleTravel::Mean => 1.0,
+                _ => side.sign(),
+            },
+            toggles: Toggles::of(mechanism, rockers.iter().copied()),
+            begun: None,
+            ends: Vec::new(),
+            side,
+            points: Vec::new(),
+        })
+    }
+
+    pub(super) fn prepare(&mut self, design: &[Vector3<f64>]) -> Result<(), DesignFault> {
+        self.solver.prepare(design)?;
+        self.slopes.prepare(self.mechanism, design);
+        self.series.prepare(self.mechanism, design);
+        self.begun = None;
+        self.ends.clear();
+        Ok(())
+    }
+
+    /// The failure of a travel beyond one that is known to be the end.
+    pub(super) fn beyond_an_end(&self, travel: f64, rack: f64) -> Option<Failure> {
+        let is_beyond =
+            |end: &&End| end.rack == rack && (travel - end.travel) * end.travel.signum() > 0.0;
+        let end = self.ends.iter().find(is_beyond)?;
+        Some(end.failure)
+    }
+
+    /// Makes ready to look for toggles at this rack displacement.
+    pub(super) fn begin(&mut self, rack: f64) -> Result<(), DesignFault> {
+        match self.begun == Some(rack) {
+            true => self.toggles.begin_again(),
+            false => {
+                self.toggles.begin(&mut self.solver, Drive::Travel, rack)?;
+                self.begun = Some(rack);
+            }
+        }
+        Ok(())
+    }
+
+    /// The failure of this wheel at a travel; of a rigid axle, whose mean travel is held, at its drive.
+    pub(super) fn fails(&self, travel: f64, failure: Failure) -> NoPose {
+        if self.mechanism.rigid_axle.is_some() {
+            return NoPose::RigidAxle {
+                difference: 2.0 * travel * self.side.sign(),
+                failure,
+                side: self.side,
+            };
+        }
+        NoPose::Wheel {
+            side: self.side,
+            travel,
+            failure,
+        }
+    }
+
+    /// The wheel in a pose, with the rack in the middle.
+    pub(super) fn configuration(&self, pose: Pose<f64>) -> Configuration<'_, f64> {
+        Configuration::new(self.mechanism, self.solver.design(), pose, 0.0)
+    }
+
+    /// Solves the pose at a travel and hands it to `read`.
+    pub(super) fn at<R>(
+        &mut self,
+        travel: f64,
+        rack: f64,
+        mut read: impl FnMut(&Solver, &DesignSeries<TERMS>, &Pose<f64>) -> Result<R, Failure>,
+    ) -> Result<R, NoPose> {
+        if let Some(failure) = self.beyond_an_end(travel, rack) {
+            return Err(self.fails(travel, failure));
+        }
+        let order = StationOrder::through(&[travel]);
+        let mut found = Err(Failure::Singular);
+        let Corner { solver, slopes, .. } = self;
+        let visited = solver.for_each_pose(Drive::Travel, &order, rack, |solver, _, pose| {
+            found = pose.and_then(|pose| read(solver, slopes, pose));
+            ControlFlow::Continue(())
+        });
+        // The design position was looked at when the solver was made.
+        let found = visited.map_err(|_| Failure::Singular).and(found);
+        if let Err(failure @ Failure::Unreachable { limit, .. }) = found {
+            self.ends.push(End {
+                rack,
+                travel: limit,
+                failure,
+            });
+        }
+        found.map_err(|failure| self.fails(travel, failure))
+    }
+
+    /// The wheel at a travel on this ground.
+    pub(super) fn height(
+        &mut self,
+        travel: f64,
+        rack: f64,
+        ground: Ground<f64>,
+        radius: f64,
+    ) -> Result<WheelSeries, NoPose> {
+        let rack = rack * self.rack_sign;
+        let motion = MotionPoint {
+            drive: Drive::Travel,
+            value: travel,
+            rack,
+        };
+        let centre = self.mechanism.wheel_centre;
+        self.at(travel, rack, |solver, slopes, pose| {
+            let at = solver.configuration_series(slopes, pose, &motion.along_drive())?;
+            Ok(WheelSeries::of(&at, centre, ground, radius))
+        })
+    }
+
+    /// The wheel at many travels, each on a ground of its own; `None` for a travel that it cannot reach.
+    pub(super) fn heights(
+        &mut self,
+        travels: &[f64],
+        rack: f64,
+        ground: impl Fn(usize) -> Ground<f64>,
+        radius: f64,
+    ) -> Vec<Option<WheelSeries>> {
+        let rack = rack * self.rack_sign;
+        let centre = self.mechanism.wheel_centre;
+        let mut found: Vec<_> = travels.iter().map(|_| None).collect();
+        let order = StationOrder::through(travels);
+        let Corner { solver, slopes, .. } = self;
+        // Stations that cannot be visited stay `None`.
+        let _ = solver.for_each_pose(Drive::Travel, &order, rack, |solver, station, pose| {
+            let motion = MotionPoint {
+                drive: Drive::Travel,
+                value: travels[station],
+                rack,
+            };
+            let at = pose
+                .and_then(|pose| solver.configuration_series(slopes, pose, &motion.along_drive()));
+            let standing = at.map(|at| WheelSeries::of(&at, centre, ground(station), radius));
+            found[station] = standing.ok();
+            ControlFlow::Continue(())
+        });
+        found
+    }
+
+    /// Reads a pose at a travel and a rack displacement, both in this wheel's own frame.
+    pub(super) fn read(
+        &self,
+        pose: &Pose<f64>,
+        travel: f64,
+        rack: f64,
+        (lines, parts): (&[Line], &Parts),
+    ) -> Result<WheelRead, Failure> {
+        let Corner {
+            solver,
+            series,
+            toggles,
+            points,
+            ..
+        } = self;
+        read_wheel(
+            solver,
+            series,
+            toggles,
+            pose,
+            (travel, rack),
+            (lines, parts, points),
+        )
+    }
+}
+
+/// Reads a pose of a wheel at a travel and a rack displacement, both in the wheel's own frame.
+pub(super) fn read_wheel<const N: usize>(
+    solver: &Solver,
+    series: &DesignSeries<N>,
+    toggles: &Toggles,
+    pose: &Pose<f64>,
+    (travel, rack): (f64, f64),
+    (lines, parts, points): (&[Line], &Parts, &[PointId]),
+) -> Result<WheelRead, Failure> {
+    let mut snapshots = [Snapshot::<N>::unknown(); 4];
+    // For every line, the series of each point along it.
+    let mut ways = Vec::new();
+    let (mut condition, mut toggle) = (0.0_f64, None);
+    for (number, line) in lines.iter().enumerate() {
+        let motion = along(line, travel, rack);
+        let (at, conditioning) = solver.conditioned_series(series, pose, &motion)?;
+        condition = condition.max(conditioning.number);
+        snapshots[number] = Snapshot::of(&at, parts);
+        ways.extend(points.iter().map(|id| at.point(*id)));
+        if number == 0 {
+            toggle = toggles.note(Some(solver), &at, travel);
+        }
+    }
+    Ok(WheelRead {
+        travel,
+        pose: *pose,
+        reading: Reading::of(&snapshots[..lines.len()]),
+        condition,
+        toggle,
+        points: (0..points.len())
+            .map(|point| {
+                let along = |axis: Axis| {
+                    let lines = ways.chunks_exact(points.len());
+                    let series: Vec<&[f64]> = lines.map(|way| &way[point][axis].0[..]).collect();
+                    Taylor::through(&series)
+                };
+                Vector3::from(Axis::ALL.map(along))
+            })
+            .collect(),
+    })
+}

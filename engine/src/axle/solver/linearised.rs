@@ -1,0 +1,105 @@
+//! Wheels of a position, ready for gradients by the hardpoints.
+
+use super::*;
+
+/// Both wheels of a position, ready for gradients of formulas by the hardpoints.
+pub(crate) struct LinearisedAxle<'s, const N: usize> {
+    /// For each wheel, the wheel along each line.
+    pub(super) wheels: [Vec<Linearised<'s, N>>; 2],
+    pub(super) snapshots: [Vec<Snapshot<N>>; 2],
+    pub(super) parts: Parts,
+}
+
+impl<const N: usize> LinearisedAxle<'_, N> {
+    /// Both wheels as inputs on the tape, each with the place of its first input. Series along several lines are combined on
+    /// the tape, so that the inputs of the right wheel do not follow at once.
+    pub(crate) fn on_tape<'t>(&self, tape: &'t Tape) -> [(Reading<Tracked<'t>>, usize); 2] {
+        self.snapshots.each_ref().each(|lines| {
+            let first = tape.len();
+            (Reading::on_tape(tape, lines, &self.parts), first)
+        })
+    }
+
+    /// Count of the inputs of each wheel.
+    pub(crate) fn inputs(&self) -> usize {
+        inputs_on_tape::<N>(&self.parts, self.wheels[0].len())
+    }
+
+    /// Working memory for [`LinearisedAxle::add_gradient`].
+    pub(crate) fn buffer(&self) -> Vec<Vector3<Jet<f64, N>>> {
+        let zero = Jet::constant(0.0);
+        let points = self.wheels[0][0].at.mechanism.points.len();
+        vec![Vector3::new(zero, zero, zero); points]
+    }
+
+    /// Adds the gradient by the hardpoints of a wheel, from the derivatives by its inputs.
+    pub(crate) fn add_gradient(
+        &self,
+        side: Side,
+        by: &[f64],
+        buffer: &mut [Vector3<Jet<f64, N>>],
+        gradient: &mut [Vector3<f64>],
+    ) {
+        let lines = &self.wheels[side as usize];
+        let per_line = self.inputs() / lines.len();
+        for (linearised, by) in lines.iter().zip(by.chunks(per_line)) {
+            add_gradient(linearised, &self.parts, by, buffer, gradient);
+        }
+    }
+}
+
+/// Linearises both wheels of a position along the lines that are read.
+pub(super) fn linearise<'s, const N: usize>(
+    corners: &'s [Corner<'_, N>; 2],
+    (lines, parts): (&[Line], Parts),
+    placed: &AxlePose,
+    coordinates: [(f64, f64); 2],
+) -> Result<LinearisedAxle<'s, N>, NoPose> {
+    let mut wheels = [Vec::new(), Vec::new()];
+    for (corner, linearised) in corners.iter().zip(&mut wheels) {
+        let pose = &placed.poses[corner.side as usize];
+        let (travel, rack) = coordinates[corner.side as usize];
+        for line in lines {
+            let motion = along::<N>(line, travel, rack);
+            let found = corner.solver.linearised(&corner.series, pose, &motion);
+            linearised.push(found.map_err(|failure| corner.fails(travel, failure))?);
+        }
+    }
+    let snapshots = wheels.each_ref().map(|of_wheel| {
+        let lines = of_wheel.iter();
+        lines
+            .map(|linearised| Snapshot::of(&linearised.at, &parts))
+            .collect::<Vec<_>>()
+    });
+    Ok(LinearisedAxle {
+        wheels,
+        snapshots,
+        parts,
+    })
+}
+
+/// The derivative of a sought number by the mean travel.
+pub(super) fn derivative_by_heave<const N: usize>(
+    state: &AxleState<'_, f64>,
+    linearised: &[Vec<Linearised<'_, N>>; 2],
+    sought: &Sought,
+) -> f64 {
+    match *sought {
+        Sought::Quantity(quantity) => quantity.evaluate(&state.moving(Motion::Heave))[1],
+        Sought::Point(side, id, axis) => {
+            let place = linearised[side as usize][0].at.point(id)[axis];
+            let by_travel = place.0.get(1).copied().unwrap_or(f64::NAN);
+            // Of a rigid axle the second line is that of the held travel.
+            let by_rack = match (state.carriers.is_rigid(), linearised[side as usize].get(1)) {
+                (false, _) => 0.0,
+                (true, None) => f64::NAN,
+                (true, Some(line)) => line.at.point(id)[axis]
+                    .0
+                    .get(1)
+                    .copied()
+                    .unwrap_or(f64::NAN),
+            };
+            state.along(Motion::Heave, side, [by_travel, by_rack])
+        }
+    }
+}

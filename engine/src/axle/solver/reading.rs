@@ -1,0 +1,202 @@
+//! Readings of a position: quantities and their gradients.
+
+use super::linearised::derivative_by_heave;
+use super::*;
+
+impl<'a, const N: usize> AxleSolver<'a, N> {
+    /// Reads a position.
+    pub fn read(&mut self, placed: &AxlePose) -> Result<Read<'a>, NoPose> {
+        let (lines, parts) = (self.lines, self.parts);
+        let coordinates = self.coordinates(placed.travels, placed.rack);
+        let mut wheel = |side: Side| {
+            let corner = &mut self.corners[side as usize];
+            let (travel, rack) = coordinates[side as usize];
+            let pose = &placed.poses[side as usize];
+            let found = corner.begin(rack).map_err(|_| Failure::Singular);
+            let found = found.and_then(|()| corner.read(pose, travel, rack, (lines, &parts)));
+            found.map_err(|failure| corner.fails(travel, failure))
+        };
+        let [left, right] = [wheel(Side::Left)?, wheel(Side::Right)?];
+        Ok(self.both([&left, &right], placed))
+    }
+
+    /// Reads one wheel at many travels and one rack displacement, outward from the design position, as the curves of a
+    /// single wheel are read.
+    pub fn wheel_curve(
+        &mut self,
+        side: Side,
+        travels: &[f64],
+        rack: f64,
+    ) -> Vec<Result<WheelRead, NoPose>> {
+        let (lines, parts) = (self.lines, self.parts);
+        let corner = &mut self.corners[side as usize];
+        let rack = rack * corner.rack_sign;
+        let fails = |travel: f64, failure| NoPose::Wheel {
+            side,
+            travel,
+            failure,
+        };
+        let unvisited = |travel: &f64| Err(fails(*travel, Failure::Singular));
+        let mut found: Vec<_> = travels.iter().map(unvisited).collect();
+        // The design position was checked when the solver was made; stations that cannot be visited keep their failure.
+        if corner.begin(rack).is_err() {
+            return found;
+        }
+        let Corner {
+            solver,
+            series,
+            toggles,
+            points,
+            ..
+        } = corner;
+        let order = StationOrder::through(travels);
+        let _ = solver.for_each_pose(Drive::Travel, &order, rack, |solver, station, pose| {
+            let travel = travels[station];
+            let at = (travel, rack);
+            let wheel = pose.and_then(|pose| {
+                read_wheel(solver, series, toggles, pose, at, (lines, &parts, points))
+            });
+            found[station] = wheel.map_err(|failure| fails(travel, failure));
+            ControlFlow::Continue(())
+        });
+        found
+    }
+
+    /// The position of two wheels that were read at their travels.
+    pub fn pair(
+        &self,
+        wheels: [&WheelRead; 2],
+        rack: f64,
+        on_plane: bool,
+    ) -> Result<(AxlePose, Read<'a>), NoPose> {
+        checkpoint();
+        let poses = wheels.each(|wheel| wheel.pose);
+        let (roll, hold) = match on_plane {
+            false => (0.0, Hold::TravelsOnPads),
+            true => (self.tilted(&poses)?, Hold::TravelsOnPlane),
+        };
+        let placed = AxlePose {
+            travels: wheels.each(|wheel| wheel.travel),
+            roll,
+            rack,
+            hold,
+            at_load: None,
+            poses,
+        };
+        Ok((placed, self.both(wheels, &placed)))
+    }
+
+    pub(super) fn both(&self, wheels: [&WheelRead; 2], placed: &AxlePose) -> Read<'a> {
+        let [left, right] = wheels;
+        Read {
+            state: self.state([left.reading, right.reading], placed),
+            condition: left.condition.max(right.condition),
+            toggles: [left.toggle, right.toggle],
+            points: [left.points.clone(), right.points.clone()],
+        }
+    }
+
+    pub(super) fn state<T: crate::number::Real>(
+        &self,
+        readings: [Reading<T>; 2],
+        placed: &AxlePose,
+    ) -> AxleState<'a, T> {
+        let like = readings[0].like();
+        AxleState {
+            readings,
+            ground: Ground::rolled(placed.roll).map(|c| like.constant(c)),
+            roll: like.constant(placed.roll),
+            hold: placed.hold,
+            carriers: Carriers::of(self.axle),
+            setup: self.setup,
+        }
+    }
+
+    /// The gradients of quantities in a position by every hardpoint coordinate of each side, in the frame of
+    /// that side. `receive` gets the number of the quantity and both gradients, by point.
+    ///
+    /// A gradient is NaN if its quantity needs terms that the series lack because `N` is too small.
+    pub fn gradients(
+        &mut self,
+        placed: &AxlePose,
+        quantities: &[Quantity],
+        mut receive: impl FnMut(usize, [&[Vector3<f64>]; 2]),
+    ) -> Result<(), NoPose> {
+        let sought: Vec<_> = quantities.iter().copied().map(Sought::Quantity).collect();
+        self.gradients_of(placed, &sought, &mut receive)
+    }
+
+    /// The gradients of quantities and of coordinates of points, the latter in the frame of their side.
+    pub(in crate::axle) fn gradients_of(
+        &mut self,
+        placed: &AxlePose,
+        sought: &[Sought],
+        receive: &mut ReceiveGradients<'_>,
+    ) -> Result<(), NoPose> {
+        let by_heave = match placed.at_load {
+            Some(level) => Some(self.loads()?.heave_by_design(level, placed)?),
+            None => None,
+        };
+        let (lines, parts) = (self.lines, self.parts);
+        let coordinates = self.coordinates(placed.travels, placed.rack);
+        let plain = self.read(placed)?.state;
+        let slopes = {
+            let [left, right] = plain.wheels().each(|wheel| wheel.rise());
+            [left + right, plain.track()]
+        };
+        let linearised = linearise(&self.corners, (lines, parts), placed, coordinates)?;
+        let inputs = linearised.inputs();
+        // The wheels stand on the tape once; every quantity follows them.
+        self.tape.clear();
+        let tape = &self.tape;
+        let [(left, of_left), (right, of_right)] = linearised.on_tape(tape);
+        let (readings, first) = ([left, right], [of_left, of_right]);
+        let state = self.state(readings, placed).settled(slopes);
+        let value = |sought: &Sought| match sought {
+            Sought::Quantity(quantity) => quantity.evaluate(&state),
+            // A point moves with its wheel's travel, which depends on the design if it follows from the ground.
+            Sought::Point(side, ..) => state.readings[*side as usize].travel(),
+        };
+        let values: Vec<_> = sought.iter().map(value).collect();
+        tape.gradients(&values, of_right + inputs, |number, by_numbers| {
+            let sought = &sought[number];
+            for side in Side::ALL {
+                let by = &by_numbers[first[side as usize]..][..inputs];
+                let gradient = &mut self.gradients[side as usize];
+                gradient.fill(Vector3::new(0.0, 0.0, 0.0));
+                linearised.add_gradient(side, by, &mut self.buffer, gradient);
+            }
+            if let Sought::Point(side, id, axis) = *sought {
+                let linearised = &linearised.wheels[side as usize][0];
+                let by_travel = linearised.at.point(id)[axis].0.get(1).copied();
+                for by in self.gradients.iter_mut().flatten() {
+                    // On pads no travel follows from the ground.
+                    *by = *by * by_travel.unwrap_or(0.0);
+                }
+                let zero = Vector3::new(0.0, 0.0, 0.0);
+                self.buffer.fill(zero.map(Jet::constant));
+                let along = Axis::ALL.each(|other| Jet::constant(f64::from(other == axis)));
+                linearised.gradient(&mut self.buffer, |sink| sink.point(id, along.into()));
+                let own = self.gradients[side as usize].iter_mut();
+                for (total, by) in own.zip(&self.buffer) {
+                    *total = *total + by.map(|c| c[0]);
+                }
+            }
+            if let Some(heaves) = &by_heave {
+                let along = derivative_by_heave(&plain, &linearised.wheels, sought);
+                for (gradient, heaves) in self.gradients.iter_mut().zip(heaves) {
+                    for (total, by) in gradient.iter_mut().zip(heaves) {
+                        *total = *total + *by * along;
+                    }
+                }
+            }
+            let rigid = self.axle.left.mechanism.rigid_axle.as_ref();
+            let [left, right] = &mut self.gradients;
+            if let Some(rigid) = rigid {
+                rigid.gather([left, right]);
+            }
+            receive(number, [left, right]);
+        });
+        Ok(())
+    }
+}

@@ -1,0 +1,262 @@
+//! Positions from roll angles, travels and heights.
+
+use super::corner::{WheelSeries, solve_level};
+use super::*;
+
+impl<const N: usize> AxleSolver<'_, N> {
+    /// Finds positions. Those in roll at one rack displacement are found together: each round solves the curves of both
+    /// wheels at the travels where the series of the round before put them.
+    pub fn place_all(&mut self, placements: &[Placement]) -> Vec<Result<AxlePose, NoPose>> {
+        let mut by_rack: Vec<(f64, Vec<usize>)> = Vec::new();
+        for (number, placement) in placements.iter().enumerate() {
+            if let Placement::Roll { heave, rack, .. } = *placement {
+                let (_, rack) = self.level(heave, rack);
+                match by_rack.iter_mut().find(|(known, _)| *known == rack) {
+                    Some((_, numbers)) => numbers.push(number),
+                    None => by_rack.push((rack, vec![number])),
+                }
+            }
+        }
+        let mut found: Vec<Option<AxlePose>> = vec![None; placements.len()];
+        for (rack, numbers) in by_rack {
+            self.roll_together(rack, &numbers, placements, &mut found);
+        }
+        let each = placements.iter().zip(found);
+        each.map(|(placement, found)| found.map_or_else(|| self.place_alone(placement), Ok))
+            .collect()
+    }
+
+    /// Finds a position.
+    pub fn place(&mut self, placement: &Placement) -> Result<AxlePose, NoPose> {
+        let mut found = self.place_all(std::slice::from_ref(placement));
+        found.swap_remove(0)
+    }
+
+    /// First guess for half the difference of the travels. It supposes that independent wheel centres move straight up, and
+    /// that those of a rigid axle move on a circle.
+    pub(super) fn straight_half(&self, roll: f64) -> f64 {
+        let level = Ground::level(0.0);
+        let half = |side: Side| {
+            let pose = self.corners[side as usize].solver.design_pose();
+            self.contact(side, &pose, level).y
+        };
+        let slope = match self.is_rigid() {
+            true => roll.sin(),
+            false => roll.tan(),
+        };
+        -0.5 * slope * (half(Side::Left) + half(Side::Right))
+    }
+
+    /// Finds those of the numbered placements, all in roll at one rack displacement, that take no more than a few
+    /// rounds.
+    pub(super) fn roll_together(
+        &mut self,
+        rack: f64,
+        numbers: &[usize],
+        placements: &[Placement],
+        found: &mut [Option<AxlePose>],
+    ) {
+        struct Open {
+            number: usize,
+            heave: f64,
+            /// Drive of both wheels at this heave and no roll.
+            level: f64,
+            roll: f64,
+            half: f64,
+        }
+        let radius = self.radius();
+        let is_rigid = self.is_rigid();
+        let size = self.corners[0].solver.size();
+        let open = numbers
+            .iter()
+            .filter_map(|number| match placements[*number] {
+                Placement::Roll { heave, roll, rack } => Some(Open {
+                    number: *number,
+                    heave,
+                    level: self.level(heave, rack).0,
+                    roll,
+                    half: self.straight_half(roll),
+                }),
+                _ => None,
+            });
+        let mut open: Vec<Open> = open.collect();
+        for _ in 0..MOST_ROUNDS {
+            if open.is_empty() {
+                return;
+            }
+            let travels = |sign: f64| -> Vec<f64> {
+                let travel = |at: &Open| at.level + sign * at.half;
+                open.iter().map(travel).collect()
+            };
+            let ground = |station: usize| Ground::rolled(open[station].roll);
+            let [left, right] = &mut self.corners;
+            let lefts = left.heights(&travels(1.0), rack, ground, radius);
+            let mirrored = |station: usize| ground(station).mirrored();
+            let rights = right.heights(&travels(-1.0), rack, mirrored, radius);
+            let mut still = Vec::new();
+            for (at, wheels) in open.iter().zip(lefts.into_iter().zip(rights)) {
+                let (Some(left), Some(right)) = wheels else {
+                    continue;
+                };
+                // Written so that NaN is left to be solved alone.
+                if !rise(is_rigid, [left.height[1], right.height[1]]) {
+                    continue;
+                }
+                let step = solve_level(&left.height, &right.height);
+                if step.abs() <= NEAR * size {
+                    let half = at.half + step;
+                    found[at.number] = Some(AxlePose {
+                        travels: [at.heave + half, at.heave - half],
+                        roll: at.roll,
+                        rack: placements[at.number].rack(),
+                        hold: Hold::MeanTravel,
+                        at_load: None,
+                        poses: [left.moved(step), right.moved(-step)],
+                    });
+                } else if step.is_finite() {
+                    still.push(Open {
+                        half: at.half + step,
+                        ..*at
+                    });
+                }
+            }
+            open = still;
+        }
+    }
+
+    /// Finds a position by itself.
+    pub(super) fn place_alone(&mut self, placement: &Placement) -> Result<AxlePose, NoPose> {
+        checkpoint();
+        let rack = placement.rack();
+        let (travels, poses, roll) = match *placement {
+            Placement::AtLoad { heave, roll, rack } => return self.at_load(heave, roll, rack),
+            Placement::Roll { heave, roll, .. } => {
+                let (travels, poses) = self.rolled(heave, roll, rack)?;
+                (travels, poses, roll)
+            }
+            Placement::Travels {
+                travels, on_plane, ..
+            } => {
+                let coordinates = self.coordinates(travels, rack);
+                let mut pose = |side: Side| {
+                    let corner = &mut self.corners[side as usize];
+                    let (drive, rack) = coordinates[side as usize];
+                    corner.at(drive, rack, |_, _, pose| Ok(*pose))
+                };
+                let poses = join_results(pose(Side::Left), pose(Side::Right))?;
+                let roll = match on_plane {
+                    false => 0.0,
+                    true => self.tilted(&poses)?,
+                };
+                (travels, poses, roll)
+            }
+        };
+        Ok(AxlePose {
+            travels,
+            roll,
+            rack,
+            hold: placement.hold(),
+            at_load: None,
+            poses,
+        })
+    }
+
+    /// Travels and poses at a roll angle.
+    pub(super) fn rolled(
+        &mut self,
+        heave: f64,
+        roll: f64,
+        rack: f64,
+    ) -> Result<([f64; 2], [Pose<f64>; 2]), NoPose> {
+        let ground = Ground::rolled(roll);
+        let radius = self.radius();
+        let is_rigid = self.is_rigid();
+        let size = self.corners[0].solver.size();
+        let mut half = self.straight_half(roll);
+        let (level, rack) = self.level(heave, rack);
+        // Where both wheels stood last, which a step may go back towards.
+        let mut reached = None;
+        let mut smallest = f64::INFINITY;
+        for _ in 0..MOST_STEPS {
+            let [left, right] = &mut self.corners;
+            let found = join_results(
+                left.height(level + half, rack, ground, radius),
+                right.height(level - half, rack, ground.mirrored(), radius),
+            );
+            // Where a wheel falls by its travel, both are beyond the position wanted. NaN falls.
+            let rises =
+                |l: &WheelSeries, r: &WheelSeries| rise(is_rigid, [l.height[1], r.height[1]]);
+            let found = found.and_then(|[l, r]| match rises(&l, &r) {
+                true => Ok((l, r)),
+                false => Err(NoPose::NoGround),
+            });
+            let (left_wheel, right_wheel) = match found {
+                Ok(found) => found,
+                // Half the way back to where both wheels could stand.
+                Err(failure) => {
+                    let back = reached.unwrap_or(0.0);
+                    if (half - back).abs() <= 1e-9 * size {
+                        return Err(failure);
+                    }
+                    half = 0.5 * (half + back);
+                    continue;
+                }
+            };
+            let (left, right) = (left_wheel.height, right_wheel.height);
+            let (mismatch, slope) = (left[0] - right[0], left[1] + right[1]);
+            let step = -mismatch / slope;
+            let is_rounding = step.abs() <= 4.0 * f64::EPSILON * size;
+            if is_rounding || step.abs() >= smallest && smallest <= 1e-9 * size {
+                let poses = [left_wheel.moved(0.0), right_wheel.moved(0.0)];
+                return Ok(([heave + half, heave - half], poses));
+            }
+            smallest = smallest.min(step.abs());
+            reached = Some(half);
+            half += step;
+        }
+        Err(NoPose::NoGround)
+    }
+
+    pub(super) fn contact(
+        &self,
+        side: Side,
+        pose: &Pose<f64>,
+        ground: Ground<f64>,
+    ) -> Vector3<f64> {
+        let corner = &self.corners[side as usize];
+        let at = corner.configuration(*pose);
+        at.point(corner.mechanism.wheel_centre)
+            + ground.contact_lever(at.spin_axis(), self.radius())
+    }
+
+    pub(super) fn track_of(&self, [left, right]: [&Pose<f64>; 2], ground: Ground<f64>) -> f64 {
+        let mirrored = ground.mirrored();
+        let left = self.contact(Side::Left, left, ground);
+        let right = self.contact(Side::Right, right, mirrored);
+        left.dot(ground.outboard()) + right.dot(mirrored.outboard())
+    }
+
+    /// The roll angle at which both wheels stand on a plane.
+    pub(super) fn tilted(&self, [left, right]: &[Pose<f64>; 2]) -> Result<f64, NoPose> {
+        // A rigid axle may stand upright, far from a level ground: it begins at the line through both wheel centres.
+        let mut roll = match self.is_rigid() {
+            false => 0.0_f64,
+            true => (right.origin.z - left.origin.z).atan2(left.origin.y + right.origin.y),
+        };
+        let mut smallest = f64::INFINITY;
+        for _ in 0..MOST_STEPS {
+            let ground = Ground::rolled(roll);
+            let mirrored = ground.mirrored();
+            let left_height = self.contact(Side::Left, left, ground).dot(ground.normal());
+            let right_height = self.contact(Side::Right, right, mirrored);
+            let right_height = right_height.dot(mirrored.normal());
+            let step = -(left_height - right_height) / self.track_of([left, right], ground);
+            if step.abs() <= 2.0 * f64::EPSILON || step.abs() >= smallest && smallest <= 1e-12 {
+                return Ok(roll);
+            }
+            smallest = smallest.min(step.abs());
+            roll += step;
+        }
+        Err(NoPose::NoGround)
+    }
+}

@@ -1,0 +1,231 @@
+//! `[[cases]]` and `[gg_map]`.
+
+use super::*;
+use crate::car::Setting;
+
+impl Resolver<'_> {
+    pub(super) fn cases(&mut self, car: &Car) -> Option<Vec<Case>> {
+        let mut rest = Case::at_rest("static");
+        rest.setting.elastic_tyres = car.tyres.is_some();
+        let mut cases = vec![rest];
+        let mut sound = true;
+        for written in &self.file.cases {
+            match self.case(car, written.get_ref()) {
+                Some(case) if cases.iter().any(|known| known.name == case.name) => {
+                    let place = written.get_ref().name.span();
+                    let message = format!("{:?} is the name of another case", case.name);
+                    self.problems.add(place, message);
+                    sound = false;
+                }
+                Some(case) => cases.push(case),
+                None => sound = false,
+            }
+        }
+        sound.then_some(cases)
+    }
+
+    fn case(&mut self, car: &Car, written: &car_file::Case) -> Option<Case> {
+        let name = written.name.get_ref();
+        let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+        if name.is_empty() || !name.chars().all(plain) || RESERVED.contains(&name.as_str()) {
+            let message = format!(
+                "expected a name of lower-case letters, digits and _, other than front, rear, left, right and static; found {name:?}"
+            );
+            return self.problems.refuse(written.name.span(), message);
+        }
+        let figure = |number: &Option<Number>| number.as_ref().map_or(0.0, |n| n.value);
+        let mut case = Case::at_rest(name);
+        (case.ax, case.ay) = (figure(&written.ax), figure(&written.ay));
+        case.az = figure(&written.az);
+        case.speed = figure(&written.speed);
+        case.yaw_acceleration = figure(&written.yaw_acceleration);
+        if let (Some(number), None) = (&written.yaw_acceleration, car.yaw_inertia) {
+            let message = "yaw_acceleration needs yaw_inertia in [car]";
+            return self.problems.refuse(number.span.clone(), message);
+        }
+        let side = self.frame().sign(Axis::Y);
+        case.racks = [
+            side * figure(&written.rack),
+            side * figure(&written.rack_rear),
+        ];
+        if let Some(angle) = &written.steering_wheel_angle {
+            if let Some(rack) = &written.rack {
+                let message = "steering_wheel_angle already gives the rack";
+                return self.problems.refuse(rack.span.clone(), message);
+            }
+            let Some(per_turn) = car.axles[0].setup.c_factor else {
+                let message =
+                    "steering_wheel_angle needs c_factor in [steering] of the front study";
+                return self.problems.refuse(angle.span.clone(), message);
+            };
+            case.racks[0] = per_turn * angle.value / 360.0;
+        }
+        case.setting = self.setting(car, written, case.ax)?;
+        let place = written.name.span();
+        self.share_is_given(car, case.setting.longitudinal, place)?;
+        Some(case)
+    }
+
+    /// Choices of a case with this longitudinal acceleration.
+    fn setting(&mut self, car: &Car, written: &car_file::Case, ax: f64) -> Option<Setting> {
+        let mut setting = Case::at_rest("").setting;
+        let kinds = [
+            ("brake", Longitudinal::Brake),
+            ("drive", Longitudinal::Drive),
+        ];
+        let default = match ax < 0.0 {
+            true => Longitudinal::Brake,
+            false => Longitudinal::Drive,
+        };
+        setting.longitudinal = choose_or(
+            &written.longitudinal,
+            default,
+            "longitudinal force",
+            &kinds,
+            self.problems,
+        )?;
+        setting.lateral_shares = lateral_shares(
+            &written.lateral_shares,
+            LateralShares::ByLoad,
+            self.problems,
+        )?;
+        if let Some(list) = &written.lateral_share_left {
+            let shares: Vec<f64> = list.get_ref().iter().map(|n| n.value).collect();
+            setting.lateral_shares = match (shares.as_slice(), &written.lateral_shares) {
+                ([front, rear], None) => LateralShares::Left([*front, *rear]),
+                _ => {
+                    let message = "expected two shares [front, rear] of the left wheels, without lateral_shares";
+                    return self.problems.refuse(list.span(), message);
+                }
+            };
+        }
+        let equal = LongitudinalShares::Equal;
+        setting.longitudinal_shares =
+            longitudinal_shares(&written.longitudinal_shares, equal, self.problems)?;
+        let axes = [("wheel", TyreAxes::Wheel), ("road", TyreAxes::Road)];
+        setting.tyre_axes = choose_or(
+            &written.tyre_axes,
+            TyreAxes::Wheel,
+            "tyre axes",
+            &axes,
+            self.problems,
+        )?;
+        let tyres = [("elastic", true), ("rigid", false)];
+        let default = car.tyres.is_some();
+        setting.elastic_tyres = choose_or(
+            &written.tyres,
+            default,
+            "kind of tyres",
+            &tyres,
+            self.problems,
+        )?;
+        if let (Some(text), true, None) = (&written.tyres, setting.elastic_tyres, car.tyres) {
+            let message = "elastic tyres need [tyre] rate in both axle studies";
+            return self.problems.refuse(text.span(), message);
+        }
+        Some(setting)
+    }
+
+    /// Refuses a case whose longitudinal forces have no share. A car at rest needs none.
+    fn share_is_given(
+        &mut self,
+        car: &Car,
+        longitudinal: Longitudinal,
+        place: std::ops::Range<usize>,
+    ) -> Option<()> {
+        let (share, key) = match longitudinal {
+            Longitudinal::Brake => (car.brake_share_front, "brake_share_front"),
+            Longitudinal::Drive => (car.drive_share_front, "drive_share_front"),
+        };
+        match share {
+            Some(_) => Some(()),
+            None => {
+                let message = format!("this case needs {key} in [car]");
+                let error = self.problems.add(place, message);
+                error.help(
+                    "drag and the drag of steered tyres take longitudinal force also at ax = 0",
+                );
+                None
+            }
+        }
+    }
+
+    pub(super) fn gg_map(&mut self, car: &Car) -> Option<Option<GgMap>> {
+        let file = self.file;
+        let Some(section) = &file.gg_map else {
+            return Some(None);
+        };
+        let written = section.get_ref();
+        let (ax, ay) = (&written.ax, &written.ay);
+        let count = [ax, ay].map(|range| *range.get_ref().steps.get_ref());
+        for (range, steps) in [ax, ay].into_iter().zip(count) {
+            if !(1..=MOST_STATES).contains(&steps) {
+                let message = format!("expected 1 to {MOST_STATES} steps, found {steps}");
+                return self.problems.refuse(range.get_ref().steps.span(), message);
+            }
+        }
+        if count[0] * count[1] > MOST_STATES {
+            let message = format!(
+                "at most {MOST_STATES} states, found {}",
+                count[0] * count[1]
+            );
+            return self.problems.refuse(section.span(), message);
+        }
+        let mut case = Case::at_rest("gg");
+        let figure = |number: &Option<Number>| number.as_ref().map_or(0.0, |n| n.value);
+        (case.az, case.speed) = (figure(&written.az), figure(&written.speed));
+        case.racks[0] = self.frame().sign(Axis::Y) * figure(&written.rack);
+        case.setting.elastic_tyres = car.tyres.is_some();
+        case.setting.lateral_shares = lateral_shares(
+            &written.lateral_shares,
+            LateralShares::ByLoad,
+            self.problems,
+        )?;
+        let by_load = LongitudinalShares::ByLoad;
+        case.setting.longitudinal_shares =
+            longitudinal_shares(&written.longitudinal_shares, by_load, self.problems)?;
+        let values = |range: &car_file::Steps, steps: i64| -> Vec<f64> {
+            let (from, to) = (range.from.value, range.to.value);
+            let last = (steps - 1).max(1) as f64;
+            (0..steps)
+                .map(|k| from + (to - from) * k as f64 / last)
+                .collect()
+        };
+        let (ax, ay) = (
+            values(ax.get_ref(), count[0]),
+            values(ay.get_ref(), count[1]),
+        );
+        let place = section.span();
+        if ax.iter().any(|ax| *ax < 0.0) {
+            self.share_is_given(car, Longitudinal::Brake, place.clone())?;
+        }
+        if ax.iter().any(|ax| *ax >= 0.0) {
+            self.share_is_given(car, Longitudinal::Drive, place)?;
+        }
+        Some(Some(GgMap { ax, ay, case }))
+    }
+}
+
+fn lateral_shares(
+    text: &Option<Text>,
+    default: LateralShares,
+    problems: &mut Problems,
+) -> Option<LateralShares> {
+    let names = [
+        ("by_load", LateralShares::ByLoad),
+        ("equal", LateralShares::Equal),
+    ];
+    choose_or(text, default, "shares", &names, problems)
+}
+
+fn longitudinal_shares(
+    text: &Option<Text>,
+    default: LongitudinalShares,
+    problems: &mut Problems,
+) -> Option<LongitudinalShares> {
+    let names = [
+        ("by_load", LongitudinalShares::ByLoad),
+        ("equal", LongitudinalShares::Equal),
+    ];
+    choose_or(text, default, "shares", &names, problems)
+}

@@ -1,0 +1,183 @@
+//! Requests to the evaluators: for one wheel, elastic parts and an axle.
+
+use super::*;
+
+/// Request of a sweep, the derivatives of each column in the design position, and the wanted values of each target.
+pub(super) type Planned<'s> = (Request<'s>, Vec<Vec<Gain>>, Vec<Vec<SweptWish>>);
+
+/// Plans the sweep of a corner with the targets' wanted values.
+pub(super) fn of_corner<'s>(
+    suspension: &'s Suspension,
+    plan: &Plan,
+    stations: Stations,
+    swept: &[Target],
+    wanted: &[Vec<Sample>],
+) -> Planned<'s> {
+    let quantities: Vec<Quantity> = plan.outputs.iter().map(|o| o.quantity).collect();
+    let columns = Column::all(plan, suspension.length_unit);
+    let (values, slopes): (Vec<_>, Vec<_>) = columns.into_iter().partition(|c| c.order == 0);
+    let gain = |(slope, gain): (usize, Column)| {
+        let own = Gain {
+            column: with_unit(format!("{}_gain", gain.output), &gain.unit),
+            factor: gain.factor(),
+            unit: gain.unit,
+            slope,
+        };
+        match quantities[slope].is_gain() {
+            true => Vec::new(),
+            false => vec![own],
+        }
+    };
+    let gains: Vec<Vec<Gain>> = slopes.into_iter().enumerate().map(gain).collect();
+    let wishes = swept.iter().zip(wanted).map(|(target, wanted)| {
+        let measure = target.of.of_wheel().and_then(|of| of.quantity());
+        let quantity = quantities.iter().position(|q| measure == Some(*q));
+        let quantity = quantity.expect("the plan has the targets' characteristics");
+        let wish = |wanted: &Sample| {
+            let station = stations.at(wanted.drive);
+            SweptWish {
+                quantity,
+                station: station.expect("a station for each drive value"),
+                wanted: *wanted,
+            }
+        };
+        wanted.iter().map(wish).collect()
+    });
+    let wishes = wishes.collect();
+    let request = Request::of_corner(Cow::Borrowed(suspension), stations, quantities, values);
+    (request.with_slopes(|k| !gains[k].is_empty()), gains, wishes)
+}
+
+/// Plans the sweep of a wheel with elastic parts: characteristics over the motion, figures in the design position.
+pub(super) fn of_elastic<'s>(
+    own: &WheelStudy,
+    elastic: &ComplianceStudy,
+    plan: &Plan,
+    stations: Stations,
+    swept: &[Target],
+    wanted: &[Vec<Sample>],
+    rates: Vec<Parameter>,
+) -> Planned<'s> {
+    let length = own.suspension.length_unit;
+    let (mut reads, mut columns, mut gains) = (Vec::new(), Vec::new(), Vec::new());
+    let (values, slopes): (Vec<_>, Vec<_>) = Column::all(plan, length)
+        .into_iter()
+        .partition(|column| column.order == 0);
+    for (slope, (column, gain)) in values.into_iter().zip(slopes).enumerate() {
+        let Quantity::Characteristic(of) = plan.outputs[slope].quantity else {
+            continue;
+        };
+        let has_gain = !of.info().reads_rates();
+        reads.push(ElasticRead {
+            value: KcValue::Wheel(of),
+            slope: has_gain.then_some(KcValue::WheelRate(of)),
+        });
+        let own = has_gain.then(|| Gain {
+            column: with_unit(format!("{}_gain", gain.output), &gain.unit),
+            factor: gain.factor(),
+            unit: gain.unit.clone(),
+            slope,
+        });
+        gains.push(own.into_iter().collect());
+        columns.push(column);
+    }
+    for figure in &plan.figures {
+        reads.push(ElasticRead {
+            value: figure.value,
+            slope: None,
+        });
+        gains.push(Vec::new());
+        columns.push(figure.as_column(length));
+    }
+    let wish = |target: &Target, wanted: &Sample| {
+        let TargetKind::Elastic(value) = target.of.kind else {
+            unreachable!("a target of a study with elastic parts");
+        };
+        let quantity = reads.iter().position(|read| read.value == value);
+        SweptWish {
+            quantity: quantity.expect("the plan has the targets' quantities"),
+            station: stations
+                .at(wanted.drive)
+                .expect("a station for each drive value"),
+            wanted: *wanted,
+        }
+    };
+    let wishes: Vec<Vec<SweptWish>> = swept
+        .iter()
+        .zip(wanted)
+        .map(|(target, wanted)| wanted.iter().map(|w| wish(target, w)).collect())
+        .collect();
+    let further: Vec<[usize; 2]> = wishes
+        .iter()
+        .flatten()
+        .map(|w| [w.quantity, w.station])
+        .collect();
+    let quantities = ElasticQuantities::of(own, elastic, &stations, reads, &further, rates);
+    (
+        Request::of_elastic(quantities, stations, columns),
+        gains,
+        wishes,
+    )
+}
+
+/// Returns true if a quantity of an axle is a figure of a test.
+pub(super) fn is_figure(quantity: &crate::axle::Quantity) -> bool {
+    matches!(quantity, crate::axle::Quantity::Figure(_))
+}
+
+/// Plans the sweep of an axle with the targets' wanted values.
+pub(super) fn of_axle<'s>(
+    both: &'s AxleStudy,
+    mut plan: AxlePlan,
+    samples: &[Vec<AxleSample>],
+    rates: Vec<AxleParameter>,
+) -> Planned<'s> {
+    // Figures of tests follow, since they are of the design position alone.
+    plan.quantities.sort_by_key(is_figure);
+    let further = samples.iter().flatten().map(|sample| sample.placement);
+    let mut stations = AxleStations::of(Cow::Borrowed(&both.axle), &plan, further);
+    let mut gains = vec![Vec::new(); stations.quantities.len()];
+    for (slope, gain) in stations.gains.iter().enumerate() {
+        let same = |q: &crate::axle::Quantity| Some(*q) == gain.quantity();
+        let of = stations.quantities.iter().position(same);
+        gains[of.expect("a gain of what is read")].push(Gain {
+            column: gain.name.clone(),
+            unit: gain.unit.clone(),
+            factor: gain.factor,
+            slope,
+        });
+    }
+    let wish = |sample: &AxleSample| {
+        let [quantity, station] = stations.place(sample.quantity, sample.placement);
+        SweptWish {
+            quantity,
+            station,
+            wanted: sample.wanted,
+        }
+    };
+    let wishes = samples.iter().map(|own| own.iter().map(wish).collect());
+    let wishes: Vec<Vec<SweptWish>> = wishes.collect();
+    if both.axle.elastic.is_some() {
+        let wanted = wishes.iter().flatten();
+        let further = wanted.map(|w| [w.quantity, w.station]).collect();
+        stations.elastic = Some(ElasticAxleParts { rates, further });
+    }
+    (Request::of_axle(stations), gains, wishes)
+}
+
+/// The outputs of a study and its targets, each with its first derivative by the drive.
+pub(super) fn with_gains(own: &WheelStudy, optimise: Option<&Optimise>) -> Plan {
+    let plan = Plan::with_targets(own, optimise);
+    let outputs = plan.outputs.iter().filter(|o| !o.quantity.is_rate());
+    Plan {
+        time: None,
+        loads: Vec::new(),
+        outputs: outputs
+            .map(|o| Output {
+                highest: 1,
+                ..o.clone()
+            })
+            .collect(),
+        ..plan
+    }
+}

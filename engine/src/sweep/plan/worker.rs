@@ -1,0 +1,87 @@
+//! Worker of one thread: blocks of designs, and their rows.
+
+use super::*;
+
+/// Turns blocks of designs into rows. One for each thread.
+pub struct Worker<'p> {
+    pub(super) plan: &'p SweepPlan<'p>,
+    pub(super) evaluator: Evaluator<'p>,
+    pub(super) block: Block,
+    pub(super) designs: Vec<Vector3<f64>>,
+    /// Varied rates of elastic parts, design after design.
+    pub(super) rates: Vec<f64>,
+    pub(super) rows: Rows,
+}
+
+impl Worker<'_> {
+    /// The rows of a block of the sweep.
+    pub fn rows(&mut self, block: u64) -> &Rows {
+        let SweepPlan {
+            record,
+            samples,
+            study,
+            ..
+        } = self.plan;
+        let Suspension { design, frame, .. } = study.wheel();
+        let range = record.designs_of(block);
+        let (count, width) = ((range.end - range.start) as usize, record.variables.len());
+        let rows = &mut self.rows;
+        self.rates.clear();
+        rows.first = range.start;
+        rows.variables.resize(count * width, 0.0);
+        self.designs
+            .resize(count * design.len(), Vector3::default());
+        for ((number, values), moved) in range
+            .zip(rows.variables.chunks_exact_mut(width))
+            .zip(self.designs.chunks_exact_mut(design.len()))
+        {
+            samples.values(number, values);
+            samples.place(values, frame, design, moved);
+            samples.append_rates(values, &mut self.rates);
+            for value in values {
+                *value += 0.0;
+            }
+        }
+        self.evaluate();
+        &self.rows
+    }
+
+    /// The designs of the last block that were left to be solved one by one, by rising number.
+    pub fn one_by_one(&self) -> &[usize] {
+        self.evaluator.one_by_one()
+    }
+
+    /// Reason why no design is solved in SIMD lanes; `None` if lanes are in use.
+    pub fn not_in_lanes(&self) -> Option<NotInLanes> {
+        self.evaluator.not_in_lanes()
+    }
+
+    /// Values behind the most recent rows.
+    pub fn block(&self) -> &Block {
+        &self.block
+    }
+
+    /// Evaluates the designs and fills in their rows.
+    fn evaluate(&mut self) {
+        let (plan, rows) = (self.plan, &mut self.rows);
+        self.evaluator.set_rates(&self.rates);
+        self.evaluator.evaluate(&self.designs, &mut self.block);
+        let width = plan.record.outputs.len();
+        rows.outputs.resize(self.block.designs() * width, f64::NAN);
+        for (k, outputs) in rows.outputs.chunks_exact_mut(width).enumerate() {
+            plan.summarise(&self.block, k, outputs);
+        }
+        plan.failing(&self.block, &mut rows.failing);
+    }
+
+    /// The outputs of one design.
+    pub(super) fn row_of(&mut self, design: &[Vector3<f64>]) -> Vec<f64> {
+        self.designs.clear();
+        self.designs.extend_from_slice(design);
+        self.rates.clear();
+        let rates = self.plan.samples.rates().map(|rate| rate.design);
+        self.rates.extend(rates);
+        self.evaluate();
+        self.rows.outputs.clone()
+    }
+}

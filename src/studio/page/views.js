@@ -231,11 +231,13 @@ class View extends MechanismView {
       const step = now.altKey ? state.step / 100 : state.step;
       const to = way.map((by, k) => (Math.abs(by) < 1e-12 ? start[point][k] : snapped(start[point][k] + by, step)));
       moveTo(start, point, to);
+      this.tell(point, start[point]);
       if (now.type === 'pointermove') ask(now);
     };
     const end = (now) => {
       for (const name of ['pointermove', 'pointerup', 'pointercancel']) target.removeEventListener(name, handlers[name]);
       this.svg.classList.remove('dragging');
+      this.tell(point, null);
       if (now.type === 'pointercancel') { state.design = start; emit('design'); }
       const isClick = now.type === 'pointerup' && Math.hypot(now.clientX - from[0], now.clientY - from[1]) < 3;
       if (isClick && stack.length > 1) {
@@ -248,6 +250,16 @@ class View extends MechanismView {
     };
     const handlers = { pointermove: move, pointerup: end, pointercancel: end };
     for (const [name, handler] of Object.entries(handlers)) target.addEventListener(name, handler);
+  }
+
+  // The name of a point with its moved coordinates while it is dragged; the name alone without a start.
+  tell(point, start) {
+    const { name } = state.overview.points[point];
+    const moved = (start ?? []).flatMap((was, k) => {
+      const is = state.design[point][k];
+      return is === was ? [] : [`${AXES[k]} ${brief(is)} (${signed(is - was)})`];
+    });
+    this.words[point].textContent = [name, ...moved].join('  ');
   }
 
   key(event, point) {

@@ -79,7 +79,7 @@ class Chart {
     this.unit = html('span', { class: 'unit' });
     this.value = html('output');
     this.range = html('small');
-    this.svg = svg('svg', { class: 'chart', role: 'img' });
+    this.svg = svg('svg', { class: 'chart', role: 'group' });
     const id = `clip-${clips += 1}`;
     this.clip = svg('rect', { x: MARGIN.left, y: MARGIN.top });
     this.svg.append(svg('clipPath', { id }, this.clip));

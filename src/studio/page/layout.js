@@ -12,16 +12,18 @@ const limits = {
 const sizes = {};
 const store = () => { try { localStorage.setItem(STORED, JSON.stringify(sizes)); } catch { /* no storage */ } };
 const within = (value, [low, high]) => Math.max(low, Math.min(high, value));
-const put = (name, value) => {
-  const ends = limits[name]();
-  sizes[name] = Math.round(within(value, ends));
-  document.documentElement.style.setProperty(`--${name}`, `${sizes[name]}px`);
-  const bar = byId(`${name}-bar`);
-  bar.setAttribute('aria-valuenow', String(sizes[name]));
-  bar.setAttribute('aria-valuemin', String(Math.round(ends[0])));
-  bar.setAttribute('aria-valuemax', String(Math.round(ends[1])));
-};
 const measured = { split: () => byId('stage').offsetWidth, drawer: () => byId('drawer').offsetHeight };
+// Tells a screen reader where a splitter is.
+const tellSize = (name, size) => {
+  const bar = byId(`${name}-bar`);
+  const [low, high] = limits[name]().map(Math.round);
+  for (const [what, value] of [['now', size], ['min', low], ['max', high]]) bar.setAttribute(`aria-value${what}`, String(value));
+};
+const put = (name, value) => {
+  sizes[name] = Math.round(within(value, limits[name]()));
+  document.documentElement.style.setProperty(`--${name}`, `${sizes[name]}px`);
+  tellSize(name, sizes[name]);
+};
 
 // A splitter: dragged, moved by arrow keys, and put back by a double click or Home.
 const splitter = (name, along, sign, keys) => {
@@ -99,6 +101,7 @@ export const startLayout = () => {
   } catch { /* no storage */ }
   addEventListener('resize', () => { for (const name of Object.keys(sizes)) put(name, sizes[name]); });
   openTab('points');
+  for (const name of Object.keys(limits)) tellSize(name, measured[name]());
   if (isStacked()) {
     byId('drawer').classList.remove('open');
     byId('fold').setAttribute('aria-expanded', 'false');

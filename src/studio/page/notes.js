@@ -17,7 +17,7 @@ const table = (head, body) => html('table', {}, html('thead', {}, html('tr', {},
 let chips = new Map();
 const buildChips = () => {
   const { tunes, has_constraints: hasConstraints } = state.overview;
-  const names = [...(tunes ? [['misfit', 'Misfit', 'targets'], ['met', 'Within tolerance', 'targets']] : []),
+  const names = [...(tunes ? [['misfit', 'Misfit', 'targets'], ['met', 'Targets met', 'targets']] : []),
     ...(hasConstraints ? [['constraints', 'Constraints', 'constraints']] : []), ['solved', 'Solved', 'warnings'], ['warnings', 'Warnings', 'warnings']];
   chips = new Map(names.map(([key, name, place]) => {
     const [value, note] = [html('b'), html('small')];

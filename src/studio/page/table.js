@@ -73,7 +73,7 @@ const cell = (p, axis) => {
 
 const build = () => {
   const { points, unit } = state.overview;
-  const head = html('tr', {}, html('th', { text: 'point' }), ...AXES.map((a) => html('th', { class: 'number', text: `${a} [${unit}]` })), html('th', { class: 'number', text: 'moved' }), html('th'));
+  const head = html('tr', {}, html('th', { text: 'point' }), ...AXES.map((a) => html('th', { class: 'number', text: `${a} [${unit}]` })), html('th', { class: 'number', text: 'moved' }), html('td'));
   rows = points.map(({ name, about }, p) => {
     const cells = AXES.map((_, axis) => cell(p, axis));
     const moved = html('td', { class: 'number moved' });

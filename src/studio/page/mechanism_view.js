@@ -168,7 +168,7 @@ export class MechanismView {
         p[axis] = tick;
         const [x, y] = this.project(p);
         grid.append(svg('path', { class: tick === 0 ? 'zero' : null, d: vertical ? `M${x.toFixed(1)} 0V${this.height}` : `M0 ${y.toFixed(1)}H${this.width}` }));
-        if (vertical ? x > 34 && x < this.width - 36 : y > 30 && y < this.height - 34) {
+        if (vertical ? x > 48 && x < this.width - 48 : y > 30 && y < this.height - 34) {
           grid.append(svg('text', vertical ? { x: x.toFixed(1), y: this.height - 5, 'text-anchor': 'middle', text: brief(tick) } : { x: 4, y: (y - 3).toFixed(1), text: brief(tick) }));
         }
       }

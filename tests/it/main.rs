@@ -43,3 +43,4 @@ mod sweep;
 mod terminal;
 mod topologies;
 mod tuning;
+mod units;

@@ -59,7 +59,7 @@ struct Attitude<'a> {
 }
 
 impl Attitude<'_> {
-    /// A vector of a side's own frame (that of the right wheel is the mirror image), turned with the body.
+    /// Turns a vector with the body. The vector is given in the frame of its side; the right frame mirrors the left.
     fn turned(&self, side: Side, v: Vector3<f64>) -> Vector3<f64> {
         let y = match side {
             Side::Left => v.y,

@@ -94,7 +94,7 @@ impl Moves {
     /// Program units in one unit of the study: newtons in a pound-force, kilograms in a pound.
     fn written_unit(&self, car: &Car) -> f64 {
         match self {
-            Moves::Rate { .. } => car.length_unit.newtons(),
+            Moves::Rate { parameter, .. } => parameter.unit(car).1,
             Moves::Body(BodyParameter::Mass) => car.mass_unit.kilograms(),
             Moves::Hardpoints(_) | Moves::Body(_) | Moves::Wheelbase => 1.0,
         }
@@ -213,15 +213,10 @@ impl Moves {
 
     /// Unit; empty for a share.
     pub fn unit(&self, car: &Car) -> String {
-        let (length, force) = (car.length_unit.symbol(), car.length_unit.force_symbol());
+        let length = car.length_unit.symbol();
         match self {
             Moves::Hardpoints(_) | Moves::Wheelbase => length.to_owned(),
-            Moves::Rate { parameter, .. } => match parameter {
-                AxleParameter::BarRate | AxleParameter::TBarRate | AxleParameter::HeaveBarRate => {
-                    format!("{force}_{length}_per_rad")
-                }
-                _ => format!("{force}_per_{length}"),
-            },
+            Moves::Rate { parameter, .. } => parameter.unit(car).0,
             Moves::Body(BodyParameter::Mass) => car.mass_unit.symbol().to_owned(),
             Moves::Body(parameter) if Moves::axis(*parameter).is_some() => length.to_owned(),
             Moves::Body(_) => String::new(),

@@ -111,6 +111,33 @@ impl AxleParameter {
             _ => true,
         }
     }
+
+    /// Unit in which the study writes the parameter, and the program's units in it. The program counts in newtons, kilograms
+    /// and the study's unit of length.
+    pub fn unit(self, car: &Car) -> (String, f64) {
+        let (length, force) = (car.length_unit.symbol(), car.length_unit.force_symbol());
+        let newtons = car.length_unit.newtons();
+        match self {
+            AxleParameter::SpringRate
+            | AxleParameter::HeaveSpringRate
+            | AxleParameter::TyreRate => (format!("{force}_per_{length}"), newtons),
+            AxleParameter::BarRate | AxleParameter::TBarRate | AxleParameter::HeaveBarRate => {
+                (format!("{force}_{length}_per_rad"), newtons)
+            }
+            AxleParameter::SpringForce | AxleParameter::HeaveSpringForce => {
+                (force.to_owned(), newtons)
+            }
+            AxleParameter::HeaveBarTorque => (format!("{force}_{length}"), newtons),
+            AxleParameter::UnsprungMass => {
+                (car.mass_unit.symbol().to_owned(), car.mass_unit.kilograms())
+            }
+            AxleParameter::Radius
+            | AxleParameter::OffsetX
+            | AxleParameter::OffsetY
+            | AxleParameter::OffsetZ
+            | AxleParameter::Rack => (length.to_owned(), 1.0),
+        }
+    }
 }
 
 /// A parameter.

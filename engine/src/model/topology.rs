@@ -226,7 +226,7 @@ impl Topology {
         self.name == twist_beam::TWIST_BEAM.name
     }
 
-    /// Hardpoints and those of its groups.
+    /// Own hardpoints, then the hardpoints of the groups.
     pub fn all_hardpoints(&self) -> impl Iterator<Item = &'static Hardpoint> {
         let further = self.groups.iter().flat_map(|group| group.hardpoints);
         self.hardpoints.iter().chain(further)

@@ -38,8 +38,8 @@ pub fn side_effects_of_car(before: &CarStudy, after: &CarStudy) -> Result<Vec<Si
     let Some(optimise) = asked.filter(|optimise| optimise.side_effects) else {
         return Ok(Vec::new());
     };
-    let cases = [before, after].map(|study| observe(study, &quantities(before), optimise));
-    let [from, to] = cases;
+    let compared = quantities(before);
+    let [from, to] = [before, after].map(|study| observe(study, &compared, optimise));
     let mut found = compare(&from?, &to?, &RequestedChanges::default());
     for end in AxleEnd::ALL {
         let axles = [before, after].map(|study| &study.car.axles[end as usize]);

@@ -112,7 +112,7 @@ impl Optimise {
 pub struct Variable {
     /// The names of the hardpoints, as in `lower_arm_front+lower_arm_rear`.
     pub name: String,
-    /// The coordinates it moves, along one axis or those of a direction; none for a turn.
+    /// Coordinates that the variable moves: one axis, or all axes of a direction. A turn has none.
     pub moves: Vec<Move>,
     /// The points it turns; the variable then is one of the three components of a rotation vector in degrees.
     pub turn: Option<Turn>,

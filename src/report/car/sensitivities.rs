@@ -81,36 +81,30 @@ impl<'s> CarResults<'s> {
                     );
                 }
             }
-            let force = car.length_unit.force_symbol();
-            let rate = format!("{force}_per_{length}");
-            let torque = format!("{force}_{length}_per_rad");
-            let moment = format!("{force}_{length}");
-            for (parameter, unit) in [
-                (AxleParameter::SpringRate, rate.as_str()),
-                (AxleParameter::SpringForce, force),
-                (AxleParameter::BarRate, torque.as_str()),
-                (AxleParameter::HeaveSpringRate, rate.as_str()),
-                (AxleParameter::HeaveSpringForce, force),
-                (AxleParameter::TBarRate, torque.as_str()),
-                (AxleParameter::HeaveBarRate, torque.as_str()),
-                (AxleParameter::HeaveBarTorque, moment.as_str()),
-                (AxleParameter::Rack, length),
-                (AxleParameter::TyreRate, rate.as_str()),
-                (AxleParameter::Radius, length),
-                (AxleParameter::UnsprungMass, mass.symbol()),
+            for parameter in [
+                AxleParameter::SpringRate,
+                AxleParameter::SpringForce,
+                AxleParameter::BarRate,
+                AxleParameter::HeaveSpringRate,
+                AxleParameter::HeaveSpringForce,
+                AxleParameter::TBarRate,
+                AxleParameter::HeaveBarRate,
+                AxleParameter::HeaveBarTorque,
+                AxleParameter::Rack,
+                AxleParameter::TyreRate,
+                AxleParameter::Radius,
+                AxleParameter::UnsprungMass,
             ] {
                 if !parameter.is_of(&car.axles[number]) {
                     continue;
                 }
-                // Program units in one unit of the study, with the sign of its axis.
-                let factor = match parameter {
+                let (unit, factor) = parameter.unit(car);
+                let sign = match parameter {
                     AxleParameter::Rack => axle.frame.sign(Axis::Y),
-                    AxleParameter::Radius => 1.0,
-                    AxleParameter::UnsprungMass => mass.kilograms(),
-                    _ => car.length_unit.newtons(),
+                    _ => 1.0,
                 };
-                let by = factor * gradient.parameters[Parameter::Axle(number, parameter).place()];
-                push(end, rate_key(parameter), "", by, unit);
+                let by = gradient.parameters[Parameter::Axle(number, parameter).place()];
+                push(end, rate_key(parameter), "", sign * factor * by, &unit);
             }
         }
         let frame = self.study.frame();

@@ -8,10 +8,10 @@ const LONGEST: usize = 14;
 /// Height of a label.
 pub(super) const LABEL: f64 = 13.0;
 
-/// A label of at most [`LONGEST`] letters.
-fn shortened(label: &str) -> String {
-    match label.chars().count() > LONGEST {
-        true => label.chars().take(LONGEST - 1).chain(['…']).collect(),
+/// A text of at most `longest` letters.
+pub(in crate::report) fn shortened(label: &str, longest: usize) -> String {
+    match label.chars().count() > longest {
+        true => label.chars().take(longest - 1).chain(['…']).collect(),
         false => label.to_owned(),
     }
 }
@@ -29,7 +29,7 @@ pub(super) fn short_labels(lines: &[Line]) -> Vec<Option<String>> {
 pub(in crate::report) fn told_apart(names: &[&str]) -> Vec<String> {
     let clash = names.iter().enumerate().any(|(k, a)| {
         let mut before = names[..k].iter();
-        before.any(|b| a != b && shortened(a) == shortened(b))
+        before.any(|b| a != b && shortened(a, LONGEST) == shortened(b, LONGEST))
     });
     let common = |a: &str, b: &str| {
         let same = a.char_indices().zip(b.chars());
@@ -42,8 +42,8 @@ pub(in crate::report) fn told_apart(names: &[&str]) -> Vec<String> {
     let shared = &first[..shared.filter(|_| clash).unwrap_or(0)];
     let start = shared.rfind([' ', '_', '-', ',']).map_or(0, |at| at + 1);
     let short = |name: &&str| match start {
-        0 => shortened(name),
-        start => shortened(&format!("…{}", &name[start..])),
+        0 => shortened(name, LONGEST),
+        start => shortened(&format!("…{}", &name[start..]), LONGEST),
     };
     names.iter().map(short).collect()
 }

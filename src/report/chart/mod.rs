@@ -18,7 +18,7 @@ mod scale;
 mod style;
 mod wanted;
 
-pub(super) use labels::told_apart;
+pub(super) use labels::{shortened, told_apart};
 pub(super) use layout::{AxisLayout, Layout, SIZE};
 pub(super) use lettering::Lettering;
 pub(super) use of_run::{

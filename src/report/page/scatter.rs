@@ -2,6 +2,7 @@
 
 use super::escape::html;
 use crate::report::bands::BandRecord;
+use crate::report::chart::shortened;
 use crate::report::figure::brief;
 use crate::report::tolerance_summary::{
     HistogramRecord, RankingRecord, ToleranceSummary, ValueRecord,
@@ -151,8 +152,8 @@ fn fitting(name: &str) -> String {
     if name.chars().count() <= LETTERS {
         return html(name);
     }
-    let start: String = name.chars().take(LETTERS - 1).collect();
-    format!("{}…<title>{}</title>", html(&start), html(name))
+    let start = shortened(name, LETTERS);
+    format!("{}<title>{}</title>", html(&start), html(name))
 }
 
 /// Bars of a histogram on the line `base`, the largest as high as there is room.

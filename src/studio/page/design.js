@@ -39,6 +39,8 @@ export const emit = (event, detail) => {
 
 export const copy = (design) => design.map((point) => [...point]);
 export const isSame = (a, b) => a.length === b.length && a.every((p, i) => p.every((c, k) => c === b[i][k]));
+// A coordinate after an offset. Offsets of a study count from the design in its file.
+export const placeAfter = (point, axis, by) => state.opened[point][axis] + by;
 export const isMoved = () => !isSame(state.design, state.opened);
 
 // A coordinate on the grid of the step; without the digits that arithmetic adds.

@@ -1,6 +1,6 @@
 // The coordinates: typed in, locked, each with its slope and what it does to the curves.
 import { AXES, brief, byId, html, set } from './draw.js';
-import { askInfluence, emit, gradient, isMoved, on, put, setCoordinate, state, stepped } from './design.js';
+import { askInfluence, emit, gradient, isMoved, on, placeAfter, put, setCoordinate, state, stepped } from './design.js';
 import { select } from './views.js';
 
 let rows = [];
@@ -38,7 +38,7 @@ const range = (p, axis) => {
   const own = state.overview.variables.find(({ moves, is_turn: turn }) => !turn && moves.some(([q, a]) => q === p && a === axis));
   if (!own) return null;
   const [, , factor] = own.moves.find(([q, a]) => q === p && a === axis);
-  return own.range.map((by) => state.opened[p][axis] + by * factor).sort((a, b) => a - b);
+  return own.range.map((by) => placeAfter(p, axis, by * factor)).sort((a, b) => a - b);
 };
 
 const cell = (p, axis) => {

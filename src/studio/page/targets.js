@@ -1,7 +1,7 @@
 // Targets, variables and constraints of the study, changed on the page. An edit is a value and a path; the server writes
 // it into the study's text and keeps the comments.
 import { AXES, brief, html } from './draw.js';
-import { state, takeOverview } from './design.js';
+import { placeAfter, state, takeOverview } from './design.js';
 import { question, say } from './dialog.js';
 import { post } from './server.js';
 
@@ -75,11 +75,11 @@ const variableName = (variable) => {
   const own = variable.hardpoint ?? variable.name ?? (variable.hardpoints ?? []).join(', ');
   return words([own, variable.axis].filter(Boolean).join(' ')) || 'variable';
 };
-// The range of a single coordinate in the study's axes. Offsets count from the design in the file.
+// The range of a single coordinate in the study's axes.
 const placeOf = ({ hardpoint, axis }, ends) => {
   const p = state.overview.points.findIndex(({ name }) => name === hardpoint);
   const at = AXES.indexOf(axis);
-  return p < 0 || at < 0 ? '' : ends.map((by) => brief(state.opened[p][at] + by, 6)).join(' … ');
+  return p < 0 || at < 0 ? '' : ends.map((by) => brief(placeAfter(p, at, by), 6)).join(' … ');
 };
 const variableRow = (variable, k) => {
   const name = variableName(variable);

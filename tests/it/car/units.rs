@@ -1,16 +1,12 @@
 //! Inches, pounds-force and pounds: the same car in millimetres, newtons and kilograms gives the same numbers.
 
 use super::commands::{hardpoint, studies, text};
+use crate::units::{INCH, POUND, POUND_FORCE, in_inches_and_pounds};
 use hardpoint::car::{CarQuantity, CarSolver};
 use hardpoint::study::{CarStudy, Study};
 use std::fs;
 use std::path::Path;
 use toml::{Table, Value};
-
-/// Newtons in a pound-force, kilograms in a pound, millimetres in an inch.
-const POUND_FORCE: f64 = 4.448_221_615_260_5;
-const POUND: f64 = 0.453_592_37;
-const INCH: f64 = 25.4;
 
 fn scaled(value: &mut Value, factor: f64) {
     match value {
@@ -126,18 +122,6 @@ fn study(texts: &[String; 3]) -> CarStudy {
 #[test]
 fn inches_and_pounds_give_the_same_car() {
     let studies = [false, true].map(|is_imperial| study(&texts(is_imperial)));
-    let units = [
-        ("_N_per_mm", "_lbf_per_in", INCH / POUND_FORCE),
-        (
-            "_N_m_per_deg",
-            "_lbf_ft_per_deg",
-            1.0 / (0.3048 * POUND_FORCE),
-        ),
-        ("_N_m", "_lbf_ft", 1.0 / (0.3048 * POUND_FORCE)),
-        ("_N", "_lbf", 1.0 / POUND_FORCE),
-        ("_mm", "_in", 1.0 / INCH),
-        ("", "", 1.0),
-    ];
     let mut solvers = studies
         .each_ref()
         .map(|study| CarSolver::new(&study.car).unwrap());
@@ -158,12 +142,9 @@ fn inches_and_pounds_give_the_same_car() {
             let names = studies
                 .each_ref()
                 .map(|study| quantity.column(study.car.length_unit));
-            let (stem, ending, factor) = units
-                .iter()
-                .find_map(|(from, to, factor)| Some((names[0].strip_suffix(from)?, to, factor)))
-                .unwrap();
             // Natural frequencies and shares have the same unit in both.
-            assert_eq!(names[1], format!("{stem}{ending}"));
+            let (name, factor) = in_inches_and_pounds(&names[0]);
+            assert_eq!(names[1], name);
             let values = [0, 1].map(|k| quantity.printed(&solved[k], [case, own][k]));
             let [Some(metric), Some(imperial)] = values else {
                 assert_eq!(values[0].is_some(), values[1].is_some(), "{}", names[0]);
@@ -179,7 +160,7 @@ fn inches_and_pounds_give_the_same_car() {
                 case.name
             );
             compared += 1;
-            forces += usize::from(*ending == "_lbf");
+            forces += usize::from(name.ends_with("_lbf"));
         }
     }
     assert!(compared > 500 && forces > 100, "{compared} {forces}");

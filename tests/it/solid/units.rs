@@ -1,13 +1,10 @@
 //! Inches, pounds-force and pounds: the same axle in millimetres and newtons gives the same numbers.
 
 use super::{case, points_of, study_of, text};
+use crate::units::{INCH, POUND, POUND_FORCE, in_inches_and_pounds};
 use hardpoint::axle::axle_curves;
 use hardpoint::study::Study;
 use std::path::Path;
-
-/// Newtons in a pound-force, kilograms in a pound.
-const POUND_FORCE: f64 = 4.448_221_615_260_5;
-const POUND: f64 = 0.453_592_37;
 
 const OUTPUTS: &str = "[outputs]\ncharacteristics = [\"wheel_load\", \"wheel_rate\", \"roll_stiffness\", \"ride_frequency\", \"roll_moment\", \
      \"spring_force\", \"anti_squat\"]\nloads = [{ name = \"side\", at = \"contact_point\", force = [0.0, LOAD, 0.0] }]\n\
@@ -49,54 +46,40 @@ fn inches_and_pounds_give_the_same_axle() {
         &case,
         &further([32.0, 4200.0, 600.0, 1000.0], "-10.0, 0.0, 10.0"),
     );
-    let at = |name: &str| [0, 1, 2].map(|i| case["points"][name][i].as_f64().unwrap() / 25.4);
+    let at = |name: &str| [0, 1, 2].map(|i| case["points"][name][i].as_f64().unwrap() / INCH);
     let points: Vec<_> = points_of(&case)
         .into_iter()
         .map(|(ours, theirs)| (ours, at(theirs)))
         .collect();
     let spring = [
-        32.0 * 25.4 / POUND_FORCE,
+        32.0 * INCH / POUND_FORCE,
         4200.0 / POUND_FORCE,
         600.0 / POUND,
         1000.0 / POUND_FORCE,
     ];
-    let heave = format!("{:?}, 0.0, {:?}", -10.0 / 25.4, 10.0 / 25.4);
+    let heave = format!("{:?}, 0.0, {:?}", -10.0 / INCH, 10.0 / INCH);
     let imperial = text(&points, false, &further(spring, &heave))
         .replace(
             "[suspension]\n",
             "[suspension]\nlength_unit = \"in\"\nforce_unit = \"lbf\"\nmass_unit = \"lb\"\n",
         )
-        .replace("radius = 330.0", &format!("radius = {:?}", 330.0 / 25.4))
+        .replace("radius = 330.0", &format!("radius = {:?}", 330.0 / INCH))
         .replace(
             "wheelbase = 2700.0",
-            &format!("wheelbase = {:?}", 2700.0 / 25.4),
+            &format!("wheelbase = {:?}", 2700.0 / INCH),
         )
         .replace(
             "cg_height = 620.0",
-            &format!("cg_height = {:?}", 620.0 / 25.4),
+            &format!("cg_height = {:?}", 620.0 / INCH),
         );
     let (metric, imperial) = (curves(&with_mass(metric)), curves(&with_mass(imperial)));
     assert_eq!(metric.len(), imperial.len());
-    let units = [
-        ("_N_per_mm", "_lbf_per_in", 25.4 / POUND_FORCE),
-        (
-            "_N_m_per_deg",
-            "_lbf_ft_per_deg",
-            1.0 / (0.3048 * POUND_FORCE),
-        ),
-        ("_N_m", "_lbf_ft", 1.0 / (0.3048 * POUND_FORCE)),
-        ("_N", "_lbf", 1.0 / POUND_FORCE),
-        ("", "", 1.0),
-    ];
     let (mut forces, mut rates) = (0, 0);
     for ((name, values), (other, found)) in metric.iter().zip(&imperial) {
-        let (stem, ending, factor) = units
-            .iter()
-            .find_map(|(from, to, factor)| Some((name.strip_suffix(from)?, to, factor)))
-            .unwrap();
-        assert_eq!(*other, format!("{stem}{ending}"));
-        forces += usize::from(*ending == "_lbf");
-        rates += usize::from(*ending == "_lbf_per_in");
+        let (expected_name, factor) = in_inches_and_pounds(name);
+        assert_eq!(*other, expected_name);
+        forces += usize::from(other.ends_with("_lbf"));
+        rates += usize::from(other.ends_with("_lbf_per_in"));
         for (value, found) in values.iter().zip(found) {
             let (expected, found) = (value.unwrap() * factor, found.unwrap());
             assert!(

@@ -384,6 +384,18 @@ fn coordinates_beyond_those_of_a_study_are_refused_everywhere() {
     assert_eq!(state["done"], true, "{state}");
 }
 
+/// The state of a tuning that has ended.
+fn tuned(served: &Served, of: &Value, locked: &[[bool; 3]]) -> Value {
+    let begun = served.post("tune", &json!({"of": of, "locked": locked}));
+    let mut state = begun.json();
+    while state["done"] == false {
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        let asked = served.post("progress", &json!({"job": state["job"]}));
+        state = asked.json();
+    }
+    state
+}
+
 /// Tune proposes the design that `hardpoint optimise` writes for the same study.
 #[test]
 fn a_tuning_is_that_of_optimise() {
@@ -391,15 +403,7 @@ fn a_tuning_is_that_of_optimise() {
     let of = served.moved("tie_rod_outer", 2, 0.0);
     let points = of["design"].as_array().unwrap().len();
     let locked = vec![[false; 3]; points];
-    let mut state = served
-        .post("tune", &json!({"of": of, "locked": locked}))
-        .json();
-    while state["done"] == false {
-        std::thread::sleep(std::time::Duration::from_millis(50));
-        state = served
-            .post("progress", &json!({"job": state["job"]}))
-            .json();
-    }
+    let state = tuned(&served, &of, &locked);
     let proposal = &state["proposal"];
     assert!(proposal.is_object(), "{state}");
     let tuned = json!({"digest": of["digest"], "design": proposal["design"]});
@@ -442,13 +446,7 @@ fn ranges_count_from_the_file() {
         .iter()
         .position(|point| point["name"] == "tie_rod_inner");
     let locked = vec![[false; 3]; points.len()];
-    let begun = served.post("tune", &json!({"of": of, "locked": locked}));
-    let mut state = begun.json();
-    while state["done"] == false {
-        std::thread::sleep(std::time::Duration::from_millis(50));
-        let asked = served.post("progress", &json!({"job": state["job"]}));
-        state = asked.json();
-    }
+    let state = tuned(&served, &of, &locked);
     let proposal = &state["proposal"];
     // The rack is too low by more than the range: the file has z = 228.
     let z = proposal["design"][inner.unwrap()][2].as_f64().unwrap();

@@ -89,7 +89,7 @@ pub(super) fn derivative_by_heave<const N: usize>(
         Sought::Point(side, id, axis) => {
             let place = linearised[side as usize][0].at.point(id)[axis];
             let by_travel = place.0.get(1).copied().unwrap_or(f64::NAN);
-            // Of a rigid axle the second line is that of the held travel.
+            // The second line of a rigid axle belongs to the held travel.
             let by_rack = match (state.carriers.is_rigid(), linearised[side as usize].get(1)) {
                 (false, _) => 0.0,
                 (true, None) => f64::NAN,

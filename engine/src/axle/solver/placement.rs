@@ -58,7 +58,7 @@ impl Placement {
         }
     }
 
-    /// Mean travel of both wheel centres; of a placement at a load that of the level axle.
+    /// Mean travel of both wheel centres. A placement at a load has the mean travel of the level axle.
     pub(in crate::axle) fn mean(&self) -> f64 {
         match *self {
             Placement::Roll { heave, .. } | Placement::AtLoad { heave, .. } => heave,

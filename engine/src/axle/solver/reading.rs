@@ -146,7 +146,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         };
         let linearised = linearise(&self.corners, (lines, parts), placed, coordinates)?;
         let inputs = linearised.inputs();
-        // The wheels stand on the tape once; every quantity follows them.
+        // The tape records the wheels once. Every quantity is recorded after them.
         self.tape.clear();
         let tape = &self.tape;
         let [(left, of_left), (right, of_right)] = linearised.on_tape(tape);

@@ -32,8 +32,8 @@ impl<const N: usize> AxleSolver<'_, N> {
         found.swap_remove(0)
     }
 
-    /// First guess for half the difference of the travels. It supposes that independent wheel centres move straight up, and
-    /// that those of a rigid axle move on a circle.
+    /// First guess for half the difference of the travels. It supposes that independent wheel centres move straight up. The
+    /// wheel centres of a rigid axle move on a circle.
     pub(super) fn straight_half(&self, roll: f64) -> f64 {
         let level = Ground::level(0.0);
         let half = |side: Side| {
@@ -47,8 +47,8 @@ impl<const N: usize> AxleSolver<'_, N> {
         -0.5 * slope * (half(Side::Left) + half(Side::Right))
     }
 
-    /// Finds those of the numbered placements, all in roll at one rack displacement, that take no more than a few
-    /// rounds.
+    /// Solves the numbered placements together; all are in roll at one rack displacement. Leaves out each placement that
+    /// takes more than a few rounds.
     pub(super) fn roll_together(
         &mut self,
         rack: f64,

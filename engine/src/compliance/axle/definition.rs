@@ -73,8 +73,8 @@ impl AxleCompliance {
 }
 
 impl<T> AxleCompliance<T> {
-    /// Value of a parameter of the parts that both wheels share. Numbers of bushings after those of one wheel are the
-    /// subframe's mounts.
+    /// Value of a parameter of the parts that both wheels share. The mounts of the subframe are numbered after the
+    /// bushings of one wheel.
     pub(super) fn shared_number(&mut self, parameter: Parameter) -> Option<&mut T> {
         let (number, axis) = match parameter {
             Parameter::RackRate => return self.rack_rate.as_mut(),

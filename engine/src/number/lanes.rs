@@ -21,35 +21,15 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 /// Numbers in SIMD registers.
 #[derive(Clone, Copy, Debug)]
 pub struct Lanes<S: Registers> {
-    simd: S,
-    numbers: S::Numbers,
+    pub(super) simd: S,
+    pub(super) registers: S::Numbers,
 }
 
 /// A truth value for each lane of [`Lanes`].
 #[derive(Clone, Copy, Debug)]
 pub struct LaneMask<S: Registers> {
-    simd: S,
-    truths: S::Truths,
-}
-
-impl<S: Registers> Lanes<S> {
-    #[inline(always)]
-    fn splat(simd: S, value: f64) -> Self {
-        Lanes {
-            simd,
-            numbers: simd.splat(value),
-        }
-    }
-}
-
-/// An operation of the instruction set on all lanes.
-macro_rules! operation {
-    ($simd_method:ident($lanes:ident $(, $other:ident)*)) => {
-        Lanes {
-            simd: $lanes.simd,
-            numbers: S::$simd_method($lanes.simd, $lanes.numbers $(, $other.numbers)*),
-        }
-    };
+    pub(super) simd: S,
+    pub(super) registers: S::Truths,
 }
 
 macro_rules! operator {
@@ -58,7 +38,7 @@ macro_rules! operator {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                operation!($method(self, other))
+                S::$method(self, other)
             }
         }
     };
@@ -73,7 +53,7 @@ impl<S: Registers> Neg for Lanes<S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        operation!(neg(self))
+        S::neg(self)
     }
 }
 
@@ -83,19 +63,19 @@ impl<S: Registers> Real for Lanes<S> {
 
     #[inline(always)]
     fn plus_product(self, a: Self, b: Self) -> Self {
-        operation!(mul_add(a, b, self))
+        S::mul_add(a, b, self)
     }
     #[inline(always)]
     fn minus_product(self, a: Self, b: Self) -> Self {
-        operation!(negate_mul_add(a, b, self))
+        S::negate_mul_add(a, b, self)
     }
     #[inline(always)]
     fn constant(self, value: f64) -> Self {
-        Lanes::splat(self.simd, value)
+        self.simd.splat(value)
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        operation!(sqrt(self))
+        S::sqrt(self)
     }
     #[inline(always)]
     fn asin(self) -> Self {
@@ -121,44 +101,35 @@ impl<S: Registers> SimdReal for Lanes<S> {
 
     #[inline(always)]
     fn load(self, from: &[f64]) -> Self {
-        Lanes {
-            simd: self.simd,
-            numbers: self.simd.load(from),
-        }
+        self.simd.load(from)
     }
     #[inline(always)]
     fn store(self, to: &mut [f64]) {
-        self.simd.store(self.numbers, to);
+        S::store(self, to);
     }
     #[inline(always)]
     fn abs(self) -> Self {
-        operation!(abs(self))
+        S::abs(self)
     }
     #[inline(always)]
     fn copysign(self, other: Self) -> Self {
-        operation!(copysign(self, other))
+        S::copysign(self, other)
     }
     #[inline(always)]
     fn less(self, other: Self) -> Self::Mask {
-        LaneMask {
-            simd: self.simd,
-            truths: self.simd.less(self.numbers, other.numbers),
-        }
+        S::less(self, other)
     }
     #[inline(always)]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
-        Lanes {
-            simd: yes.simd,
-            numbers: yes.simd.select(mask.truths, yes.numbers, no.numbers),
-        }
+        S::select(mask, yes, no)
     }
     #[inline(always)]
     fn all(mask: Self::Mask) -> bool {
-        mask.simd.bits(mask.truths) == (1 << <Self as SimdReal>::LANES) - 1
+        S::bits(mask) == (1 << <Self as SimdReal>::LANES) - 1
     }
     #[inline(always)]
     fn lane(mask: Self::Mask, lane: usize) -> bool {
-        mask.simd.bits(mask.truths) & (1 << lane) != 0
+        S::bits(mask) & (1 << lane) != 0
     }
 }
 
@@ -168,10 +139,7 @@ macro_rules! logic {
             type Output = Self;
             #[inline(always)]
             fn $method(self $(, $other: Self)?) -> Self {
-                LaneMask {
-                    simd: self.simd,
-                    truths: self.simd.$simd_method(self.truths $(, $other.truths)?),
-                }
+                S::$simd_method(self $(, $other)?)
             }
         }
     };
@@ -255,7 +223,7 @@ impl Width {
             }
             Width::Scalar => {}
         }
-        task.run(Lanes::splat(Single(Plain), 0.0))
+        task.run(Single(Plain).splat(0.0))
     }
 
     /// Runs a task on one number at a time, with the processor's fused products and sums if this width has them. The bits
@@ -267,7 +235,7 @@ impl Width {
         {
             return simd.outlined(Task(task, Single(simd)));
         }
-        task.run(Lanes::splat(Single(Plain), 0.0))
+        task.run(Single(Plain).splat(0.0))
     }
 }
 
@@ -285,6 +253,6 @@ impl<T: SimdTask, R: Registers> Outlined for Task<T, R> {
     type Output = T::Output;
     #[inline(always)]
     fn work(self) -> T::Output {
-        self.0.run(Lanes::splat(self.1, 0.0))
+        self.0.run(self.1.splat(0.0))
     }
 }

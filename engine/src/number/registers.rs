@@ -7,57 +7,59 @@
 //! The code is written once for each set ([`super::x86`]), not generically. A product is then two instructions. A generic
 //! function would be a stack of calls that costs the compiler more than all the arithmetic built on it.
 
+use super::lanes::{LaneMask, Lanes};
 use std::fmt::Debug;
 
-/// Numbers side by side, and truth values of them.
+/// A set of instructions: the registers of one bundle of numbers, and the operations on them. Operations take whole bundles,
+/// not their registers: a bundle then reaches the operation without a copy, which the compiler would have to remove again.
 pub trait Registers: Copy + Debug {
     /// Number of numbers.
     const LANES: usize;
-    /// The numbers.
+    /// Registers of the numbers.
     type Numbers: Copy + Debug;
-    /// A truth value of each.
+    /// Registers of a truth value for each number.
     type Truths: Copy + Debug;
 
     /// Does a piece of work in a function of its own, compiled for the set.
     fn outlined<P: crate::number::Outlined>(self, piece: P) -> P::Output;
     /// The same number in every lane.
-    fn splat(self, value: f64) -> Self::Numbers;
+    fn splat(self, value: f64) -> Lanes<Self>;
     /// a + b
-    fn add(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
+    fn add(a: Lanes<Self>, b: Lanes<Self>) -> Lanes<Self>;
     /// a - b
-    fn sub(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
+    fn sub(a: Lanes<Self>, b: Lanes<Self>) -> Lanes<Self>;
     /// a b
-    fn mul(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
+    fn mul(a: Lanes<Self>, b: Lanes<Self>) -> Lanes<Self>;
     /// a/b
-    fn div(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
+    fn div(a: Lanes<Self>, b: Lanes<Self>) -> Lanes<Self>;
     /// -a
-    fn neg(self, a: Self::Numbers) -> Self::Numbers;
+    fn neg(a: Lanes<Self>) -> Lanes<Self>;
     /// c + a b, rounded once
-    fn mul_add(self, a: Self::Numbers, b: Self::Numbers, c: Self::Numbers) -> Self::Numbers;
+    fn mul_add(a: Lanes<Self>, b: Lanes<Self>, c: Lanes<Self>) -> Lanes<Self>;
     /// c - a b, rounded once
-    fn negate_mul_add(self, a: Self::Numbers, b: Self::Numbers, c: Self::Numbers) -> Self::Numbers;
+    fn negate_mul_add(a: Lanes<Self>, b: Lanes<Self>, c: Lanes<Self>) -> Lanes<Self>;
     /// The square root.
-    fn sqrt(self, a: Self::Numbers) -> Self::Numbers;
+    fn sqrt(a: Lanes<Self>) -> Lanes<Self>;
     /// |a|
-    fn abs(self, a: Self::Numbers) -> Self::Numbers;
+    fn abs(a: Lanes<Self>) -> Lanes<Self>;
     /// |a| with the sign of b
-    fn copysign(self, a: Self::Numbers, b: Self::Numbers) -> Self::Numbers;
+    fn copysign(a: Lanes<Self>, b: Lanes<Self>) -> Lanes<Self>;
     /// a < b; false for NaN
-    fn less(self, a: Self::Numbers, b: Self::Numbers) -> Self::Truths;
+    fn less(a: Lanes<Self>, b: Lanes<Self>) -> LaneMask<Self>;
     /// `yes` in lanes where `holds` is true, else `no`.
-    fn select(self, holds: Self::Truths, yes: Self::Numbers, no: Self::Numbers) -> Self::Numbers;
+    fn select(holds: LaneMask<Self>, yes: Lanes<Self>, no: Lanes<Self>) -> Lanes<Self>;
     /// Logical and, lane by lane.
-    fn and(self, a: Self::Truths, b: Self::Truths) -> Self::Truths;
+    fn and(a: LaneMask<Self>, b: LaneMask<Self>) -> LaneMask<Self>;
     /// Logical or, lane by lane.
-    fn or(self, a: Self::Truths, b: Self::Truths) -> Self::Truths;
+    fn or(a: LaneMask<Self>, b: LaneMask<Self>) -> LaneMask<Self>;
     /// Logical not, lane by lane.
-    fn not(self, a: Self::Truths) -> Self::Truths;
-    /// Lane by lane, the first one lowest: a bit that is set where it holds.
-    fn bits(self, a: Self::Truths) -> u32;
+    fn not(a: LaneMask<Self>) -> LaneMask<Self>;
+    /// Lane by lane, the first one lowest: a bit that is set where the truth value is true.
+    fn bits(a: LaneMask<Self>) -> u32;
     /// The first numbers of a slice.
-    fn load(self, from: &[f64]) -> Self::Numbers;
-    /// To the beginning of a slice.
-    fn store(self, a: Self::Numbers, to: &mut [f64]);
+    fn load(self, from: &[f64]) -> Lanes<Self>;
+    /// Writes the numbers to the beginning of a slice.
+    fn store(a: Lanes<Self>, to: &mut [f64]);
 }
 
 /// A set of instructions that work can be compiled for.
@@ -86,6 +88,23 @@ pub(super) struct Single<S>(pub(super) S);
 #[repr(align(64))]
 pub(super) struct Pair<R>(pub(super) R, pub(super) R);
 
+/// Defines operations on one number at a time.
+macro_rules! on_one_number {
+    ($(fn $operation:ident($first:ident: $first_kind:ident $(, $operand:ident: $kind:ident)*) -> $result:ident {
+        $value:expr
+    })*) => {
+        $(
+            #[inline(always)]
+            fn $operation($first: $first_kind<Self> $(, $operand: $kind<Self>)*) -> $result<Self> {
+                let simd = $first.simd;
+                let $first = $first.registers;
+                $(let $operand = $operand.registers;)*
+                $result { simd, registers: $value }
+            }
+        )*
+    };
+}
+
 impl<S: Instructions> Registers for Single<S> {
     const LANES: usize = 1;
     type Numbers = f64;
@@ -94,81 +113,40 @@ impl<S: Instructions> Registers for Single<S> {
     fn outlined<P: crate::number::Outlined>(self, piece: P) -> P::Output {
         self.0.compiled(piece)
     }
-
     #[inline(always)]
-    fn splat(self, value: f64) -> f64 {
-        value
+    fn splat(self, value: f64) -> Lanes<Self> {
+        Lanes {
+            simd: self,
+            registers: value,
+        }
+    }
+    on_one_number! {
+        fn add(a: Lanes, b: Lanes) -> Lanes { a + b }
+        fn sub(a: Lanes, b: Lanes) -> Lanes { a - b }
+        fn mul(a: Lanes, b: Lanes) -> Lanes { a * b }
+        fn div(a: Lanes, b: Lanes) -> Lanes { a / b }
+        fn neg(a: Lanes) -> Lanes { -a }
+        fn mul_add(a: Lanes, b: Lanes, c: Lanes) -> Lanes { a.mul_add(b, c) }
+        fn negate_mul_add(a: Lanes, b: Lanes, c: Lanes) -> Lanes { (-a).mul_add(b, c) }
+        fn sqrt(a: Lanes) -> Lanes { a.sqrt() }
+        fn abs(a: Lanes) -> Lanes { a.abs() }
+        fn copysign(a: Lanes, b: Lanes) -> Lanes { a.copysign(b) }
+        fn less(a: Lanes, b: Lanes) -> LaneMask { a < b }
+        fn select(holds: LaneMask, yes: Lanes, no: Lanes) -> Lanes { if holds { yes } else { no } }
+        fn and(a: LaneMask, b: LaneMask) -> LaneMask { a & b }
+        fn or(a: LaneMask, b: LaneMask) -> LaneMask { a | b }
+        fn not(a: LaneMask) -> LaneMask { !a }
     }
     #[inline(always)]
-    fn add(self, a: f64, b: f64) -> f64 {
-        a + b
+    fn bits(a: LaneMask<Self>) -> u32 {
+        u32::from(a.registers)
     }
     #[inline(always)]
-    fn sub(self, a: f64, b: f64) -> f64 {
-        a - b
+    fn load(self, from: &[f64]) -> Lanes<Self> {
+        self.splat(from[0])
     }
     #[inline(always)]
-    fn mul(self, a: f64, b: f64) -> f64 {
-        a * b
-    }
-    #[inline(always)]
-    fn div(self, a: f64, b: f64) -> f64 {
-        a / b
-    }
-    #[inline(always)]
-    fn neg(self, a: f64) -> f64 {
-        -a
-    }
-    #[inline(always)]
-    fn mul_add(self, a: f64, b: f64, c: f64) -> f64 {
-        a.mul_add(b, c)
-    }
-    #[inline(always)]
-    fn negate_mul_add(self, a: f64, b: f64, c: f64) -> f64 {
-        (-a).mul_add(b, c)
-    }
-    #[inline(always)]
-    fn sqrt(self, a: f64) -> f64 {
-        a.sqrt()
-    }
-    #[inline(always)]
-    fn abs(self, a: f64) -> f64 {
-        a.abs()
-    }
-    #[inline(always)]
-    fn copysign(self, a: f64, b: f64) -> f64 {
-        a.copysign(b)
-    }
-    #[inline(always)]
-    fn less(self, a: f64, b: f64) -> bool {
-        a < b
-    }
-    #[inline(always)]
-    fn select(self, holds: bool, yes: f64, no: f64) -> f64 {
-        if holds { yes } else { no }
-    }
-    #[inline(always)]
-    fn and(self, a: bool, b: bool) -> bool {
-        a & b
-    }
-    #[inline(always)]
-    fn or(self, a: bool, b: bool) -> bool {
-        a | b
-    }
-    #[inline(always)]
-    fn not(self, a: bool) -> bool {
-        !a
-    }
-    #[inline(always)]
-    fn bits(self, a: bool) -> u32 {
-        u32::from(a)
-    }
-    #[inline(always)]
-    fn load(self, from: &[f64]) -> f64 {
-        from[0]
-    }
-    #[inline(always)]
-    fn store(self, a: f64, to: &mut [f64]) {
-        to[0] = a;
+    fn store(a: Lanes<Self>, to: &mut [f64]) {
+        to[0] = a.registers;
     }
 }

@@ -93,7 +93,7 @@ impl<T, const N: usize> Index<usize> for Jet<T, N> {
 macro_rules! by_coefficients {
     ($trait:ident, $method:ident, $operation:ident, $operator:tt) => {
         impl<T: Real, const N: usize> Jet<T, N> {
-            #[inline(always)]
+            #[inline]
             fn $operation(mut self, other: Self) -> Self {
                 if Self::IS_LONG {
                     for k in 0..N {
@@ -113,13 +113,12 @@ macro_rules! by_coefficients {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                #[inline]
-                fn operate<T: Real, const N: usize>(one: Jet<T, N>, other: Jet<T, N>) -> Jet<T, N> {
-                    one.$operation(other)
-                }
                 match T::IN_REGISTERS {
-                    true => self.$operation(other),
-                    false => operate(self, other),
+                    true => outlined!(
+                        small [T: Real; N] self.0[0];
+                        a: Jet<T, N> = self, b: Jet<T, N> = other => Jet<T, N> { a.$operation(b) }
+                    ),
+                    false => self.$operation(other),
                 }
             }
         }
@@ -132,11 +131,13 @@ by_coefficients!(Sub, sub, minus, -);
 impl<T: Real, const N: usize> Neg for Jet<T, N> {
     type Output = Self;
     #[inline(always)]
-    fn neg(mut self) -> Self {
-        for c in &mut self.0 {
-            *c = -*c;
+    fn neg(self) -> Self {
+        match T::IN_REGISTERS {
+            true => {
+                outlined!(small [T: Real; N] self.0[0]; a: Jet<T, N> = self => Jet<T, N> { a.negated() })
+            }
+            false => self.negated(),
         }
-        self
     }
 }
 
@@ -145,7 +146,10 @@ impl<T: Real, const N: usize> Mul for Jet<T, N> {
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
         match T::IN_REGISTERS {
-            true => self.times(other),
+            true => outlined!(
+                small [T: Real; N] self.0[0];
+                a: Jet<T, N> = self, b: Jet<T, N> = other => Jet<T, N> { a.times(b) }
+            ),
             false => self.times_outlined(other),
         }
     }
@@ -161,6 +165,21 @@ impl<T: Real, const N: usize> Jet<T, N> {
     const ANGLES_IN_CALLS: bool = T::IS_LARGE && (T::IS_NESTED || !T::IN_REGISTERS);
     /// Products, quotients and roots are function calls if true (see [`call_outlined`]).
     const LARGE: bool = (size_of::<Self>() > 16 || T::IS_LARGE) && !T::IN_REGISTERS;
+
+    #[inline]
+    fn negated(mut self) -> Self {
+        if Self::IS_LONG {
+            for k in 0..N {
+                self.0[k] = -self.0[k];
+            }
+        } else {
+            self.0[0] = -self.0[0];
+            if Self::IS_PAIR {
+                self.0[1] = -self.0[1];
+            }
+        }
+        self
+    }
 
     #[inline]
     fn times_outlined(self, other: Self) -> Self {
@@ -254,10 +273,7 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
 
     #[inline(always)]
     fn outlined<P: Outlined>(self, piece: P) -> P::Output {
-        match T::IN_REGISTERS {
-            true => self.0[0].outlined(piece),
-            false => piece.work_outlined(),
-        }
+        self.0[0].outlined(piece)
     }
 
     #[inline(always)]

@@ -75,7 +75,10 @@ pub(super) struct Plain;
 impl Instructions for Plain {
     #[inline(always)]
     fn compiled<P: crate::number::Outlined>(self, piece: P) -> P::Output {
-        piece.work_outlined()
+        match P::IS_SMALL {
+            true => piece.work(),
+            false => piece.work_outlined(),
+        }
     }
 }
 

@@ -56,6 +56,9 @@ impl<T: Real> Vector3<T> {
     /// True if sums are function calls: for nested numbers, except those in a few registers, whose sum is shorter than a
     /// call.
     const ADDS_IN_CALLS: bool = T::IS_NESTED && !T::IN_REGISTERS;
+    /// True if products are small pieces: for numbers in registers, so that the compiler shortens each operation once and not
+    /// at each use; and for nested numbers.
+    const IN_PIECES: bool = T::IS_NESTED || T::IN_REGISTERS;
 }
 
 /// The arithmetic itself. Code in SIMD registers must be inlined, and closures are not inlined reliably. There these
@@ -111,7 +114,7 @@ impl<T: Real> Vector3<T> {
     /// Scalar product.
     #[inline(always)]
     pub fn dot(self, other: Self) -> T {
-        match T::IS_NESTED {
+        match Self::IN_PIECES {
             true => outlined!(
                 small [T: Real] self.x; a: Vector3<T> = self, b: Vector3<T> = other => T { a.dot_inline(b) }
             ),
@@ -122,7 +125,7 @@ impl<T: Real> Vector3<T> {
     /// Vector product.
     #[inline(always)]
     pub fn cross(self, other: Self) -> Self {
-        match T::IS_NESTED {
+        match Self::IN_PIECES {
             true => outlined!(
                 small [T: Real] self.x; a: Vector3<T> = self, b: Vector3<T> = other => Vector3<T> { a.cross_inline(b) }
             ),
@@ -133,7 +136,7 @@ impl<T: Real> Vector3<T> {
     /// This vector and a multiple of another.
     #[inline(always)]
     pub fn plus_scaled(self, other: Self, factor: T) -> Self {
-        match T::IS_NESTED {
+        match Self::IN_PIECES {
             true => outlined!(
                 small [T: Real] self.x;
                 a: Vector3<T> = self, b: Vector3<T> = other, f: T = factor => Vector3<T> { a.plus_scaled_inline(b, f) }
@@ -173,7 +176,7 @@ impl<T: Real> Vector3<T> {
     /// The vector of length one in this direction.
     #[inline(always)]
     pub fn normalised(self) -> Self {
-        match T::IS_NESTED {
+        match Self::IN_PIECES {
             true => {
                 outlined!(small [T: Real] self.x; a: Vector3<T> = self => Vector3<T> { a.normalised_inline() })
             }
@@ -205,6 +208,9 @@ impl<T: Real> Add for Vector3<T> {
     fn add(self, other: Self) -> Self {
         match Self::ADDS_IN_CALLS {
             true => call_outlined((self, other), |(a, b)| a.plus_inline(b)),
+            false if T::IN_REGISTERS => outlined!(
+                small [T: Real] self.x; a: Vector3<T> = self, b: Vector3<T> = other => Vector3<T> { a.plus_inline(b) }
+            ),
             false => self.plus_inline(other),
         }
     }
@@ -216,6 +222,9 @@ impl<T: Real> Sub for Vector3<T> {
     fn sub(self, other: Self) -> Self {
         match Self::ADDS_IN_CALLS {
             true => call_outlined((self, other), |(a, b)| a.minus_inline(b)),
+            false if T::IN_REGISTERS => outlined!(
+                small [T: Real] self.x; a: Vector3<T> = self, b: Vector3<T> = other => Vector3<T> { a.minus_inline(b) }
+            ),
             false => self.minus_inline(other),
         }
     }
@@ -233,7 +242,7 @@ impl<T: Real> Mul<T> for Vector3<T> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, factor: T) -> Self {
-        match T::IS_NESTED {
+        match Self::IN_PIECES {
             true => outlined!(
                 small [T: Real] self.x; v: Vector3<T> = self, f: T = factor => Vector3<T> { v.times_inline(f) }
             ),
@@ -295,7 +304,7 @@ impl<T: Real> Matrix3<T> {
     /// The matrix times a column.
     #[inline(always)]
     pub fn apply(&self, v: Vector3<T>) -> Vector3<T> {
-        match T::IS_NESTED {
+        match Vector3::<T>::IN_PIECES {
             true => outlined!(
                 small [T: Real] v.x; m: &'p Matrix3<T> = self, v: Vector3<T> = v => Vector3<T> { m.apply_inline(v) }
             ),
@@ -314,7 +323,7 @@ impl<T: Real> Matrix3<T> {
     /// The transposed matrix (the inverse rotation) times a column.
     #[inline(always)]
     pub fn apply_transposed(&self, v: Vector3<T>) -> Vector3<T> {
-        match T::IS_NESTED {
+        match Vector3::<T>::IN_PIECES {
             true => outlined!(
                 small [T: Real] v.x; m: &'p Matrix3<T> = self, v: Vector3<T> = v => Vector3<T> { m.apply_transposed_inline(v) }
             ),

@@ -91,7 +91,7 @@ impl Parts<f64> {
     }
 
     /// The same parts over another kind of number.
-    pub fn map<T>(&self, f: impl Fn(f64) -> T + Copy) -> Parts<T> {
+    pub fn map<T: Copy>(&self, f: impl Fn(f64) -> T + Copy) -> Parts<T> {
         Parts {
             points: self.points.iter().map(|p| p.map(f)).collect(),
             lengths: self.lengths.iter().map(|l| f(*l)).collect(),

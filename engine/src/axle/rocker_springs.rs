@@ -84,7 +84,7 @@ impl RockerSprings {
 }
 
 impl<T: Copy> Preloaded<T> {
-    fn map<U>(self, f: impl Fn(T) -> U) -> Preloaded<U> {
+    fn map<U: Copy>(self, f: impl Fn(T) -> U) -> Preloaded<U> {
         Preloaded {
             load: f(self.load),
             rate: f(self.rate),
@@ -94,7 +94,7 @@ impl<T: Copy> Preloaded<T> {
 
 impl<T: Copy> RockerSprings<T> {
     /// The laws over another kind of number.
-    pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> RockerSprings<U> {
+    pub fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> RockerSprings<U> {
         RockerSprings {
             heave_spring: self.heave_spring.map(|law| law.map(f)),
             t_bar: self.t_bar.map(f),

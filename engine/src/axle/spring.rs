@@ -38,7 +38,7 @@ pub struct BumpStop {
 
 impl<T: Copy> SpringLaw<T> {
     /// The law over another kind of number.
-    pub fn map<U>(&self, f: impl Fn(T) -> U) -> SpringLaw<U> {
+    pub fn map<U: Copy>(&self, f: impl Fn(T) -> U) -> SpringLaw<U> {
         SpringLaw {
             spring: match &self.spring {
                 Law::Linear { force, rate } => Law::Linear {

@@ -92,7 +92,7 @@ fn by_travels<T: Real>(held: AxleTravel, [first, second]: [T; 2]) -> ByTravels<T
 }
 
 impl<T: Copy> WheelRates<T> {
-    fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> WheelRates<U> {
+    fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> WheelRates<U> {
         WheelRates {
             centre: self.centre.map(f),
             turn: self.turn.map(f),
@@ -104,7 +104,7 @@ impl<T: Copy> WheelRates<T> {
 
 impl<T: Copy> Corner<T> {
     /// The wheel over another kind of number.
-    pub(super) fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Corner<U> {
+    pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Corner<U> {
         let rocker = &self.rocker;
         Corner {
             sign: self.sign,

@@ -247,7 +247,7 @@ impl<T: Copy> Parameters<T> {
     }
 
     /// The values over another kind of number.
-    pub fn map<U>(&self, f: impl FnMut(T) -> U) -> Parameters<U> {
+    pub fn map<U: Copy>(&self, f: impl FnMut(T) -> U) -> Parameters<U> {
         Parameters(self.0.map(f))
     }
 }

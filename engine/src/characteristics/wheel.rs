@@ -87,7 +87,7 @@ macro_rules! wheel {
 
             /// The wheel over another kind of number. `f` takes vectors first, in the order of the fields.
             #[inline(always)]
-            pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Wheel<U> {
+            pub fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Wheel<U> {
                 Wheel {
                     $($vector: self.$vector.map(f),)*
                     $($number: f(self.$number),)*
@@ -96,7 +96,7 @@ macro_rules! wheel {
 
             /// The wheel of each number and its partner in another wheel.
             #[inline(always)]
-            pub(crate) fn zip<U: Copy, V>(
+            pub(crate) fn zip<U: Copy, V: Copy>(
                 &self,
                 other: &Wheel<U>,
                 f: impl Fn(T, U) -> V + Copy,
@@ -174,7 +174,7 @@ impl<T: Copy> DesignWheel<T> {
 
     /// The design wheel over another kind of number. `f` takes the numbers in the order of the fields.
     #[inline(always)]
-    pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> DesignWheel<U> {
+    pub fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> DesignWheel<U> {
         DesignWheel {
             spin_axis: self.spin_axis.map(f),
             centre: self.centre.map(f),
@@ -215,7 +215,7 @@ macro_rules! slots {
 
             /// Copies this input from `from` to `to`, converted by `f`.
             #[inline(always)]
-            fn carry<T: Real, U>(self, from: &Inputs<T>, to: &mut Inputs<U>, f: impl Fn(T) -> U + Copy) {
+            fn carry<T: Real, U: Copy>(self, from: &Inputs<T>, to: &mut Inputs<U>, f: impl Fn(T) -> U + Copy) {
                 match self {
                     $(Slot::$slot => to.$($place).+ = slots!(@map $kind from.$($place).+, f),)*
                 }
@@ -417,7 +417,7 @@ impl<T: Real> Inputs<T> {
 
     /// The inputs over another kind of number.
     #[inline]
-    pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Inputs<U> {
+    pub fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Inputs<U> {
         Inputs {
             now: self.now.map(f),
             rate: self.rate.map(f),

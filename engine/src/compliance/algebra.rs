@@ -172,7 +172,7 @@ impl<T: Real> Placed<T> {
 
     /// The body over another kind of number.
     #[inline]
-    pub(super) fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Placed<U> {
+    pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Placed<U> {
         Placed {
             shift: self.shift.map(f),
             turn: self.turn.map(f),

@@ -71,7 +71,7 @@ impl<T: Scalar> Subframe<T> {
 
 impl Subframe {
     /// The subframe over another kind of number.
-    pub fn map<U>(&self, f: impl Fn(f64) -> U + Copy) -> Subframe<U> {
+    pub fn map<U: Copy>(&self, f: impl Fn(f64) -> U + Copy) -> Subframe<U> {
         let mount = |mount: &SubframeMount| SubframeMount {
             name: mount.name.clone(),
             at: mount.at.map(f),
@@ -155,7 +155,7 @@ impl Compliance {
     }
 
     /// The parts over another kind of number.
-    pub fn map<U>(&self, f: impl Fn(f64) -> U + Copy) -> Compliance<U> {
+    pub fn map<U: Copy>(&self, f: impl Fn(f64) -> U + Copy) -> Compliance<U> {
         let bushing = |part: &BushingPart| BushingPart {
             point: part.point,
             shapes: part.shapes.each_ref().map(|shape| shape.map(f)),

@@ -45,7 +45,7 @@ impl Shape {
 
 impl<T: Copy> Shape<T> {
     /// The shape over another kind of number.
-    pub(super) fn map<U>(&self, f: impl Fn(T) -> U) -> Shape<U> {
+    pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U) -> Shape<U> {
         match self {
             Shape::Cubic { rate, cubic } => Shape::Cubic {
                 rate: f(*rate),

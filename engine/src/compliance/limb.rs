@@ -191,7 +191,7 @@ impl<T: Scalar> LimbState<T> {
         }
     }
 
-    pub(super) fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> LimbState<U> {
+    pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> LimbState<U> {
         LimbState {
             placed: self.placed.map(f),
             pivot: self.pivot.map(f),

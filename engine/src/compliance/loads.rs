@@ -40,7 +40,7 @@ impl<T: Real> WheelLoads<T> {
     }
 
     /// The load over another kind of number.
-    pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> WheelLoads<U> {
+    pub fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> WheelLoads<U> {
         WheelLoads {
             contact: self.contact.map(f),
             side: f(self.side),

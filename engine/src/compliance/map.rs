@@ -197,7 +197,7 @@ impl<T: Scalar> System<T> {
 
 impl<T: Copy> WheelFigures<T> {
     /// The figures over another kind of number.
-    pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> WheelFigures<U> {
+    pub fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> WheelFigures<U> {
         WheelFigures {
             toe: f(self.toe),
             camber: f(self.camber),

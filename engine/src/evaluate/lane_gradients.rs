@@ -540,7 +540,8 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
 impl<B: SimdReal> Differentiating<'_, '_, B> {
     #[inline(always)]
     pub(super) fn differentiate(&mut self, station: usize, at: &impl LanePose<B>) {
-        self.rack.outlined(AtPose {
+        let rack = self.rack;
+        rack.outlined(AtPose {
             station: self.first + station,
             differentiating: self,
             at,

@@ -356,7 +356,7 @@ impl<T> Driver<T> {
 impl<T: Real> Driver<T> {
     /// The drive over another kind of number.
     #[inline]
-    pub(crate) fn map<U>(self, f: impl Fn(T) -> U + Copy) -> Driver<U> {
+    pub(crate) fn map<U: Copy>(self, f: impl Fn(T) -> U + Copy) -> Driver<U> {
         match self {
             Driver::Travel(travel) => Driver::Travel(f(travel)),
             Driver::ArmAngle { sine, cosine } => Driver::ArmAngle {

@@ -32,7 +32,7 @@ impl Ground<f64> {
 impl<T> Ground<T> {
     /// The same ground over another kind of number.
     #[inline(always)]
-    pub fn map<U>(self, f: impl Fn(T) -> U) -> Ground<U> {
+    pub fn map<U: Copy>(self, f: impl Fn(T) -> U) -> Ground<U> {
         Ground {
             sine: f(self.sine),
             cosine: f(self.cosine),

@@ -17,7 +17,7 @@ pub struct Pose<T> {
 impl<T: Real> Pose<T> {
     /// The pose over another kind of number.
     #[inline]
-    pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Pose<U> {
+    pub fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Pose<U> {
         Pose {
             origin: self.origin.map(f),
             rotation: self.rotation.map(f),

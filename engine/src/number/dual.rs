@@ -196,8 +196,12 @@ impl<T: Real, const N: usize> Real for Dual<T, N> {
     const SHARES_DIVISIONS: bool = T::SHARES_DIVISIONS;
 
     #[inline(always)]
-    fn outlined<P: Outlined>(self, piece: P) -> P::Output {
+    fn outlined<P: Outlined>(&self, piece: P) -> P::Output {
         self.value.outlined(piece)
+    }
+    #[inline(always)]
+    fn outlined_as<P: Outlined>(like: &[Self], piece: P) -> P::Output {
+        like[0].value.outlined(piece)
     }
 
     #[inline(always)]

@@ -19,7 +19,7 @@ pub struct Jet<T, const N: usize>(pub [T; N]);
 
 impl<T: Real, const N: usize> Jet<T, N> {
     /// A constant: every derivative is zero.
-    #[inline(always)]
+    #[inline]
     pub fn constant(value: T) -> Self {
         let mut series = [value.zero(); N];
         series[0] = value;
@@ -272,8 +272,13 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
     const SHARES_DIVISIONS: bool = T::SHARES_DIVISIONS;
 
     #[inline(always)]
-    fn outlined<P: Outlined>(self, piece: P) -> P::Output {
-        self.0[0].outlined(piece)
+    fn outlined<P: Outlined>(&self, piece: P) -> P::Output {
+        T::outlined_as(&self.0, piece)
+    }
+
+    #[inline(always)]
+    fn outlined_as<P: Outlined>(like: &[Self], piece: P) -> P::Output {
+        T::outlined_as(&like[0].0, piece)
     }
 
     #[inline(always)]

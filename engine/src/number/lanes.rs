@@ -90,8 +90,12 @@ impl<S: Registers> Real for Lanes<S> {
         self.one().copysign(self)
     }
     #[inline(always)]
-    fn outlined<P: Outlined>(self, piece: P) -> P::Output {
+    fn outlined<P: Outlined>(&self, piece: P) -> P::Output {
         self.simd.outlined(piece)
+    }
+    #[inline(always)]
+    fn outlined_as<P: Outlined>(like: &[Self], piece: P) -> P::Output {
+        like[0].simd.outlined(piece)
     }
 }
 

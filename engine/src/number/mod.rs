@@ -86,7 +86,14 @@ pub trait Real:
     /// Runs a piece of work in a function of its own, compiled for the instructions of this number type. A single function
     /// with everything inlined takes too long to compile.
     #[inline(always)]
-    fn outlined<P: Outlined>(self, piece: P) -> P::Output {
+    fn outlined<P: Outlined>(&self, piece: P) -> P::Output {
+        piece.work_outlined()
+    }
+
+    /// Runs a piece of work as [`Real::outlined`] does, for the first of several numbers. (To index the numbers before the
+    /// call would make the compiler add code that drops the piece if the index is out of range.)
+    #[inline(always)]
+    fn outlined_as<P: Outlined>(_: &[Self], piece: P) -> P::Output {
         piece.work_outlined()
     }
 
@@ -131,6 +138,11 @@ pub trait Outlined: Sized {
     /// the compiler places it with the piece's module. A change in another module does not recompile it.
     #[inline(never)]
     fn work_outlined(self) -> Self::Output {
+        self.work()
+    }
+    /// Runs a small piece, compiled for no particular instruction set. The compiler shortens it once and then inlines it.
+    #[inline]
+    fn work_small(self) -> Self::Output {
         self.work()
     }
 }
@@ -199,7 +211,7 @@ macro_rules! outlined {
                 $body
             }
         }
-        $crate::number::Real::outlined($like, Piece($($value,)* std::marker::PhantomData))
+        $crate::number::Real::outlined(&$like, Piece($($value,)* std::marker::PhantomData))
     }};
 }
 pub(crate) use outlined;

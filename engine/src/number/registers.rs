@@ -76,7 +76,7 @@ impl Instructions for Plain {
     #[inline(always)]
     fn compiled<P: crate::number::Outlined>(self, piece: P) -> P::Output {
         match P::IS_SMALL {
-            true => piece.work(),
+            true => piece.work_small(),
             false => piece.work_outlined(),
         }
     }

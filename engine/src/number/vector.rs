@@ -23,21 +23,26 @@ impl<T> Vector3<T> {
     pub const fn new(x: T, y: T, z: T) -> Self {
         Vector3 { x, y, z }
     }
+}
 
+/// Copies need no destructor. Without this bound, most of a function is code that drops its arguments when a call unwinds.
+impl<T: Copy> Vector3<T> {
     /// The vector with `f` applied to each component.
     #[inline(always)]
-    pub fn map<U>(self, mut f: impl FnMut(T) -> U) -> Vector3<U> {
+    pub fn map<U: Copy>(self, f: impl Fn(T) -> U + Copy) -> Vector3<U> {
         Vector3::new(f(self.x), f(self.y), f(self.z))
     }
 
     /// The vector of each component and its partner in another vector.
     #[inline(always)]
-    pub(crate) fn zip<U, V>(self, other: Vector3<U>, mut f: impl FnMut(T, U) -> V) -> Vector3<V> {
+    pub(crate) fn zip<U: Copy, V: Copy>(
+        self,
+        other: Vector3<U>,
+        f: impl Fn(T, U) -> V + Copy,
+    ) -> Vector3<V> {
         Vector3::new(f(self.x, other.x), f(self.y, other.y), f(self.z, other.z))
     }
-}
 
-impl<T: Copy> Vector3<T> {
     /// The components as an array.
     #[inline(always)]
     pub fn to_array(self) -> [T; 3] {
@@ -385,7 +390,7 @@ impl<T: Real> Matrix3<T> {
 
     /// The matrix with `f` applied to each entry.
     #[inline(always)]
-    pub fn map<U>(self, f: impl Fn(T) -> U + Copy) -> Matrix3<U> {
+    pub fn map<U: Copy>(self, f: impl Fn(T) -> U + Copy) -> Matrix3<U> {
         let [x, y, z] = self.columns;
         Matrix3 {
             columns: [x.map(f), y.map(f), z.map(f)],

@@ -19,7 +19,7 @@ pub struct AxleCompliance<T = f64> {
 
 impl AxleCompliance {
     /// The parts over another kind of number.
-    pub fn map<U>(&self, f: impl Fn(f64) -> U + Copy) -> AxleCompliance<U> {
+    pub fn map<U: Copy>(&self, f: impl Fn(f64) -> U + Copy) -> AxleCompliance<U> {
         AxleCompliance {
             wheels: self.wheels.each_ref().map(|wheel| wheel.map(f)),
             subframe: self.subframe.as_ref().map(|subframe| subframe.map(f)),

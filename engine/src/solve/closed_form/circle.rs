@@ -29,7 +29,7 @@ impl<T: Real> Circle<T> {
     }
 
     #[inline(always)]
-    pub(crate) fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Circle<U> {
+    pub(crate) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Circle<U> {
         Circle {
             centre: self.centre.map(f),
             radius: self.radius.map(f),

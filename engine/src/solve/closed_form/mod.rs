@@ -192,7 +192,7 @@ impl<T: Real> ClosedForm<T> {
 
     /// The constants over another kind of number.
     #[inline]
-    pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> ClosedForm<U> {
+    pub fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> ClosedForm<U> {
         let [x, y, z] = &self.basis;
         ClosedForm {
             ball_joint: self.ball_joint.map(f),
@@ -478,7 +478,7 @@ impl<T: Real> ArmState<T> {
 
 impl<T: Real> Carried<T> {
     #[inline]
-    fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Carried<U> {
+    fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Carried<U> {
         Carried {
             by_m: f(self.by_m),
             by_u: f(self.by_u),

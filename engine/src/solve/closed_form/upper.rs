@@ -180,7 +180,7 @@ impl<T: Real> Upper<T> {
     }
 
     #[inline]
-    pub(crate) fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Upper<U> {
+    pub(crate) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Upper<U> {
         match self {
             Upper::Strut {
                 top,

@@ -87,7 +87,7 @@ instruction_set!(
 
 /// Defines a set's operations on pairs of registers of `$width` numbers from its operations on one register. Each operation
 /// is a function compiled for the set; the compiler shortens it once and then inlines it. (Inlined first and
-/// shortened at each use, the operations took a tenth of the time that the engine is compiled in.)
+/// shortened at each use, the operations took an eighth of the compiler time of the engine.)
 macro_rules! registers {
     ($set:ident, $features:literal, $width:literal, $register:ty, $mask:ty, $load:ident, $store:ident, {
         fn splat($value:ident) $splat:block

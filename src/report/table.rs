@@ -422,6 +422,8 @@ impl Layout {
             false => name.chars().count(),
         };
         let fits = |length: usize| 2 * length + 4 <= width;
+        let words = cells.clone().flat_map(|cell| cell.text().split(' '));
+        let longest_word = words.map(|word| word.chars().count()).max().unwrap_or(0);
         Layout {
             to_the_right: numbers && !first,
             prose,
@@ -430,6 +432,7 @@ impl Layout {
                 (true, _) if fits(whole(header)) => longest.max(whole(header)).min(natural),
                 (true, _) => longest.max(widest(header)).min(natural),
                 (false, false) if fits(natural) => natural,
+                (false, true) if fits(longest_word) => natural.min(LEAST.max(longest_word)),
                 (false, _) => natural.min(LEAST),
             },
         }

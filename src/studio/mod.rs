@@ -14,6 +14,7 @@
 mod access;
 mod answer;
 mod axle;
+mod car;
 mod connections;
 mod directions;
 mod groups;
@@ -26,6 +27,7 @@ mod misfit;
 mod overview;
 mod page;
 mod rates;
+mod reading;
 mod routes;
 mod server;
 mod start;

@@ -172,7 +172,7 @@ const request = (design, digest) => ({
   of: of(design, digest),
   characteristics: state.chosen,
   at: state.at,
-  curves_rack: state.curvesAtRack ? state.at.at(-1) : null,
+  curves_rack: state.curvesAtRack && !state.overview.is_car ? state.at.at(-1) : null,
   over: state.over,
 });
 

@@ -151,11 +151,14 @@ fn drawn<'s>(
 /// The left side of the opened design in a case.
 fn as_opened(opened: &OpenedCar, shown: usize) -> Option<Drawn> {
     let study = &opened.study;
-    let mut solver = solver(study).ok()?;
-    let case = &study.cases[shown];
-    let found = solver.solve(case).ok()?;
-    let drawing = solver.drawing(case, &found).ok()?;
-    let pose = Ok(placement(study, &drawing, 0));
+    let drawn = opened.drawn[shown].get_or_init(|| {
+        let mut solver = solver(study).ok()?;
+        let case = &study.cases[shown];
+        let found = solver.solve(case).ok()?;
+        let drawing = solver.drawing(case, &found).ok()?;
+        Some(placement(study, &drawing, 0))
+    });
+    let pose = Ok(drawn.clone()?);
     Some(Drawn::Side { pose })
 }
 

@@ -104,7 +104,8 @@ impl CarFiles {
         designs: &Designs,
         anyway: bool,
     ) -> Result<OpenedCar, NotSaved> {
-        let before = self.texts().map_err(NotSaved::Refused)?;
+        let missing = |why| NotSaved::Refused(format!("nothing is saved: {why}"));
+        let before = self.texts().map_err(missing)?;
         let is_same = digest_of_texts(&before.each_ref().map(String::as_str)) == opened.base;
         let after = match (is_same, anyway) {
             (true, _) => with_designs(opened, designs),

@@ -14,7 +14,7 @@ pub(super) use files::CarFiles;
 use super::job::Tuning;
 use super::message::{
     Coordinates, Designed, DirectionsAnswer, InfluenceAnswer, InfluenceRequest, LimitsAnswer,
-    Overview, SolveRequest, SolvedAnswer, TextChange, TuneRequest,
+    Overview, SidePlacement, SolveRequest, SolvedAnswer, TextChange, TuneRequest,
 };
 use super::reading::Reading;
 use super::study_file::{NotSaved, in_kernel};
@@ -25,7 +25,7 @@ use crate::report::{CarResults, car_page};
 use crate::results::digest_of_texts;
 use crate::study::{CarStudy, Study, StudyErrors, ValueEdit, Variable};
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Names of the axles.
 const ENDS: [&str; 2] = ["front", "rear"];
@@ -41,6 +41,8 @@ pub(in crate::studio) struct OpenedCar {
     study: CarStudy,
     /// Every coordinate of each axle as something that can move.
     every: [Vec<Variable>; 2],
+    /// The left side of this design in each case, once it was drawn; none without an equilibrium.
+    drawn: Vec<OnceLock<Option<SidePlacement>>>,
 }
 
 impl OpenedCar {
@@ -54,6 +56,7 @@ impl OpenedCar {
             edits: Vec::new(),
             every: [0, 1]
                 .map(|end| Variable::every_coordinate(study.axles[end].wheel(), [-1.0, 1.0])),
+            drawn: study.cases.iter().map(|_| OnceLock::new()).collect(),
             study,
         }
     }

@@ -2,8 +2,8 @@
 
 use super::misfit::{name_of, name_on_rig};
 use super::{ENDS, OpenedCar, coordinates};
-use crate::car::{CarQuantity, CarVariable};
-use crate::report::Scene;
+use crate::car::{AxleParameter, Car, CarQuantity, CarVariable, rate_key};
+use crate::report::{Scene, readable_unit};
 use crate::studio::message::{
     CharacteristicOverview, Overview, PointOverview, Slider, TargetOverview, VariableOverview,
     WheelDrawn, WholeScene,
@@ -82,7 +82,47 @@ fn written(study: &CarStudy) -> serde_json::Value {
     for (end, axle) in ENDS.iter().zip(&study.axles) {
         all[*end] = sections(&axle.text, &of_axle);
     }
+    all["units"] = units(&study.car);
     all
+}
+
+/// Units of the numbers in forms, by their keys.
+fn units(car: &Car) -> serde_json::Value {
+    let rates = [
+        AxleParameter::SpringRate,
+        AxleParameter::SpringForce,
+        AxleParameter::BarRate,
+        AxleParameter::HeaveSpringRate,
+        AxleParameter::HeaveSpringForce,
+        AxleParameter::TBarRate,
+        AxleParameter::HeaveBarRate,
+        AxleParameter::HeaveBarTorque,
+        AxleParameter::TyreRate,
+    ];
+    let rates = rates.map(|rate| (rate_key(rate), readable_unit(&rate.unit(car).0)));
+    let (length, mass) = (car.length_unit.symbol(), car.mass_unit.symbol());
+    let others = [
+        ("mass", mass),
+        ("sprung_mass", mass),
+        ("cg", length),
+        ("sprung_cg", length),
+        ("wheelbase", length),
+        ("rear_offset", length),
+        ("yaw_inertia", "kg m\u{b2}"),
+        ("pitch_inertia", "kg m\u{b2}"),
+        ("ax", "g"),
+        ("ay", "g"),
+        ("az", "g"),
+        ("speed", "m/s"),
+        ("yaw_acceleration", "rad/s\u{b2}"),
+        ("rack", length),
+        ("steering_wheel_angle", "\u{b0}"),
+    ];
+    let others = others.map(|(key, unit)| (key, unit.to_owned()));
+    let all = rates.into_iter().chain(others);
+    all.map(|(key, unit)| (key.to_owned(), unit.into()))
+        .collect::<serde_json::Map<_, _>>()
+        .into()
 }
 
 /// Points of the left wheels: of the front, then of the rear axle.

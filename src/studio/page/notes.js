@@ -53,6 +53,12 @@ const tell = (key, value, note, bad) => {
 const isMet = (target) => Math.abs(target.worst) <= 1;
 
 const figures = () => {
+  if (state.fault) {
+    // Figures of an earlier design are not those of this one.
+    for (const key of ['misfit', 'met', 'constraints', 'solved']) tell(key, '–', 'design not solved', true);
+    tell('warnings', '1', '', true);
+    return;
+  }
   const misfit = state.answer?.misfit;
   if (misfit) {
     const before = state.ghost?.misfit?.value;

@@ -5,7 +5,7 @@ import { placeAfter, state, takeOverview } from './design.js';
 import { question, say } from './dialog.js';
 import { post } from './server.js';
 
-const words = (text) => text.replaceAll('_', ' ');
+const words = (text) => text.replaceAll(/[_.]/g, ' ');
 const optimise = () => state.overview.written.optimise;
 export const writtenTarget = (k) => optimise()?.targets?.[k];
 
@@ -140,16 +140,17 @@ const CAR_KEYS = ['mass', 'cg', 'sprung_mass', 'sprung_cg', 'wheelbase', 'rear_o
 const AXLE_KEYS = [['spring', 'rate'], ['spring', 'force'], ['anti_roll_bar', 'rate'], ['heave_spring', 'rate'], ['heave_spring', 'force'], ['t_bar', 'rate'], ['heave_bar', 'rate'], ['heave_bar', 'torque'], ['tyre', 'rate'], ['vehicle', 'unsprung_mass']];
 const CASE_KEYS = ['ax', 'ay', 'az', 'speed', 'yaw_acceleration', 'rack', 'steering_wheel_angle'];
 const carForms = () => {
-  const { car, cases = [] } = state.overview.written;
+  const { car, cases = [], units } = state.overview.written;
   const ends = ['front', 'rear'].map((end) => state.overview.written[end]);
-  const row = (name, ...cells) => html('tr', {}, html('th', { scope: 'row', text: words(name) }), ...cells.map((cell) => html('td', {}, cell)));
+  const unitOf = (name) => (units[name] ? ` [${units[name]}]` : '');
+  const row = (name, ...cells) => html('tr', {}, html('th', { scope: 'row', text: words(name) + unitOf(name) }), ...cells.map((cell) => html('td', {}, cell)));
   const values = CAR_KEYS.filter((key) => car[key] !== undefined).map((key) => row(key, html('span', {}, ...[].concat(car[key]).map((value, k) => rateField(
     words(Array.isArray(car[key]) ? `${key} ${AXES[k]}` : key), Array.isArray(car[key]) ? ['car', key, k] : ['car', key], value)))));
-  const rates = AXLE_KEYS.filter(([section, key]) => ends.some((own) => Number.isFinite(own[section]?.[key]))).map(([section, key]) => row(`${section} ${key}`,
+  const rates = AXLE_KEYS.filter(([section, key]) => ends.some((own) => Number.isFinite(own[section]?.[key]))).map(([section, key]) => row(`${section}.${key}`,
     ...['front', 'rear'].map((end, k) => rateField(words(`${end} ${section} ${key}`), [end, section, key], ends[k][section]?.[key]))));
   const used = CASE_KEYS.filter((key) => cases.some((own) => Number.isFinite(own[key])));
   const loads = cases.map((own, k) => row(own.name, ...used.map((key) => rateField(words(`${own.name} ${key}`), ['cases', k, key], own[key]))));
-  return [headed('Car', ['value', ''], values), headed('Axles', ['value', 'front', 'rear'], rates), ...(loads.length ? [headed('Load cases', ['case', ...used.map(words)], loads)] : [])];
+  return [headed('Car', ['value', ''], values), headed('Axles', ['value', 'front', 'rear'], rates), ...(loads.length ? [headed('Load cases', ['case', ...used.map((key) => words(key) + unitOf(key))], loads)] : [])];
 };
 // Keys that say of which part a constraint is.
 const SUBJECTS = ['length', 'members', 'articulation', 'point', 'characteristic', 'plunge', 'angle', 'load'];

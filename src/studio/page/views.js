@@ -25,9 +25,19 @@ const otherWheel = (frame) => {
 const rimsOf = (at, scene) => rims(at, scene).filter((_, k) => !at?.spin_axes || isDrawn(scene.wheels[k].centre));
 const contactsOf = (frame, other) => (frame?.contacts ? [...frame.contacts, ...(other?.contacts ?? [])] : [frame?.contact, frame?.contact && other?.contact].filter(Boolean));
 // A way in the drawing, along the axes of the body: a car is drawn over the ground, which its body rolls and pitches on.
-const inBody = (way) => {
+// In a flat view two coordinates move, and the point stays under the pointer; in space the way is turned.
+const inBody = (way, { right, up }, isFlat) => {
   const { axes } = placement(state.answer?.frame) ?? {};
-  return axes ? [0, 1, 2].map((k) => axes.reduce((sum, row, i) => sum + row[k] * way[i], 0)) : way;
+  if (!axes) return way;
+  const column = (k) => axes.map((row) => row[k]);
+  if (!isFlat) return [0, 1, 2].map((k) => dot(column(k), way));
+  const plane = [0, 1, 2].filter((k) => right[k] !== 0 || up[k] !== 0);
+  const [[a, b], [c, d]] = [right, up].map((look) => plane.map((k) => dot(look, column(k))));
+  const [p, q] = [dot(way, right), dot(way, up)];
+  const found = [0, 0, 0];
+  found[plane[0]] = (p * d - q * b) / (a * d - b * c);
+  found[plane[1]] = (q * a - p * c) / (a * d - b * c);
+  return found;
 };
 const inDrawing = (way) => {
   const { axes } = placement(state.answer?.frame) ?? {};
@@ -244,7 +254,7 @@ class View extends MechanismView {
     target.setPointerCapture(event.pointerId);
     this.svg.classList.add('dragging');
     const move = (now) => {
-      const way = inBody(this.unproject([now.clientX - from[0], now.clientY - from[1]]));
+      const way = inBody(this.unproject([now.clientX - from[0], now.clientY - from[1]]), this.look, this.basis !== null);
       if (other) way[1] = -way[1];
       if (now.shiftKey) {
         const most = way.map(Math.abs).indexOf(Math.max(...way.map(Math.abs)));

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use std::fs;
 
 /// The columns of an answer, by name.
-fn answered(answer: &Value) -> Vec<(String, Vec<Option<f64>>)> {
+pub(super) fn answered(answer: &Value) -> Vec<(String, Vec<Option<f64>>)> {
     let columns = answer["columns"].as_array().unwrap().iter();
     let values = |c: &Value| {
         c["values"]

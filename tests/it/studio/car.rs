@@ -412,6 +412,7 @@ fn a_car_is_dragged_edited_tuned_and_saved() {
     browser.wait(SETTLED);
     browser.wait("studio.state.answer.misfit.value < 0.1");
     browser.click("#save");
+    browser.wait("document.querySelector('dialog button[value=yes]') !== null");
     browser.click("dialog button[value=yes]");
     browser.wait("document.getElementById('banner').textContent.includes('saved')");
     browser.wait(SETTLED);

@@ -255,14 +255,14 @@ pub(super) struct SolvedAnswer {
 #[serde(untagged)]
 pub(super) enum Drawn {
     /// Of one wheel.
-    Wheel(Frame),
+    Wheel(Box<Frame>),
     /// Of one side of a car.
     Side { pose: Result<SidePlacement, String> },
 }
 
 impl From<Frame> for Drawn {
     fn from(frame: Frame) -> Self {
-        Drawn::Wheel(frame)
+        Drawn::Wheel(Box::new(frame))
     }
 }
 

@@ -20,6 +20,7 @@ use super::reading::Reading;
 use super::study_file::{NotSaved, in_kernel};
 use crate::car::CarSolver;
 use crate::exchange::{car_point_pages, car_points_csv};
+use crate::mechanism::GeometryFault;
 use crate::number::Vector3;
 use crate::report::{CarResults, car_page};
 use crate::results::digest_of_texts;
@@ -97,7 +98,14 @@ impl OpenedCar {
 
     /// The study with a design that came from the page.
     fn moved(&self, coordinates: &Coordinates) -> Result<CarStudy, String> {
-        Ok(self.study.at_design(self.designs(coordinates)?))
+        let study = self.study.at_design(self.designs(coordinates)?);
+        for (end, axle) in ENDS.iter().zip(&study.axles) {
+            // As in a file: points that form no suspension are not solved.
+            if let Some(fault) = GeometryFault::all_of(axle.wheel()).first() {
+                return Err(format!("{end} axle: {fault}"));
+            }
+        }
+        Ok(study)
     }
 }
 

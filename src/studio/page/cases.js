@@ -48,7 +48,7 @@ const of = (answer, column) => answer?.columns.find((c) => c.column === column)?
 // The small words under a value: what a coordinate does to it, a proposal's value, or the change against the file.
 const noteOf = (column, k, value, size) => {
   const slope = state.influence?.columns.get(column)?.[k];
-  if (state.influence) return slope === null || slope === undefined ? '' : `${signed(shown(slope, 1e-3), 3)} per ${state.overview.unit}`;
+  if (state.influence) return slope === null || slope === undefined ? '' : signed(shown(slope, 1e-3), 3);
   const next = of(state.proposed, column)?.[k] ?? null;
   if (state.proposed) return next === null ? '' : `→ ${brief(shown(next, size), 4)}`;
   const was = of(state.ghost, column)?.[k] ?? null;

@@ -256,6 +256,22 @@ fn nothing_is_written_halfway() {
     assert!(read(&served, "new.toml").contains("front = \"new_front.toml\""));
 }
 
+/// Points that form no suspension are refused at once with the reason, as in a file.
+#[test]
+fn implausible_points_are_refused() {
+    let served = served("car", as_it_is);
+    let of = moved(&served, &[("rear_lower_front_link_inner", 2, 225_000.0)]);
+    let message =
+        json!({"of": of, "characteristics": ["roll"], "at": [0.0], "curves_rack": null, "over": 0});
+    let refused = served.post("solve", &message);
+    assert_eq!(refused.status, 422);
+    let why = refused.text();
+    assert!(
+        why.contains("rear axle") && why.contains("no suspension"),
+        "{why}"
+    );
+}
+
 /// One file for both ends: a change of one end alone is refused, because it would change the other end as well.
 #[test]
 fn one_file_for_both_axles_is_not_torn() {

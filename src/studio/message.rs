@@ -257,7 +257,9 @@ pub(super) enum Drawn {
     /// Of one wheel.
     Wheel(Box<Frame>),
     /// Of one side of a car.
-    Side { pose: Result<SidePlacement, String> },
+    Side {
+        pose: Result<Box<SidePlacement>, String>,
+    },
 }
 
 impl From<Frame> for Drawn {

@@ -139,7 +139,11 @@ fn drawn<'s>(
     match drawing {
         Ok(drawing) => {
             let sides = [0, 1].map(|side| placement(study, &drawing, side));
-            sides.map(|own| Some(Drawn::Side { pose: Ok(own) }))
+            sides.map(|own| {
+                Some(Drawn::Side {
+                    pose: Ok(Box::new(own)),
+                })
+            })
         }
         Err(why) => {
             let pose = Err(format!("case {}: {why}", case.name));
@@ -158,7 +162,7 @@ fn as_opened(opened: &OpenedCar, shown: usize) -> Option<Drawn> {
         let drawing = solver.drawing(case, &found).ok()?;
         Some(placement(study, &drawing, 0))
     });
-    let pose = Ok(drawn.clone()?);
+    let pose = Ok(Box::new(drawn.clone()?));
     Some(Drawn::Side { pose })
 }
 

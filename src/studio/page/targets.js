@@ -49,7 +49,7 @@ const field = (label, value, change) => {
 };
 const remover = (label, path, name) => html('button', { class: 'small', text: '✕', title: label, 'aria-label': label, on: { click: () => edit([{ path, value: null }], `Removed ${name}`) } });
 const headed = (title, head, rows, ...more) => html('div', { class: 'panel form' }, html('h2', { text: title }), html('div', { class: 'scroll' },
-  html('table', {}, html('thead', {}, html('tr', {}, ...head.map((text) => html('th', { text })))), html('tbody', {}, ...rows))), ...more);
+  html('table', {}, html('thead', {}, html('tr', {}, ...head.map((text) => html(text ? 'th' : 'td', { text })))), html('tbody', {}, ...rows))), ...more);
 
 // Fields of the numbers by which a table of the study limits or wants a value.
 const LIMITS = { between: ['from', 'to'], at_least: 'at least', at_most: 'at most', clearance: 'clearance', value: 'value', at: 'at' };

@@ -24,8 +24,8 @@ use super::{RunArguments, StudyArguments};
 use crate::car::CarSolver;
 use crate::optimise::Control;
 use crate::report::{
-    CarRecord, CarResults, CarState, car_constraints_table, car_page, car_targets_json,
-    car_targets_table, counted, optimised_car, side_effects_in_words, side_effects_table,
+    CarRecord, CarResults, car_constraints_table, car_page, car_targets_json, car_targets_table,
+    counted, misfit_in_words, optimised_car, side_effects_in_words, side_effects_table,
 };
 use crate::results::{Claim, digest_of_texts};
 use crate::side_effects::side_effects_of_car;
@@ -69,7 +69,7 @@ pub(super) fn check(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let results = CarResults::solve(&study, &mut solver(&study, path)?, 1);
     let mut out = Printer::new(arguments.format);
     out.say(&format!("{}: valid\n\n", path.display()))?;
-    for remark in remarks(&study, &results) {
+    for remark in results.remarks() {
         out.remark(&format!("{remark}\n\n"))?;
     }
     for failure in results.failures() {
@@ -90,49 +90,6 @@ fn headline(study: &CarStudy) -> String {
     };
     let cases = counted(study.cases.len(), "case");
     format!("{}: {cases}, {tyres}", study.name)
-}
-
-/// Remarks on the static position and on figures that the axle studies give differently.
-fn remarks(study: &CarStudy, results: &CarResults<'_>) -> Vec<String> {
-    let mut remarks = Vec::new();
-    let limit = 0.01 * study.car.per_metre();
-    if let Some(CarState::Solved { solved, .. }) = results.states.first() {
-        let travels = &solved.now.unknowns[3..7];
-        let far = travels.iter().fold(0.0_f64, |far, z| far.max(z.abs()));
-        if far > limit {
-            let unit = study.car.length_unit.symbol();
-            remarks.push(format!(
-                "warning: the static position is {far:.1} {unit} of travel from the design position: the spring forces do not \
-                 fit the masses"
-            ));
-        }
-    }
-    remarks.extend(results.warnings());
-    for (end, axle) in ["front", "rear"].iter().zip(&study.axles) {
-        let vehicle = &axle.wheel().vehicle;
-        let figures = [
-            (
-                "brake_share_front",
-                vehicle.brake_share_front,
-                study.car.brake_share_front,
-            ),
-            (
-                "drive_share_front",
-                vehicle.drive_share_front,
-                study.car.drive_share_front,
-            ),
-        ];
-        for (key, own, of_car) in figures {
-            if let (Some(own), Some(of_car)) = (own, of_car)
-                && (own - of_car).abs() > 1e-3 * of_car.abs()
-            {
-                remarks.push(format!(
-                    "note: {key} of the {end} study is {own}; the car uses its own, {of_car}"
-                ));
-            }
-        }
-    }
-    remarks
 }
 
 fn open(arguments: &RunArguments, study: &CarStudy, command: &str) -> Result<Output, Stop> {
@@ -231,7 +188,7 @@ pub(super) fn solve(arguments: &RunArguments) -> Result<Exit, Stop> {
     let sensitivities = results.sensitivities_csv(&mut solver);
     files.extend(output.file_if_any("sensitivities.csv", sensitivities)?);
     let failures = results.failures();
-    let warnings = remarks(&study, &results);
+    let warnings = results.remarks();
     let summary = json!({
         "command": "solve",
         "study": study.name,
@@ -324,8 +281,9 @@ pub(super) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.finish()?;
     let words = side_effects_in_words(&effects).map(|words| format!("; {words}"));
     output.say(&format!(
-        "{}\nmisfit {met:.3e} (root mean square, in tolerances){}; {}\n\n",
+        "{}\nmisfit {} (root mean square, in tolerances){}; {}\n\n",
         headline(&study),
+        misfit_in_words(met),
         words.unwrap_or_default(),
         tuned.ended()
     ))?;

@@ -28,6 +28,7 @@ mod assetto_in;
 mod axes;
 mod bushings;
 mod car;
+mod car_points;
 mod cell;
 mod centre_lines;
 mod chrono;
@@ -68,6 +69,7 @@ mod yaml;
 
 pub use axes::{Axes, Way};
 pub use car::{CAR_FILES, ImportedCar, import_car};
+pub use car_points::{car_point_pages, car_points_csv};
 pub use centre_lines::drawing;
 pub use curve_columns::{Tool, curves_in, under_names_of, unit_of_column};
 pub use envelope::{Envelope, Span, Tyre};

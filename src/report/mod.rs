@@ -79,8 +79,8 @@ pub use plausibility::{
     axle_plausibility, both_wheels_plausibility, plausibility, rack_doubt, study_doubts,
     variable_plausibility,
 };
-pub(crate) use record::wanted_between;
 pub use record::{BandCurve, DesignRecord, DrawnDesign, OutputRecord, Record, TargetRecord};
+pub(crate) use record::{readable_unit, wanted_between};
 pub use run::{Run, Summary};
 pub use scene::{BodyKind, Scene, SceneBody};
 pub use set_up_summary::{
@@ -98,7 +98,7 @@ pub use sweep::{
 pub use table::{Cell, Column, Format, Table, Tables};
 pub use text::{counted, is_printable, printable, wrapped};
 pub use tolerance_summary::{RankingRecord, RejectRecord, ToleranceSummary, ValueRecord, rejected};
-pub use tuning_summary::TuningSummary;
+pub use tuning_summary::{TuningSummary, misfit_in_words};
 pub use yields::YieldRecord;
 
 /// A number as results write it: the shortest decimal that reads back to the same bits, and no

@@ -1,7 +1,7 @@
 //! The answer to a dragged point: the design, solved.
 
 use super::groups::Groups;
-use super::message::{ColumnValues, Designed, SolveRequest, SolvedAnswer};
+use super::message::{ColumnValues, Designed, Drawn, SolveRequest, SolvedAnswer};
 use super::misfit;
 use super::study_file::Opened;
 use crate::characteristics::Characteristic;
@@ -115,11 +115,11 @@ fn solved_wheel(
         shown: groups.shown,
         status: found.stations.iter().map(|s| s.status.word()).collect(),
         failures: FailureRange::all(&found, suspension),
-        frame: frame(suspension),
+        frame: frame(suspension).map(Drawn::from),
         right: None,
         opened: match suspension.design == opened.study.wheel().design {
             true => None,
-            false => frame(opened.study.wheel()),
+            false => frame(opened.study.wheel()).map(Drawn::from),
         },
         misfit,
         remarks: said,

@@ -6,7 +6,8 @@
 use super::answer::columns;
 use super::groups::Groups;
 use super::message::{
-    CharacteristicOverview, InfluenceAnswer, InfluenceColumn, Slider, SolveRequest, SolvedAnswer,
+    CharacteristicOverview, Drawn, InfluenceAnswer, InfluenceColumn, Slider, SolveRequest,
+    SolvedAnswer,
 };
 use super::overview::rack_slider;
 use super::study_file::Opened;
@@ -183,7 +184,7 @@ pub(super) fn solved(
     let fault = |fault: DesignFault| fault.describe(&left.mechanism);
     let mut said = plausibility(left).map_err(fault)?;
     said.extend(axle_plausibility(axle, &plan, &found, false));
-    let frame = |axle: &Axle, side| frame(axle, &plan, &request.at, side);
+    let frame = |axle: &Axle, side| frame(axle, &plan, &request.at, side).map(Drawn::from);
     Ok(SolvedAnswer {
         columns: columns(&found.curves),
         drive: places.iter().map(|place| Some(place[over])).collect(),

@@ -7,13 +7,19 @@ use super::study_file::Opened;
 use crate::model::Suspension;
 use crate::number::Vector3;
 use crate::optimise::{Control, Iteration, tune};
-use crate::report::TuningSummary;
+use crate::report::{TuningSummary, brief};
 use crate::side_effects::side_effects;
 use crate::study::{Study, Variable};
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+
+/// Refusal to tune a study without goals.
+pub(super) const NO_SECTION: &str =
+    "the study has no [optimise] section with variables and targets";
+/// Refusal to tune where nothing may move.
+pub(super) const ALL_LOCKED: &str = "every variable of the study moves a point that is locked";
 
 /// The message of a tuning that has panicked.
 fn panicked(panic: &(dyn Any + Send)) -> String {
@@ -25,23 +31,55 @@ fn panicked(panic: &(dyn Any + Send)) -> String {
     )
 }
 
-/// Makes the range of a variable count from the design in the file, wherever the page has moved its points since. The present
-/// place stays within it. Points that were moved apart keep the range about their present places.
-fn count_from_file(variable: &mut Variable, file: &Suspension, now: &[Vector3<f64>]) {
+/// A range that counts from the design in the file, seen from the present design, where its points have moved by `moved`
+/// units. The present place stays within it. Points that were moved apart keep the range about their present places. The
+/// second value says in words if the tuning may therefore leave the file's range.
+pub(super) fn counted_from_file(
+    name: &str,
+    [low, high]: [f64; 2],
+    moved: &[f64],
+) -> ([f64; 2], Option<String>) {
+    let Some(first) = moved.first().copied() else {
+        return ([low, high], None);
+    };
+    let is_together = |by: &f64| (by - first).abs() <= 1e-9 * (high - low);
+    if !moved.iter().all(is_together) {
+        let remark = format!(
+            "{name}: its points were moved apart, so its range counts from their present places"
+        );
+        return ([low, high], Some(remark));
+    }
+    let range = [(low - first).min(0.0), (high - first).max(0.0)];
+    let outside = (low - first).max(first - high);
+    let remark = (outside > 1e-9 * (high - low)).then(|| {
+        format!(
+            "{name} is {} outside of its range in the file, {} to {}: the tuning used a range widened to the present place",
+            brief(outside),
+            brief(low),
+            brief(high)
+        )
+    });
+    (range, remark)
+}
+
+/// Makes the range of a variable count from the design in the file, wherever the page has moved its points since.
+fn count_from_file(
+    variable: &mut Variable,
+    file: &Suspension,
+    now: &[Vector3<f64>],
+) -> Option<String> {
     let moved = variable.moves.iter().map(|by| {
         let [was, is] = [file.design[by.point.0], now[by.point.0]].map(|point| point[by.axis]);
         file.frame.sign(by.axis) * (is - was) / by.factor
     });
     let moved: Vec<f64> = moved.collect();
-    let Some(first) = moved.first().copied() else {
-        return;
-    };
-    let [low, high] = variable.range;
-    let is_together = |by: &f64| (by - first).abs() <= 1e-9 * (high - low);
-    if moved.iter().all(is_together) {
-        variable.range = [(low - first).min(0.0), (high - first).max(0.0)];
-    }
+    let (range, remark) = counted_from_file(&variable.name, variable.range, &moved);
+    variable.range = range;
+    remark
 }
+
+/// A tuning that is ready to run.
+pub(super) type Tuning = Box<dyn FnOnce(&Job) -> Result<Proposal, String> + Send>;
 
 /// A tuning, running or done.
 pub(super) struct Job {
@@ -55,34 +93,8 @@ pub(super) struct Job {
 }
 
 impl Job {
-    /// Begins to tune a design on a thread of its own.
-    pub(super) fn begin(
-        number: u64,
-        opened: Arc<Opened>,
-        request: &TuneRequest,
-    ) -> Result<Arc<Job>, String> {
-        let mut study = opened.moved(&request.of.design)?;
-        let study_design = study.wheel().design.clone();
-        let Some(optimise) = &mut study.optimise else {
-            return Err("the study has no [optimise] section with variables and targets".into());
-        };
-        let free = |variable: &&Variable| {
-            let points = variable.moves.iter().map(|m| (m.point.0, m.axis as usize));
-            let turned = variable.turn.iter().flat_map(|turn| &turn.points);
-            let turned = turned.flat_map(|p| (0..3).map(|axis| (p.0, axis)));
-            let locked = |(point, axis): (usize, usize)| {
-                request.locked.get(point).is_some_and(|axes| axes[axis])
-            };
-            !points.chain(turned).any(locked)
-        };
-        optimise.variables.retain(|variable| free(&variable));
-        let (file, now) = (opened.study.wheel(), study_design.as_slice());
-        for variable in &mut optimise.variables {
-            count_from_file(variable, file, now);
-        }
-        if optimise.variables.is_empty() {
-            return Err("every variable of the study moves a point that is locked".to_owned());
-        }
+    /// Begins a tuning on a thread of its own.
+    pub(super) fn begin(number: u64, tuning: Tuning) -> Result<Arc<Job>, String> {
         let job = Arc::new(Job {
             number,
             interrupt: AtomicBool::new(false),
@@ -94,7 +106,7 @@ impl Job {
         let own = job.clone();
         let run = move || {
             // A panic ends this job alone: the page is told, and the next tuning can begin.
-            let ended = catch_unwind(AssertUnwindSafe(|| own.run(&study, &opened.text)));
+            let ended = catch_unwind(AssertUnwindSafe(|| tuning(&own)));
             let ended = ended.unwrap_or_else(|panic| Err(panicked(&*panic)));
             *own.ended.lock().unwrap_or_else(PoisonError::into_inner) = Some(ended);
         };
@@ -103,9 +115,36 @@ impl Job {
         Ok(job)
     }
 
-    fn run(&self, study: &Study, text: &str) -> Result<Proposal, String> {
-        let suspension = study.wheel();
-        let optimise = study.optimise.as_ref().expect("it was asked for");
+    /// The tuning of a design of a wheel or an axle.
+    pub(super) fn of_study(opened: Arc<Opened>, request: &TuneRequest) -> Result<Tuning, String> {
+        let mut study = opened.moved(&request.of.design)?;
+        let study_design = study.wheel().design.clone();
+        let Some(optimise) = &mut study.optimise else {
+            return Err(NO_SECTION.into());
+        };
+        let free = |variable: &&Variable| {
+            let points = variable.moves.iter().map(|m| (m.point.0, m.axis as usize));
+            let turned = variable.turn.iter().flat_map(|turn| &turn.points);
+            let turned = turned.flat_map(|p| (0..3).map(|axis| (p.0, axis)));
+            !points
+                .chain(turned)
+                .any(|(point, axis)| request.is_locked(point, axis))
+        };
+        optimise.variables.retain(|variable| free(&variable));
+        let (file, now) = (opened.study.wheel(), study_design.as_slice());
+        let remarks = optimise
+            .variables
+            .iter_mut()
+            .filter_map(|variable| count_from_file(variable, file, now));
+        let remarks: Vec<String> = remarks.collect();
+        if optimise.variables.is_empty() {
+            return Err(ALL_LOCKED.to_owned());
+        }
+        Ok(Box::new(move |job| job.run(&study, &opened.text, remarks)))
+    }
+
+    /// Runs a tuning that reports its iterations to this job.
+    pub(super) fn controlled<R>(&self, tune: impl FnOnce(Control<'_>) -> R) -> R {
         let watch = |_: usize, iteration: &Iteration| {
             self.iterations.fetch_add(1, Ordering::Relaxed);
             if iteration.iteration == 0 {
@@ -114,12 +153,23 @@ impl Job {
             let mut least = self.misfit.lock().unwrap_or_else(PoisonError::into_inner);
             *least = Some(least.map_or(iteration.misfit, |m| m.min(iteration.misfit)));
         };
-        let control = Control {
+        tune(Control {
             interrupt: Some(&self.interrupt),
             watch: Some(&watch),
-        };
+        })
+    }
+
+    /// Returns true if it was asked to end.
+    pub(super) fn is_cancelled(&self) -> bool {
+        self.interrupt.load(Ordering::SeqCst)
+    }
+
+    fn run(&self, study: &Study, text: &str, remarks: Vec<String>) -> Result<Proposal, String> {
+        let suspension = study.wheel();
+        let optimise = study.optimise.as_ref().expect("it was asked for");
         let fault = |fault: crate::mechanism::DesignFault| fault.describe(&suspension.mechanism);
-        let tuning = tune(&study.vehicle, optimise, control).map_err(fault)?;
+        let tuning = self.controlled(|control| tune(&study.vehicle, optimise, control));
+        let tuning = tuning.map_err(fault)?;
         let Some(best) = &tuning.best else {
             let first = tuning.starts.starts.first();
             let why = first.and_then(|start| start.outcome.as_ref().err());
@@ -135,8 +185,8 @@ impl Job {
             design: coordinates(suspension, &best.design),
             headline: summary.headline(),
             side_effects: SideEffectRows::of(&summary.side_effects),
-            remarks: [summary.outcome_in_words(), summary.remarks()].concat(),
-            interrupted: self.interrupt.load(Ordering::SeqCst),
+            remarks: [remarks, summary.outcome_in_words(), summary.remarks()].concat(),
+            interrupted: self.is_cancelled(),
         })
     }
 

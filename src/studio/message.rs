@@ -80,6 +80,13 @@ pub(super) struct TuneRequest {
     pub locked: Vec<[bool; 3]>,
 }
 
+impl TuneRequest {
+    /// Returns true if a coordinate must stay as it is.
+    pub(super) fn is_locked(&self, point: usize, axis: usize) -> bool {
+        self.locked.get(point).is_some_and(|axes| axes[axis])
+    }
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct JobRequest {
@@ -101,6 +108,8 @@ pub(super) struct SaveRequest {
 pub(super) struct Overview {
     pub name: String,
     pub file: String,
+    /// Names of all files that saving may write: the file, then those of the axles of a car.
+    pub files: Vec<String>,
     /// Path of the file, so that a browser does not confuse its stored data of one study with another's.
     pub place: String,
     pub digest: String,
@@ -112,10 +121,12 @@ pub(super) struct Overview {
     pub unit: String,
     pub points: Vec<PointOverview>,
     pub design: Coordinates,
-    pub scene: Scene,
+    pub scene: WholeScene,
     /// The catalogue.
     pub characteristics: Vec<CharacteristicOverview>,
     pub is_axle: bool,
+    /// True if stations are load cases.
+    pub is_car: bool,
     /// A slider for each number that moves.
     pub sliders: Vec<Slider>,
     /// Number of the slider that curves are drawn over at first.
@@ -139,12 +150,41 @@ pub(super) struct Slider {
     pub home: f64,
     /// Values over the motion.
     pub values: Vec<f64>,
+    /// Names of the values, if they are a choice: then the number is the place in this list.
+    pub names: Vec<String>,
+}
+
+/// The drawing of the left side, with its wheels.
+#[derive(Serialize)]
+pub(super) struct WholeScene {
+    #[serde(flatten)]
+    pub scene: Scene,
+    pub wheels: Vec<WheelDrawn>,
+}
+
+#[derive(Serialize)]
+pub(super) struct WheelDrawn {
+    /// Point at its centre.
+    pub centre: usize,
+    pub radius: f64,
+}
+
+/// The text of a file now, and the text that saving would write.
+#[derive(Serialize)]
+pub(super) struct TextChange {
+    pub file: String,
+    pub before: String,
+    pub after: String,
 }
 
 #[derive(Serialize)]
 pub(super) struct PointOverview {
     pub name: String,
     pub about: String,
+    /// Axle of a car, and the point's name in its study.
+    pub axle: Option<[String; 2]>,
+    /// Displacement from its coordinates to its place in a drawing of the whole vehicle.
+    pub shift: [f64; 3],
 }
 
 #[derive(Serialize)]
@@ -200,14 +240,45 @@ pub(super) struct SolvedAnswer {
     pub status: Vec<&'static str>,
     pub failures: Vec<FailureRange>,
     /// The mechanism where it is drawn, and the study's own design there.
-    pub frame: Option<Frame>,
-    /// The right wheel of an axle.
-    pub right: Option<Frame>,
-    pub opened: Option<Frame>,
+    pub frame: Option<Drawn>,
+    /// The right wheel of an axle, or the right side of a car.
+    pub right: Option<Drawn>,
+    pub opened: Option<Drawn>,
     pub misfit: Option<Misfit>,
     pub remarks: Vec<String>,
     /// Time that the server took.
     pub milliseconds: f64,
+}
+
+/// A drawn position.
+#[derive(Serialize)]
+#[serde(untagged)]
+pub(super) enum Drawn {
+    /// Of one wheel.
+    Wheel(Box<Frame>),
+    /// Of one side of a car.
+    Side {
+        pose: Result<Box<SidePlacement>, String>,
+    },
+}
+
+impl From<Frame> for Drawn {
+    fn from(frame: Frame) -> Self {
+        Drawn::Wheel(Box::new(frame))
+    }
+}
+
+/// One side of a car over the ground, along the axes of the front study.
+#[derive(Clone, Serialize)]
+pub(super) struct SidePlacement {
+    /// Points of the front, then of the rear axle.
+    pub points: Vec<[f64; 3]>,
+    pub spin_axes: [[f64; 3]; 2],
+    pub contacts: [[f64; 3]; 2],
+    /// Centre of gravity of the sprung mass.
+    pub sprung_cg: [f64; 3],
+    /// Axes of the drawing along those of the body, as rows.
+    pub axes: [[f64; 3]; 3],
 }
 
 #[derive(Serialize)]
@@ -247,8 +318,10 @@ pub(super) struct TargetMisfit {
     pub column: String,
     pub rms: f64,
     pub worst: f64,
-    pub worst_at: f64,
-    pub worst_at_unit: &'static str,
+    /// Place of the largest deviation; none for a result of a load case.
+    pub worst_at: Option<f64>,
+    /// Unit of that place, or the load case.
+    pub worst_at_unit: String,
     pub gradient: Coordinates,
 }
 

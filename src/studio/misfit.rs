@@ -22,7 +22,7 @@ use crate::study::{Optimise, Study};
 use nalgebra::{DMatrix, DVector};
 
 /// Constraints violated by less than this, in visible units such as a millimetre, are kept.
-const VIOLATED: f64 = 1e-6;
+pub(super) const VIOLATED: f64 = 1e-6;
 
 /// The misfit of a design, if its study has targets.
 pub(super) fn misfit(opened: &Opened, study: &Study) -> Result<Option<Misfit>, DesignFault> {
@@ -46,7 +46,7 @@ pub(super) fn misfit(opened: &Opened, study: &Study) -> Result<Option<Misfit>, D
     }))
 }
 
-fn of_assessment(
+pub(super) fn of_assessment(
     study: &Study,
     optimise: &Optimise,
     layout: &TargetLayout,
@@ -70,8 +70,8 @@ fn of_assessment(
             column: target.of.column.clone(),
             rms: deviation.rms,
             worst: deviation.worst,
-            worst_at: target.printed_at(drive, deviation.worst_at),
-            worst_at_unit: target.unit_at(drive, length),
+            worst_at: Some(target.printed_at(drive, deviation.worst_at)),
+            worst_at_unit: target.unit_at(drive, length).to_owned(),
             gradient: gradient(
                 residuals,
                 jacobian,

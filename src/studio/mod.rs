@@ -9,11 +9,12 @@
 //!
 //! Who may speak to it: requests to a loopback address whose path begins with a token of 128 random bits, whose
 //! `Host` is the address that was printed and, for everything but the page itself, whose `Origin` is too
-//! (`access.rs`). What may be written: the study, and plain file names beside it (`study_file.rs`).
+//! (`access.rs`). What may be written: the study, the studies of a car's axles, and plain file names beside it (`study_file.rs`).
 
 mod access;
 mod answer;
 mod axle;
+mod car;
 mod connections;
 mod directions;
 mod groups;
@@ -26,6 +27,7 @@ mod misfit;
 mod overview;
 mod page;
 mod rates;
+mod reading;
 mod routes;
 mod server;
 mod start;

@@ -2,9 +2,9 @@
 
 use super::message::{
     CharacteristicOverview, Coordinates, Overview, PointOverview, Slider, TargetOverview,
-    VariableOverview,
+    VariableOverview, WheelDrawn, WholeScene,
 };
-use super::study_file::{Opened, StudyFile};
+use super::study_file::Opened;
 use crate::attia::PaperTheta;
 use crate::characteristics::Characteristic;
 use crate::compliance::not_of_equilibrium;
@@ -15,8 +15,8 @@ use crate::report::{Scene, wanted_between};
 use crate::study::{Drive, Optimise, Study, Target, TargetKind, Vehicle, WheelStudy};
 
 /// The overview of a study that was read.
-pub(super) fn overview(file: &StudyFile, opened: &Opened) -> Overview {
-    let study = &opened.study;
+pub(super) fn overview(opened: &Opened) -> Overview {
+    let (file, study) = (&opened.file, &opened.study);
     let suspension = study.wheel();
     let mechanism = &suspension.mechanism;
     let unit = suspension.length_unit;
@@ -28,6 +28,8 @@ pub(super) fn overview(file: &StudyFile, opened: &Opened) -> Overview {
             .hardpoint(name)
             .map_or("a point to report", |hardpoint| hardpoint.about)
             .to_owned(),
+        axle: None,
+        shift: [0.0; 3],
     };
     let (sliders, main) = match study.axle() {
         None => of_corner(study),
@@ -36,6 +38,7 @@ pub(super) fn overview(file: &StudyFile, opened: &Opened) -> Overview {
     Overview {
         name: study.name.clone(),
         file: file.name(),
+        files: vec![file.name()],
         place: file.path().display().to_string(),
         digest: opened.digest.clone(),
         base: opened.base.clone(),
@@ -44,12 +47,13 @@ pub(super) fn overview(file: &StudyFile, opened: &Opened) -> Overview {
         unit: unit.symbol().to_owned(),
         points: mechanism.points.iter().map(|p| point(&p.name)).collect(),
         design: coordinates(suspension, &suspension.design),
-        scene: Scene::of(suspension),
+        scene: scene(suspension),
         characteristics: match &study.vehicle {
             Vehicle::Wheel(own) => catalogue(own, optimise),
             Vehicle::Axle(both) => super::axle::catalogue(study, both),
         },
         is_axle: study.axle().is_some(),
+        is_car: false,
         sliders,
         main,
         targets: optimise
@@ -77,19 +81,38 @@ pub(super) fn overview(file: &StudyFile, opened: &Opened) -> Overview {
     }
 }
 
+fn scene(suspension: &Suspension) -> WholeScene {
+    let scene = Scene::of(suspension);
+    let wheel = scene.wheel_radius.map(|radius| WheelDrawn {
+        centre: scene.wheel_centre,
+        radius,
+    });
+    WholeScene {
+        wheels: wheel.into_iter().collect(),
+        scene,
+    }
+}
+
 /// Sections of a study as they are written, for forms.
 fn written(text: &str) -> serde_json::Value {
+    sections(
+        text,
+        &[
+            "motion",
+            "motions",
+            "outputs",
+            "optimise",
+            "bushings",
+            "links",
+            "spring",
+            "anti_roll_bar",
+        ],
+    )
+}
+
+/// These sections of a text, as they are written.
+pub(super) fn sections(text: &str, shown: &[&str]) -> serde_json::Value {
     let document: toml::Table = text.parse().unwrap_or_default();
-    let shown = [
-        "motion",
-        "motions",
-        "outputs",
-        "optimise",
-        "bushings",
-        "links",
-        "spring",
-        "anti_roll_bar",
-    ];
     let sections = document.into_iter();
     let sections = sections.filter(|(name, _)| shown.contains(&name.as_str()));
     serde_json::to_value(toml::Table::from_iter(sections)).unwrap_or_default()
@@ -199,6 +222,7 @@ impl Slider {
             high: values.iter().copied().fold(home, f64::max),
             home,
             values: values.to_vec(),
+            names: Vec::new(),
         }
     }
 }

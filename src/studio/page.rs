@@ -14,6 +14,7 @@ pub(super) fn file(name: &str) -> Option<Response> {
         "main.js" => (SCRIPT, include_str!("page/main.js")),
         "server.js" => (SCRIPT, include_str!("page/server.js")),
         "design.js" => (SCRIPT, include_str!("page/design.js")),
+        "cases.js" => (SCRIPT, include_str!("page/cases.js")),
         "draw.js" => (SCRIPT, include_str!("page/draw.js")),
         "views.js" => (SCRIPT, include_str!("page/views.js")),
         "curves.js" => (SCRIPT, include_str!("page/curves.js")),

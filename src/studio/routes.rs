@@ -8,10 +8,9 @@ use super::message::{
     Designed, EditRequest, InfluenceRequest, JobRequest, SaveRequest, Saved, SolveRequest,
     StartRequest, TuneRequest,
 };
-use super::study_file::{NotSaved, Opened, StudyFile};
-use super::{answer, directions, influence, overview, page, start};
-use crate::report::{CurveTable, Run};
-use crate::solved::Solved;
+use super::reading::{Files, Reading};
+use super::study_file::{NotSaved, name_of};
+use super::{page, start};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::VecDeque;
@@ -36,9 +35,9 @@ pub(super) struct ServerState {
     /// Folder in which a new study is written.
     directory: PathBuf,
     /// The study; without one the page asks for it.
-    file: OnceLock<StudyFile>,
+    file: OnceLock<Files>,
     /// The latest last.
-    texts: Mutex<VecDeque<Arc<Opened>>>,
+    texts: Mutex<VecDeque<Arc<dyn Reading>>>,
     job: Mutex<Option<Arc<Job>>>,
     /// Report pages with their numbers, the latest last.
     reports: Mutex<VecDeque<(u64, Arc<str>)>>,
@@ -65,14 +64,14 @@ impl ServerState {
     }
 
     /// Takes a study that was read. A server has one; a second one is refused.
-    pub(super) fn take(&self, file: StudyFile, opened: Opened) -> Result<(), String> {
+    pub(super) fn take(&self, file: Files, opened: Arc<dyn Reading>) -> Result<(), String> {
         let taken = self.file.set(file);
         taken.map_err(|_| "another tab has chosen a study: reload the page".to_owned())?;
         self.remember(opened);
         Ok(())
     }
 
-    fn file(&self) -> Result<&StudyFile, Refused> {
+    fn file(&self) -> Result<&Files, Refused> {
         let none = || (409, "no study is chosen yet: reload the page".to_owned());
         self.file.get().ok_or_else(none)
     }
@@ -147,34 +146,22 @@ impl ServerState {
         let answered = match rest {
             "study" => self.study(body),
             "digest" => self.digest(body),
-            "solve" => self.with_text(body, |r: &SolveRequest| &r.of, answer::solved),
-            "influence" => self.with_text(body, |r: &InfluenceRequest| &r.of, influence::influence),
-            "directions" => self.with_text(body, |r: &Designed| r, directions::directions),
-            "limits" => self.with_text(body, |r: &Designed| r, directions::limits),
-            "csv" => return self.file_of(body, CSV, answer::csv).unwrap_or_else(refusal),
-            "points" => {
-                return self
-                    .file_of(body, CSV, answer::points)
-                    .unwrap_or_else(refusal);
-            }
-            "dxf" => {
-                return self
-                    .file_of(body, DXF, answer::drawing)
-                    .unwrap_or_else(refusal);
-            }
+            "solve" => self.with_text(body, |r: &SolveRequest| &r.of, |own, r| own.solved(r)),
+            "influence" => self.with_text(
+                body,
+                |r: &InfluenceRequest| &r.of,
+                |own, r| own.influence(r),
+            ),
+            "directions" => self.with_text(body, |r: &Designed| r, |own, of| own.directions(of)),
+            "limits" => self.with_text(body, |r: &Designed| r, |own, of| own.limits(of)),
+            "csv" => self.file_of(body, CSV, |own, of| own.csv(of)),
+            "points" => self.file_of(body, CSV, |own, of| own.points(of)),
+            "dxf" => self.file_of(body, DXF, |own, of| own.drawing(of)),
             "report" => self.make_report(body),
             "choices" => message(body).and_then(|()| json(&start::choices())),
             "start" => self.start(body),
             "edit" => self.edit(body),
-            "texts" => self.with_text(
-                body,
-                |r: &Designed| r,
-                |opened, of| {
-                    self.file()
-                        .map_err(|(_, why)| why)?
-                        .texts(opened, &opened.design(&of.design)?)
-                },
-            ),
+            "texts" => self.with_text(body, |r: &Designed| r, |own, of| own.texts(&of.design)),
             "tune" => self.tune(body),
             "progress" => self.job(body, |_| ()),
             "cancel" => self.job(body, Job::cancel),
@@ -184,19 +171,18 @@ impl ServerState {
         answered.unwrap_or_else(refusal)
     }
 
-    fn text(&self, digest: &str) -> Result<Arc<Opened>, Refused> {
+    fn text(&self, digest: &str) -> Result<Arc<dyn Reading>, Refused> {
         let texts = locked(&self.texts);
-        let found = texts.iter().rev().find(|text| text.digest == digest);
+        let found = texts.iter().rev().find(|text| text.digest() == digest);
         found.cloned().ok_or_else(|| {
             let why = "the server has not read this text of the study: reload the page";
             (409, why.to_owned())
         })
     }
 
-    fn remember(&self, opened: Opened) -> Arc<Opened> {
-        let opened = Arc::new(opened);
+    fn remember(&self, opened: Arc<dyn Reading>) -> Arc<dyn Reading> {
         let mut texts = locked(&self.texts);
-        texts.retain(|text| text.digest != opened.digest);
+        texts.retain(|text| text.digest() != opened.digest());
         texts.push_back(opened.clone());
         if texts.len() > TEXTS {
             texts.pop_front();
@@ -209,7 +195,7 @@ impl ServerState {
         let () = message(body)?;
         let opened = self.file()?.read().map_err(|why| (422, why))?;
         let opened = self.remember(opened);
-        json(&overview::overview(self.file()?, &opened))
+        json(&opened.overview())
     }
 
     /// The SHA-256 of the file's text as it is now.
@@ -228,11 +214,11 @@ impl ServerState {
         }
         let refused = |why: String| (422, why);
         let path = start::start(&self.directory, &request).map_err(refused)?;
-        let file = StudyFile::at(&path).map_err(|e| refused(format!("{}: {e}", path.display())))?;
+        let file = Files::at(&path).map_err(|e| refused(format!("{}: {e}", path.display())))?;
         let opened = file.read().map_err(refused)?;
         let saved = Saved {
-            file: file.name(),
-            digest: opened.digest.clone(),
+            file: name_of(file.path()),
+            digest: opened.digest().to_owned(),
         };
         self.take(file, opened).map_err(refused)?;
         json(&saved)
@@ -242,9 +228,9 @@ impl ServerState {
     fn edit(&self, body: &[u8]) -> Result<Response, Refused> {
         let request: EditRequest = message(body)?;
         let opened = self.text(&request.digest)?;
-        let edited = self.file()?.edited(&opened, &request.edits);
+        let edited = opened.edited(&request.edits);
         let edited = self.remember(edited.map_err(|why| (422, why))?);
-        json(&overview::overview(self.file()?, &edited))
+        json(&edited.overview())
     }
 
     /// Answers a request about a design.
@@ -252,11 +238,11 @@ impl ServerState {
         &self,
         body: &[u8],
         of: impl Fn(&R) -> &Designed,
-        answer: impl Fn(&Opened, &R) -> Result<A, String>,
+        answer: impl Fn(&dyn Reading, &R) -> Result<A, String>,
     ) -> Result<Response, Refused> {
         let request: R = message(body)?;
         let opened = self.text(&of(&request).digest)?;
-        json(&answer(&opened, &request).map_err(|why| (422, why))?)
+        json(&answer(&*opened, &request).map_err(|why| (422, why))?)
     }
 
     /// A file of a design, of this media type.
@@ -264,7 +250,7 @@ impl ServerState {
         &self,
         body: &[u8],
         kind: &'static str,
-        made: impl Fn(&Opened, &Designed) -> Result<Vec<u8>, String>,
+        made: impl Fn(&dyn Reading, &Designed) -> Result<Vec<u8>, String>,
     ) -> Result<Response, Refused> {
         let of: Designed = message(body)?;
         let file = made(&*self.text(&of.digest)?, &of).map_err(|why| (422, why))?;
@@ -282,7 +268,9 @@ impl ServerState {
             ));
         }
         let number = job.as_ref().map_or(1, |job| job.number() + 1);
-        let begun = Job::begin(number, opened, &request).map_err(|why| (422, why))?;
+        let tuning = opened.tuning(&request);
+        let begun = tuning.and_then(|run| Job::begin(number, run));
+        let begun = begun.map_err(|why| (422, why))?;
         json(&job.insert(begun).state())
     }
 
@@ -298,9 +286,7 @@ impl ServerState {
     fn save(&self, body: &[u8]) -> Result<Response, Refused> {
         let request: SaveRequest = message(body)?;
         let opened = self.text(&request.of.digest)?;
-        let design = opened
-            .design(&request.of.design)
-            .map_err(|why| (422, why))?;
+        let design = &request.of.design;
         let _one_at_a_time = locked(&self.saving);
         let refused = |why| match why {
             NotSaved::Changed(why) => (409, why),
@@ -308,18 +294,18 @@ impl ServerState {
         };
         let saved = match &request.name {
             None => {
-                let saved = self.file()?.save(&opened, &design, request.anyway);
+                let saved = opened.save(design, request.anyway);
                 let saved = self.remember(saved.map_err(refused)?);
                 Saved {
-                    file: self.file()?.name(),
-                    digest: saved.digest.clone(),
+                    file: saved.overview().file,
+                    digest: saved.digest().to_owned(),
                 }
             }
             Some(name) => {
-                let file = self.file()?.save_as(&opened, &design, name, request.anyway);
+                let file = opened.save_as(design, name, request.anyway);
                 Saved {
                     file: file.map_err(refused)?,
-                    digest: opened.digest.clone(),
+                    digest: opened.digest().to_owned(),
                 }
             }
         };
@@ -330,7 +316,7 @@ impl ServerState {
     fn make_report(&self, body: &[u8]) -> Result<Response, Refused> {
         let of: Designed = message(body)?;
         let opened = self.text(&of.digest)?;
-        let html = report(&opened, &of).map_err(|why| (422, why))?;
+        let html = opened.report(&of).map_err(|why| (422, why))?;
         let mut reports = locked(&self.reports);
         let number = reports.back().map_or(1, |(number, _)| number + 1);
         reports.push_back((number, html.into()));
@@ -360,20 +346,6 @@ fn refused_page(head: &Head, status: u16, why: &str) -> Response {
     }
     let body = include_str!("page/refused.html").replace("{why}", why);
     Response::new(status, "text/html; charset=utf-8", body.into_bytes())
-}
-
-fn report(opened: &Opened, of: &Designed) -> Result<String, String> {
-    let study = opened.moved(&of.design)?;
-    let solved = Solved::of(&study)?;
-    let run = Run {
-        record: Solved::record("solve", &[("design", "curves.csv", &solved)])?,
-        curves: vec![CurveTable::read(&solved.csv())?],
-        summary: solved.summary()?,
-        interrupted: false,
-        history: None,
-        files: Vec::new(),
-    };
-    Ok(crate::report::page(&run))
 }
 
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {

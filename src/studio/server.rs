@@ -4,8 +4,8 @@ use super::access::Access;
 use super::connections::Connections;
 use super::http::Connection;
 use super::invitation::Invitation;
+use super::reading::Files;
 use super::routes::ServerState;
-use super::study_file::StudyFile;
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -51,8 +51,7 @@ impl Studio {
     pub fn open(study: &Path, port: Option<u16>) -> Result<Self, NotServed> {
         let shown = study.display();
         let wrong = |why: String| NotServed::Study(why);
-        let file =
-            StudyFile::at(study).map_err(|e| wrong(format!("{shown}: cannot be read: {e}")))?;
+        let file = Files::at(study).map_err(|e| wrong(format!("{shown}: cannot be read: {e}")))?;
         let opened = file.read().map_err(wrong)?;
         let directory = file.path().parent().unwrap_or(Path::new("")).to_owned();
         let studio = Self::choose(directory, port)?;

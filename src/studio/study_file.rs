@@ -1,7 +1,7 @@
 //! The study file: read, and written back with its comments.
 
-use super::message::Coordinates;
-use crate::model::Axis;
+use super::message::{Coordinates, TextChange};
+use crate::model::{Axis, Frame, Suspension};
 use crate::number::Vector3;
 use crate::optimise::TargetLayout;
 use crate::report::is_printable;
@@ -17,6 +17,8 @@ use tempfile::NamedTempFile;
 
 /// A text of the study that was read, and its meaning.
 pub(super) struct Opened {
+    /// Place of the study.
+    pub file: StudyFile,
     /// SHA-256 of the study text.
     pub digest: String,
     /// SHA-256 of the file's text that `edits` lead from.
@@ -48,6 +50,9 @@ impl Opened {
         let layout = layout.map(|o| TargetLayout::of(o, &study.vehicle));
         let digest = digest(&text);
         Ok(Opened {
+            file: StudyFile {
+                path: path.to_owned(),
+            },
             base: digest.clone(),
             digest,
             edits: Vec::new(),
@@ -64,30 +69,40 @@ impl Opened {
     }
 
     /// A design that came from the page, in the kernel's frame.
-    pub(super) fn design(&self, coordinates: &Coordinates) -> Result<Vec<Vector3<f64>>, String> {
+    pub(super) fn design(&self, coordinates: &[[f64; 3]]) -> Result<Vec<Vector3<f64>>, String> {
         let suspension = self.study.wheel();
-        let wanted = suspension.design.len();
-        if coordinates.len() != wanted {
-            let found = coordinates.len();
-            return Err(format!(
-                "expected the coordinates of {wanted} points, found {found}"
-            ));
-        }
-        for (point, place) in suspension.mechanism.points.iter().zip(coordinates) {
-            for (axis, coordinate) in Axis::ALL.into_iter().zip(place) {
-                // The bounds of the file: what no study may say no page may ask for.
-                checked_number(*coordinate).map_err(|expected| {
-                    let (name, axis) = (&point.name, axis.name());
-                    format!("{name} {axis}: expected {expected}, found {coordinate:e}")
-                })?;
-            }
-        }
-        let inside = |c: &[f64; 3]| suspension.frame.vector(Vector3::from(*c));
-        Ok(coordinates.iter().map(inside).collect())
+        in_kernel(coordinates, suspension, suspension.frame)
     }
 }
 
+/// Coordinates from the page in these axes, as a design in the kernel's frame.
+pub(super) fn in_kernel(
+    coordinates: &[[f64; 3]],
+    suspension: &Suspension,
+    frame: Frame,
+) -> Result<Vec<Vector3<f64>>, String> {
+    let wanted = suspension.design.len();
+    if coordinates.len() != wanted {
+        let found = coordinates.len();
+        return Err(format!(
+            "expected the coordinates of {wanted} points, found {found}"
+        ));
+    }
+    for (point, place) in suspension.mechanism.points.iter().zip(coordinates) {
+        for (axis, coordinate) in Axis::ALL.into_iter().zip(place) {
+            // The bounds of the file: what no study may say no page may ask for.
+            checked_number(*coordinate).map_err(|expected| {
+                let (name, axis) = (&point.name, axis.name());
+                format!("{name} {axis}: expected {expected}, found {coordinate:e}")
+            })?;
+        }
+    }
+    let inside = |c: &[f64; 3]| frame.vector(Vector3::from(*c));
+    Ok(coordinates.iter().map(inside).collect())
+}
+
 /// The file the studio was opened with, and its neighbours.
+#[derive(Clone)]
 pub(super) struct StudyFile {
     path: PathBuf,
 }
@@ -106,8 +121,7 @@ impl StudyFile {
 
     /// The name alone.
     pub(super) fn name(&self) -> String {
-        let name = self.path.file_name().unwrap_or_default();
-        name.to_string_lossy().into_owned()
+        name_of(&self.path)
     }
 
     /// Reads it as it is now, or returns its fault in words.
@@ -123,8 +137,7 @@ impl StudyFile {
     }
 
     fn text(&self) -> Result<String, String> {
-        let text = read_regular_text(&self.path, LONGEST_TEXT);
-        text.map_err(|e| format!("{}: {e}", self.path.display()))
+        text_of(&self.path)
     }
 
     /// A text that was read, with further changes of its values.
@@ -143,8 +156,12 @@ impl StudyFile {
         &self,
         opened: &Opened,
         design: &[Vector3<f64>],
-    ) -> Result<[String; 2], String> {
-        Ok([self.text()?, edited(&opened.study, &opened.text, design)])
+    ) -> Result<Vec<TextChange>, String> {
+        Ok(vec![TextChange {
+            file: self.name(),
+            before: self.text()?,
+            after: edited(&opened.study, &opened.text, design),
+        }])
     }
 
     /// Writes a design into the study. If the file no longer has the text that was opened, it stays as it is. With
@@ -161,25 +178,17 @@ impl StudyFile {
         } else if anyway {
             let own = edited_text(&text, &opened.edits).map_err(NotSaved::Refused)?;
             let now = self.understood(&self.path, own)?;
-            let merged = moved_in(opened, design, &now).map_err(NotSaved::Refused)?;
+            let wheels = [opened, &now].map(|text| text.study.wheel());
+            let merged = moved_in(wheels, design).map_err(NotSaved::Refused)?;
             edited(&now.study, &now.text, &merged)
         } else {
             let message = format!("{} has been changed since it was opened", self.name());
             return Err(NotSaved::Changed(message));
         };
         let edited = self.understood(&self.path, edited)?;
-        let refused = |e: io::Error| NotSaved::Refused(format!("{}: {e}", self.path.display()));
-        let temporary = self.temporary(&edited.text).map_err(refused)?;
-        if let Ok(metadata) = fs::metadata(&self.path) {
-            let kept = temporary.as_file().set_permissions(metadata.permissions());
-            kept.map_err(refused)?;
-        }
-        // Once more, right before it is replaced.
-        if self.text().map_err(NotSaved::Refused)? != text {
-            let message = format!("{} is being changed by another program", self.name());
-            return Err(NotSaved::Changed(message));
-        }
-        undivided(|| replace(temporary, &self.path, &edited.text)).map_err(refused)?;
+        let prepared = Prepared::replacing(&self.path, &text, &edited.text)?;
+        prepared.check_unchanged()?;
+        prepared.put()?;
         Ok(edited)
     }
 
@@ -192,53 +201,129 @@ impl StudyFile {
         name: &str,
         anyway: bool,
     ) -> Result<String, NotSaved> {
-        check_name(name).map_err(NotSaved::Refused)?;
-        let path = self.path.with_file_name(name);
+        let path = new_path(&self.path, name)?;
         // On some file systems one file has many spellings.
         if fs::canonicalize(&path).is_ok_and(|other| other == self.path) {
             return Err(NotSaved::Refused("that is the study itself".to_owned()));
         }
         let edited = edited(&opened.study, &opened.text, design);
         let edited = self.understood(&path, edited)?;
-        let refused = |e: io::Error| NotSaved::Refused(format!("{}: {e}", path.display()));
-        let temporary = self.temporary(&edited.text).map_err(refused)?;
-        if anyway && path.is_dir() {
-            return Err(NotSaved::Refused(format!("{name} is a directory")));
-        }
-        let written = undivided(|| match anyway {
-            true => replace(temporary, &path, &edited.text),
-            false => {
-                let written = temporary.persist_noclobber(&path);
-                written.map(drop).map_err(|e| e.error)
-            }
-        });
-        match written {
-            Ok(()) => Ok(name.to_owned()),
-            Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {
-                Err(NotSaved::Changed(format!("there is a file {name}")))
-            }
-            Err(e) => Err(refused(e)),
-        }
+        write_new(&path, &edited.text, anyway)?;
+        Ok(name.to_owned())
     }
 
     /// Resolves a text before it is saved: nothing is written that no command would read.
     fn understood(&self, path: &Path, text: String) -> Result<Opened, NotSaved> {
-        Opened::of(path, text).map_err(|errors| {
-            NotSaved::Refused(format!(
-                "a study with these points is refused, nothing is written:\n{}",
-                errors.render(false)
-            ))
+        Opened::of(path, text).map_err(|errors| not_understood(&errors))
+    }
+}
+
+/// Refuses to save a text that no command would read.
+pub(super) fn not_understood(errors: &StudyErrors) -> NotSaved {
+    NotSaved::Refused(format!(
+        "a study with these points is refused, nothing is written:\n{}",
+        errors.render(false)
+    ))
+}
+
+/// Text of a file as it is now.
+pub(super) fn text_of(path: &Path) -> Result<String, String> {
+    let text = read_regular_text(path, LONGEST_TEXT);
+    text.map_err(|e| format!("{}: {e}", path.display()))
+}
+
+/// Name of a file, without its folder.
+pub(super) fn name_of(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default();
+    name.to_string_lossy().into_owned()
+}
+
+/// A new text of a file, written beside it and not yet in its place.
+pub(super) struct Prepared<'a> {
+    path: &'a Path,
+    before: &'a str,
+    text: &'a str,
+    temporary: NamedTempFile,
+}
+
+impl<'a> Prepared<'a> {
+    /// Writes the text that is to take the place of `before`.
+    pub(super) fn replacing(
+        path: &'a Path,
+        before: &'a str,
+        text: &'a str,
+    ) -> Result<Self, NotSaved> {
+        let refused = |e: io::Error| refused(path, &e);
+        let temporary = temporary_beside(path, text).map_err(refused)?;
+        if let Ok(metadata) = fs::metadata(path) {
+            let kept = temporary.as_file().set_permissions(metadata.permissions());
+            kept.map_err(refused)?;
+        }
+        Ok(Prepared {
+            path,
+            before,
+            text,
+            temporary,
         })
     }
 
-    fn temporary(&self, text: &str) -> io::Result<NamedTempFile> {
-        use io::Write;
-        let directory = self.path.parent().unwrap_or(Path::new(""));
-        let mut file = temporary_of(directory, "studio")?;
-        file.write_all(text.as_bytes())?;
-        file.as_file().sync_all()?;
-        Ok(file)
+    /// Reads the file once more, right before it is replaced.
+    pub(super) fn check_unchanged(&self) -> Result<(), NotSaved> {
+        if text_of(self.path).map_err(NotSaved::Refused)? == self.before {
+            return Ok(());
+        }
+        let name = name_of(self.path);
+        let message = format!("{name} is being changed by another program");
+        Err(NotSaved::Changed(message))
     }
+
+    /// Puts the text in its place.
+    pub(super) fn put(self) -> Result<(), NotSaved> {
+        let written = undivided(|| replace(self.temporary, self.path, self.text));
+        written.map_err(|e| refused(self.path, &e))
+    }
+}
+
+fn refused(path: &Path, error: &io::Error) -> NotSaved {
+    NotSaved::Refused(format!("{}: {error}", path.display()))
+}
+
+/// Path of a new file beside a study.
+pub(super) fn new_path(study: &Path, name: &str) -> Result<PathBuf, NotSaved> {
+    check_name(name).map_err(NotSaved::Refused)?;
+    Ok(study.with_file_name(name))
+}
+
+/// Writes a new file. An existing file of that name is left alone, or replaced `anyway`.
+pub(super) fn write_new(path: &Path, text: &str, anyway: bool) -> Result<(), NotSaved> {
+    let name = name_of(path);
+    let refused = |e: io::Error| refused(path, &e);
+    let temporary = temporary_beside(path, text).map_err(refused)?;
+    if anyway && path.is_dir() {
+        return Err(NotSaved::Refused(format!("{name} is a directory")));
+    }
+    let written = undivided(|| match anyway {
+        true => replace(temporary, path, text),
+        false => {
+            let written = temporary.persist_noclobber(path);
+            written.map(drop).map_err(|e| e.error)
+        }
+    });
+    match written {
+        Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {
+            Err(NotSaved::Changed(format!("there is a file {name}")))
+        }
+        written => written.map_err(refused),
+    }
+}
+
+fn temporary_beside(path: &Path, text: &str) -> io::Result<NamedTempFile> {
+    use io::Write;
+    let directory = path.parent().unwrap_or(Path::new(""));
+    let mut file = temporary_of(directory, "studio")?;
+    file.write_all(text.as_bytes())?;
+    file.as_file().sync_all()?;
+    Ok(file)
 }
 
 /// Puts a whole file in its place. Where the place has several names (hard links), its content is replaced instead, so
@@ -278,17 +363,16 @@ fn has_other_names(_: &Path) -> bool {
 }
 
 /// A text of a study with another design; of an axle with both wheels.
-fn edited(study: &Study, text: &str, design: &[Vector3<f64>]) -> String {
+pub(super) fn edited(study: &Study, text: &str, design: &[Vector3<f64>]) -> String {
     study.text_with_points_of(text, &study.at_design(design.to_vec()))
 }
 
-/// The design of a text with the coordinates of another that differ from the opened text.
-fn moved_in(
-    opened: &Opened,
+/// The design of a changed text with the coordinates of another design that differ from the opened text. The wheels are those
+/// of the opened and of the changed text.
+pub(super) fn moved_in(
+    [from, to]: [&Suspension; 2],
     design: &[Vector3<f64>],
-    now: &Opened,
 ) -> Result<Vec<Vector3<f64>>, String> {
-    let [from, to] = [opened, now].map(|text| text.study.wheel());
     if from.frame != to.frame || from.length_unit != to.length_unit {
         return Err("the file now has other axes or another unit: reload it".to_owned());
     }

@@ -14,8 +14,12 @@ pub struct CarDrawing {
     pub contacts: [[f64; 3]; 4],
     /// Wheel centres, in the same order.
     pub centres: [[f64; 3]; 4],
+    /// Unit vectors along the spin axes, outboard, in the same order.
+    pub spin_axes: [[f64; 3]; 4],
     /// Centre of gravity of the sprung mass.
     pub sprung_cg: [f64; 3],
+    /// Unit vectors forward, left and up, in the axes of the body.
+    pub axes: [[f64; 3]; 3],
 }
 
 impl CarSolver<'_> {
@@ -46,23 +50,31 @@ impl CarSolver<'_> {
         let plain = |axle: usize, side: Side, v: Vector3<f64>| {
             Vector3::new(v.x, side.sign() * v.y, v.z) + offset(axle)
         };
-        let points = [0, 1].map(|axle| {
-            let own = &self.car.axles[axle];
+        let configuration = |axle: usize, side: Side| {
+            let suspension = self.car.axles[axle].suspension(side);
             let placed = &found.placed[axle];
+            Configuration {
+                mechanism: &suspension.mechanism,
+                design: &suspension.design,
+                pose: placed.poses()[side as usize],
+                rack: placed.rack * side.sign(),
+                steering: None,
+            }
+        };
+        let points = [0, 1].map(|axle| {
             let of_side = |side: Side| {
-                let suspension = own.suspension(side);
-                let at = Configuration {
-                    mechanism: &suspension.mechanism,
-                    design: &suspension.design,
-                    pose: placed.poses()[side as usize],
-                    rack: placed.rack * side.sign(),
-                    steering: None,
-                };
-                let all = 0..suspension.mechanism.points.len();
+                let at = configuration(axle, side);
+                let all = 0..at.mechanism.points.len();
                 let places = all.map(|k| place(plain(axle, side, at.point(PointId(k)))));
                 places.collect::<Vec<_>>()
             };
             Side::ALL.map(of_side).concat()
+        });
+        let turned = |v: Vector3<f64>| [road.forward, road.left, road.up].map(|axis| axis.dot(v));
+        let spin_axes = WheelPlace::ALL.map(|wheel| {
+            let side = Side::ALL[wheel.0 % 2];
+            let own = configuration(wheel.0 / 2, side).spin_axis();
+            turned(Vector3::new(own.x, side.sign() * own.y, own.z))
         });
         let centres = [0, 1, 2, 3].map(|number| {
             let (axle, side) = (number / 2, number % 2);
@@ -83,7 +95,9 @@ impl CarSolver<'_> {
             points,
             contacts,
             centres,
+            spin_axes,
             sprung_cg: place(balance.sprung.1),
+            axes: [road.forward, road.left, road.up].map(|axis| axis.to_array()),
         })
     }
 }

@@ -43,6 +43,8 @@ pub struct CarStudy {
     pub inputs: Vec<PathBuf>,
     /// The car.
     pub car: Car,
+    /// Wheelbase, if the study gives it instead of the rear axle's offset.
+    pub wheelbase: Option<f64>,
     /// Load cases, the one at rest first.
     pub cases: Vec<Case>,
     /// Requested results.
@@ -242,6 +244,7 @@ impl CarStudy {
             inputs,
             axles: axles.clone(),
             car: found.car,
+            wheelbase: file.car.get_ref().wheelbase.as_ref().map(|own| own.value),
             cases: found.cases,
             quantities: found.quantities,
             member_loads: file

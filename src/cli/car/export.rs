@@ -5,43 +5,29 @@ use super::super::export::{ExportArguments, Target, say};
 use super::super::save::{file_of_out, save};
 use super::{solver, source};
 use crate::exchange::{
-    Outgoing, Page, Value, csv, page_of_csv, point_rows, suspensions_ini_of_car, workbook,
+    Page, car_point_pages, car_points_csv, csv, page_of_csv, suspensions_ini_of_car, workbook,
 };
-use crate::number::Vector3;
 use crate::report::CarResults;
-use crate::study::{CarStudy, Study};
+use crate::study::CarStudy;
 use std::io::Write;
 use std::path::Path;
 
 pub(in crate::cli) fn export(arguments: &ExportArguments, file: &Path) -> Result<Exit, Stop> {
     let study = source::read(file, &arguments.set)?;
     check_call(arguments, &study)?;
+    let points = || car_point_pages(&study, arguments.unit, arguments.frame);
     let bytes = match arguments.to {
         Target::Assetto => {
             let text = suspensions_ini_of_car(&study);
             say(text.map_err(|reason| Stop::in_file(file, reason))?)
         }
         Target::Xlsx => {
-            let mut pages = points(&study, arguments).to_vec();
+            let mut pages = points().to_vec();
             pages.push(cases(&study, file)?);
             workbook(&pages)
         }
         _ if arguments.curves => csv(&cases(&study, file)?.rows),
-        _ => {
-            let text = |text: &str| vec![Value::Text(text.to_owned())];
-            let [front, rear] = points(&study, arguments).map(|page| page.rows);
-            // Both have the same header.
-            let header = front
-                .iter()
-                .take(1)
-                .map(|row| [text("axle"), row.clone()].concat());
-            let mut rows: Vec<Vec<Value>> = header.collect();
-            for (end, own) in [("front", front), ("rear", rear)] {
-                let own = own.into_iter().skip(1);
-                rows.extend(own.map(|row| [text(end), row].concat()));
-            }
-            csv(&rows)
-        }
+        _ => car_points_csv(points()),
     };
     match file_of_out(&arguments.out) {
         None => std::io::stdout().write_all(&bytes)?,
@@ -72,41 +58,6 @@ fn check_call(arguments: &ExportArguments, study: &CarStudy) -> Result<(), Stop>
         )));
     }
     Ok(())
-}
-
-/// Points of both axles, in the axes of the car.
-fn points(study: &CarStudy, arguments: &ExportArguments) -> [Page; 2] {
-    [0, 1].map(|axle| {
-        let own = placed(study, axle);
-        let outgoing = Outgoing::of(&own, arguments.unit, arguments.frame);
-        Page {
-            name: format!("{}_hardpoints", ["front", "rear"][axle]),
-            rows: point_rows(&outgoing),
-        }
-    })
-}
-
-/// The study of an axle with its points where the car has them.
-fn placed(study: &CarStudy, axle: usize) -> Study {
-    let mut own = study.axles[axle].clone();
-    if axle == 0 {
-        return own;
-    }
-    let offset = study.car.rear_offset;
-    let shift = |design: &mut [Vector3<f64>], offset: Vector3<f64>| {
-        for point in design {
-            *point = *point + offset;
-        }
-    };
-    shift(&mut own.wheel_mut().design, offset);
-    if let Some(both) = own.axle_mut()
-        && let Some(right) = &mut both.axle.right
-    {
-        // The right wheel is written as a left one.
-        let mirrored = Vector3::new(offset.x, -offset.y, offset.z);
-        shift(&mut right.design, mirrored);
-    }
-    own
 }
 
 /// The results of the cases.

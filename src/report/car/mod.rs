@@ -95,6 +95,55 @@ impl<'s> CarResults<'s> {
         }
     }
 
+    /// Remarks on the static position and on figures that the axle studies give differently.
+    pub fn remarks(&self) -> Vec<String> {
+        let study = self.study;
+        let mut remarks = Vec::new();
+        let limit = 0.01 * study.car.per_metre();
+        if let Some(CarState::Solved { solved, .. }) = self.states.first() {
+            let travels = &solved.now.unknowns[3..7];
+            let far = travels.iter().fold(0.0_f64, |far, z| far.max(z.abs()));
+            if far > limit {
+                let unit = study.car.length_unit.symbol();
+                remarks.push(format!(
+                    "warning: the static position is {far:.1} {unit} of travel from the design position: the spring forces do not \
+                     fit the masses"
+                ));
+            }
+        }
+        remarks.extend(self.warnings());
+        for (end, axle) in ["front", "rear"].iter().zip(&study.axles) {
+            let vehicle = &axle.wheel().vehicle;
+            let figures = [
+                (
+                    "brake_share_front",
+                    vehicle.brake_share_front,
+                    study.car.brake_share_front,
+                ),
+                (
+                    "drive_share_front",
+                    vehicle.drive_share_front,
+                    study.car.drive_share_front,
+                ),
+            ];
+            for (key, own, of_car) in figures {
+                if let (Some(own), Some(of_car)) = (own, of_car)
+                    && (own - of_car).abs() > 1e-3 * of_car.abs()
+                {
+                    remarks.push(format!(
+                        "note: {key} of the {end} study is {own}; the car uses its own, {of_car}"
+                    ));
+                }
+            }
+        }
+        remarks
+    }
+
+    /// The study.
+    pub fn study(&self) -> &'s CarStudy {
+        self.study
+    }
+
     /// Symbol of the length unit.
     fn unit(&self) -> &'static str {
         self.study.car.length_unit.symbol()

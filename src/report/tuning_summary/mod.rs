@@ -224,7 +224,7 @@ struct StartSummary {
 impl TuningSummary {
     /// Misfit before and after, in tolerances, for reading.
     pub fn misfits(&self) -> [Option<String>; 2] {
-        [self.misfit_before, self.misfit_after].map(|m| m.map(hundredths))
+        [self.misfit_before, self.misfit_after].map(|m| m.map(misfit_in_words))
     }
 
     /// Returns true if some start reached a design.
@@ -267,7 +267,7 @@ impl TuningSummary {
         let targets = self.targets.iter().enumerate();
         let missed = targets.filter_map(|(number, t)| {
             let after = t.after.as_ref().filter(|d| d.worst.abs() > 1.0)?;
-            let by = hundredths(after.worst.abs());
+            let by = misfit_in_words(after.worst.abs());
             let at = with_unit(after.worst_at, &after.worst_at_unit);
             Some((number, &*t.output, format!("{by} tolerances at {at}")))
         });
@@ -313,7 +313,7 @@ fn with_unit(value: f64, unit: &str) -> String {
 }
 
 /// A misfit for reading: two decimals, or its order of magnitude.
-fn hundredths(value: f64) -> String {
+pub fn misfit_in_words(value: f64) -> String {
     if value == 0.0 {
         "0".to_owned()
     } else if value.abs() < 0.005 {

@@ -211,7 +211,7 @@ impl TuningSummary {
                 Cell::from(name),
                 s.start.into(),
                 kept.into(),
-                Cell::by(s.misfit, hundredths),
+                Cell::by(s.misfit, misfit_in_words),
                 s.iterations.into(),
                 s.ended.as_str().into(),
             ]);

@@ -153,7 +153,7 @@ impl TuningSummary {
             .map_or_else(String::new, |k| format!(" (start {k} is kept)"));
         let mut text = format!(
             "{all} starts: {near} ended within 1 % of the least misfit{kept}, the worst at {}",
-            hundredths(worst)
+            misfit_in_words(worst)
         );
         match all - begun.len() {
             0 => {}
@@ -182,13 +182,13 @@ impl TuningSummary {
                 let effects = effects.map_or(String::new(), |words| format!("; {words}"));
                 format!(
                     "misfit {} -> {} tolerances{of_builds}{kept}{effects}",
-                    hundredths(before),
-                    hundredths(after)
+                    misfit_in_words(before),
+                    misfit_in_words(after)
                 )
             }
             (None, Some(after)) => format!(
                 "misfit {} tolerances; the design itself cannot be compared: {}",
-                hundredths(after),
+                misfit_in_words(after),
                 self.design_failure.as_deref().unwrap_or_default()
             ),
             _ => format!(

@@ -34,7 +34,15 @@ export const difference = (before, after) => {
 };
 
 export const writtenDiff = async () => {
-  const [before, after] = await post('texts', of());
+  const files = await post('texts', of());
+  const shown = files.flatMap((one) => {
+    const lines = changedLines(one);
+    return lines.length && files.length > 1 ? [html('div', { class: 'skip-lines', text: one.file }), ...lines] : lines;
+  });
+  return html('div', { class: 'diff', tabindex: 0, role: 'group', 'aria-label': 'Lines that change' }, ...(shown.length ? shown : [html('div', { text: 'No line changes.' })]));
+};
+// The lines of a file around its changes; none without any.
+const changedLines = ({ before, after }) => {
   const lines = difference(before.split('\n'), after.split('\n'));
   const isNear = (at) => lines.slice(Math.max(0, at - AROUND), at + AROUND + 1).some(([kind]) => kind !== ' ');
   const shown = [];
@@ -42,6 +50,5 @@ export const writtenDiff = async () => {
     if (isNear(at)) shown.push(html('div', { class: { '-': 'gone', '+': 'come' }[kind] ?? null, text: `${kind} ${text}` }));
     else if (at === 0 || isNear(at - 1)) shown.push(html('div', { class: 'skip-lines', text: '  …' }));
   });
-  const isSame = lines.every(([kind]) => kind === ' ');
-  return html('div', { class: 'diff', tabindex: 0, role: 'group', 'aria-label': 'Lines that change' }, ...(isSame ? [html('div', { text: 'No line changes.' })] : shown));
+  return lines.every(([kind]) => kind === ' ') ? [] : shown;
 };

@@ -346,7 +346,8 @@ const choose = () => {
 
 // The slider that curves are drawn over, and the one whose values have a line each. Only what the motion moves can be one.
 const offerAxes = () => {
-  const { sliders } = state.overview;
+  const { sliders, is_car: isCar } = state.overview;
+  if (isCar) return;
   const moving = sliders.map((slider, k) => [k, slider]).filter(([k, { values }]) => values.length > 1 || k === state.overview.main);
   const option = ([k, { name }]) => html('option', { value: k, text: name });
   const [over, family] = ['over', 'family'].map(byId);
@@ -390,7 +391,11 @@ export const startCurves = () => {
     offerAxes();
     askGhost();
   });
-  on('answer', () => { arrange(); drawAll(); });
+  on('answer', () => {
+    if (state.overview.is_car) return;
+    arrange();
+    drawAll();
+  });
   on('pins', drawAll);
   on('ghost', drawAll);
   on('deed', drawAll);

@@ -172,7 +172,7 @@ const request = (design, digest) => ({
   of: of(design, digest),
   characteristics: state.chosen,
   at: state.at,
-  curves_rack: state.curvesAtRack ? state.at.at(-1) : null,
+  curves_rack: state.curvesAtRack && !state.overview.is_car ? state.at.at(-1) : null,
   over: state.over,
 });
 
@@ -217,8 +217,9 @@ const run = async () => {
 
 // The same for the design as it was opened, and for a proposal: for curves to compare with.
 export const askGhost = async () => {
-  const { digest } = state.overview;
-  const ghost = await post('solve', request(state.opened)).catch(() => null);
+  const { digest, base, is_car: isCar } = state.overview;
+  // Changes of a car are against its files, also where values were edited.
+  const ghost = await post('solve', request(state.opened, isCar ? base : digest)).catch(() => null);
   if (digest !== state.overview.digest) return;
   state.ghost = ghost;
   emit('ghost');

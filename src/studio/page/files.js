@@ -26,7 +26,8 @@ export const readStudy = async () => {
   askGhost();
 };
 
-const saved = ({ file, digest }, design) => {
+const saved = ({ digest }, design) => {
+  const file = state.overview.files.join(', ');
   const wasMoved = isMoved() || isEdited();
   state.overview.digest = digest;
   state.overview.base = digest;
@@ -52,7 +53,7 @@ const save = async (anyway = false) => {
   const design = copy(state.design);
   // Changed values are shown as text before they are written.
   if (isEdited() && !anyway) {
-    const sure = await question('Save these changes?', `${state.overview.file}: lines that change.`, [['yes', 'Save'], ['', 'Cancel']], await writtenDiff());
+    const sure = await question('Save these changes?', `${state.overview.files.join(', ')}: lines that change.`, [['yes', 'Save'], ['', 'Cancel']], await writtenDiff());
     if (!sure) return;
   }
   try {
@@ -77,7 +78,7 @@ const reload = async () => {
 };
 const saveAs = async () => {
   if (!await settleProposal()) return;
-  const chosen = await question('Save as', 'A new study beside this one, with its comments.', [['ok', 'Save'], ['', 'Cancel']], state.overview.file.replace(/\.toml$/, '_2.toml'));
+  const chosen = await question('Save as', state.overview.is_car ? 'A new car beside this one, with its axles NAME_front.toml and NAME_rear.toml.' : 'A new study beside this one, with its comments.', [['ok', 'Save'], ['', 'Cancel']], state.overview.file.replace(/\.toml$/, '_2.toml'));
   if (!chosen) return;
   const name = chosen.text.trim();
   const write = async (anyway) => say(`${(await post('save', { of: of(), name, anyway })).file} written. This page still shows ${state.overview.file}.`);
@@ -99,7 +100,7 @@ const watchFile = async () => {
   const now = await post('digest', null).catch(() => null);
   if (now === null || now === state.overview.base || now === told || digest !== state.overview.digest) return;
   told = now;
-  say(`${file} was changed by another program. This page still shows the earlier text.`, 'ask',
+  say(`${state.overview.files.length > 1 ? `${file} or an axle of it` : file} was changed by another program. This page still shows the earlier text.`, 'ask',
     action(isMoved() ? 'Read it again, keep my moves' : 'Read it again', () => readStudy().catch((refused) => say(refused.message, 'bad'))));
 };
 

@@ -4,6 +4,7 @@ import { ask, askGhost, canRedo, canUndo, emit, isSettled, on, put, redo, state,
 import { Refused, watchServer } from './server.js';
 import { startViews } from './views.js';
 import { drawnPlaces, drawnValues, startCurves } from './curves.js';
+import { startCases } from './cases.js';
 import { startTable } from './table.js';
 import { startNotes } from './notes.js';
 import { startTuning } from './tuning.js';
@@ -33,11 +34,16 @@ const startSliders = () => {
   let sliders = [];
   const show = () => sliders.forEach(({ input, output, unit }, k) => {
     input.value = state.at[k];
-    output.textContent = `${brief(state.at[k], 4)} ${unit}`;
+    if (output) output.textContent = `${brief(state.at[k], 4)} ${unit}`;
   });
   const build = () => {
     const { sliders: wanted, unit } = state.overview;
-    sliders = wanted.map(({ key, name, unit: own, low, high }, k) => {
+    sliders = wanted.map(({ key, name, unit: own, low, high, names }, k) => {
+      if (names.length) {
+        const input = html('select', { id: key, on: { change: (event) => { state.at[k] = Number(input.value); emit('place', event); } } },
+          ...names.map((text, value) => html('option', { value, text: text.replaceAll('_', ' ') })));
+        return { input, label: html('label', { for: key }, html('span', { text: name }), input) };
+      }
       const input = html('input', { id: key, type: 'range', min: low, max: high, step: 'any', on: { input: (event) => { state.at[k] = Number(input.value); emit('place', event); } } });
       const output = html('output', { for: key });
       const label = html('label', { for: key }, html('span', { text: name }), input, output);
@@ -45,14 +51,19 @@ const startSliders = () => {
       return { input, output, label, unit: own };
     });
     byId('sliders').replaceChildren(...sliders.map(({ label }) => label));
-    byId('rack-curves-label').hidden = sliders.at(-1).label.hidden;
+    byId('rack-curves-label').hidden = sliders.at(-1).label.hidden || state.overview.is_car;
+    byId('home').hidden = state.overview.is_car;
     step.replaceChildren(...STEPS[unit].map((value) => html('option', { value, text: `${value} ${unit}` })));
     if (!STEPS[unit].includes(state.step)) [, state.step] = STEPS[unit];
     step.value = state.step;
     show();
   };
   on('study', () => { state.step = null; build(); });
-  on('edited', build);
+  on('edited', () => {
+    // A choice may have lost names.
+    state.overview.sliders.forEach(({ names, high }, k) => { if (names.length) state.at[k] = Math.min(state.at[k], high); });
+    build();
+  });
   const place = (event) => {
     show();
     ask(event);
@@ -137,15 +148,16 @@ const start = async () => {
   startDeeds();
   startViews();
   startCurves();
+  startCases();
   startTable();
   startNotes();
   startTuning();
   startWatch();
   const times = startClock();
   on('study', () => {
-    const { name, topology, file, points } = state.overview;
+    const { name, topology, files, points } = state.overview;
     byId('study-name').textContent = name;
-    byId('study-about').textContent = `${topology} · ${points.length} points · ${file}`;
+    byId('study-about').textContent = `${topology} · ${points.length} points · ${files.join(', ')}`;
     ask();
   });
   on('design', () => ask(window.event));

@@ -115,9 +115,9 @@ export class MechanismView {
     const hues = hueOf(bodies);
     return bodies.map((body, k) => this.layers[layer].appendChild(svg('path', { class: `${body.kind} ${classes ?? hues[k]}` })));
   }
-  showBodies(paths, at) {
+  showBodies(paths, at, isShown = () => true) {
     this.sceneOf().bodies.forEach((body, k) => {
-      paths[k].setAttribute('d', at ? body.lines.map((line) => this.path(line.map((i) => at.points[i]))).join('') : '');
+      paths[k].setAttribute('d', at && isShown(body) ? body.lines.map((line) => this.path(line.map((i) => at.points[i]))).join('') : '');
     });
   }
 
@@ -128,12 +128,18 @@ export class MechanismView {
       path.setAttribute('d', '');
       return;
     }
-    const [contact, other] = contacts;
+    const [contact] = contacts;
+    const other = contacts.length > 2 ? contacts[2] : contacts[1];
     if (this.name === 'front' && other) {
       // Where the body rolls, the ground does in its axes.
       const [a, b] = [contact, other].map((c) => this.project(c));
       const slope = (b[1] - a[1]) / (b[0] - a[0] || 1);
       path.setAttribute('d', `M0 ${(a[1] - slope * a[0]).toFixed(1)}L${this.width} ${(a[1] + slope * (this.width - a[0])).toFixed(1)}`);
+      return;
+    }
+    if (!this.basis && contacts.length > 2) {
+      const [front, rear, right, back] = contacts;
+      path.setAttribute('d', this.path([front, right, back, rear], true));
       return;
     }
     if (this.basis) {

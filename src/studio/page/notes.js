@@ -53,6 +53,12 @@ const tell = (key, value, note, bad) => {
 const isMet = (target) => Math.abs(target.worst) <= 1;
 
 const figures = () => {
+  if (state.fault) {
+    // Figures of an earlier design are not those of this one.
+    for (const key of ['misfit', 'met', 'constraints', 'solved']) tell(key, '–', 'design not solved', true);
+    tell('warnings', '1', '', true);
+    return;
+  }
   const misfit = state.answer?.misfit;
   if (misfit) {
     const before = state.ghost?.misfit?.value;
@@ -69,7 +75,7 @@ const figures = () => {
   if (state.answer) {
     const all = state.answer.status.length;
     const failed = state.answer.failures.reduce((sum, f) => sum + f.last - f.first + 1, 0);
-    tell('solved', `${all - failed} of ${all}`, 'stations', failed > 0);
+    tell('solved', `${all - failed} of ${all}`, state.overview.is_car ? 'cases' : 'stations', failed > 0);
   }
   const doubts = state.answer?.remarks.length ?? 0;
   tell('warnings', doubts ? String(doubts) : 'none', '', doubts > 0);
@@ -77,12 +83,12 @@ const figures = () => {
 
 const targets = () => {
   const misfit = state.answer?.misfit;
-  if (!misfit) return [panel('Targets', html('p', { class: 'hint', text: 'The study has no targets. Press “+ target” on a chart to add one; then every point shows which way lowers the misfit.' }))];
+  if (!misfit) return [panel('Targets', html('p', { class: 'hint', text: state.overview.is_car ? 'The study has no targets. Write [optimise] with variables and targets into the file; then every point shows which way lowers the misfit.' : 'The study has no targets. Press “+ target” on a chart to add one; then every point shows which way lowers the misfit.' }))];
   if (misfit.value === null) return [panel('Targets', html('p', { class: 'bad', text: `no misfit: ${misfit.reason}` }))];
   const body = misfit.targets.map((t, k) => html('tr', { class: state.arrows === k ? 'selected' : null },
     html('th', { scope: 'row' }, html('button', { class: 'name', text: words(t.column), title: 'Arrows for this target', on: { click: () => { state.arrows = state.arrows === k ? null : k; emit('options'); } } })),
     html('td', { class: 'number', text: brief(t.rms, 3) }),
-    html('td', { class: `number ${isMet(t) ? '' : 'bad'}`, text: brief(t.worst, 3) }), html('td', { class: 'number', text: `${brief(t.worst_at, 4)} ${t.worst_at_unit}` })));
+    html('td', { class: `number ${isMet(t) ? '' : 'bad'}`, text: brief(t.worst, 3) }), html('td', { class: 'number', text: t.worst_at === null ? words(t.worst_at_unit) : `${brief(t.worst_at, 4)} ${t.worst_at_unit}` })));
   const found = [panel('Deviation from the targets, in tolerances', table(['target', 'rms', 'largest', 'at'], body))];
   return found;
 };
@@ -131,7 +137,7 @@ const warnings = () => {
   if (state.fault) lines.push(['bad', state.fault]);
   for (const f of state.answer?.failures ?? []) lines.push(['bad', `not solved, ${f.place}: ${f.reason}`]);
   const frame = state.answer?.frame;
-  if (frame?.pose?.Err) lines.push(['bad', `no pose at the sliders' place: ${frame.pose.Err}`]);
+  if (frame?.pose?.Err) lines.push(['bad', state.overview.is_car ? `not drawn: ${frame.pose.Err}` : `no pose at the sliders' place: ${frame.pose.Err}`]);
   for (const remark of state.answer?.remarks ?? []) lines.push(['warn', remark]);
   if (!lines.length) lines.push(['hint', 'none']);
   return [panel('Warnings', html('ul', {}, ...lines.map(([kind, text]) => html('li', { class: kind, text }))))];
@@ -155,6 +161,7 @@ const draw = () => {
   fill('targets', ...targets(), ...targetForms(), ...freeDirections());
   fill('constraints', ...constraints(), ...constraintForms(), ...limitsPanel());
   byId('tab-parts').hidden = !hasParts();
+  byId('tab-parts').firstChild.textContent = state.overview.is_car ? 'Car and cases' : 'Elastic parts';
   fill('parts', ...partForms());
   fill('warnings', ...warnings());
 };
@@ -165,7 +172,8 @@ const rest = () => {
   clearTimeout(timer);
   timer = setTimeout(async () => {
     const base = copy(state.design);
-    const { digest } = state.overview;
+    const { digest, is_car: isCar } = state.overview;
+    if (isCar) return;
     const [found, ways] = await Promise.all([post('limits', of(base)).catch(() => null), post('directions', of(base)).catch(() => null)]);
     if (digest !== state.overview.digest) return;
     limits = found;

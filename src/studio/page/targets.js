@@ -5,7 +5,7 @@ import { placeAfter, state, takeOverview } from './design.js';
 import { question, say } from './dialog.js';
 import { post } from './server.js';
 
-const words = (text) => text.replaceAll('_', ' ');
+const words = (text) => text.replaceAll(/[_.]/g, ' ');
 const optimise = () => state.overview.written.optimise;
 export const writtenTarget = (k) => optimise()?.targets?.[k];
 
@@ -23,7 +23,9 @@ export const edit = (edits, label) => {
   return busy;
 };
 const at = (...path) => ['optimise', ...path];
-const nameOf = (k) => words(state.overview.targets[k]?.column ?? `target ${k + 1}`);
+const nameOf = (k) => (state.overview.is_car ? goalName(writtenTarget(k) ?? {}) : words(state.overview.targets[k]?.column ?? `target ${k + 1}`));
+// A target or a constraint of a car, as it is written: the page lists those of cases before those of an axle by itself.
+const goalName = (own) => words([own.characteristic ?? own.load ?? 'target', own.case ? `in ${[].concat(own.case).join(', ')}` : `of the ${own.axle} axle`].join(' '));
 // `between` has two ends.
 const endOf = ([key, end]) => (key === 'between' ? LIMITS.between[end] : words(key));
 export const setTarget = (k, path, value) => edit([{ path: at('targets', k, ...path), value }], `Target ${nameOf(k)}: ${endOf(path)} ${brief(value)}`);
@@ -47,7 +49,7 @@ const field = (label, value, change) => {
 };
 const remover = (label, path, name) => html('button', { class: 'small', text: '✕', title: label, 'aria-label': label, on: { click: () => edit([{ path, value: null }], `Removed ${name}`) } });
 const headed = (title, head, rows, ...more) => html('div', { class: 'panel form' }, html('h2', { text: title }), html('div', { class: 'scroll' },
-  html('table', {}, html('thead', {}, html('tr', {}, ...head.map((text) => html('th', { text })))), html('tbody', {}, ...rows))), ...more);
+  html('table', {}, html('thead', {}, html('tr', {}, ...head.map((text) => html(text ? 'th' : 'td', { text })))), html('tbody', {}, ...rows))), ...more);
 
 // Fields of the numbers by which a table of the study limits or wants a value.
 const LIMITS = { between: ['from', 'to'], at_least: 'at least', at_most: 'at most', clearance: 'clearance', value: 'value', at: 'at' };
@@ -71,13 +73,15 @@ const targetRow = (target, k) => {
 // Where a variable moves a point in a study's words.
 const variableName = (variable) => {
   const part = variable.bushing ?? variable.link;
+  if (variable.rate !== undefined) return words(`${[].concat(variable.axle).join(' and ')} ${variable.rate} rate`);
+  if (variable.car !== undefined) return words(`car ${variable.car}`);
   if (part !== undefined) return words([part, 'stiffness', variable.stiffness, variable.relative ? '(factor)' : ''].filter(Boolean).join(' '));
   const own = variable.hardpoint ?? variable.name ?? (variable.hardpoints ?? []).join(', ');
-  return words([own, variable.axis].filter(Boolean).join(' ')) || 'variable';
+  return words([...[].concat(variable.axle ?? []), own, variable.axis].filter(Boolean).join(' ')) || 'variable';
 };
 // The range of a single coordinate in the study's axes.
-const placeOf = ({ hardpoint, axis }, ends) => {
-  const p = state.overview.points.findIndex(({ name }) => name === hardpoint);
+const placeOf = ({ hardpoint, axis, axle }, ends) => {
+  const p = state.overview.points.findIndex(({ name, axle: own }) => (own ? own[0] === axle && own[1] === hardpoint : name === hardpoint));
   const at = AXES.indexOf(axis);
   return p < 0 || at < 0 ? '' : ends.map((by) => brief(placeAfter(p, at, by), 6)).join(' … ');
 };
@@ -103,21 +107,25 @@ const variableAdder = () => {
   };
   return html('div', { class: 'add' }, 'Let', point, axis, 'move ±', range, unit, html('button', { text: 'Add variable', on: { click: add } }));
 };
-const newVariable = (hardpoint, axis, by) => ({ hardpoint, axis, range: [-Math.abs(by), Math.abs(by)] });
+const newVariable = (name, axis, by) => {
+  const { axle } = state.overview.points.find((point) => point.name === name);
+  return { ...(axle ? { axle: axle[0], hardpoint: axle[1] } : { hardpoint: name }), axis, range: [-Math.abs(by), Math.abs(by)] };
+};
 
 // Forms of the Targets tab.
 export const targetForms = () => {
   if (!optimise()) return [];
   const { targets = [], variables = [] } = optimise();
   return [headed('Change targets', ['target', 'wanted', 'tolerance', 'weight', ''], targets.map(targetRow)),
-    headed('Variables', ['variable', `lowest [${state.overview.unit}]`, `highest [${state.overview.unit}]`, 'coordinate', ''], variables.map(variableRow), variableAdder(),
-      html('p', { class: 'hint', text: 'Ranges count from the design in the file, wherever the points are now. A saved design is the new origin.' }))];
+    headed('Variables', ['variable', ...['lowest', 'highest'].map((end) => (state.overview.is_car ? end : `${end} [${state.overview.unit}]`)), 'coordinate', ''], variables.map(variableRow), variableAdder(),
+      html('p', { class: 'hint', text: `Ranges ${state.overview.is_car ? 'of hardpoints ' : ''}count from the design in the file, wherever the points are now. Where a point is outside, Tune widens its range to the present place. A saved design is the new origin.` }))];
 };
 // Forms of the Elastic parts tab: rates of bushings, links, springs and the anti-roll bar.
 const RATE_AXES = ['x', 'y', 'z', 'about x', 'about y', 'about z'];
 const rateField = (name, path, value) => (Number.isFinite(value) ? field(name, value, (to) => edit([{ path, value: to }], `${name} ${brief(to)}`)) : '');
-export const hasParts = () => Boolean(state.overview.written.bushings || state.overview.written.links);
+export const hasParts = () => Boolean(state.overview.is_car || state.overview.written.bushings || state.overview.written.links);
 export const partForms = () => {
+  if (state.overview.is_car) return carForms();
   const { bushings = {}, links = {}, spring = {}, anti_roll_bar: bar = {} } = state.overview.written;
   const rows = Object.entries(bushings).flatMap(([name, own]) => ['stiffness', 'scale'].filter((key) => Array.isArray(own[key])).map((key) => html('tr', { 'data-bushing': name },
     html('th', { scope: 'row', text: words(`${name} ${key}`) }), ...own[key].map((value, k) => html('td', {}, rateField(`${words(name)}: ${key} ${RATE_AXES[k]}`, ['bushings', name, key, k], value))))));
@@ -126,6 +134,23 @@ export const partForms = () => {
   const { unit } = state.overview;
   return [...(rows.length ? [headed(`Bushings, N/${unit} and N ${unit}/rad`, ['bushing', ...RATE_AXES], rows)] : []),
     ...(single.length ? [headed('Links and springs', ['part', 'rate'], single.map(([name, path, value]) => html('tr', {}, html('th', { scope: 'row', text: words(name) }), html('td', {}, rateField(words(name), path, value)))))] : [])];
+};
+// Forms of a car: its masses and shares, the rates of its axles, and its load cases.
+const CAR_KEYS = ['mass', 'cg', 'sprung_mass', 'sprung_cg', 'wheelbase', 'rear_offset', 'brake_share_front', 'drive_share_front', 'yaw_inertia', 'pitch_inertia'];
+const AXLE_KEYS = [['spring', 'rate'], ['spring', 'force'], ['anti_roll_bar', 'rate'], ['heave_spring', 'rate'], ['heave_spring', 'force'], ['t_bar', 'rate'], ['heave_bar', 'rate'], ['heave_bar', 'torque'], ['tyre', 'rate'], ['vehicle', 'unsprung_mass']];
+const CASE_KEYS = ['ax', 'ay', 'az', 'speed', 'yaw_acceleration', 'rack', 'steering_wheel_angle'];
+const carForms = () => {
+  const { car, cases = [], units } = state.overview.written;
+  const ends = ['front', 'rear'].map((end) => state.overview.written[end]);
+  const unitOf = (name) => (units[name] ? ` [${units[name]}]` : '');
+  const row = (name, ...cells) => html('tr', {}, html('th', { scope: 'row', text: words(name) + unitOf(name) }), ...cells.map((cell) => html('td', {}, cell)));
+  const values = CAR_KEYS.filter((key) => car[key] !== undefined).map((key) => row(key, html('span', {}, ...[].concat(car[key]).map((value, k) => rateField(
+    words(Array.isArray(car[key]) ? `${key} ${AXES[k]}` : key), Array.isArray(car[key]) ? ['car', key, k] : ['car', key], value)))));
+  const rates = AXLE_KEYS.filter(([section, key]) => ends.some((own) => Number.isFinite(own[section]?.[key]))).map(([section, key]) => row(`${section}.${key}`,
+    ...['front', 'rear'].map((end, k) => rateField(words(`${end} ${section} ${key}`), [end, section, key], ends[k][section]?.[key]))));
+  const used = CASE_KEYS.filter((key) => cases.some((own) => Number.isFinite(own[key])));
+  const loads = cases.map((own, k) => row(own.name, ...used.map((key) => rateField(words(`${own.name} ${key}`), ['cases', k, key], own[key]))));
+  return [headed('Car', ['value', ''], values), headed('Axles', ['value', 'front', 'rear'], rates), ...(loads.length ? [headed('Load cases', ['case', ...used.map((key) => words(key) + unitOf(key))], loads)] : [])];
 };
 // Keys that say of which part a constraint is.
 const SUBJECTS = ['length', 'members', 'articulation', 'point', 'characteristic', 'plunge', 'angle', 'load'];
@@ -136,7 +161,7 @@ const constraintName = (constraint) => {
 // Forms of the Constraints tab.
 export const constraintForms = () => {
   const rows = (optimise()?.constraints ?? []).map((constraint, k) => {
-    const name = constraintName(constraint);
+    const name = state.overview.is_car && constraint.characteristic ? goalName(constraint) : constraintName(constraint);
     return html('tr', {}, html('th', { scope: 'row', text: name }), html('td', {}, ...limitFields(constraint, at('constraints', k), name)), html('td', {}, remover(`Remove ${name}`, at('constraints', k), name)));
   });
   return rows.length ? [headed('Change constraints', ['constraint', 'limit', ''], rows)] : [];

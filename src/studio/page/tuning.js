@@ -163,7 +163,7 @@ const propose = (base, { design, rates: changed, headline, side_effects: effects
       ? html('div', { class: 'scroll' }, html('table', {}, html('thead', {}, html('tr', {}, ...['', 'coordinate', `now [${unit}]`, 'tuned', 'by'].map((text, k) => html('th', { text, class: k > 1 ? 'number' : null })))), html('tbody', {}, ...rows)))
       : html('p', { text: 'Nothing moves.' }),
     ...(tuned ? [html('div', { class: 'scroll' }, html('table', { id: 'rates' },
-      html('thead', {}, html('tr', {}, html('th', {}, rates), ...['elastic part', 'now', 'tuned'].map((text, k) => html('th', { text, class: k ? 'number' : null })))),
+      html('thead', {}, html('tr', {}, html('th', {}, rates), ...[state.overview.is_car ? 'value' : 'elastic part', 'now', 'tuned'].map((text, k) => html('th', { text, class: k ? 'number' : null })))),
       html('tbody', {}, ...changed.map(([name, now, then]) => html('tr', {}, html('td'), html('th', { scope: 'row', text: name.replaceAll('_', ' ') }), html('td', { class: 'number', text: now }), html('td', { class: 'number', text: then }))))))] : []),
     ...effectsTable(effects),
     ...remarks.map((text) => html('p', { class: 'hint', text })),
@@ -178,7 +178,7 @@ export const startTuning = () => {
     close();
     const { tunes } = state.overview;
     byId('tune').disabled = !tunes;
-    byId('tune').title = tunes ? 'Lower the misfit with the variables of the study' : 'The study has no targets yet: add one on a chart';
+    byId('tune').title = tunes ? 'Lower the misfit with the variables of the study' : state.overview.is_car ? 'The study has no [optimise] section' : 'The study has no targets yet: add one on a chart';
   };
   on('study', allow);
   on('edited', allow);

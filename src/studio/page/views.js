@@ -1,7 +1,7 @@
 // Front, side, top and a view in space: the mechanism at the sliders' place, with points that can be dragged.
 import { along, AXES, brief, byId, cross, dot, html, minus, norm, set, signed, svg } from './draw.js';
 import { MechanismView } from './mechanism_view.js';
-import { flat, rim } from './space.js';
+import { flat, rims } from './space.js';
 import { ask, begin, emit, finish, gradient, grip, moveTo, on, snapped, state, stepped } from './design.js';
 
 // Points nearer to each other than this, in pixels, lie on each other.
@@ -9,6 +9,9 @@ const STACKED = 9;
 
 const views = [];
 let others = false;
+// The only axle of a car that is drawn; none for both.
+let part = '';
+const isDrawn = (p) => part === '' || state.overview.points[p].axle?.[0] === part;
 
 const mirrored = (p) => [p[0], -p[1], p[2]];
 const placement = (frame) => frame?.pose?.Ok ?? null;
@@ -18,7 +21,30 @@ const otherWheel = (frame) => {
   const { points, spin_axis: axis, contact } = frame;
   return { points: points.map(mirrored), spin_axis: mirrored(axis), contact: contact && mirrored(contact) };
 };
-const otherPoints = (frame) => otherWheel(frame)?.points ?? [];
+// The rims of the wheels that are drawn.
+const rimsOf = (at, scene) => rims(at, scene).filter((_, k) => !at?.spin_axes || isDrawn(scene.wheels[k].centre));
+const contactsOf = (frame, other) => (frame?.contacts ? [...frame.contacts, ...(other?.contacts ?? [])] : [frame?.contact, frame?.contact && other?.contact].filter(Boolean));
+// A way in the drawing, along the axes of the body: a car is drawn over the ground, which its body rolls and pitches on.
+// In a flat view two coordinates move, and the point stays under the pointer; in space the way is turned.
+const inBody = (way, { right, up }, isFlat) => {
+  const { axes } = placement(state.answer?.frame) ?? {};
+  if (!axes) return way;
+  const column = (k) => axes.map((row) => row[k]);
+  if (!isFlat) return [0, 1, 2].map((k) => dot(column(k), way));
+  const plane = [0, 1, 2].filter((k) => right[k] !== 0 || up[k] !== 0);
+  const [[a, b], [c, d]] = [right, up].map((look) => plane.map((k) => dot(look, column(k))));
+  const [p, q] = [dot(way, right), dot(way, up)];
+  const found = [0, 0, 0];
+  found[plane[0]] = (p * d - q * b) / (a * d - b * c);
+  found[plane[1]] = (q * a - p * c) / (a * d - b * c);
+  return found;
+};
+const inDrawing = (way) => {
+  const { axes } = placement(state.answer?.frame) ?? {};
+  return axes ? axes.map((row) => dot(row, way)) : way;
+};
+// Where there is no pose, a point is where the design has it.
+const placeIn = (frame, p) => frame?.points[p] ?? along(state.design[p], state.overview.points[p].shift, 1);
 
 class View extends MechanismView {
   constructor(name, title, basis) {
@@ -43,8 +69,9 @@ class View extends MechanismView {
     const { scene } = state.overview;
     const frame = placement(state.answer?.frame) ?? placement(state.ghost?.frame);
     if (!frame || !this.width) return;
-    let points = [...frame.points, ...rim(frame, scene)];
-    if (others) points = [...points, ...otherPoints(frame), ...rim(otherWheel(frame), scene)];
+    const ofPart = (at) => [...at.points.filter((_, p) => isDrawn(p)), ...rimsOf(at, scene).flat()];
+    let points = ofPart(frame);
+    if (others) points = [...points, ...ofPart(otherWheel(frame))];
     this.fitTo(points);
   }
 
@@ -61,7 +88,7 @@ class View extends MechanismView {
     this.axis = this.layers.bodies.appendChild(svg('path', { class: 'axis' }));
     this.bodies = lines('bodies');
     this.bodies.forEach((path, k) => path.append(svg('title', { text: scene.bodies[k].name })));
-    this.centre = this.layers.marks.appendChild(svg('path', { class: 'centre' }, svg('title', { text: 'roll centre' })));
+    this.centre = this.layers.marks.appendChild(svg('path', { class: 'centre' }, svg('title', { text: state.overview.is_car ? 'centre of gravity of the sprung mass' : 'roll centre' })));
     this.arrows = points.map(() => {
       const hit = svg('path', { class: 'hit' });
       const line = svg('path', { class: 'arrow' });
@@ -96,8 +123,8 @@ class View extends MechanismView {
     const frame = placement(state.answer?.frame);
     this.look = this.turned();
     this.drawGrid();
-    const show = (paths, at) => this.showBodies(paths, at);
-    const round = (path, at) => path.setAttribute('d', at ? this.path(rim(at, scene), true) : '');
+    const show = (paths, at) => this.showBodies(paths, at, ({ lines }) => isDrawn(lines[0][0]));
+    const round = (path, at) => path.setAttribute('d', at ? rimsOf(at, scene).map((own) => this.path(own, true)).join('') : '');
     show(this.bodies, frame);
     round(this.wheel, frame);
     const opened = placement(state.answer?.opened);
@@ -110,8 +137,9 @@ class View extends MechanismView {
     round(this.other.at(-1), other);
     const axis = frame?.steering_axis;
     this.axis.setAttribute('d', axis ? this.path([-0.35, 1.12].map((t) => along(axis[0], minus(axis[1], axis[0]), t))) : '');
-    this.showGround(this.ground, [frame?.contact, frame?.contact && other?.contact].filter(Boolean));
-    const centre = this.name === 'front' && frame?.roll_centre ? this.project(frame.roll_centre) : null;
+    this.showGround(this.ground, contactsOf(frame, other));
+    const mark = frame?.sprung_cg ?? (this.name === 'front' ? frame?.roll_centre : null);
+    const centre = mark ? this.project(mark) : null;
     const inside = centre && centre.every((c, k) => c > 4 && c < (k ? this.height : this.width) - 4);
     this.centre.setAttribute('d', inside ? `M${centre[0] - 6} ${centre[1]}h12M${centre[0]} ${centre[1] - 6}v12` : '');
     const slopes = gradient();
@@ -120,7 +148,7 @@ class View extends MechanismView {
     this.mirrorPlaces = [];
     points.forEach(({ name }, p) => {
       // Where there is no pose, handles stay where the design has them: what went wrong can be undone.
-      const at = frame ? frame.points[p] : state.design[p];
+      const at = placeIn(frame, p);
       const [x, y] = this.project(at);
       const handle = this.handles[p];
       handle.setAttribute('transform', `translate(${x.toFixed(1)} ${y.toFixed(1)})`);
@@ -130,16 +158,19 @@ class View extends MechanismView {
       handle.classList.toggle('moved', state.design[p].some((c, k) => c !== state.opened[p][k]));
       handle.classList.toggle('selected', state.selected === p);
       handle.classList.toggle('free', state.overview.variables.some(({ moves }) => moves.some(([q]) => q === p)));
+      const isHere = isDrawn(p);
+      handle.style.display = isHere ? '' : 'none';
       const mirror = this.mirrors[p];
-      mirror.style.display = other ? '' : 'none';
+      mirror.style.display = other && isHere ? '' : 'none';
       if (other) {
         const [mx, my] = this.project(other.points[p]);
-        this.mirrorPlaces[p] = [mx, my];
+        this.mirrorPlaces[p] = isHere ? [mx, my] : undefined;
         mirror.setAttribute('transform', `translate(${mx.toFixed(1)} ${my.toFixed(1)})`);
         mirror.setAttribute('aria-label', `${name}, other side`);
       }
-      this.places[p] = [x, y];
-      this.drawArrow(p, [x, y], slopes?.[p], steepest);
+      // What is not drawn cannot be grabbed.
+      this.places[p] = isHere ? [x, y] : undefined;
+      this.drawArrow(p, [x, y], isHere ? slopes?.[p] : null, steepest);
     });
     const top = state.selected === null ? null : this.places[state.selected];
     this.top.style.display = top ? '' : 'none';
@@ -150,14 +181,14 @@ class View extends MechanismView {
   // Names, each on the first of four places that is free.
   drawWords(frame) {
     const taken = [];
-    const near = this.hovered === null || this.hovered === undefined ? [] : this.stack(this.places[this.hovered], this.places);
+    const near = !this.places[this.hovered] ? [] : this.stack(this.places[this.hovered], this.places);
     const order = this.words.map((_, p) => p).sort((a, b) => (b === state.selected) - (a === state.selected));
     for (const p of order) {
       const word = this.words[p];
-      const shown = named || state.selected === p || near.includes(p);
+      const shown = isDrawn(p) && (named || state.selected === p || near.includes(p));
       word.style.display = shown ? '' : 'none';
       if (!shown) continue;
-      const [x, y] = this.project(frame ? frame.points[p] : state.design[p]);
+      const [x, y] = this.project(placeIn(frame, p));
       const width = 6.2 * word.textContent.length;
       const places = [[11, -8, 'start'], [-11, -8, 'end'], [11, 15, 'start'], [-11, 15, 'end']];
       const boxes = places.map(([dx, dy, anchor]) => {
@@ -178,7 +209,8 @@ class View extends MechanismView {
   drawArrow(p, [x, y], slope, steepest) {
     const { group, line, hit, title } = this.arrows[p];
     const steep = slope ? norm(slope) : 0;
-    const down = slope ? [-dot(slope, this.look.right), dot(slope, this.look.up)] : [0, 0];
+    const drawn = slope && inDrawing(slope);
+    const down = slope ? [-dot(drawn, this.look.right), dot(drawn, this.look.up)] : [0, 0];
     const flatness = Math.hypot(...down) / (steep || 1);
     if (steep < 1e-3 * steepest || steep < 1e-9 || flatness < 0.02) {
       group.style.display = 'none';
@@ -222,7 +254,7 @@ class View extends MechanismView {
     target.setPointerCapture(event.pointerId);
     this.svg.classList.add('dragging');
     const move = (now) => {
-      const way = this.unproject([now.clientX - from[0], now.clientY - from[1]]);
+      const way = inBody(this.unproject([now.clientX - from[0], now.clientY - from[1]]), this.look, this.basis !== null);
       if (other) way[1] = -way[1];
       if (now.shiftKey) {
         const most = way.map(Math.abs).indexOf(Math.max(...way.map(Math.abs)));
@@ -303,6 +335,7 @@ export const startViews = () => {
   let fitted = false;
   on('study', () => {
     fitted = false;
+    if (!state.overview.is_car) part = '';
     others = state.overview.is_axle || byId('mirror').checked;
     byId('mirror-label').hidden = state.overview.is_axle;
     views.forEach((view) => { view.gridKey = null; view.build(); });
@@ -315,6 +348,11 @@ export const startViews = () => {
     drawAll();
   });
   for (const event of ['selection', 'options', 'proposed', 'pins', 'unanswered']) on(event, drawAll);
+  byId('part').addEventListener('change', (event) => {
+    part = event.target.value;
+    views.forEach((view) => view.fit());
+    drawAll();
+  });
   byId('names').addEventListener('change', (event) => { named = event.target.checked; drawAll(); });
   byId('mirror').addEventListener('change', (event) => {
     others = event.target.checked;

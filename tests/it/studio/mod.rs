@@ -2,6 +2,7 @@
 
 mod attacks;
 mod browser;
+mod car;
 mod client;
 mod saving;
 mod start;
@@ -34,9 +35,17 @@ impl Served {
     }
 
     fn named(name: &str, text: &str) -> Served {
+        Served::of_files([(name.to_owned(), text.to_owned())])
+    }
+
+    /// Files with their texts; the last is served.
+    fn of_files<const N: usize>(files: [(String, String); N]) -> Served {
         let folder = tempfile::tempdir().unwrap();
-        let study = folder.path().join(name);
-        fs::write(&study, text).unwrap();
+        let mut study = PathBuf::new();
+        for (name, text) in files {
+            study = folder.path().join(name);
+            fs::write(&study, text).unwrap();
+        }
         let (process, address) = serve(&study, free_port());
         Served {
             folder,

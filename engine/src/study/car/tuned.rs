@@ -1,7 +1,8 @@
 //! The tuning of a study of a car.
 
 use super::{CarOptimise, CarStudy};
-use crate::car::{moved, tune};
+use crate::car::{CarVariable, Moves, moved, tune};
+use crate::number::Vector3;
 use crate::optimise::{Control, Fit};
 
 /// A tuned car.
@@ -22,5 +23,37 @@ impl CarStudy {
             ..self.clone()
         };
         Ok(TunedCar { fit, study })
+    }
+
+    /// The study with other designs of the front and of the rear axle. A wheelbase that the study gives stays.
+    pub fn at_design(&self, designs: [Vec<Vector3<f64>>; 2]) -> CarStudy {
+        let mut study = self.clone();
+        for (end, design) in designs.into_iter().enumerate() {
+            study.axles[end] = study.axles[end].at_design(design);
+            if let Some(both) = study.axles[end].axle() {
+                study.car.axles[end] = both.axle.clone();
+            }
+        }
+        if let Some(wheelbase) = self.wheelbase {
+            Moves::Wheelbase.apply(wheelbase, &mut study.car);
+        }
+        study
+    }
+}
+
+impl CarOptimise {
+    /// Keeps these variables, also among those of the axles by themselves.
+    pub fn retain(&mut self, keeps: impl Fn(&CarVariable) -> bool) {
+        let kept: Vec<bool> = self.variables.iter().map(&keeps).collect();
+        self.variables.retain(&keeps);
+        for rig in self.rigs.iter_mut().flatten() {
+            let own = std::mem::take(&mut rig.optimise.variables).into_iter();
+            let own = own.zip(std::mem::take(&mut rig.columns));
+            for (variable, column) in own.filter(|(_, column)| kept[*column]) {
+                rig.optimise.variables.push(variable);
+                let before = kept[..column].iter().filter(|kept| **kept);
+                rig.columns.push(before.count());
+            }
+        }
     }
 }

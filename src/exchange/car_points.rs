@@ -1,0 +1,60 @@
+//! Points of both axles of a car, in the axes of the car.
+
+use super::{Outgoing, Page, Value, csv, point_rows};
+use crate::model::{FrameConvention, LengthUnit};
+use crate::number::Vector3;
+use crate::study::{CarStudy, Study};
+
+/// A table of the points of each axle, where the car has them.
+pub fn car_point_pages(
+    study: &CarStudy,
+    unit: Option<LengthUnit>,
+    frame: Option<FrameConvention>,
+) -> [Page; 2] {
+    [0, 1].map(|axle| {
+        let own = placed(study, axle);
+        let outgoing = Outgoing::of(&own, unit, frame);
+        Page {
+            name: format!("{}_hardpoints", ["front", "rear"][axle]),
+            rows: point_rows(&outgoing),
+        }
+    })
+}
+
+/// Both tables as one, with a column that names the axle.
+pub fn car_points_csv(pages: [Page; 2]) -> Vec<u8> {
+    let text = |text: &str| vec![Value::Text(text.to_owned())];
+    let [front, rear] = pages.map(|page| page.rows);
+    // Both have the same header.
+    let header = front.iter().take(1);
+    let header = header.map(|row| [text("axle"), row.clone()].concat());
+    let mut rows: Vec<Vec<Value>> = header.collect();
+    for (end, own) in [("front", front), ("rear", rear)] {
+        let own = own.into_iter().skip(1);
+        rows.extend(own.map(|row| [text(end), row].concat()));
+    }
+    csv(&rows)
+}
+
+/// The study of an axle with its points where the car has them.
+fn placed(study: &CarStudy, axle: usize) -> Study {
+    let mut own = study.axles[axle].clone();
+    if axle == 0 {
+        return own;
+    }
+    let offset = study.car.rear_offset;
+    let shift = |design: &mut [Vector3<f64>], offset: Vector3<f64>| {
+        for point in design {
+            *point = *point + offset;
+        }
+    };
+    shift(&mut own.wheel_mut().design, offset);
+    if let Some(both) = own.axle_mut()
+        && let Some(right) = &mut both.axle.right
+    {
+        // The right wheel is written as a left one.
+        let mirrored = Vector3::new(offset.x, -offset.y, offset.z);
+        shift(&mut right.design, mirrored);
+    }
+    own
+}

@@ -1,0 +1,265 @@
+//! The three files of a car: read, and written back with their comments.
+
+use super::{ENDS, OpenedCar};
+use crate::number::Vector3;
+use crate::report::car_with_axles;
+use crate::results::digest_of_texts;
+use crate::studio::message::TextChange;
+use crate::studio::study_file::{
+    NotSaved, Prepared, edited, moved_in, name_of, new_path, not_understood, text_of, write_new,
+};
+use crate::study::{CarStudy, PathStep, ValueEdit, edited_text};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Designs of the front and of the rear axle.
+type Designs = [Vec<Vector3<f64>>; 2];
+
+/// Places of the study of a car, and of those of its front and of its rear axle.
+#[derive(Clone)]
+pub(in crate::studio) struct CarFiles([PathBuf; 3]);
+
+impl CarFiles {
+    /// The files of a car. Those of the axles are known when it is read.
+    pub(in crate::studio) fn at(path: &Path) -> Self {
+        CarFiles([path.to_owned(), PathBuf::new(), PathBuf::new()])
+    }
+
+    pub(in crate::studio) fn path(&self) -> &Path {
+        &self.0[0]
+    }
+
+    pub(super) fn paths(&self) -> &[PathBuf; 3] {
+        &self.0
+    }
+
+    /// Names of the files, without their folders.
+    pub(super) fn names(&self) -> [String; 3] {
+        self.0.each_ref().map(|path| name_of(path))
+    }
+
+    /// Name of the car's file, without its ending.
+    pub(super) fn stem(&self) -> String {
+        let stem = self.path().file_stem().unwrap_or_default();
+        stem.to_string_lossy().into_owned()
+    }
+
+    /// Reads them as they are now, or returns their fault in words.
+    pub(in crate::studio) fn read(&self) -> Result<OpenedCar, String> {
+        let study = CarStudy::read(self.path(), &[]).map_err(|errors| errors.render(false))?;
+        let files = CarFiles::at(self.path()).with_axles(&study.inputs[1..])?;
+        Ok(OpenedCar::of(files, study))
+    }
+
+    /// The files with those of the axles, links followed.
+    fn with_axles(mut self, axles: &[PathBuf]) -> Result<Self, String> {
+        for (own, path) in self.0[1..].iter_mut().zip(axles) {
+            let found = fs::canonicalize(path);
+            *own = found.map_err(|e| format!("{}: {e}", path.display()))?;
+        }
+        Ok(self)
+    }
+
+    /// SHA-256 of the texts as they are now.
+    pub(in crate::studio) fn digest(&self) -> Result<String, String> {
+        let text = text_of(self.path())?;
+        let document: toml::Table = text.parse().map_err(|e| format!("not TOML: {e}"))?;
+        let directory = self.path().parent().unwrap_or(Path::new(""));
+        let axle = |end: &str| {
+            let named = document.get("car").and_then(|car| car.get(end));
+            let named = named.and_then(|name| name.as_str()).unwrap_or_default();
+            text_of(&directory.join(named))
+        };
+        let (front, rear) = (axle(ENDS[0])?, axle(ENDS[1])?);
+        Ok(digest_of_texts(&[&text, &front, &rear]))
+    }
+
+    /// Texts of the files as they are now.
+    fn texts(&self) -> Result<[String; 3], String> {
+        let [car, front, rear] = &self.0;
+        Ok([text_of(car)?, text_of(front)?, text_of(rear)?])
+    }
+
+    /// Texts now, and after a save.
+    pub(super) fn changes(
+        &self,
+        opened: &OpenedCar,
+        designs: &Designs,
+    ) -> Result<Vec<TextChange>, String> {
+        let after = with_designs(opened, designs);
+        let pairs = self.texts()?.into_iter().zip(after);
+        let change = |(file, (before, after))| TextChange {
+            file,
+            before,
+            after,
+        };
+        Ok(self.names().into_iter().zip(pairs).map(change).collect())
+    }
+
+    /// Writes designs into the files. If one of them no longer has the text that was opened, all stay as they are. With
+    /// `anyway` they get the values and coordinates that differ from the opened texts.
+    pub(super) fn save(
+        &self,
+        opened: &OpenedCar,
+        designs: &Designs,
+        anyway: bool,
+    ) -> Result<OpenedCar, NotSaved> {
+        let missing = |why| NotSaved::Refused(format!("nothing is saved: {why}"));
+        let before = self.texts().map_err(missing)?;
+        let is_same = digest_of_texts(&before.each_ref().map(String::as_str)) == opened.base;
+        let after = match (is_same, anyway) {
+            (true, _) => with_designs(opened, designs),
+            (false, true) => self.merged(opened, designs, &before)?,
+            (false, false) => {
+                let own = opened.texts_without_edits();
+                let changed = own.map_or(Vec::new(), |own| changed_files(self, &own, &before));
+                let names = match changed.is_empty() {
+                    true => self.names().join(", "),
+                    false => changed.join(", "),
+                };
+                let message = format!("{names}: changed since it was opened");
+                return Err(NotSaved::Changed(message));
+            }
+        };
+        if self.0[1] == self.0[2] && after[1] != after[2] {
+            let name = name_of(&self.0[1]);
+            return Err(NotSaved::Refused(format!(
+                "both axles of the car are the file {name}, and their changes differ: copy it and name the copy in [car]"
+            )));
+        }
+        let understood = self.understood(&after)?;
+        let written = self.0.iter().zip(before.iter().zip(&after));
+        let written = written.filter(|(_, (before, after))| before != after);
+        let mut prepared = Vec::new();
+        for (path, (before, after)) in written {
+            prepared.push((path, Prepared::replacing(path, before, after)?));
+        }
+        for (_, own) in &prepared {
+            own.check_unchanged()?;
+        }
+        let mut done: Vec<String> = Vec::new();
+        for (path, own) in prepared {
+            own.put().map_err(|why| half_written(why, &done))?;
+            done.push(name_of(path));
+        }
+        Ok(understood)
+    }
+
+    /// Texts of changed files with the values and coordinates that differ from the opened texts.
+    fn merged(
+        &self,
+        opened: &OpenedCar,
+        designs: &Designs,
+        now: &[String; 3],
+    ) -> Result<[String; 3], NotSaved> {
+        let own = edited_texts(now, &opened.edits).map_err(NotSaved::Refused)?;
+        let now = self.understood(&own)?;
+        let axle = |end: usize| {
+            let wheels = [&opened.study, &now.study].map(|study| study.axles[end].wheel());
+            moved_in(wheels, &designs[end]).map_err(NotSaved::Refused)
+        };
+        Ok(with_designs(&now, &[axle(0)?, axle(1)?]))
+    }
+
+    /// Writes the opened texts with designs as three new files: `NAME.toml`, `NAME_front.toml` and `NAME_rear.toml`. Existing
+    /// files are left alone, or replaced `anyway`.
+    pub(super) fn save_as(
+        &self,
+        opened: &OpenedCar,
+        designs: &Designs,
+        name: &str,
+        anyway: bool,
+    ) -> Result<String, NotSaved> {
+        let stem = name.strip_suffix(".toml").unwrap_or(name);
+        let names = [
+            name.to_owned(),
+            format!("{stem}_front.toml"),
+            format!("{stem}_rear.toml"),
+        ];
+        let mut paths = Vec::new();
+        for name in &names {
+            let path = new_path(self.path(), name)?;
+            if fs::canonicalize(&path).is_ok_and(|other| self.0.contains(&other)) {
+                let message = format!("{name} is a file of the car itself");
+                return Err(NotSaved::Refused(message));
+            }
+            paths.push(path);
+        }
+        let mut texts = with_designs(opened, designs);
+        texts[0] = car_with_axles(&texts[0], &names[1], &names[2]);
+        self.understood(&texts)?;
+        let there = paths.iter().filter(|path| path.exists());
+        let there: Vec<String> = there.map(|path| name_of(path)).collect();
+        if !anyway && !there.is_empty() {
+            let message = format!("there is a file {}", there.join(", "));
+            return Err(NotSaved::Changed(message));
+        }
+        let mut done: Vec<String> = Vec::new();
+        // The car last: it names the others.
+        for number in [1, 2, 0] {
+            let written = write_new(&paths[number], &texts[number], anyway);
+            written.map_err(|why| half_written(why, &done))?;
+            done.push(names[number].clone());
+        }
+        Ok(names.join(", "))
+    }
+
+    /// Resolves texts before they are saved: nothing is written that no command would read.
+    fn understood(&self, texts: &[String; 3]) -> Result<OpenedCar, NotSaved> {
+        OpenedCar::of_texts(self, texts).map_err(|errors| not_understood(&errors))
+    }
+}
+
+impl OpenedCar {
+    /// The texts that were opened, if nothing of them was edited since.
+    fn texts_without_edits(&self) -> Option<[String; 3]> {
+        self.edits.is_empty().then(|| self.texts())
+    }
+}
+
+/// Names of the files whose texts differ.
+fn changed_files(files: &CarFiles, before: &[String; 3], now: &[String; 3]) -> Vec<String> {
+    let pairs = files.names().into_iter().zip(before.iter().zip(now));
+    let changed = pairs.filter(|(_, (before, now))| before != now);
+    changed.map(|(name, _)| name).collect()
+}
+
+/// Names the files that were written before one could not be.
+fn half_written(why: NotSaved, done: &[String]) -> NotSaved {
+    match why {
+        NotSaved::Refused(why) | NotSaved::Changed(why) if !done.is_empty() => {
+            NotSaved::Refused(format!("{why}; already written: {}", done.join(", ")))
+        }
+        why => why,
+    }
+}
+
+/// Texts of a car and its axles with other designs of the axles.
+fn with_designs(opened: &OpenedCar, designs: &Designs) -> [String; 3] {
+    let axle = |end: usize| {
+        let study = &opened.study.axles[end];
+        edited(study, &study.text, &designs[end])
+    };
+    [opened.study.text.clone(), axle(0), axle(1)]
+}
+
+/// Texts with changes of their values. A path that begins with `front` or `rear` leads into the study of that axle.
+pub(super) fn edited_texts(
+    texts: &[String; 3],
+    edits: &[ValueEdit],
+) -> Result<[String; 3], String> {
+    let mut texts = texts.clone();
+    for edit in edits {
+        let end = match edit.path.first() {
+            Some(PathStep::Key(key)) => ENDS.iter().position(|end| end == key),
+            _ => None,
+        };
+        let (number, path) = match end {
+            Some(end) => (1 + end, edit.path[1..].to_vec()),
+            None => (0, edit.path.clone()),
+        };
+        let value = edit.value.clone();
+        texts[number] = edited_text(&texts[number], &[ValueEdit { path, value }])?;
+    }
+    Ok(texts)
+}

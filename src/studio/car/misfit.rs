@@ -1,0 +1,235 @@
+//! The misfit of a car and its exact gradient by every coordinate of both axles.
+//!
+//! With d_t the deviation from target t in tolerances (of a target of an axle by itself: the root mean square over its
+//! stations) and w_t its weight,
+//!
+//! ```text
+//! M^2 = sum w_t d_t^2 / sum w_t          dM/dx = sum w_t d_t d d_t/dx / (M sum w_t)                              (1)
+//! ```
+//!
+//! A misfit of zero has no gradient. Zero is reported, since its square is at its minimum there.
+
+use super::OpenedCar;
+use crate::car::{
+    AxleParameter, CarGradient, CarQuantity, CarSolver, CarTarget, Parameter, RigGoals,
+};
+use crate::optimise::{TargetLayout, assessed};
+use crate::report::{CarResults, CarState};
+use crate::studio::message::{ConstraintRoom, Coordinates, Misfit, TargetMisfit};
+use crate::studio::misfit::{VIOLATED, of_assessment};
+use crate::study::{CarOptimise, CarStudy};
+
+/// A target with its weight in the misfit.
+struct Weighed {
+    target: TargetMisfit,
+    weight: f64,
+}
+
+/// Targets and constraints, or why there are none.
+type Found = (Vec<Weighed>, Vec<ConstraintRoom>);
+
+/// The misfit of a design, if its study has targets.
+pub(super) fn misfit<'s>(
+    opened: &OpenedCar,
+    study: &'s CarStudy,
+    solver: &mut CarSolver<'s>,
+    results: &CarResults<'s>,
+) -> Option<Misfit> {
+    let optimise = study.optimise.as_ref()?;
+    let found = of_cases(study, optimise, solver, results).and_then(|mut found| {
+        for end in 0..2 {
+            if let Some(goals) = &optimise.rigs[end] {
+                of_axle(opened, study, end, goals, &mut found)?;
+            }
+        }
+        Ok(found)
+    });
+    Some(match found {
+        Ok((targets, constraints)) => summed(targets, constraints),
+        Err(reason) => Misfit {
+            value: None,
+            reason: Some(reason),
+            gradient: Vec::new(),
+            targets: Vec::new(),
+            constraints: Vec::new(),
+        },
+    })
+}
+
+/// The whole misfit: (1).
+fn summed(targets: Vec<Weighed>, constraints: Vec<ConstraintRoom>) -> Misfit {
+    let weights: f64 = targets.iter().map(|own| own.weight).sum();
+    let squares = targets
+        .iter()
+        .map(|own| own.weight * own.target.rms.powi(2));
+    let value = (squares.sum::<f64>() / weights).sqrt();
+    let points = targets.first().map_or(0, |own| own.target.gradient.len());
+    let along = |point: usize, axis: usize| match value * weights {
+        0.0 => 0.0,
+        divisor => {
+            let terms = targets
+                .iter()
+                .map(|own| own.weight * own.target.rms * own.target.gradient[point][axis]);
+            terms.sum::<f64>() / divisor
+        }
+    };
+    Misfit {
+        value: Some(value),
+        reason: None,
+        gradient: (0..points)
+            .map(|point| std::array::from_fn(|axis| along(point, axis)))
+            .collect(),
+        targets: targets.into_iter().map(|own| own.target).collect(),
+        constraints,
+    }
+}
+
+/// Name of a target of a case.
+pub(super) fn name_of(target: &CarTarget, study: &CarStudy) -> String {
+    let case = &study.cases[target.case].name;
+    format!("{} in {case}", target.quantity.name())
+}
+
+/// Name of a target or a constraint of an axle by itself.
+pub(super) fn name_on_rig(name: &str, end: usize) -> String {
+    format!("{name} of the {} axle", super::ENDS[end])
+}
+
+/// Targets and constraints of the load cases.
+fn of_cases<'s>(
+    study: &'s CarStudy,
+    optimise: &CarOptimise,
+    solver: &mut CarSolver<'s>,
+    results: &CarResults<'s>,
+) -> Result<Found, String> {
+    let mut targets: Vec<Option<Weighed>> = optimise.targets.iter().map(|_| None).collect();
+    for (number, case) in study.cases.iter().enumerate() {
+        let own = (0..targets.len()).filter(|k| optimise.targets[*k].case == number);
+        let own: Vec<usize> = own.collect();
+        if own.is_empty() {
+            continue;
+        }
+        let found = match &results.states[number] {
+            CarState::Solved { found, .. } => found,
+            CarState::Failed(why) => return Err(format!("case {}: {why}", case.name)),
+        };
+        let quantities: Vec<CarQuantity> =
+            own.iter().map(|k| optimise.targets[*k].quantity).collect();
+        let gradients = solver.gradients(case, found, &quantities);
+        let gradients = gradients.map_err(|why| format!("case {}: {why}", case.name))?;
+        for (k, gradient) in own.into_iter().zip(&gradients) {
+            let target = &optimise.targets[k];
+            targets[k] = Some(of_target(target, study, gradient));
+        }
+    }
+    let mut constraints = Vec::new();
+    for own in &optimise.constraints {
+        let case = &study.cases[own.case];
+        let value = match &results.states[own.case] {
+            CarState::Solved { solved, .. } => own.quantity.printed(solved, case),
+            CarState::Failed(why) => return Err(format!("case {}: {why}", case.name)),
+        };
+        let value = value.ok_or_else(|| format!("{} has no value in {}", own.name, case.name))?;
+        let [low, high] = own.between;
+        let room = (value - low).min(high - value) + 0.0;
+        constraints.push(ConstraintRoom {
+            name: format!("{} in {}", own.name, case.name),
+            room,
+            unit: own.quantity.info().unit.suffix(study.car.length_unit),
+            is_violated: room < -VIOLATED * own.visible,
+        });
+    }
+    Ok((targets.into_iter().flatten().collect(), constraints))
+}
+
+/// A target of a case. Its root mean square is the size of its one deviation.
+fn of_target(target: &CarTarget, study: &CarStudy, gradient: &CarGradient) -> Weighed {
+    let length = study.car.length_unit;
+    let factor = target.quantity.info().unit.printed_factor(length);
+    let deviation = target.deviation(factor * gradient.value) / target.tolerance;
+    let sign = match deviation {
+        0.0 => 0.0,
+        _ => deviation.signum(),
+    };
+    let by_points = by_coordinates(study, gradient).into_iter();
+    let slopes = by_points.map(|own| own.map(|by| sign * factor * by / target.tolerance));
+    Weighed {
+        weight: target.weight,
+        target: TargetMisfit {
+            column: name_of(target, study),
+            rms: deviation.abs(),
+            worst: deviation,
+            worst_at: None,
+            worst_at_unit: study.cases[target.case].name.clone(),
+            gradient: slopes.collect(),
+        },
+    }
+}
+
+/// Derivatives of a result by every coordinate as the page has it, in the program's units. Where the study gives the
+/// wheelbase, the rear axle follows its wheel centres and those of the front axle.
+pub(super) fn by_coordinates(study: &CarStudy, gradient: &CarGradient) -> Coordinates {
+    let frame = study.frame();
+    let offset = Parameter::Axle(1, AxleParameter::OffsetX).place();
+    let by_offset = match study.wheelbase {
+        Some(_) => gradient.parameters[offset],
+        None => 0.0,
+    };
+    let axles = study.car.axles.iter().zip(&gradient.hardpoints);
+    let axles = axles.zip([by_offset, -by_offset]);
+    let points = axles.flat_map(|((axle, by), follows)| {
+        let centre = axle.left.mechanism.wheel_centre.0;
+        by.iter().enumerate().map(move |(point, by)| {
+            let mut by = *by;
+            if point == centre {
+                by.x += follows;
+            }
+            frame.vector(by).to_array()
+        })
+    });
+    points.collect()
+}
+
+/// Adds the targets and constraints of an axle by itself.
+fn of_axle(
+    opened: &OpenedCar,
+    study: &CarStudy,
+    end: usize,
+    goals: &RigGoals,
+    (targets, constraints): &mut Found,
+) -> Result<(), String> {
+    let own = &study.axles[end];
+    let wheel = own.wheel();
+    let layout = TargetLayout::of(&goals.optimise, &own.vehicle);
+    let found = assessed(wheel, &opened.every[end], &layout)
+        .map_err(|fault| fault.describe(&wheel.mechanism))?
+        .map_err(|why| name_on_rig(&why.to_string(), end))?;
+    let misfit = of_assessment(own, &goals.optimise, &layout, &found);
+    let points = study.axles.each_ref().map(|axle| axle.wheel().design.len());
+    // An axle's own axes may differ from the front study's.
+    let turned = |by: [f64; 3]| {
+        study
+            .frame()
+            .vector(wheel.frame.vector(by.into()))
+            .to_array()
+    };
+    for (target, goal) in misfit.targets.into_iter().zip(&goals.optimise.targets) {
+        let mut gradient = vec![[0.0; 3]; points[0] + points[1]];
+        for (into, by) in gradient[end * points[0]..].iter_mut().zip(target.gradient) {
+            *into = turned(by);
+        }
+        targets.push(Weighed {
+            weight: goal.weight,
+            target: TargetMisfit {
+                column: name_on_rig(&target.column, end),
+                gradient,
+                ..target
+            },
+        });
+    }
+    constraints.extend(misfit.constraints.into_iter().map(|room| ConstraintRoom {
+        name: name_on_rig(&room.name, end),
+        ..room
+    }));
+    Ok(())
+}

@@ -1,0 +1,207 @@
+//! A car: its two axles in a load case, a table of all cases, and the car's own values.
+//!
+//! The page speaks of a car as of any other study: its stations are the load cases, and its points are those of the left
+//! wheels of both axles, along the axes of the front study.
+
+mod answer;
+mod files;
+mod misfit;
+mod overview;
+mod tuning;
+
+pub(super) use files::CarFiles;
+
+use super::job::Tuning;
+use super::message::{
+    Coordinates, Designed, DirectionsAnswer, InfluenceAnswer, InfluenceRequest, LimitsAnswer,
+    Overview, SidePlacement, SolveRequest, SolvedAnswer, TextChange, TuneRequest,
+};
+use super::reading::Reading;
+use super::study_file::{NotSaved, in_kernel};
+use crate::car::CarSolver;
+use crate::exchange::{car_point_pages, car_points_csv};
+use crate::mechanism::GeometryFault;
+use crate::number::Vector3;
+use crate::report::{CarResults, car_page};
+use crate::results::digest_of_texts;
+use crate::study::{CarStudy, Study, StudyErrors, ValueEdit, Variable};
+use std::path::Path;
+use std::sync::{Arc, OnceLock};
+
+/// Names of the axles.
+const ENDS: [&str; 2] = ["front", "rear"];
+
+/// Texts of a car and of its axles that were read, and their meaning.
+pub(in crate::studio) struct OpenedCar {
+    files: CarFiles,
+    digest: String,
+    /// SHA-256 of the files' texts that `edits` lead from.
+    base: String,
+    /// Changes that are not in the files.
+    edits: Vec<ValueEdit>,
+    study: CarStudy,
+    /// Every coordinate of each axle as something that can move.
+    every: [Vec<Variable>; 2],
+    /// The left side of this design in each case, once it was drawn; none without an equilibrium.
+    drawn: Vec<OnceLock<Option<SidePlacement>>>,
+}
+
+impl OpenedCar {
+    fn of(files: CarFiles, study: CarStudy) -> Self {
+        let texts = [&study.text, &study.axles[0].text, &study.axles[1].text];
+        let digest = digest_of_texts(&texts.map(String::as_str));
+        OpenedCar {
+            files,
+            base: digest.clone(),
+            digest,
+            edits: Vec::new(),
+            every: [0, 1]
+                .map(|end| Variable::every_coordinate(study.axles[end].wheel(), [-1.0, 1.0])),
+            drawn: study.cases.iter().map(|_| OnceLock::new()).collect(),
+            study,
+        }
+    }
+
+    /// Resolves the texts of the car, of its front and of its rear axle.
+    fn of_texts(files: &CarFiles, texts: &[String; 3]) -> Result<Self, StudyErrors> {
+        let paths = files.paths();
+        let axle = |end: usize| {
+            let path = &paths[1 + end];
+            let directory = path.parent().unwrap_or(Path::new(""));
+            Study::from_text(&path.display().to_string(), &texts[1 + end], directory)
+        };
+        let axles = [axle(0)?, axle(1)?];
+        let study = CarStudy::of_axles(&files.stem(), &texts[0], axles)?;
+        Ok(OpenedCar::of(files.clone(), study))
+    }
+
+    /// Texts of the car, of its front and of its rear axle.
+    fn texts(&self) -> [String; 3] {
+        let [front, rear] = &self.study.axles;
+        [&self.study.text, &front.text, &rear.text].map(String::clone)
+    }
+
+    /// Coordinates of the front axle's points, and of the rear axle's.
+    fn of_axles<'c>(&self, coordinates: &'c [[f64; 3]]) -> [&'c [[f64; 3]]; 2] {
+        let front = self.study.axles[0].wheel().design.len();
+        let (front, rear) = coordinates.split_at(front.min(coordinates.len()));
+        [front, rear]
+    }
+
+    /// Designs of both axles that came from the page, in the kernel's frame.
+    fn designs(&self, coordinates: &Coordinates) -> Result<[Vec<Vector3<f64>>; 2], String> {
+        let frame = self.study.frame();
+        let own = self.of_axles(coordinates);
+        let design = |end: usize| in_kernel(own[end], self.study.axles[end].wheel(), frame);
+        Ok([design(0)?, design(1)?])
+    }
+
+    /// The study with a design that came from the page.
+    fn moved(&self, coordinates: &Coordinates) -> Result<CarStudy, String> {
+        let study = self.study.at_design(self.designs(coordinates)?);
+        for (end, axle) in ENDS.iter().zip(&study.axles) {
+            // As in a file: points that form no suspension are not solved.
+            if let Some(fault) = GeometryFault::all_of(axle.wheel()).first() {
+                return Err(format!("{end} axle: {fault}"));
+            }
+        }
+        Ok(study)
+    }
+}
+
+/// A solver of a car, or the fault of its design in words.
+fn solver(study: &CarStudy) -> Result<CarSolver<'_>, String> {
+    CarSolver::new(&study.car).map_err(|fault| study.car.describe_fault(&fault))
+}
+
+/// Designs of both axles as the page has them.
+fn coordinates(study: &CarStudy) -> Coordinates {
+    let frame = study.frame();
+    let axles = study.car.axles.iter();
+    let points = axles.flat_map(|axle| axle.left.design.iter());
+    points
+        .map(|point| frame.vector(*point).to_array().map(|c| c + 0.0))
+        .collect()
+}
+
+impl Reading for OpenedCar {
+    fn digest(&self) -> &str {
+        &self.digest
+    }
+
+    fn overview(&self) -> Overview {
+        overview::overview(self)
+    }
+
+    fn solved(&self, request: &SolveRequest) -> Result<SolvedAnswer, String> {
+        answer::solved(self, request)
+    }
+
+    fn influence(&self, request: &InfluenceRequest) -> Result<InfluenceAnswer, String> {
+        answer::influence(self, request)
+    }
+
+    fn directions(&self, _: &Designed) -> Result<DirectionsAnswer, String> {
+        Err("free directions are for one axle: open its study".to_owned())
+    }
+
+    fn limits(&self, _: &Designed) -> Result<LimitsAnswer, String> {
+        Err("limits of the mechanism are for one axle: open its study".to_owned())
+    }
+
+    fn csv(&self, of: &Designed) -> Result<Vec<u8>, String> {
+        let study = self.moved(&of.design)?;
+        let mut solver = solver(&study)?;
+        Ok(CarResults::solve(&study, &mut solver, study.cases.len()).cases_csv())
+    }
+
+    fn points(&self, of: &Designed) -> Result<Vec<u8>, String> {
+        let pages = car_point_pages(&self.moved(&of.design)?, None, None);
+        Ok(car_points_csv(pages))
+    }
+
+    fn drawing(&self, _: &Designed) -> Result<Vec<u8>, String> {
+        Err("drawings for CAD are for one axle: open its study".to_owned())
+    }
+
+    fn report(&self, of: &Designed) -> Result<String, String> {
+        let study = self.moved(&of.design)?;
+        let mut solver = solver(&study)?;
+        let results = CarResults::solve(&study, &mut solver, study.cases.len());
+        let remarks = results.remarks();
+        Ok(car_page(&results.record(
+            "solve",
+            &mut solver,
+            None,
+            &remarks,
+        )))
+    }
+
+    fn tuning(self: Arc<Self>, request: &TuneRequest) -> Result<Tuning, String> {
+        tuning::tuning(&self, request)
+    }
+
+    fn edited(&self, edits: &[ValueEdit]) -> Result<Arc<dyn Reading>, String> {
+        let texts = files::edited_texts(&self.texts(), edits)?;
+        let edited = OpenedCar::of_texts(&self.files, &texts);
+        Ok(Arc::new(OpenedCar {
+            base: self.base.clone(),
+            edits: [&self.edits, edits].concat(),
+            ..edited.map_err(|errors| errors.render(false))?
+        }))
+    }
+
+    fn texts(&self, design: &Coordinates) -> Result<Vec<TextChange>, String> {
+        self.files.changes(self, &self.designs(design)?)
+    }
+
+    fn save(&self, design: &Coordinates, anyway: bool) -> Result<Arc<dyn Reading>, NotSaved> {
+        let designs = self.designs(design).map_err(NotSaved::Refused)?;
+        Ok(Arc::new(self.files.save(self, &designs, anyway)?))
+    }
+
+    fn save_as(&self, design: &Coordinates, name: &str, anyway: bool) -> Result<String, NotSaved> {
+        let designs = self.designs(design).map_err(NotSaved::Refused)?;
+        self.files.save_as(self, &designs, name, anyway)
+    }
+}

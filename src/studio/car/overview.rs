@@ -1,0 +1,280 @@
+//! A car, as far as it stays while points move.
+
+use super::misfit::{name_of, name_on_rig};
+use super::{ENDS, OpenedCar, coordinates};
+use crate::car::{AxleParameter, Car, CarQuantity, CarVariable, rate_key};
+use crate::report::{Scene, readable_unit};
+use crate::studio::message::{
+    CharacteristicOverview, Overview, PointOverview, Slider, TargetOverview, VariableOverview,
+    WheelDrawn, WholeScene,
+};
+use crate::studio::overview::sections;
+use crate::study::{CarOptimise, CarStudy};
+
+/// The results that are shown at first where the study asks for none.
+const SHOWN: [&str; 9] = [
+    "roll",
+    "pitch",
+    "heave",
+    "wheel_load",
+    "lateral_load_transfer_distribution",
+    "camber_to_road",
+    "roll_centre_height",
+    "roll_gradient",
+    "body_roll_stiffness",
+];
+
+/// The overview of a car that was read.
+pub(super) fn overview(opened: &OpenedCar) -> Overview {
+    let study = &opened.study;
+    let optimise = study.optimise.as_ref();
+    let names = opened.files.names();
+    let topology = |end: usize| {
+        let name = study.axles[end].wheel().mechanism.topology.name;
+        format!("{} {}", ENDS[end], name.replace('_', " "))
+    };
+    Overview {
+        name: study.name.clone(),
+        file: names[0].clone(),
+        files: names.to_vec(),
+        place: opened.files.path().display().to_string(),
+        digest: opened.digest.clone(),
+        base: opened.base.clone(),
+        written: written(study),
+        topology: [0, 1].map(topology).join(", "),
+        unit: study.car.length_unit.symbol().to_owned(),
+        points: points(study),
+        design: coordinates(study),
+        scene: scene(study),
+        characteristics: catalogue(study),
+        is_axle: true,
+        is_car: true,
+        sliders: vec![cases(study)],
+        main: 0,
+        targets: optimise.map_or(Vec::new(), |optimise| targets(study, optimise)),
+        variables: optimise
+            .iter()
+            .flat_map(|optimise| &optimise.variables)
+            .map(|own| variable(own, study))
+            .collect(),
+        tunes: optimise.is_some(),
+        has_constraints: optimise.is_some_and(|optimise| {
+            let mut rigs = optimise.rigs.iter().flatten();
+            let of_rigs = rigs.any(|rig| !rig.optimise.constraints.is_empty());
+            of_rigs || !optimise.constraints.is_empty()
+        }),
+        starts: optimise.map_or(0, |optimise| optimise.run.starts),
+    }
+}
+
+/// Sections of the three studies as they are written, for forms.
+fn written(study: &CarStudy) -> serde_json::Value {
+    let of_axle = [
+        "spring",
+        "anti_roll_bar",
+        "heave_spring",
+        "t_bar",
+        "heave_bar",
+        "tyre",
+        "vehicle",
+    ];
+    let mut all = sections(&study.text, &["car", "cases", "outputs", "optimise"]);
+    for (end, axle) in ENDS.iter().zip(&study.axles) {
+        all[*end] = sections(&axle.text, &of_axle);
+    }
+    all["units"] = units(&study.car);
+    all
+}
+
+/// Units of the numbers in forms, by their keys.
+fn units(car: &Car) -> serde_json::Value {
+    let rates = [
+        AxleParameter::SpringRate,
+        AxleParameter::SpringForce,
+        AxleParameter::BarRate,
+        AxleParameter::HeaveSpringRate,
+        AxleParameter::HeaveSpringForce,
+        AxleParameter::TBarRate,
+        AxleParameter::HeaveBarRate,
+        AxleParameter::HeaveBarTorque,
+        AxleParameter::TyreRate,
+    ];
+    let rates = rates.map(|rate| (rate_key(rate), readable_unit(&rate.unit(car).0)));
+    let (length, mass) = (car.length_unit.symbol(), car.mass_unit.symbol());
+    let others = [
+        ("mass", mass),
+        ("sprung_mass", mass),
+        ("cg", length),
+        ("sprung_cg", length),
+        ("wheelbase", length),
+        ("rear_offset", length),
+        ("yaw_inertia", "kg m\u{b2}"),
+        ("pitch_inertia", "kg m\u{b2}"),
+        ("ax", "g"),
+        ("ay", "g"),
+        ("az", "g"),
+        ("speed", "m/s"),
+        ("yaw_acceleration", "rad/s\u{b2}"),
+        ("rack", length),
+        ("steering_wheel_angle", "\u{b0}"),
+    ];
+    let others = others.map(|(key, unit)| (key, unit.to_owned()));
+    let all = rates.into_iter().chain(others);
+    all.map(|(key, unit)| (key.to_owned(), unit.into()))
+        .collect::<serde_json::Map<_, _>>()
+        .into()
+}
+
+/// Points of the left wheels: of the front, then of the rear axle.
+fn points(study: &CarStudy) -> Vec<PointOverview> {
+    let mut found = Vec::new();
+    for (end, axle) in study.car.axles.iter().enumerate() {
+        let mechanism = &axle.left.mechanism;
+        let shift = match end {
+            0 => [0.0; 3],
+            _ => study.frame().vector(study.car.rear_offset).to_array(),
+        };
+        for point in &mechanism.points {
+            let about = mechanism.topology.hardpoint(&point.name);
+            let about = about.map_or("a point to report", |hardpoint| hardpoint.about);
+            found.push(PointOverview {
+                name: format!("{}_{}", ENDS[end], point.name),
+                about: format!("{} axle: {about}", ENDS[end]),
+                axle: Some([ENDS[end].to_owned(), point.name.clone()]),
+                shift,
+            });
+        }
+    }
+    found
+}
+
+/// The left side of both axles.
+fn scene(study: &CarStudy) -> WholeScene {
+    let [mut whole, rear] = study.car.axles.each_ref().map(|axle| Scene::of(&axle.left));
+    let first = whole.points.len();
+    let wheels = [(&whole, 0), (&rear, first)].map(|(scene, first)| {
+        Some(WheelDrawn {
+            centre: first + scene.wheel_centre,
+            radius: scene.wheel_radius?,
+        })
+    });
+    let named = |end: &str, name: &str| format!("{end} {name}");
+    for body in &mut whole.bodies {
+        body.name = named(ENDS[0], &body.name);
+    }
+    for mut body in rear.bodies {
+        body.name = named(ENDS[1], &body.name);
+        for point in body.lines.iter_mut().flatten() {
+            *point += first;
+        }
+        whole.bodies.push(body);
+    }
+    whole.points.extend(rear.points);
+    WholeScene {
+        wheels: wheels.into_iter().flatten().collect(),
+        scene: whole,
+    }
+}
+
+/// The choice of a load case.
+fn cases(study: &CarStudy) -> Slider {
+    let values: Vec<f64> = (0..study.cases.len()).map(|case| case as f64).collect();
+    Slider {
+        names: study.cases.iter().map(|case| case.name.clone()).collect(),
+        ..Slider::over("case", "load case", "", 0.0, &values)
+    }
+}
+
+/// The name that stands for a result of all wheels or of both axles.
+fn group(quantity: CarQuantity) -> String {
+    let name = match quantity {
+        CarQuantity::Wheel(_, result) => result.info().name.to_owned(),
+        CarQuantity::Axle(_, result) => result.info().name.replace("_{}", ""),
+        CarQuantity::Whole(result) => result.info().name.to_owned(),
+    };
+    // A name of the whole car is the car's alone.
+    match CarQuantity::named(&name).contains(&quantity) {
+        true => name,
+        false => quantity.name(),
+    }
+}
+
+/// The results, and which of them the study or its targets ask for.
+fn catalogue(study: &CarStudy) -> Vec<CharacteristicOverview> {
+    let car = &study.car;
+    let mut asked: Vec<String> = match study.quantities == CarQuantity::default_columns(car) {
+        true => SHOWN.map(str::to_owned).to_vec(),
+        false => study.quantities.iter().copied().map(group).collect(),
+    };
+    if let Some(optimise) = &study.optimise {
+        let targets = optimise.targets.iter().map(|target| target.quantity);
+        let constraints = optimise.constraints.iter().map(|own| own.quantity);
+        asked.extend(targets.chain(constraints).map(group));
+    }
+    let mut found: Vec<CharacteristicOverview> = Vec::new();
+    for quantity in CarQuantity::all() {
+        let name = group(quantity);
+        if found.iter().any(|own| own.name == name) {
+            continue;
+        }
+        let named = CarQuantity::named(&name);
+        found.push(CharacteristicOverview {
+            asked: asked.contains(&name),
+            available: named.iter().any(|own| own.is_met_by(car)),
+            unit: quantity.info().unit.suffix(car.length_unit),
+            positive: quantity.info().positive,
+            name,
+        });
+    }
+    found
+}
+
+fn targets(study: &CarStudy, optimise: &CarOptimise) -> Vec<TargetOverview> {
+    let finite = |limit: f64| limit.is_finite().then_some(limit);
+    let of_cases = optimise.targets.iter().map(|target| {
+        let [low, high] = target.wanted;
+        TargetOverview {
+            column: name_of(target, study),
+            columns: vec![target.quantity.column(study.car.length_unit)],
+            tolerance: target.tolerance,
+            points: vec![(target.case as f64, finite(low), finite(high))],
+            over: Some(0),
+            racks: Vec::new(),
+            is_band: low < high,
+        }
+    });
+    let rigs = optimise.rigs.iter().enumerate();
+    let of_rigs = rigs.flat_map(|(end, rig)| {
+        let targets = rig.iter().flat_map(|rig| &rig.optimise.targets);
+        targets.map(move |target| TargetOverview {
+            column: name_on_rig(&target.of.column, end),
+            columns: Vec::new(),
+            tolerance: target.tolerance * target.of.factor().abs(),
+            points: Vec::new(),
+            over: None,
+            racks: Vec::new(),
+            is_band: false,
+        })
+    });
+    of_cases.chain(of_rigs).collect()
+}
+
+fn variable(variable: &CarVariable, study: &CarStudy) -> VariableOverview {
+    let first = [0, study.car.axles[0].left.design.len()];
+    let moves = variable.moves.points().iter().map(|at| {
+        // The variable is along its own study's axes, the page along the front study's.
+        let own = study.car.axles[at.axle].left.frame;
+        let sign = own.sign(at.axis) * study.frame().sign(at.axis);
+        (
+            first[at.axle] + at.point.0,
+            at.axis as usize,
+            sign * at.factor,
+        )
+    });
+    VariableOverview {
+        name: variable.moves.label(&study.car),
+        moves: moves.collect(),
+        is_turn: false,
+        range: variable.range,
+    }
+}

@@ -1,0 +1,105 @@
+// Load cases of a car: a row for each result, a column for each case, each value with its change against the file.
+import { AXES, brief, byId, html, set, signed } from './draw.js';
+import { emit, on, state } from './design.js';
+
+let rows = new Map();
+let heads = [];
+
+const choose = (k, event) => {
+  state.at = [k];
+  emit('place', event);
+};
+
+// The targets of a cell.
+const targetsOf = (column, k) => state.overview.targets.filter(({ columns, points }) => columns.includes(column) && points[0]?.[0] === k);
+const wanted = ({ points: [[, low, high]], tolerance, is_band: isBand }) => {
+  if (!isBand) return `${brief(low, 4)} ± ${brief(tolerance, 3)}`;
+  if (low === null) return `at most ${brief(high, 4)}`;
+  return high === null ? `at least ${brief(low, 4)}` : `${brief(low, 4)} … ${brief(high, 4)}`;
+};
+const deviation = ({ points: [[, low, high]], tolerance }, value) => {
+  if (low !== null && value < low) return (value - low) / tolerance;
+  return high !== null && value > high ? (value - high) / tolerance : 0;
+};
+
+// A value whose size is rounding alone, beside the others of its row, is nothing.
+const shown = (value, size) => (value !== null && Math.abs(value) < 1e-9 * size ? 0 : value);
+
+const build = () => {
+  const { answer } = state;
+  const { names } = state.overview.sliders[0];
+  heads = names.map((name, k) => html('th', { scope: 'col', class: 'number' },
+    html('button', { class: 'name', text: name.replaceAll('_', ' '), title: 'Draw the car in this case', on: { click: (event) => choose(k, event) } }), html('small')));
+  rows = new Map(answer.columns.map(({ column, title, unit, positive }) => {
+    const cells = names.map(() => {
+      const [value, note] = [html('b'), html('small')];
+      return { td: html('td', { class: 'number' }, value, note), value, note };
+    });
+    const sign = positive && positive !== 'always' ? `positive: ${positive}` : null;
+    const th = html('th', { scope: 'row', title: sign }, title, unit ? html('span', { class: 'unit', text: ` [${unit}]` }) : '');
+    return [column, { tr: html('tr', { 'data-column': column }, th, ...cells.map(({ td }) => td)), cells }];
+  }));
+  const table = html('table', { id: 'cases' }, html('thead', {}, html('tr', {}, html('th', { text: 'result' }), ...heads)), html('tbody', {}, ...[...rows.values()].map(({ tr }) => tr)));
+  byId('charts').replaceChildren(html('div', { class: 'scroll', tabindex: 0, role: 'group', 'aria-label': 'Load cases' }, table));
+};
+
+const of = (answer, column) => answer?.columns.find((c) => c.column === column)?.values;
+
+// The small words under a value: what a coordinate does to it, a proposal's value, or the change against the file.
+const noteOf = (column, k, value, size) => {
+  const slope = state.influence?.columns.get(column)?.[k];
+  if (state.influence) return slope === null || slope === undefined ? '' : signed(shown(slope, 1e-3), 3);
+  const next = of(state.proposed, column)?.[k] ?? null;
+  if (state.proposed) return next === null ? '' : `→ ${brief(shown(next, size), 4)}`;
+  const was = of(state.ghost, column)?.[k] ?? null;
+  const by = was === null || value === null ? 0 : value - was;
+  return Math.abs(by) > 1e-9 * size ? signed(by, 3) : '';
+};
+
+const draw = () => {
+  const { answer } = state;
+  if (!state.overview?.is_car || !answer) return;
+  if (answer.columns.map((c) => c.column).join() !== [...rows.keys()].join() || heads.length !== answer.status.length) build();
+  heads.forEach((th, k) => {
+    const isShown = state.at[0] === k;
+    th.classList.toggle('selected', isShown);
+    set(th.querySelector('button'), { 'aria-pressed': String(isShown) });
+    const isSolved = answer.status[k] === 'ok';
+    th.querySelector('small').textContent = isSolved ? '' : answer.status[k].replaceAll('_', ' ');
+    set(th, { title: isSolved ? null : answer.failures.find((f) => f.first === k)?.reason });
+  });
+  for (const { column, values } of answer.columns) {
+    const size = Math.max(1e-6, ...values.map((v) => Math.abs(v ?? 0)));
+    rows.get(column).cells.forEach(({ td, value, note }, k) => {
+      const targets = targetsOf(column, k);
+      value.textContent = brief(shown(values[k], size), 4);
+      note.textContent = noteOf(column, k, values[k], size);
+      const isMissed = targets.some((t) => values[k] === null || Math.abs(deviation(t, values[k])) > 1);
+      td.classList.toggle('target', targets.length > 0);
+      td.classList.toggle('bad', isMissed);
+      td.classList.toggle('selected', state.at[0] === k);
+      set(td, { title: targets.map((t) => `wanted: ${wanted(t)}${isMissed ? ', missed' : ''}`).join('; ') || null });
+    });
+  }
+};
+
+const key = () => {
+  if (!state.overview?.is_car) return;
+  const { influence, proposed } = state;
+  const axis = influence && `${state.overview.points[influence.point].name} ${AXES[influence.axis]}`;
+  const below = influence ? `change by ${axis}, per ${state.overview.unit}` : proposed ? 'value of the proposal' : 'change against the file';
+  byId('cases-key').textContent = state.fault ? 'This design is not solved (see Warnings). The values are those of the last one that was.' : `Below each value: ${below}.`;
+  document.getElementById('cases')?.classList.toggle('stale', Boolean(state.fault));
+};
+
+export const startCases = () => {
+  on('study', () => {
+    rows = new Map();
+    const { is_car: isCar } = state.overview;
+    document.documentElement.dataset.vehicle = isCar ? 'car' : 'suspension';
+    byId('curves-title').textContent = isCar ? 'Load cases' : 'Curves';
+    for (const own of document.querySelectorAll('[data-of]')) own.hidden = (own.dataset.of === 'car') !== isCar;
+    key();
+  });
+  for (const event of ['answer', 'ghost', 'deed', 'proposed', 'influence', 'edited']) on(event, () => { key(); draw(); });
+};

@@ -1,0 +1,163 @@
+//! A study that was read, whatever it describes: the answers that the page can ask for.
+
+use super::job::{Job, Tuning};
+use super::message::{
+    Coordinates, Designed, DirectionsAnswer, InfluenceAnswer, InfluenceRequest, LimitsAnswer,
+    Overview, SolveRequest, SolvedAnswer, TextChange, TuneRequest,
+};
+use super::study_file::{NotSaved, Opened, StudyFile};
+use super::{answer, car, directions, influence, overview};
+use crate::report::{CurveTable, Run};
+use crate::solved::Solved;
+use crate::study::{CarStudy, ValueEdit};
+use std::io;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Texts of a study that were read, and their meaning.
+pub(super) trait Reading: Send + Sync {
+    /// SHA-256 of the texts.
+    fn digest(&self) -> &str;
+    /// The study, as far as it stays while points move.
+    fn overview(&self) -> Overview;
+    /// Answers a dragged point.
+    fn solved(&self, request: &SolveRequest) -> Result<SolvedAnswer, String>;
+    /// Derivatives of every column by a coordinate.
+    fn influence(&self, request: &InfluenceRequest) -> Result<InfluenceAnswer, String>;
+    /// Moves that the targets do not see.
+    fn directions(&self, of: &Designed) -> Result<DirectionsAnswer, String>;
+    /// Limits of the mechanism.
+    fn limits(&self, of: &Designed) -> Result<LimitsAnswer, String>;
+    /// Results of a design, as `hardpoint solve` writes them.
+    fn csv(&self, of: &Designed) -> Result<Vec<u8>, String>;
+    /// Hardpoints of a design as a table.
+    fn points(&self, of: &Designed) -> Result<Vec<u8>, String>;
+    /// Hardpoints and centre lines of a design, for CAD.
+    fn drawing(&self, of: &Designed) -> Result<Vec<u8>, String>;
+    /// Report page of a design.
+    fn report(&self, of: &Designed) -> Result<String, String>;
+    /// A tuning of a design, ready to run.
+    fn tuning(self: Arc<Self>, request: &TuneRequest) -> Result<Tuning, String>;
+    /// The texts with further changes of their values.
+    fn edited(&self, edits: &[ValueEdit]) -> Result<Arc<dyn Reading>, String>;
+    /// Texts of the files now, and the texts that saving a design would write.
+    fn texts(&self, design: &Coordinates) -> Result<Vec<TextChange>, String>;
+    /// Writes a design into the files. Returns what they have then.
+    fn save(&self, design: &Coordinates, anyway: bool) -> Result<Arc<dyn Reading>, NotSaved>;
+    /// Writes the texts with a design beside the files. Returns the names.
+    fn save_as(&self, design: &Coordinates, name: &str, anyway: bool) -> Result<String, NotSaved>;
+}
+
+/// The files that the studio was opened with.
+pub(super) enum Files {
+    Study(StudyFile),
+    Car(car::CarFiles),
+}
+
+impl Files {
+    /// Follows a link now, so that later writes go to the file it led to.
+    pub(super) fn at(path: &Path) -> io::Result<Self> {
+        let file = StudyFile::at(path)?;
+        Ok(match CarStudy::is_at(file.path()) {
+            true => Files::Car(car::CarFiles::at(file.path())),
+            false => Files::Study(file),
+        })
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        match self {
+            Files::Study(file) => file.path(),
+            Files::Car(files) => files.path(),
+        }
+    }
+
+    /// Reads them as they are now, or returns their fault in words.
+    pub(super) fn read(&self) -> Result<Arc<dyn Reading>, String> {
+        Ok(match self {
+            Files::Study(file) => Arc::new(file.read()?),
+            Files::Car(files) => Arc::new(files.read()?),
+        })
+    }
+
+    /// SHA-256 of the texts as they are now.
+    pub(super) fn digest(&self) -> Result<String, String> {
+        match self {
+            Files::Study(file) => file.digest(),
+            Files::Car(files) => files.digest(),
+        }
+    }
+}
+
+impl Reading for Opened {
+    fn digest(&self) -> &str {
+        &self.digest
+    }
+
+    fn overview(&self) -> Overview {
+        overview::overview(self)
+    }
+
+    fn solved(&self, request: &SolveRequest) -> Result<SolvedAnswer, String> {
+        answer::solved(self, request)
+    }
+
+    fn influence(&self, request: &InfluenceRequest) -> Result<InfluenceAnswer, String> {
+        influence::influence(self, request)
+    }
+
+    fn directions(&self, of: &Designed) -> Result<DirectionsAnswer, String> {
+        directions::directions(self, of)
+    }
+
+    fn limits(&self, of: &Designed) -> Result<LimitsAnswer, String> {
+        directions::limits(self, of)
+    }
+
+    fn csv(&self, of: &Designed) -> Result<Vec<u8>, String> {
+        answer::csv(self, of)
+    }
+
+    fn points(&self, of: &Designed) -> Result<Vec<u8>, String> {
+        answer::points(self, of)
+    }
+
+    fn drawing(&self, of: &Designed) -> Result<Vec<u8>, String> {
+        answer::drawing(self, of)
+    }
+
+    fn report(&self, of: &Designed) -> Result<String, String> {
+        let study = self.moved(&of.design)?;
+        let solved = Solved::of(&study)?;
+        let run = Run {
+            record: Solved::record("solve", &[("design", "curves.csv", &solved)])?,
+            curves: vec![CurveTable::read(&solved.csv())?],
+            summary: solved.summary()?,
+            interrupted: false,
+            history: None,
+            files: Vec::new(),
+        };
+        Ok(crate::report::page(&run))
+    }
+
+    fn tuning(self: Arc<Self>, request: &TuneRequest) -> Result<Tuning, String> {
+        Job::of_study(self, request)
+    }
+
+    fn edited(&self, edits: &[ValueEdit]) -> Result<Arc<dyn Reading>, String> {
+        Ok(Arc::new(self.file.edited(self, edits)?))
+    }
+
+    fn texts(&self, design: &Coordinates) -> Result<Vec<TextChange>, String> {
+        self.file.texts(self, &self.design(design)?)
+    }
+
+    fn save(&self, design: &Coordinates, anyway: bool) -> Result<Arc<dyn Reading>, NotSaved> {
+        let design = self.design(design).map_err(NotSaved::Refused)?;
+        Ok(Arc::new(self.file.save(self, &design, anyway)?))
+    }
+
+    fn save_as(&self, design: &Coordinates, name: &str, anyway: bool) -> Result<String, NotSaved> {
+        let design = self.design(design).map_err(NotSaved::Refused)?;
+        self.file.save_as(self, &design, name, anyway)
+    }
+}

@@ -20,7 +20,7 @@ impl Scatter {
 
     pub(super) fn strut(&mut self, spread: f64) -> Strut {
         let s = nominal();
-        let mut moved = |p: Vector3<f64>| p.map(|c| c + spread * self.next());
+        let mut moved = |p: Vector3<f64>| p + Vector3::from([(); 3].map(|()| spread * self.next()));
         Strut {
             lower_arm_front: moved(s.lower_arm_front),
             lower_arm_rear: moved(s.lower_arm_rear),

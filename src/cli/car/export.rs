@@ -30,7 +30,7 @@ pub(in crate::cli) fn export(arguments: &ExportArguments, file: &Path) -> Result
         _ => {
             let text = |text: &str| vec![Value::Text(text.to_owned())];
             let [front, rear] = points(&study, arguments).map(|page| page.rows);
-            // Both have the same header.
+            // Both axles have the same header.
             let header = front
                 .iter()
                 .take(1)
@@ -50,7 +50,7 @@ pub(in crate::cli) fn export(arguments: &ExportArguments, file: &Path) -> Result
     Ok(Exit::Done)
 }
 
-/// Refuses formats and options that are those of a single axle.
+/// Refuses formats and options that only work for a single axle.
 fn check_call(arguments: &ExportArguments, study: &CarStudy) -> Result<(), Stop> {
     let axles = study.inputs[1..].iter();
     let axles: Vec<String> = axles.map(|path| path.display().to_string()).collect();
@@ -86,7 +86,7 @@ fn points(study: &CarStudy, arguments: &ExportArguments) -> [Page; 2] {
     })
 }
 
-/// The study of an axle with its points where the car has them.
+/// Study of an axle whose points are at their places in the car.
 fn placed(study: &CarStudy, axle: usize) -> Study {
     let mut own = study.axles[axle].clone();
     if axle == 0 {
@@ -102,14 +102,14 @@ fn placed(study: &CarStudy, axle: usize) -> Study {
     if let Some(both) = own.axle_mut()
         && let Some(right) = &mut both.axle.right
     {
-        // The right wheel is written as a left one.
+        // The right wheel is stored as a left wheel, so y changes its sign.
         let mirrored = Vector3::new(offset.x, -offset.y, offset.z);
         shift(&mut right.design, mirrored);
     }
     own
 }
 
-/// The results of the cases.
+/// Results of the load cases.
 fn cases(study: &CarStudy, file: &Path) -> Result<Page, Stop> {
     let results = CarResults::solve(study, &mut solver(study, file)?, study.cases.len());
     page_of_csv("cases", &results.cases_csv()).map_err(|reason| Stop::in_file(file, reason))

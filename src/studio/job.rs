@@ -1,4 +1,4 @@
-//! A tuning under way.
+//! A tuning that runs in the background.
 
 use super::message::{JobState, Proposal, SideEffectRows, TuneRequest};
 use super::overview::coordinates;
@@ -15,7 +15,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// The message of a tuning that has panicked.
+/// Message about a tuning that has panicked.
 fn panicked(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
@@ -25,8 +25,9 @@ fn panicked(panic: &(dyn Any + Send)) -> String {
     )
 }
 
-/// Makes the range of a variable count from the design in the file, wherever the page has moved its points since. The present
-/// place stays within it. Points that were moved apart keep the range about their present places.
+/// Makes the range of a variable relative to the design in the file, although the page has moved its points since. The present
+/// position stays within the range. If the variable's points have moved by different amounts, the range stays relative to their
+/// present positions.
 fn count_from_file(variable: &mut Variable, file: &Suspension, now: &[Vector3<f64>]) {
     let moved = variable.moves.iter().map(|by| {
         let [was, is] = [file.design[by.point.0], now[by.point.0]].map(|point| point[by.axis]);
@@ -43,19 +44,19 @@ fn count_from_file(variable: &mut Variable, file: &Suspension, now: &[Vector3<f6
     }
 }
 
-/// A tuning, running or done.
+/// A tuning that runs or has ended.
 pub(super) struct Job {
     number: u64,
     interrupt: AtomicBool,
     iterations: AtomicU64,
     starts: AtomicUsize,
-    /// The least misfit so far.
+    /// Smallest misfit so far.
     misfit: Mutex<Option<f64>>,
     ended: Mutex<Option<Result<Proposal, String>>>,
 }
 
 impl Job {
-    /// Begins to tune a design on a thread of its own.
+    /// Starts to tune a design on its own thread.
     pub(super) fn begin(
         number: u64,
         opened: Arc<Opened>,
@@ -93,7 +94,7 @@ impl Job {
         });
         let own = job.clone();
         let run = move || {
-            // A panic ends this job alone: the page is told, and the next tuning can begin.
+            // A panic ends only this job. The page gets a message, and the next tuning can start.
             let ended = catch_unwind(AssertUnwindSafe(|| own.run(&study, &opened.text)));
             let ended = ended.unwrap_or_else(|panic| Err(panicked(&*panic)));
             *own.ended.lock().unwrap_or_else(PoisonError::into_inner) = Some(ended);
@@ -144,7 +145,7 @@ impl Job {
         self.number
     }
 
-    /// Asks it to end after the iteration under way, with its present result.
+    /// Requests the end of the tuning after the present iteration, with its present result.
     pub(super) fn cancel(&self) {
         self.interrupt.store(true, Ordering::SeqCst);
     }

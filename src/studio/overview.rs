@@ -1,4 +1,4 @@
-//! The study, as far as it stays while points move.
+//! Data of the study that do not change while points move.
 
 use super::message::{
     CharacteristicOverview, Coordinates, Overview, PointOverview, Slider, TargetOverview,
@@ -14,7 +14,7 @@ use crate::plan::Plan;
 use crate::report::{Scene, wanted_between};
 use crate::study::{Drive, Optimise, Study, Target, TargetKind, Vehicle, WheelStudy};
 
-/// The overview of a study that was read.
+/// Makes the overview of a study.
 pub(super) fn overview(file: &StudyFile, opened: &Opened) -> Overview {
     let study = &opened.study;
     let suspension = study.wheel();
@@ -77,7 +77,7 @@ pub(super) fn overview(file: &StudyFile, opened: &Opened) -> Overview {
     }
 }
 
-/// Sections of a study as they are written, for forms.
+/// Sections of a study as in the file, for forms.
 fn written(text: &str) -> serde_json::Value {
     let document: toml::Table = text.parse().unwrap_or_default();
     let shown = [
@@ -95,13 +95,13 @@ fn written(text: &str) -> serde_json::Value {
     serde_json::to_value(toml::Table::from_iter(sections)).unwrap_or_default()
 }
 
-/// A design of the kernel's, in the study's axes.
+/// Coordinates of a design in the study's axes, from the kernel's frame.
 pub(super) fn coordinates(suspension: &Suspension, design: &[Vector3<f64>]) -> Coordinates {
     let outside = |p: &Vector3<f64>| suspension.frame.vector(*p).to_array().map(|c| c + 0.0);
     design.iter().map(outside).collect()
 }
 
-/// The drive value in the design position, as it is printed.
+/// Printed drive value in the design position.
 fn home(study: &Study) -> f64 {
     let suspension = study.wheel();
     let paper = || PaperTheta::of(&suspension.mechanism, &suspension.design).ok();
@@ -113,7 +113,7 @@ fn home(study: &Study) -> f64 {
     }
 }
 
-/// The characteristics of a wheel, and which of them outputs and targets ask for.
+/// Characteristics of a wheel, each marked if outputs or targets request it.
 fn catalogue(own: &WheelStudy, optimise: Option<&Optimise>) -> Vec<CharacteristicOverview> {
     let suspension = &own.suspension;
     let wanted = Plan::with_targets(own, optimise);
@@ -139,7 +139,7 @@ fn catalogue(own: &WheelStudy, optimise: Option<&Optimise>) -> Vec<Characteristi
     all.chain(figures).collect()
 }
 
-/// Sliders of one wheel, and the number of the main one.
+/// Sliders of one wheel, and the index of the main one.
 fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
     let Suspension {
         mechanism,
@@ -159,7 +159,7 @@ fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
     let values: Vec<f64> = printed.collect();
     let home = home(study);
     let drive = Slider::over(key, name, unit, home, &values);
-    // Where the study holds the rack, that is its home.
+    // If the study holds the rack, the held value is the home position of the slider.
     let rack_home = match motion.rack_moves {
         true => 0.0,
         false => motion.rack[0],
@@ -172,7 +172,7 @@ fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
     (sliders, 0)
 }
 
-/// The slider of the rack: over the range of the motion, or of an ordinary rack.
+/// Slider of the rack. Its range is that of the motion, or of a usual rack.
 pub(super) fn rack_slider(suspension: &Suspension, home: f64, racks: &[f64]) -> Slider {
     let unit = suspension.length_unit;
     let mut slider = Slider::over("rack", "rack", unit.symbol(), home, racks);
@@ -183,7 +183,7 @@ pub(super) fn rack_slider(suspension: &Suspension, home: f64, racks: &[f64]) -> 
 }
 
 impl Slider {
-    /// Over some values.
+    /// Makes a slider over some values.
     pub(super) fn over(
         key: &'static str,
         name: &'static str,

@@ -1,4 +1,4 @@
-//! The study file: read, and written back with its comments.
+//! The study file. It is read, and written back with its comments.
 
 use super::message::Coordinates;
 use crate::model::Axis;
@@ -15,28 +15,28 @@ use std::io;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// A text of the study that was read, and its meaning.
+/// A study text that was read, and its meaning.
 pub(super) struct Opened {
     /// SHA-256 of the study text.
     pub digest: String,
-    /// SHA-256 of the file's text that `edits` lead from.
+    /// SHA-256 of the file's text to which `edits` apply.
     pub base: String,
     /// Changes that are not in the file.
     pub edits: Vec<ValueEdit>,
-    /// The text as it is in the file, with `edits` in it.
+    /// Text of the file with `edits` applied.
     pub text: String,
     pub study: Study,
-    /// Every coordinate as something that can move.
+    /// A variable for every coordinate.
     pub every: Vec<Variable>,
-    /// The stations at which targets are looked at, if there are any.
+    /// Stations at which targets are evaluated, if there are targets.
     pub layout: Option<TargetLayout>,
 }
 
 /// Reason why a file was not saved.
 pub(super) enum NotSaved {
-    /// The file has been changed since it was opened, or there is another file of that name.
+    /// The file has changed since it was opened, or another file of that name exists.
     Changed(String),
-    /// The name, the design or the disk does not allow it.
+    /// The name, the design or the disk prevents it.
     Refused(String),
 }
 
@@ -58,12 +58,12 @@ impl Opened {
         })
     }
 
-    /// The study with a design that came from the page.
+    /// Study with a design from the page.
     pub(super) fn moved(&self, coordinates: &Coordinates) -> Result<Study, String> {
         Ok(self.study.at_design(self.design(coordinates)?))
     }
 
-    /// A design that came from the page, in the kernel's frame.
+    /// Design from the page, in the kernel's frame.
     pub(super) fn design(&self, coordinates: &Coordinates) -> Result<Vec<Vector3<f64>>, String> {
         let suspension = self.study.wheel();
         let wanted = suspension.design.len();
@@ -75,7 +75,7 @@ impl Opened {
         }
         for (point, place) in suspension.mechanism.points.iter().zip(coordinates) {
             for (axis, coordinate) in Axis::ALL.into_iter().zip(place) {
-                // The bounds of the file: what no study may say no page may ask for.
+                // The limits are those of study files, so the page cannot request values that no study may contain.
                 checked_number(*coordinate).map_err(|expected| {
                     let (name, axis) = (&point.name, axis.name());
                     format!("{name} {axis}: expected {expected}, found {coordinate:e}")
@@ -87,13 +87,13 @@ impl Opened {
     }
 }
 
-/// The file the studio was opened with, and its neighbours.
+/// File with which the studio was opened, and other files in its folder.
 pub(super) struct StudyFile {
     path: PathBuf,
 }
 
 impl StudyFile {
-    /// Follows a link now, so that later writes go to the file it led to.
+    /// Resolves a symbolic link now, so that later writes go to the same file.
     pub(super) fn at(path: &Path) -> io::Result<Self> {
         Ok(StudyFile {
             path: fs::canonicalize(path)?,
@@ -104,20 +104,20 @@ impl StudyFile {
         &self.path
     }
 
-    /// The name alone.
+    /// File name without folders.
     pub(super) fn name(&self) -> String {
         let name = self.path.file_name().unwrap_or_default();
         name.to_string_lossy().into_owned()
     }
 
-    /// Reads it as it is now, or returns its fault in words.
+    /// Reads the file as it is now, or returns its fault in words.
     pub(super) fn read(&self) -> Result<Opened, String> {
-        // Read once, so that the digest is of what was understood.
+        // The file is read only once, so that the digest belongs to the text that was parsed.
         let text = self.text()?;
         Opened::of(&self.path, text).map_err(|errors| errors.render(false))
     }
 
-    /// The SHA-256 of the text as it is now.
+    /// SHA-256 of the file's text as it is now.
     pub(super) fn digest(&self) -> Result<String, String> {
         Ok(digest(&self.text()?))
     }
@@ -127,7 +127,7 @@ impl StudyFile {
         text.map_err(|e| format!("{}: {e}", self.path.display()))
     }
 
-    /// A text that was read, with further changes of its values.
+    /// Text that was read, with further changes of its values.
     pub(super) fn edited(&self, opened: &Opened, edits: &[ValueEdit]) -> Result<Opened, String> {
         let text = edited_text(&opened.text, edits)?;
         let edited = Opened::of(&self.path, text).map_err(|errors| errors.render(false))?;
@@ -138,7 +138,7 @@ impl StudyFile {
         })
     }
 
-    /// The text of the file now, and the text that saving a design would write.
+    /// Present text of the file, and the text that saving a design would write.
     pub(super) fn texts(
         &self,
         opened: &Opened,
@@ -147,8 +147,8 @@ impl StudyFile {
         Ok([self.text()?, edited(&opened.study, &opened.text, design)])
     }
 
-    /// Writes a design into the study. If the file no longer has the text that was opened, it stays as it is. With
-    /// `anyway` it gets the coordinates that differ from the opened text.
+    /// Writes a design into the study. If the file's text has changed since it was opened, the file stays unchanged. With
+    /// `anyway`, the coordinates that differ from the opened text are written into the changed file.
     pub(super) fn save(
         &self,
         opened: &Opened,
@@ -174,7 +174,7 @@ impl StudyFile {
             let kept = temporary.as_file().set_permissions(metadata.permissions());
             kept.map_err(refused)?;
         }
-        // Once more, right before it is replaced.
+        // This check is repeated directly before the file is replaced.
         if self.text().map_err(NotSaved::Refused)? != text {
             let message = format!("{} is being changed by another program", self.name());
             return Err(NotSaved::Changed(message));
@@ -183,8 +183,8 @@ impl StudyFile {
         Ok(edited)
     }
 
-    /// Writes the opened text with a design beside the study. An existing file of that name is left alone, or
-    /// replaced `anyway`.
+    /// Writes the opened text with a design to another file in the same folder. An existing file of that name is only replaced
+    /// with `anyway`.
     pub(super) fn save_as(
         &self,
         opened: &Opened,
@@ -194,7 +194,7 @@ impl StudyFile {
     ) -> Result<String, NotSaved> {
         check_name(name).map_err(NotSaved::Refused)?;
         let path = self.path.with_file_name(name);
-        // On some file systems one file has many spellings.
+        // Some file systems accept several spellings of the same file name.
         if fs::canonicalize(&path).is_ok_and(|other| other == self.path) {
             return Err(NotSaved::Refused("that is the study itself".to_owned()));
         }
@@ -221,7 +221,7 @@ impl StudyFile {
         }
     }
 
-    /// Resolves a text before it is saved: nothing is written that no command would read.
+    /// Parses a text before it is saved. A text that no command could read is not written.
     fn understood(&self, path: &Path, text: String) -> Result<Opened, NotSaved> {
         Opened::of(path, text).map_err(|errors| {
             NotSaved::Refused(format!(
@@ -241,8 +241,8 @@ impl StudyFile {
     }
 }
 
-/// Puts a whole file in its place. Where the place has several names (hard links), its content is replaced instead, so
-/// that all of them have the new text; if that fails halfway, the new text stays under its temporary name.
+/// Moves a complete file to its final place. If the target has several names (hard links), its content is replaced instead, so
+/// that all names have the new text. If that fails halfway, the new text stays in the temporary file.
 fn replace(temporary: NamedTempFile, path: &Path, text: &str) -> io::Result<()> {
     if !has_other_names(path) {
         return temporary.persist(path).map(drop).map_err(|e| e.error);
@@ -264,25 +264,25 @@ fn replace(temporary: NamedTempFile, path: &Path, text: &str) -> io::Result<()> 
     })
 }
 
-/// Returns true if a file has further names.
+/// True if a file has further names.
 #[cfg(unix)]
 fn has_other_names(path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
     fs::symlink_metadata(path).is_ok_and(|there| there.is_file() && there.nlink() > 1)
 }
 
-/// Elsewhere the standard library cannot tell.
+/// On other systems the standard library has no way to find out.
 #[cfg(not(unix))]
 fn has_other_names(_: &Path) -> bool {
     false
 }
 
-/// A text of a study with another design; of an axle with both wheels.
+/// Text of a study with another design. For an axle it contains both wheels.
 fn edited(study: &Study, text: &str, design: &[Vector3<f64>]) -> String {
     study.text_with_points_of(text, &study.at_design(design.to_vec()))
 }
 
-/// The design of a text with the coordinates of another that differ from the opened text.
+/// Design of the present text, with the coordinates of `design` that differ from the opened text.
 fn moved_in(
     opened: &Opened,
     design: &[Vector3<f64>],
@@ -313,7 +313,7 @@ fn moved_in(
     Ok(merged)
 }
 
-/// Checks that a name is valid on every system for a study in the folder itself.
+/// Checks that a name is valid on every operating system, for a study in the folder itself.
 pub(super) fn check_name(name: &str) -> Result<(), String> {
     let is_plain = |c: char| !c.is_control() && !"/\\:*?\"<>|".contains(c);
     let is_name = Path::new(name).file_name() == Some(name.as_ref());
@@ -337,7 +337,7 @@ pub(super) fn check_name(name: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Returns true if Windows takes a name for a device, whatever follows its first dot.
+/// True if Windows interprets a name as a device. The part after the first dot does not matter.
 fn is_reserved(name: &str) -> bool {
     let stem = name.split('.').next().unwrap_or("").trim_end();
     let stem = stem.to_ascii_uppercase();
@@ -352,7 +352,7 @@ fn is_reserved(name: &str) -> bool {
     devices.contains(&stem.as_str()) || is_port("COM") || is_port("LPT")
 }
 
-/// The SHA-256 of a text.
+/// SHA-256 of a text.
 fn digest(text: &str) -> String {
     let bytes = hmac_sha256::Hash::hash(text.as_bytes());
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()

@@ -179,7 +179,7 @@ mod tests {
                 moving
             };
             let difference = (value(&moved(1.0)) - value(&moved(-1.0))) / 2.0;
-            // The values are of order 10, with a few roundings each.
+            // The values are about 10, and each has a few rounding errors.
             let by_hand = Column::from(by_hand.map(|row| row[column]));
             assert!((difference - by_hand).amax() < 64.0 * f64::EPSILON);
         }

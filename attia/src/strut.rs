@@ -82,7 +82,7 @@ impl Strut {
         if rise <= 0.0 { -1.0 } else { 1.0 }
     }
 
-    /// Returns true if every coordinate is a number.
+    /// True if every coordinate is a number.
     pub(crate) fn is_finite(&self) -> bool {
         let required = [
             self.lower_arm_front,

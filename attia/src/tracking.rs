@@ -236,7 +236,7 @@ impl PointCoordinates {
         (self.is_clear_of_rounding(&factors) && branch(&moving) == branch(start)).then_some(moving)
     }
 
-    /// Returns true if a position that satisfies the equations to rounding is a true solution.
+    /// True if a position that satisfies the equations to rounding is a true solution.
     ///
     /// Near the end of a branch, the equations also hold to rounding beyond the end. There the Jacobian J has a unit vector v
     /// nearly in its kernel. With w = J^-T v, the equations F = 0 become, for a step t along v,

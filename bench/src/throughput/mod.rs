@@ -281,7 +281,7 @@ fn quantities(suspension: &Suspension, characteristics: &[Characteristic]) -> Ve
     possible.map(|c| Quantity::Characteristic(*c)).collect()
 }
 
-/// As many stations as the motion has, but driven by the angle of the arm.
+/// Stations driven by the angle of the arm. Their number is that of the motion.
 fn at_arm_angles(motion: &Motion, frame: &Frame) -> Stations {
     let last = motion.values.len().saturating_sub(1).max(1) as f64;
     let angle = |k: usize| LIMIT_ANGLE * (2.0 * k as f64 / last - 1.0);

@@ -11,7 +11,7 @@ pub(super) struct Sweep<'a> {
 }
 
 impl<'a> Sweep<'a> {
-    /// Returns true if most of the designs run in lanes.
+    /// True if most of the designs run in lanes.
     pub(super) fn runs_in_lanes(&self, quantities: &[Quantity]) -> bool {
         let mut block = Block::new(quantities.len(), self.stations.count());
         Evaluator::new(self.suspension, self.stations, quantities)

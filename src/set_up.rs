@@ -9,7 +9,7 @@ use serde::Serialize;
 pub struct FoundSetUp {
     /// One set-up for a single wheel or for both wheels of a mirrored axle. Otherwise one for each wheel.
     pub wheels: Vec<SetUpSummary>,
-    /// Study about the new static position.
+    /// Study with the adjusted wheels. Its design position is the new static position.
     pub adjusted: Study,
 }
 
@@ -174,7 +174,7 @@ impl WheelToSetUp {
     }
 }
 
-/// Study about the new static position.
+/// Copy of the study with the adjusted wheels, whose design position is the new static position.
 fn adjusted(study: &Study, found: &[SetUp]) -> Study {
     let mut adjusted = study.clone();
     let mut wheels = found

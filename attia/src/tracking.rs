@@ -154,7 +154,7 @@ impl PointCoordinates {
     /// - The determinant of the Jacobian keeps its sign. The volumes that distinguish the assemblies keep their signs, too.
     /// - The condition number of the Jacobian leaves half of the digits correct.
     ///
-    /// Otherwise the solver halves the step. If the step becomes smaller than [`SMALLEST_STEP`], the branch ends there.
+    /// Otherwise the solver halves the step. If the step becomes next to nothing, the branch ends there.
     pub fn track(&self, from: &Pose, to: Station) -> Result<Pose, Refusal> {
         if !(to.value.is_finite() && to.rack.is_finite()) {
             return Err(Refusal::NotFinite);

@@ -95,9 +95,9 @@ pub struct StationColumn {
 pub struct ComparedOutput {
     /// Name of the column, in the first design's unit.
     pub column: String,
-    /// Name for people.
+    /// Readable name.
     pub title: String,
-    /// Unit for people.
+    /// Readable unit.
     pub unit: String,
     /// Values of each design at each station.
     pub values: Vec<Vec<Option<f64>>>,

@@ -64,9 +64,9 @@ pub struct Record {
 pub struct OutputRecord {
     /// Name in the CSV files.
     pub column: String,
-    /// Title for people: `camber`, `camber, 1st derivative`.
+    /// Readable title: `camber`, `camber, 1st derivative`.
     pub title: String,
-    /// Unit for people: `deg/mm`. Empty for a dimensionless number.
+    /// Readable unit: `deg/mm`. Empty for a dimensionless number.
     pub unit: String,
     /// Meaning of a positive value.
     pub positive: Option<String>,
@@ -282,7 +282,7 @@ impl OutputRecord {
     }
 }
 
-/// Unit for people: `deg_per_mm2` -> `deg/mm²`.
+/// Readable unit: `deg_per_mm2` -> `deg/mm²`.
 pub(crate) fn readable_unit(unit: &str) -> String {
     let unit = unit.replace("N_m", "N m").replace("lbf_ft", "lbf ft");
     let unit = match unit.strip_prefix("per_") {

@@ -25,20 +25,20 @@ pub struct Claim<'a> {
     pub digest: String,
     /// Digest of an earlier run of the same command whose results this run continues: the same sweep with fewer samples.
     pub former: Option<String>,
-    /// Files that it will write, if they are known in advance. A star represents digits.
+    /// Files that this run will write, if they are known in advance. A star represents digits.
     pub files: &'a [&'a str],
-    /// Files that it has read.
+    /// Files that this run has read.
     pub inputs: &'a [PathBuf],
-    /// True if it may replace existing results of any command.
+    /// True if this run may replace existing results of any command.
     pub force: bool,
-    /// True if it continues an unfinished run of the same command and study.
+    /// True if this run continues an unfinished run of the same command and study.
     pub resume: bool,
-    /// True if it may move the results of other runs aside. This is allowed in a default directory, which the user has not
+    /// True if this run may move the results of other runs aside. This is allowed in a default directory, which the user has not
     /// chosen.
     pub set_aside: bool,
     /// Permission for other runs to write at the same time.
     pub sharing: Sharing,
-    /// True if it makes files from the results of a finished run, and does not change the state of that run.
+    /// True if this run makes files from the results of a finished run, and does not change the state of that run.
     pub reopens: bool,
 }
 

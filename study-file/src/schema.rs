@@ -170,7 +170,7 @@ impl<'de> MapAccess<'de> for Keys<'_> {
     }
 }
 
-/// A key. It may have its place in the file, as values have.
+/// A key of a table. Like a value, it can be read together with its place in the file.
 struct Key(&'static str);
 
 impl<'de> Deserializer<'de> for Key {

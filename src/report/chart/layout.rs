@@ -64,9 +64,9 @@ type Limit = (f64, Option<f64>, Option<f64>);
 pub(in crate::report) struct AxisLayout {
     /// Column of the axis. Empty if the axis shows several columns.
     pub column: String,
-    /// Name for people.
+    /// Readable name.
     pub name: String,
-    /// Unit for people.
+    /// Readable unit.
     pub unit: String,
     /// Value at the first end.
     pub low: f64,

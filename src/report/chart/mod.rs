@@ -34,9 +34,9 @@ use super::curve_table::CurveTable;
 pub(super) struct Quantity {
     /// Column of the values. Empty if the chart has several.
     pub column: String,
-    /// Name for people.
+    /// Readable name.
     pub name: String,
-    /// Unit for people. Empty for a dimensionless number.
+    /// Readable unit. Empty for a dimensionless number.
     pub unit: String,
     /// True for a logarithmic scale.
     pub is_log: bool,

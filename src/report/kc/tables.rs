@@ -6,7 +6,7 @@ use crate::ask::Unit;
 use crate::compliance::{KcFigure, KcStation};
 use crate::model::LengthUnit;
 
-/// Unit for people.
+/// Readable unit.
 fn unit_shown(unit: Unit, length: LengthUnit) -> String {
     let u = length.symbol();
     match unit {

@@ -18,7 +18,7 @@ use std::sync::OnceLock;
 /// A study. It is immutable. Pickling stores its text.
 #[pyclass(frozen, module = "hardpoint._hardpoint")]
 pub(crate) struct Study {
-    /// The study as a value. If there is a `moved_from`, its text is still the text of that study.
+    /// Data of the study. If its points were moved, its text is still the text of `moved_from`.
     pub(crate) study: hardpoint::study::Study,
     /// The original study, if this study was made by moving its points instead of reading a text.
     moved_from: Option<Py<Study>>,

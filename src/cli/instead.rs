@@ -1,6 +1,6 @@
 //! Answers to names of suspensions and parts that are not topologies. Each one names the nearest available topology.
 
-/// Parts of a name, with the sentence that answers them.
+/// Words in names of unsupported suspensions and parts, each with the sentence that the program answers.
 const INSTEAD: [(&str, &str); 8] = [
     (
         "leaf",

@@ -26,7 +26,7 @@ const PIVOTS: [&str; 6] = [
     "arm_pivot_outer",
 ];
 
-/// Takes the bushings of a file that the study can use, and names the others in the notes.
+/// Imports the bushings that the study can use, and lists the other bushings of the file with the reasons.
 pub(super) fn take(table: &PointTable, options: &ImportOptions<'_>, imported: &mut Imported) {
     let of_wheel = |bushing: &&AdamsBushing| !bushing.is_right || imported.side == Side::Right;
     let bushings: Vec<&AdamsBushing> = table.bushings.iter().filter(of_wheel).collect();

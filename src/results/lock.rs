@@ -21,7 +21,7 @@ static HELD: Mutex<Vec<(u64, PathBuf, File)>> = Mutex::new(Vec::new());
 static NEXT: AtomicU64 = AtomicU64::new(0);
 
 fn held() -> MutexGuard<'static, Vec<(u64, PathBuf, File)>> {
-    // A thread that panicked leaves the list complete.
+    // The list is complete even after a panic in a thread, so a poisoned lock is harmless.
     HELD.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

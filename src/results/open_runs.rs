@@ -24,7 +24,7 @@ pub(super) struct OpenRun {
 static OPEN: Mutex<Vec<OpenRun>> = Mutex::new(Vec::new());
 
 fn open() -> MutexGuard<'static, Vec<OpenRun>> {
-    // A thread that panicked leaves the list complete.
+    // The list is complete even after a panic in a thread, so a poisoned lock is harmless.
     OPEN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

@@ -215,7 +215,7 @@ impl RunDirectory {
     }
 
     fn state(&self) -> MutexGuard<'_, RunState> {
-        // A thread that panicked leaves this state complete.
+        // The state is complete even after a panic in a thread, so a poisoned lock is harmless.
         self.state.lock().unwrap_or_else(|e| e.into_inner())
     }
 

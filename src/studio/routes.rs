@@ -376,7 +376,7 @@ fn report(opened: &Opened, of: &Designed) -> Result<String, String> {
 }
 
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // The stored data are always complete, even after a panic in another thread.
+    // The stored data are complete even after a panic in a thread, so a poisoned lock is harmless.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

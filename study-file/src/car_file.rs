@@ -214,7 +214,7 @@ macro_rules! variable {
             pub factors: Option<Spanned<Vec<Number>>>,
             /// Direction of the move: `x`, `y` or `z`.
             pub axis: Option<Text>,
-            /// Any other direction of the move.
+            /// Direction of the move as a vector. An alternative to `axis`.
             pub direction: Option<Coordinates>,
             /// Name of a rate of the axle.
             pub rate: Option<Text>,

@@ -584,7 +584,7 @@ pub struct Variable {
     pub factors: Option<Spanned<Vec<Number>>>,
     /// Direction of the move: `x`, `y` or `z`.
     pub axis: Option<Text>,
-    /// Any other direction of the move.
+    /// Direction of the move as a vector. An alternative to `axis`.
     pub direction: Option<Coordinates>,
     /// Lowest and highest offset. Two numbers are valid.
     pub range: Option<Spanned<Vec<Number>>>,

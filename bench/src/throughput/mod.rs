@@ -161,8 +161,8 @@ impl<'a> Planned<'a> {
         self.jobs.push(job);
     }
 
-    /// Adds jobs that compute values at given travels, with the scalar solver and in SIMD lanes. `limit` has given arm angles:
-    /// the fastest case.
+    /// Adds jobs that compute values at given travels, with the scalar solver and in SIMD lanes. `limit` is the sweep at
+    /// given arm angles, the fastest case.
     fn values(
         &mut self,
         sweep: &Sweep<'a>,

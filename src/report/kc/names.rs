@@ -82,7 +82,7 @@ impl StationMatrix<'_> {
         self.matrix[row][column] * sign(row) * sign(column) * size(row) / by
     }
 
-    /// Our result by the definition of a program. `None` if that program has no such result.
+    /// Result by another program's definition, computed from the matrix. `None` if that program has no such result.
     pub(super) fn other(
         &self,
         program: OtherProgram,

@@ -634,7 +634,7 @@ pub struct Target {
     pub at_most: Option<Spanned<LimitText>>,
     /// For an axle, the coordinate of the motion over which the curve runs.
     pub over: Option<Text>,
-    /// For an axle, the wheel.
+    /// For an axle, the wheel to which the target applies.
     pub side: Option<Text>,
     /// For an axle, the roll angle at which the target applies, or several.
     pub roll: Option<Spanned<Numbers>>,
@@ -748,7 +748,7 @@ pub struct Band {
     pub at: Option<Number>,
     /// For an axle, the coordinate of the motion to which `at` refers.
     pub over: Option<Text>,
-    /// For an axle, the wheel.
+    /// For an axle, the wheel to which the band applies.
     pub side: Option<Text>,
     /// For an axle, the roll angle at which the band applies, or several.
     pub roll: Option<Spanned<Numbers>>,

@@ -1,6 +1,6 @@
-//! Cost of the main tasks: poses, rates, sensitivities, a whole tuning.
+//! Cost of the main tasks: poses, rates, sensitivities and a whole tuning.
 //!
-//! `cargo bench`. Machines are noisy: read the fastest and compare within one run.
+//! Run with `cargo bench`. Times vary with the load of the machine: read the fastest, and compare within one run.
 
 use divan::{Bencher, black_box, counter::ItemsCount};
 use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
@@ -24,7 +24,7 @@ fn front() -> Study {
 
 const STATIONS: usize = 41;
 
-/// 41 poses of one design, its preparation included.
+/// 41 poses of one design, including the preparation of the design.
 #[divan::bench]
 fn poses(bencher: Bencher) {
     let study = front();
@@ -44,8 +44,8 @@ fn poses(bencher: Bencher) {
     });
 }
 
-/// Camber and kingpin inclination at 41 poses, with gradients by every hardpoint coordinate (`N` = 1),
-/// and with those of their first and second derivatives by travel too (`N` = 3).
+/// Camber and kingpin inclination at 41 poses with gradients by every hardpoint coordinate (`N` = 1). `N` = 3 adds the gradients
+/// of their first and second derivatives by travel.
 #[divan::bench(consts = [1, 3])]
 fn gradients<const N: usize>(bencher: Bencher) {
     let study = front();

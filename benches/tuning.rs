@@ -1,6 +1,8 @@
-//! Cost of tuning: a start under constraints, the way back towards the design, a front, an evaluation of builds.
+//! Cost of tuning: one start under constraints, the return towards the nominal design, a Pareto front, and an evaluation of
+//! builds.
 //!
-//! `cargo bench --bench tuning`. The studies are those of `studies/`, eight variables and two curves at 41 stations.
+//! Run with `cargo bench --bench tuning`. The studies are those of `studies/`, with eight variables and two curves at 41
+//! stations.
 
 use divan::Bencher;
 use hardpoint::optimise::{Control, Tuning, front, price_list, tune};
@@ -40,7 +42,7 @@ fn tuned(study: &Study) -> Tuning {
     study.tune(Control::default()).unwrap()
 }
 
-/// One start to the least misfit: without constraints, and with some 120 rows of them.
+/// One start to the smallest misfit: without constraints, or with about 120 constraint rows.
 #[divan::bench(args = [false, true])]
 fn a_start(bencher: Bencher, constrained: bool) {
     let more = ["optimise.good_enough=0.0", CONSTRAINTS];
@@ -48,21 +50,21 @@ fn a_start(bencher: Bencher, constrained: bool) {
     bencher.bench_local(|| tuned(&study));
 }
 
-/// The same, and from there back towards the design.
+/// One start under constraints, followed by the return towards the nominal design.
 #[divan::bench]
 fn a_start_and_the_way_back(bencher: Bencher) {
     let study = strut(&[CONSTRAINTS]);
     bencher.bench_local(|| tuned(&study));
 }
 
-/// Constraints that cannot be kept: four starts, and the smallest set of them named.
+/// Constraints that cannot hold together: four starts, then the search for the smallest conflicting set.
 #[divan::bench]
 fn constraints_that_exclude_one_another(bencher: Bencher) {
     let study = strut(&[EXCLUDING]);
     bencher.bench_local(|| tuned(&study));
 }
 
-/// A front of 50 points between goals that cannot both be had.
+/// A Pareto front of 50 points between two targets that cannot both be met.
 #[divan::bench]
 fn a_front(bencher: Bencher) {
     let study = strut(&[
@@ -77,7 +79,7 @@ fn a_front(bencher: Bencher) {
     bencher.bench_local(found);
 }
 
-/// Ten steps from the design to the least misfit.
+/// Ten designs between the nominal design and the smallest misfit.
 #[divan::bench]
 fn a_price_list(bencher: Bencher) {
     let study = strut(&[CONSTRAINTS]);
@@ -87,7 +89,7 @@ fn a_price_list(bencher: Bencher) {
     bencher.bench_local(|| price_list(vehicle, optimise, &tuning, control).unwrap());
 }
 
-/// Camber that grows with travel against an inclination that does not follow: fewer variables.
+/// Fewer variables, and targets that conflict: camber must grow with travel, but the inclination must not follow.
 fn contradicting(optimise: &Optimise) -> Optimise {
     let mut optimise = optimise.clone();
     for target in &mut optimise.targets {
@@ -101,7 +103,8 @@ fn contradicting(optimise: &Optimise) -> Optimise {
     optimise
 }
 
-/// An evaluation of 64 builds at 41 stations with all derivatives: a tuning of one iteration less one of none.
+/// Robust tunings of 64 builds at 41 stations, with one and with four iterations. Their difference is the cost of three
+/// iterations, derivatives included.
 #[divan::bench(args = [0, 4])]
 fn builds(bencher: Bencher, iterations: u64) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/double_wishbone_robust.toml");

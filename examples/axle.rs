@@ -1,4 +1,4 @@
-//! An axle from a study file: a column of its curves over the motion.
+//! Prints one column of the curves of an axle from a study file.
 //!
 //! `cargo run --example axle -- studies/macpherson_axle.toml track_mm`
 

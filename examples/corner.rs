@@ -1,4 +1,4 @@
-//! A corner from numbers: its design position, and toe and camber at three travels.
+//! Builds one corner from numbers in the code. Prints its design position, and toe and camber at three travels.
 //!
 //! `cargo run --example corner`
 

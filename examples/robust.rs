@@ -1,4 +1,5 @@
-//! A robust tuning: the misfit of builds that scatter as `[tolerance]` says, before and after.
+//! Runs a robust tuning with 4, 16 and 64 builds that scatter by `[tolerance]`. Prints their misfit before and after, and the
+//! moves.
 //!
 //! `cargo run --example robust`
 

@@ -1,4 +1,4 @@
-//! A sweep whose rows go into a sink: the designs with the least bump steer of ten thousand, in constant memory.
+//! Runs a sweep whose rows go to a callback: finds the designs with the least bump steer among ten thousand, in constant memory.
 //!
 //! `cargo run --example sweep`
 
@@ -7,7 +7,7 @@ use hardpoint::{
 };
 use std::ops::ControlFlow;
 
-/// Designs that are kept.
+/// Number of designs that the program keeps.
 const KEPT: usize = 5;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

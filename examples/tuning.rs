@@ -1,4 +1,4 @@
-//! A tuning with constraints, from a study file: the moves, and the margin of each constraint.
+//! Tunes a study file with constraints: prints the moves, and the margin of each constraint.
 //!
 //! `cargo run --example tuning`
 
@@ -7,7 +7,7 @@ use hardpoint::{Control, Study};
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = std::env::args().nth(1);
     let path = path.unwrap_or_else(|| "studies/formula_student_front.toml".to_owned());
-    // One start is enough to see how it works; the study has four.
+    // One start is enough for an example; the study has four.
     let study = Study::read(path.as_ref(), &["optimise.starts=1".to_owned()])?;
     let tuning = study.tune(Control::default())?;
     let before = tuning.before.as_ref().map_err(ToString::to_string)?;

@@ -1,4 +1,5 @@
-//! All assemblies of a design's lengths, as a table: of one wheel, or of both wheels of an axle.
+//! All positions in which the parts of a design can be assembled ("assemblies"), as a table for one wheel or for both wheels of
+//! an axle.
 
 use crate::analyse::{Assemblies, Assembly, AssemblyMode, Undecided};
 use crate::characteristics::{Characteristic, Constants, Quantity, WheelReading};
@@ -18,39 +19,39 @@ const ANGLES: [Characteristic; 4] = [
     Characteristic::Caster,
 ];
 
-/// Width of the ranges of the arm's angle (rad) that an abandoned search leaves; the ranges that intervals cannot
-/// decide are far narrower.
+/// Width of a range of the arm angle (rad). A wider undecided range means that the search gave up there. Ranges that interval
+/// arithmetic cannot decide are much narrower.
 const GIVEN_UP: f64 = 1e-6;
 
-/// The assemblies that were found.
+/// Assemblies that the search found.
 pub struct Assembled {
-    /// A row for each; of an axle the column `side` comes first.
+    /// One row per assembly. For an axle the first column is `side`.
     pub table: Table,
-    /// The wheels that were searched: one, or both wheels of an axle that are not mirror images.
+    /// Wheels that were searched: one wheel, or both wheels of an axle that is not mirrored.
     pub wheels: Vec<WheelAssemblies>,
 }
 
 /// Assemblies of one wheel.
 pub struct WheelAssemblies {
-    /// The wheel of an axle; `None` in a study of one wheel.
+    /// Side of the wheel on its axle. `None` in a study of one wheel.
     pub side: Option<Side>,
     /// Number of assemblies.
     pub found: usize,
-    /// Number of those that are not proved.
+    /// Number of assemblies without a proof.
     pub unproved: usize,
     /// Places where the search could not decide, in words.
     pub undecided: Vec<String>,
 }
 
 impl WheelAssemblies {
-    /// Puts the wheel of an axle before a sentence about it.
+    /// Puts the name of the axle's wheel before a sentence.
     pub fn about(&self, sentence: &str) -> String {
         about(self.side, sentence)
     }
 }
 
 impl Assembled {
-    /// Places where the search could not decide, with the wheels of an axle.
+    /// Places where the search could not decide. For an axle, each one names its wheel.
     pub fn undecided(&self) -> Vec<String> {
         let wheels = self.wheels.iter();
         let places =
@@ -58,15 +59,15 @@ impl Assembled {
         places.collect()
     }
 
-    /// Returns true if each wheel has an assembly and the search decided everywhere.
+    /// True if each wheel has an assembly and the search decided everywhere.
     pub fn is_complete(&self) -> bool {
         let mut wheels = self.wheels.iter();
         wheels.all(|wheel| wheel.found > 0 && wheel.undecided.is_empty())
     }
 }
 
-/// Finds the assemblies of each wheel at a travel and a rack displacement, in the study's unit and axes. The right
-/// wheel of a mirrored axle has those of the left one while the rack is in the middle, and is left out.
+/// Finds the assemblies of each wheel at a travel and a rack displacement, in the study's unit and axes. If the axle is mirrored
+/// and the rack is in the middle, both wheels have the same assemblies. Then the right wheel is left out.
 ///
 /// # Errors
 /// The reason in words.
@@ -114,14 +115,14 @@ struct Wheel<'s> {
 }
 
 impl Wheel<'_> {
-    /// A place in the study's axes.
+    /// Position in the study's axes.
     fn in_study(&self, place: Vector3<f64>) -> [f64; 3] {
         let place = place.to_array();
         [0, 1, 2].map(|axis| self.signs[axis] * place[axis])
     }
 }
 
-/// The wheels to search. A displaced rack moves towards one wheel and away from the other, so that even mirror images
+/// Returns the wheels to search. A displaced rack moves towards one wheel and away from the other, so even mirrored wheels
 /// differ.
 fn wheels(study: &Study, rack: f64) -> Vec<Wheel<'_>> {
     let Some(both) = study.axle() else {
@@ -149,13 +150,13 @@ fn wheels(study: &Study, rack: f64) -> Vec<Wheel<'_>> {
     sides.into_iter().map(wheel).collect()
 }
 
-/// The search of one wheel.
+/// Search for the assemblies of one wheel.
 struct Search<'w> {
     wheel: &'w Wheel<'w>,
     solver: Solver<'w>,
     travel: f64,
     all: Assemblies,
-    /// The pose that is connected to the design position.
+    /// Pose that is connected to the design position.
     connected: Option<Pose<f64>>,
 }
 
@@ -164,7 +165,7 @@ impl<'w> Search<'w> {
         let mechanism = &wheel.suspension.mechanism;
         let solver = Solver::new(mechanism, &wheel.suspension.design);
         let mut solver = solver.map_err(|fault| fault.describe(mechanism))?;
-        // A singular design is refused before the search.
+        // A singular design is refused before the search starts.
         let mut connected = None;
         let station_order = StationOrder::through(&[travel]);
         let visited =
@@ -222,7 +223,7 @@ impl<'w> Search<'w> {
     }
 }
 
-/// The angles of each assembly.
+/// Angles in the table of assemblies.
 fn angles(suspension: &Suspension) -> Vec<Characteristic> {
     let has_steering_axis = suspension.mechanism.steering_axis.is_some();
     let mut angles = ANGLES.to_vec();
@@ -256,7 +257,7 @@ fn table(searches: &[Search]) -> Table {
     table
 }
 
-/// Describes a place where the search could not decide.
+/// Describes in words a place where the search could not decide.
 fn undecided(wheel: &Wheel, place: &Undecided) -> String {
     let suspension = wheel.suspension;
     let unit = suspension.length_unit.symbol();
@@ -288,7 +289,7 @@ fn undecided(wheel: &Wheel, place: &Undecided) -> String {
     }
 }
 
-/// Returns true if two poses are equal: assemblies differ by far more than the tolerance, and rounding by far less.
+/// True if two poses are equal. Different assemblies differ by far more than the tolerance; rounding errors are far smaller.
 fn same(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> bool {
     let columns = a.rotation.columns.iter().zip(b.rotation.columns);
     let turned = columns.map(|(p, q)| (*p - q).norm()).fold(0.0, f64::max);

@@ -1,4 +1,4 @@
-//! A study checked as `hardpoint check` checks it: its own curves, those of its named motions, doubts.
+//! Result of checking a study as `hardpoint check` does: curves of its own motion, curves of its named motions, and doubts.
 
 use crate::curves::Curves;
 use crate::model::Suspension;
@@ -6,7 +6,7 @@ use crate::report::{FailureRange, variable_plausibility};
 use crate::solved::Solved;
 use crate::study::{Study, Vehicle};
 
-/// Curves of a study that `solve` takes.
+/// Curves of a study that `solve` accepts.
 pub struct Checked<'s> {
     /// The curves of the study's own motion.
     pub solved: Solved<'s>,
@@ -16,7 +16,7 @@ pub struct Checked<'s> {
 }
 
 impl<'s> Checked<'s> {
-    /// Solves a study by itself ([`motion_alone`]), or refuses it as `solve` does.
+    /// Solves a study prepared by [`motion_alone`]. Refuses the same studies as `solve`.
     pub fn of(alone: &'s Study) -> Result<Self, String> {
         let solved = Solved::of(alone)?;
         let of_motions = NamedCurves::all(alone)?;
@@ -29,7 +29,7 @@ impl<'s> Checked<'s> {
         })
     }
 
-    /// Doubts about the design, and remarks on its curves, a line each.
+    /// Doubts about the design, and remarks on its curves, one per line.
     pub fn remarks(&self, study: &Study) -> Vec<String> {
         let mut remarks = self.plausibility.clone();
         remarks.extend(variable_plausibility(study));
@@ -37,7 +37,7 @@ impl<'s> Checked<'s> {
         remarks
     }
 
-    /// Stations that are not solved, a line for each stretch.
+    /// Ranges of stations that were not solved, one per line.
     pub fn failures(&self, wheel: &Suspension) -> Vec<String> {
         let own = self.solved.failures();
         let own = own.iter().map(|failure| format!("not solved: {failure}"));
@@ -52,7 +52,7 @@ impl<'s> Checked<'s> {
     }
 }
 
-/// The curves of a named motion.
+/// Curves of a named motion.
 pub struct NamedCurves {
     /// Name of the motion.
     pub name: String,
@@ -61,7 +61,7 @@ pub struct NamedCurves {
 }
 
 impl NamedCurves {
-    /// The curves of every named motion of a wheel or of an axle.
+    /// Curves of every named motion of a wheel or an axle.
     pub fn all(study: &Study) -> Result<Vec<Self>, String> {
         let named = study.motion_names().into_iter().map(|name| {
             let moved = study.in_motion(name).expect("it is one of the names");
@@ -78,7 +78,7 @@ impl NamedCurves {
         motion_file(&self.name)
     }
 
-    /// Stretches that are not solved, a line each.
+    /// Ranges of stations that were not solved, one per line.
     pub fn failures(&self, wheel: &Suspension) -> Vec<String> {
         let failures = FailureRange::all(&self.curves, wheel);
         let said = failures.iter();
@@ -87,12 +87,12 @@ impl NamedCurves {
     }
 }
 
-/// The file with the curves of a named motion.
+/// Name of the file with the curves of a named motion.
 pub fn motion_file(name: &str) -> String {
     format!("curves_{name}.csv")
 }
 
-/// The study with its motion as `solve` visits it, and no sensitivities or proofs.
+/// Copy of the study that computes its motion as `solve` does, but without sensitivities and proofs.
 pub fn motion_alone(study: &Study) -> Study {
     let mut alone = study.clone();
     match &mut alone.vehicle {

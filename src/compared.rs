@@ -1,4 +1,4 @@
-//! Studies as designs to be compared: each over the motion of the first one.
+//! Prepares studies for a comparison: each one is solved over the motion of the first study.
 
 use crate::axle::{Axle, AxleMotion};
 use crate::model::{Axis, LengthUnit, Suspension};
@@ -6,14 +6,14 @@ use crate::report::{Compared, ComparedPoints, CurveTable, NamedPoints};
 use crate::solved::Solved;
 use crate::study::{Drive, Motion, Study, Vehicle};
 
-/// Motion of the first study, over which the others are solved.
+/// Motion of the first study. The other studies are solved over it.
 #[derive(Clone, Debug)]
 pub enum FirstMotion {
     /// Motion of one wheel over travel.
     Wheel {
-        /// Travels and racks.
+        /// Wheel travels and rack displacements.
         motion: Motion,
-        /// Unit of its lengths.
+        /// Unit of the lengths in the motion.
         unit: LengthUnit,
     },
     /// Motion of both wheels of an axle.
@@ -26,7 +26,7 @@ pub enum FirstMotion {
 }
 
 impl FirstMotion {
-    /// Returns the motion of a study; `None` if other studies keep their own.
+    /// Returns the motion of a study. `None` if other studies keep their own motion.
     pub fn of(study: &Study) -> Option<FirstMotion> {
         match &study.vehicle {
             Vehicle::Axle(both) => {
@@ -40,7 +40,7 @@ impl FirstMotion {
         }
     }
 
-    /// Replaces the motion of a further study of the same kind. `Comparison::of` refuses a mixture of wheels and axles.
+    /// Replaces the motion of another study of the same kind. `Comparison::of` refuses a mixture of wheels and axles.
     fn replace_in(&self, study: &mut Study) -> Result<(), String> {
         let to = study.wheel().length_unit;
         match (self, &mut study.vehicle) {
@@ -75,8 +75,8 @@ fn is_over_travel(motion: &Motion) -> bool {
     motion.drive == Drive::Travel && motion.time.is_none()
 }
 
-/// The curves and points of a study, and true if every curve is complete. `first` is the motion of the first study,
-/// which this call sets if it has none.
+/// Returns the curves and points of a study, and true if every curve is complete. `first` is the motion of the first study. If it
+/// is `None`, this call sets it.
 ///
 /// # Errors
 /// The reason in words.
@@ -100,7 +100,7 @@ pub fn of_study(
     Ok((compared, is_complete))
 }
 
-/// A design with these curves, and with the points of both wheels if its axle has a right wheel of its own.
+/// Makes a design with these curves. If the right wheel of its axle is not mirrored, the points of both wheels are included.
 pub fn compared(label: String, study: &Study, curves: CurveTable) -> Compared {
     let suspension = study.wheel();
     let axle = study.axle().map(|both| &both.axle);
@@ -119,7 +119,7 @@ pub fn compared(label: String, study: &Study, curves: CurveTable) -> Compared {
     }
 }
 
-/// The points of a wheel by name.
+/// Points of a wheel by name.
 fn named(wheel: &Suspension) -> NamedPoints {
     let points = wheel.mechanism.points.iter().zip(&wheel.design);
     let points = points.map(|(point, at)| (point.name.clone(), at.to_array()));

@@ -96,7 +96,7 @@
 //! | `studio` | the live page: a server on this machine that solves dragged points |
 //! | `cli` | the command line |
 
-// Commands print through `cli::terminal`, which knows pipes, widths and colours.
+// Commands print through `cli::terminal`, which handles pipes, widths and colours.
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 #![warn(clippy::allow_attributes_without_reason, unreachable_pub)]
 
@@ -127,7 +127,7 @@ pub mod solved;
 #[doc(hidden)]
 pub mod studio;
 
-// Public items and modules of the engine, under the same names.
+// Public items and modules of the engine, with the same names.
 #[doc(inline)]
 pub use hardpoint_engine::*;
 
@@ -136,7 +136,7 @@ pub use hardpoint_attia as attia;
 #[doc(hidden)]
 pub use hardpoint_bench as bench;
 
-/// Runs the example of the manual's page.
+/// Runs the example in the manual as a doc test.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/rust.md")]
 struct Manual;

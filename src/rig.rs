@@ -1,4 +1,4 @@
-//! Tests of a rig on a study: tables and summary, which the command line and embedding programs share.
+//! `kc` tests on a study: tables and summary for the command line and for other programs.
 
 use crate::axle::{AxleMotion, Placement};
 use crate::compliance::{AxleCompliance, AxleKcRun, AxleVehicle, Compliance, KcRun, KcTest};
@@ -11,10 +11,10 @@ use std::borrow::Cow;
 /// Name of a file and its contents.
 pub type RigFile = (&'static str, Vec<u8>);
 
-/// Tables that some studies have beside `kc.csv`.
+/// Further tables beside `kc.csv`, which only some studies have.
 pub const OTHER_TABLES: [&str; 3] = ["levels.csv", "compliance_matrix.csv", "sensitivities.csv"];
 
-/// The tests of a study at its stations.
+/// Tests of a study at its stations.
 pub struct RigTests<'s> {
     study: &'s Study,
     /// Number of bushings and elastic links.
@@ -25,8 +25,8 @@ pub struct RigTests<'s> {
 }
 
 impl<'s> RigTests<'s> {
-    /// Runs the tests of a study: with its elastic parts, or those of the rigid mechanism. `other` is the program whose
-    /// names stand beside ours. An error says why there are no tests.
+    /// Runs the tests of a study with its elastic parts, or with its rigid mechanism. `other` is the program whose names are
+    /// added beside ours. An error explains why there are no tests.
     pub fn of(study: &'s Study, other: Option<OtherProgram>) -> Result<Self, String> {
         if let Some(axle) = study.axle() {
             return RigTests::of_axle(study, axle, other);
@@ -58,7 +58,7 @@ impl<'s> RigTests<'s> {
         })
     }
 
-    /// The tests of an axle.
+    /// Runs the tests of an axle.
     fn of_axle(
         study: &'s Study,
         axle: &'s AxleStudy,
@@ -105,12 +105,12 @@ impl<'s> RigTests<'s> {
         })
     }
 
-    /// Number of bushings and elastic links; of an axle those of one side, and the rack.
+    /// Number of bushings and elastic links. For an axle it counts those of one side, and the rack.
     pub fn elastic_parts(&self) -> usize {
         self.elastic_parts
     }
 
-    /// `kc.csv`, and the other tables that there are.
+    /// `kc.csv`, and the other tables of this study.
     pub fn tables(&self) -> Vec<RigFile> {
         let mut files = vec![("kc.csv", self.results.kc_csv())];
         let others = OTHER_TABLES.into_iter().zip([
@@ -122,7 +122,7 @@ impl<'s> RigTests<'s> {
         files
     }
 
-    /// `summary.json`.
+    /// Content of `summary.json`.
     pub fn summary(&self) -> Value {
         json!({
             "command": "kc",
@@ -139,15 +139,15 @@ impl<'s> RigTests<'s> {
     }
 }
 
-/// Travels of both wheels and rack at each station of an axle's motion.
+/// Travels of both wheels and rack displacement, at each station of an axle's motion.
 fn stations(motion: &AxleMotion) -> Vec<([f64; 2], f64)> {
     let placements = motion.placements();
-    // A reader of elastic axles refuses roll on a plane.
+    // The reader of elastic axles has already refused motions that roll on a plane.
     let on_pads = placements.iter().filter_map(Placement::on_level_pads);
     on_pads.collect()
 }
 
-/// Refuses rigid mechanisms that the tests do not know.
+/// Refuses rigid mechanisms that the tests do not support.
 fn check_rigid(suspension: &Suspension) -> Result<(), String> {
     let mechanism = &suspension.mechanism;
     let holds_twice = |c: &Constraint| mechanism.arm_under(c).is_some();
@@ -165,7 +165,7 @@ fn check_rigid(suspension: &Suspension) -> Result<(), String> {
     }
 }
 
-/// The rigid mechanism of an axle with its tests.
+/// Rigid mechanism of an axle, with its tests.
 fn rigid_axle(study: &AxleStudy) -> Result<AxleComplianceStudy, String> {
     if study.axle.is_rigid() {
         return Err("`hardpoint kc` is not available for solid axles".to_owned());
@@ -199,7 +199,7 @@ fn rigid_axle(study: &AxleStudy) -> Result<AxleComplianceStudy, String> {
     })
 }
 
-/// The elastic parts of a study, or the rigid mechanism with its tests.
+/// Elastic parts of a study, or its rigid mechanism with the tests.
 fn elastic_or_rigid(study: &Study) -> Result<Cow<'_, ComplianceStudy>, String> {
     if let Some(elastic) = study.compliance() {
         return Ok(Cow::Borrowed(elastic));

@@ -1,11 +1,11 @@
-//! Results of builds that the command line and embedding programs share.
+//! Results of builds, for the command line and for other programs.
 
 use crate::assembly::SetUpError;
 use crate::solved::{Labelled, Solved};
 use crate::study::{Formulation, Outputs, Study, Vehicle};
 use crate::tolerance::{MonteCarlo, Problem};
 
-/// The curves of percentiles of builds, by their place among [`crate::tolerance::PERCENTILES`].
+/// Percentile curves of builds: label, file, and index among [`crate::tolerance::PERCENTILES`].
 const FANS: [(&str, &str, usize); 4] = [
     ("1 %", FAN_FILES[0], 1),
     ("5 %", FAN_FILES[1], 2),
@@ -13,7 +13,7 @@ const FANS: [(&str, &str, usize); 4] = [
     ("99 %", FAN_FILES[3], 5),
 ];
 
-/// The files of those curves, in the order of [`with_fans`].
+/// Files of the percentile curves and of the nominal design, in the order of [`with_fans`].
 pub const FAN_FILES: [&str; 5] = [
     "curves_p1.csv",
     "curves_p5.csv",
@@ -22,7 +22,7 @@ pub const FAN_FILES: [&str; 5] = [
     "curves.csv",
 ];
 
-/// The study with the curves of its nominal design alone, in the quantities that builds are evaluated for.
+/// Copy of the study that computes the curves of the nominal design only, with the quantities of its builds.
 pub fn curves_alone(study: &Study) -> Study {
     let mut plain = study.clone();
     match &mut plain.vehicle {
@@ -38,8 +38,8 @@ pub fn curves_alone(study: &Study) -> Study {
     plain
 }
 
-/// Hands over the curves of percentiles of builds, each station by itself, and those of the nominal design, which are the
-/// last.
+/// Passes the percentile curves of builds to a function, then those of the nominal design as the last ones. Percentiles are
+/// separate for each station.
 ///
 /// # Errors
 /// The reason in words, if the nominal design cannot be solved.
@@ -62,7 +62,7 @@ pub fn with_fans<R>(
     Ok(take(&designs))
 }
 
-/// Describes why builds cannot be aligned, or not be made.
+/// Reason in words why builds cannot be made or aligned.
 pub fn refusal(study: &Study, reason: SetUpError) -> String {
     match reason {
         SetUpError::Fault(reason) => reason.describe(&study.wheel().mechanism),

@@ -1,29 +1,29 @@
-//! Set-up of a study: of one wheel, or of both wheels of an axle.
+//! Set-up of a study, for one wheel or for both wheels of an axle.
 
 use crate::assembly::{Assembler, SetUp, SetUpError};
 use crate::report::{SetUpSide, SetUpSummary, Table, set_up_refusal};
 use crate::study::{Formulation, Setup, Study, Vehicle, WheelStudy};
 use serde::Serialize;
 
-/// A set-up of every wheel.
+/// Set-up of all wheels.
 pub struct FoundSetUp {
-    /// One set-up for a wheel or for both wheels of a mirrored axle; else one for each wheel.
+    /// One set-up for a single wheel or for both wheels of a mirrored axle. Otherwise one for each wheel.
     pub wheels: Vec<SetUpSummary>,
-    /// The study about the new resting position.
+    /// Study with the adjusted wheels. Its design position is the new static position.
     pub adjusted: Study,
 }
 
-/// Reason why there is no set-up, in words.
+/// Reason in words why there is no set-up.
 pub enum Refusal {
-    /// A design that cannot be solved.
+    /// The design cannot be solved.
     Design(String),
-    /// Wanted values that cannot be met. The set-ups hold the effects of the adjustments on the design; they are
-    /// empty if an effect cannot be computed.
+    /// The target values cannot be met. The set-ups contain the effects of the adjustments on the design. They are empty if an
+    /// effect cannot be computed.
     NotMet(String, Vec<SetUpSummary>),
 }
 
 impl Refusal {
-    /// The reason.
+    /// Text of the reason.
     pub fn reason(self) -> String {
         match self {
             Refusal::Design(reason) | Refusal::NotMet(reason, _) => reason,
@@ -31,23 +31,23 @@ impl Refusal {
     }
 }
 
-/// `summary.json` of a set-up.
+/// Content of `summary.json` of a set-up.
 #[derive(Serialize)]
 #[serde(untagged)]
 pub enum SetUpRecord<'s> {
-    /// One set-up.
+    /// A single set-up.
     One(&'s SetUpSummary),
     /// A set-up for each wheel of an axle.
     Wheels {
-        /// True if the wanted values of both wheels are met.
+        /// True if the target values of both wheels are met.
         met: bool,
-        /// The left and the right wheel.
+        /// Left and right wheel.
         wheels: &'s [SetUpSummary],
     },
 }
 
 impl FoundSetUp {
-    /// Returns true if the wanted values of all wheels are met.
+    /// True if the target values of all wheels are met.
     pub fn met(&self) -> bool {
         self.wheels.iter().all(|summary| summary.met)
     }
@@ -63,23 +63,23 @@ impl FoundSetUp {
         }
     }
 
-    /// The steps of all wheels.
+    /// Table of the steps of all wheels.
     pub fn steps_table(&self) -> Table {
         stacked(&self.wheels, SetUpSummary::steps_table)
     }
 
-    /// The effects of all adjustments.
+    /// Table of the effects of all adjustments.
     pub fn effects_table(&self) -> Table {
         effects_table(&self.wheels)
     }
 }
 
-/// The effects of all adjustments on each wheel.
+/// Table of the effects of all adjustments on each wheel.
 pub fn effects_table(wheels: &[SetUpSummary]) -> Table {
     stacked(wheels, SetUpSummary::effects_table)
 }
 
-/// The tables of all wheels as one; the column `side` comes first in the study of an axle.
+/// Joins the tables of all wheels. For an axle, the column `side` comes first.
 fn stacked(wheels: &[SetUpSummary], table: fn(&SetUpSummary) -> Table) -> Table {
     let tables = wheels
         .iter()
@@ -87,7 +87,7 @@ fn stacked(wheels: &[SetUpSummary], table: fn(&SetUpSummary) -> Table) -> Table 
     Table::stacked("side", tables).expect("a set-up has one wheel at least")
 }
 
-/// Puts the wheel before a sentence where the wheels of an axle are set up one by one.
+/// Puts the name of the wheel before a sentence, if the wheels of an axle are set up one by one.
 pub fn about(side: Option<SetUpSide>, sentence: &str) -> String {
     match side {
         None | Some(SetUpSide::Both) => sentence.to_owned(),
@@ -95,11 +95,11 @@ pub fn about(side: Option<SetUpSide>, sentence: &str) -> String {
     }
 }
 
-/// Finds the adjustments that give the wanted values. The wheels of an axle that are not mirror images are set up one by
-/// one.
+/// Finds the adjustments that give the target values. If the wheels of an axle are not mirror images, each wheel has its own
+/// set-up.
 ///
 /// # Errors
-/// A singular design, or wanted values that the adjustments do not reach.
+/// A singular design, or target values that the adjustments do not reach.
 pub fn set_up(study: &Study, setup: &Setup) -> Result<FoundSetUp, Refusal> {
     let wheels = WheelToSetUp::all(study).map_err(Refusal::Design)?;
     let mut found = Vec::new();
@@ -134,16 +134,16 @@ fn refusal(
     Refusal::NotMet(reason, nominal.unwrap_or_default())
 }
 
-/// A wheel to set up.
+/// A wheel that needs a set-up.
 struct WheelToSetUp {
     side: Option<SetUpSide>,
-    /// The study of this wheel alone.
+    /// Study of this wheel alone.
     study: Study,
     assembler: Assembler,
 }
 
 impl WheelToSetUp {
-    /// The wheels to set up: both wheels of an axle if the right one is no mirror image.
+    /// Wheels that need a set-up: both wheels of an axle if the right wheel is not a mirror image, else one.
     fn all(study: &Study) -> Result<Vec<Self>, String> {
         let mut wheels = vec![(None, study.wheel().clone())];
         if let Some(both) = study.axle() {
@@ -174,7 +174,7 @@ impl WheelToSetUp {
     }
 }
 
-/// The study about the new resting position.
+/// Copy of the study with the adjusted wheels, whose design position is the new static position.
 fn adjusted(study: &Study, found: &[SetUp]) -> Study {
     let mut adjusted = study.clone();
     let mut wheels = found

@@ -1,4 +1,4 @@
-//! Curves of a study, and their uses: files, tables, words and the record of a run.
+//! Curves of a study, with their files, tables, words, and the record of a run.
 
 use crate::ask::NoValue;
 use crate::axle::{AxleCurves, AxlePlan, AxlePose, axle_curves};
@@ -11,25 +11,25 @@ use crate::report::{
 };
 use crate::study::{AxleStudy, Study, Vehicle, WheelStudy};
 
-/// The curves of a study. An error is a wheel that cannot be solved in its design position, in words.
+/// Curves of a study. An error explains in words which wheel cannot be solved in its design position.
 pub struct Solved<'s> {
     study: &'s Study,
     curves: Curves,
     plan: Planned<'s>,
 }
 
-/// The plan of the curves.
+/// Plan by which the curves were computed.
 enum Planned<'s> {
     Corner(Plan),
-    /// With the positions that were found.
+    /// Axle, its plan, and its solved positions.
     Axle(&'s AxleStudy, AxlePlan, Vec<Result<AxlePose, NoPose>>),
 }
 
-/// Label of a design, the file with its curves, and the curves themselves.
+/// Label of a design, file with its curves, and the curves.
 pub type Labelled<'a> = (&'a str, &'a str, &'a Solved<'a>);
 
 impl<'s> Solved<'s> {
-    /// Curves of the outputs of a study.
+    /// Solves the curves of the study's outputs.
     pub fn of(study: &'s Study) -> Result<Self, String> {
         match &study.vehicle {
             Vehicle::Wheel(own) => Solved::of_wheel(study, own, Plan::of(own)),
@@ -37,7 +37,7 @@ impl<'s> Solved<'s> {
         }
     }
 
-    /// Curves of the outputs of a study and of the quantities of its targets.
+    /// Solves the curves of the study's outputs and of the quantities of its targets.
     pub fn with_targets(study: &'s Study) -> Result<Self, String> {
         let targets = study.optimise.as_ref().map(|o| &o.targets[..]);
         match &study.vehicle {
@@ -69,8 +69,7 @@ impl<'s> Solved<'s> {
         })
     }
 
-    /// The same stations with other values by column and station, in the units of the kernel. A cell of an axle that has
-    /// no value stays empty.
+    /// Copy with other values, by column and station, in the kernel's units. For an axle, cells without a value stay empty.
     pub fn with_values(&self, value: impl Fn(usize, usize) -> f64) -> Self {
         let mut curves = self.curves.clone();
         let keeps_empty = matches!(self.plan, Planned::Axle(..));
@@ -95,22 +94,22 @@ impl<'s> Solved<'s> {
         }
     }
 
-    /// Table of the curves of a study with those of its targets; `None` if it cannot be solved.
+    /// Table of a study's curves, including those of its targets. `None` if the study cannot be solved.
     pub fn table(study: &Study) -> Option<CurveTable> {
         CurveTable::read(&Solved::with_targets(study).ok()?.csv()).ok()
     }
 
-    /// The curves.
+    /// Curves with stations and columns.
     pub fn curves(&self) -> &Curves {
         &self.curves
     }
 
-    /// `curves.csv`.
+    /// Content of `curves.csv`.
     pub fn csv(&self) -> Vec<u8> {
         curves_csv(&self.curves)
     }
 
-    /// `sensitivities.csv`, where the study asks for it.
+    /// Content of `sensitivities.csv`, if the study requests it.
     pub fn sensitivities_csv(&self) -> Option<Vec<u8>> {
         let asked = match &self.plan {
             Planned::Corner(plan) => &plan.sensitivities,
@@ -119,12 +118,12 @@ impl<'s> Solved<'s> {
         (!asked.is_empty()).then(|| sensitivities_csv(self.study, &self.curves))
     }
 
-    /// Returns true if every requested value was found.
+    /// True if every requested value was found.
     pub fn is_complete(&self) -> bool {
         self.curves.are_complete()
     }
 
-    /// Doubts about the design, a line each.
+    /// Doubts about the design, one per line.
     pub fn plausibility(&self) -> Result<Vec<String>, String> {
         let wheel = self.study.wheel();
         let mut found = match &self.plan {
@@ -142,7 +141,7 @@ impl<'s> Solved<'s> {
         Ok(found)
     }
 
-    /// Remarks on the curves, a line each: on their accuracy, and on values that they lack.
+    /// Remarks on the curves, one per line: their accuracy, and missing values.
     pub fn remarks(&self) -> Vec<String> {
         remarks(&self.curves, self.study.wheel().length_unit)
     }
@@ -152,7 +151,7 @@ impl<'s> Solved<'s> {
         FailureRange::all(&self.curves, self.study.wheel())
     }
 
-    /// `summary.json` of a solve.
+    /// Content of `summary.json` of a solve.
     pub fn summary(&self) -> Result<Summary, String> {
         let design = match &self.plan {
             Planned::Corner(_) => None,
@@ -165,7 +164,8 @@ impl<'s> Solved<'s> {
         Ok(Summary::Solve(Box::new(summary)))
     }
 
-    /// The record of a run of these, all of one wheel or all of both; the most important one is the last.
+    /// Record of a run of these designs. All of them describe one wheel, or all of them describe an axle. The last one is the
+    /// most important.
     pub fn record(command: &str, designs: &[Labelled<'_>]) -> Result<Record, String> {
         let (.., last) = designs.last().expect("a run is of a design at least");
         let study = designs[0].2.study;

@@ -1,28 +1,27 @@
-//! Distinguishes a mechanism's assemblies, and measures the distance of a position from the singular ones.
+//! Tells the assemblies of a mechanism apart, and measures how far a position is from singular positions.
 
 use super::drive::{Drive, Driving};
 use super::equations::Fixed;
 use super::{Moving, Singular};
 
-/// The signs that tell the proper solution from the improper ones at a given position of the arm.
+/// Signs that distinguish the proper solution from the improper ones at a given position of the arm.
 ///
-/// The first two cannot change along a motion at all. The others do so where they pass zero, which for a
-/// driven arm is a singular position. For a given arm the pose is unique once the signs are (the strut's
-/// length is a square root, the tie-rod end's distance from the plane 3-4-5 another; the rest is rigid),
-/// so with them checked no wrong root can be returned for [`Drive::ArmAngle`], nor for
-/// [`Drive::PaperTheta`] with the arm on its side, which the sign of the Jacobian's determinant tells.
-/// The drive by travel could pass a strut of no length, as it does pass a tie-rod toggle; there is no such
-/// strut, so that is where its branch ends too.
+/// The first two cannot change along a motion. The other two change where their volume passes zero; for a driven arm such a
+/// position is singular. For a given arm the signs make the pose unique, because only two square roots have a choice of sign: the
+/// strut's length, and the distance of the tie-rod end from the plane 3-4-5. All other points follow rigidly.
+///
+/// So a check of these signs excludes wrong roots for [`Drive::ArmAngle`]. For [`Drive::PaperTheta`] the check also needs the
+/// side of the arm. The sign of the Jacobian's determinant tells that side. The drive by travel could pass through a strut of
+/// zero length, as it passes through a tie-rod toggle. No real strut has zero length, so the branch ends there, too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Branch {
-    /// The knuckle, not its mirror image.
+    /// Handedness of the knuckle. Its mirror image has the other sign.
     chirality: bool,
-    /// 9 is from 4 the way 6 is from 7.
+    /// True if the direction from 9 to 4 agrees with the direction from 6 to 7.
     rod: bool,
-    /// 4 is on its own side of the foot of 5 on the strut's axis.
+    /// True if 4 is on the positive side of the foot of 5 on the strut's axis.
     strut: bool,
-    /// 8 is on its own side of the plane 3-4-5. Not for the drive by travel, which passes the toggle
-    /// regularly.
+    /// True if 8 is on the positive side of the plane 3-4-5. `None` for the drive by travel, which passes the toggle regularly.
     tie_rod: Option<bool>,
 }
 
@@ -38,7 +37,7 @@ impl Branch {
     }
 }
 
-/// The products whose signs make up a branch.
+/// Products whose signs identify a branch.
 struct Volumes {
     knuckle: f64,
     rod: f64,
@@ -60,10 +59,10 @@ impl Volumes {
     }
 }
 
-/// The singularity this position is nearest to, by margins between 0 (singular) and 1.
+/// Returns the nearest singularity of this position. Each singularity has a margin between 0 (singular) and 1.
 ///
-/// `arm_to_travel` is the wheel centre's vertical velocity with the arm driven, in units of d51 times
-/// the arm's angular velocity; it only matters to the drive by travel.
+/// `arm_to_travel` is the wheel centre's vertical velocity while the arm is driven, in units of d51 times the arm's angular
+/// velocity. Only the drive by travel uses it.
 pub(crate) fn nearest_singularity(
     driving: &Driving,
     fixed: &Fixed,
@@ -77,7 +76,7 @@ pub(crate) fn nearest_singularity(
     let size = steering.norm();
     let v = Volumes::of(fixed, moving);
     let toggle = steering.cross(p3 - p5).norm() * tie_rod_arm.norm();
-    // Where several are zero at once, the first is the cause of the others.
+    // If several margins are zero at once, the first one causes the others.
     let mut margins = [
         (Singular::BallJointOnArmAxis, driving.arm_share()),
         (Singular::StrutPointsCoincide, ratio(axis.norm(), size)),
@@ -100,12 +99,12 @@ pub(crate) fn nearest_singularity(
         Drive::ArmAngle => {}
         Drive::PaperTheta => margins[8].1 = driving.arm_sine(moving).abs(),
         Drive::Travel => {
-            // The drive by travel passes a toggle regularly.
+            // The drive by travel passes a tie-rod toggle regularly.
             margins[7].1 = 1.0;
             margins[9].1 = arm_to_travel.map_or(1.0, f64::abs);
         }
     }
-    // Below the square root of rounding they are all as good as zero.
+    // Margins below the square root of the rounding unit count as equal, so the order of the list decides between them.
     let margin = |m: &(Singular, f64)| m.1.max(f64::EPSILON.sqrt());
     let nearest = margins
         .iter()
@@ -113,7 +112,7 @@ pub(crate) fn nearest_singularity(
     nearest.expect("there are margins").0
 }
 
-/// |a| / b, zero where that is not a number: unknown points count as singular.
+/// |a| / b. Returns zero if that is not a number, so that unknown points count as singular.
 fn ratio(a: f64, b: f64) -> f64 {
     let ratio = a.abs() / b;
     if ratio.is_nan() { 0.0 } else { ratio }

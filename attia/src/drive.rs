@@ -1,20 +1,20 @@
-//! Equation (15), the drive: the paper's own and two regular ones.
+//! Equation (15), the drive. There are three forms: the one of the paper and two that are regular.
 //!
 //! - [`Drive::Travel`]: height of the wheel centre above its design height, a length.
-//! - [`Drive::ArmAngle`]: rotation of the lower arm from its design position, about the direction from `lower_arm_front`
-//!   to `lower_arm_rear` (positive: wheel down), in radians. Regular except at a tie-rod toggle.
-//! - [`Drive::PaperTheta`]: equation (15), z5 - z1 = d51 cos(theta), theta in radians from the vertical. The equation
-//!   only knows the cosine. Where theta passes a multiple of pi the arm does not pass its dead centre: it turns back on
-//!   the side it came from. At the dead centre the equation is singular. Where `lower_arm_front` is not beside the ball
-//!   joint, d51 is more than the arm's radius and there is no solution near a multiple of pi at all.
+//! - [`Drive::ArmAngle`]: rotation of the lower arm from its design position, in radians, about the direction from
+//!   `lower_arm_front` to `lower_arm_rear` (positive: wheel down). Regular except at a tie-rod toggle.
+//! - [`Drive::PaperTheta`]: equation (15), z5 - z1 = d51 cos(theta), with theta in radians from the vertical. The equation
+//!   contains only the cosine. So if theta passes a multiple of pi, the arm does not pass its dead centre. It turns back on the
+//!   side from which it came. At the dead centre the equation is singular. If `lower_arm_front` is not beside the ball joint, d51
+//!   is longer than the arm's radius. Then there is no solution near a multiple of pi.
 
 use super::knuckle::KnucklePoint;
 use super::{Moving, Strut};
 use hardpoint_engine::number::Vector3;
 pub use hardpoint_engine::solve::Drive;
 
-/// Equation (15) at one value of the drive, linear in the points 5 to 8 and scaled by d51 to a squared
-/// length: the sum of `gradient` times point is `level`.
+/// Equation (15) at one value of the drive. It is linear in the points 5 to 8, and d51 scales it to a squared length: the sum of
+/// `gradient` times point equals `level`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Driver {
     pub(crate) gradient: [Vector3<f64>; 4],
@@ -28,13 +28,13 @@ impl Driver {
     }
 }
 
-/// The circle on which point 5 moves, and further inputs of the drives.
+/// Circle on which point 5 moves, and further inputs of the drives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Driving {
     kind: Drive,
     /// Centre of the circle, on the line 1-2.
     centre: Vector3<f64>,
-    /// Unit vectors of the circle's plane: to the design position, and ahead of it.
+    /// Unit vectors in the plane of the circle: one towards the design position, one 90 degrees ahead of it.
     ahead: [Vector3<f64>; 2],
     radius: f64,
     z1: f64,
@@ -71,7 +71,7 @@ impl Driving {
         self.kind
     }
 
-    /// The value of the drive in the design position.
+    /// Value of the drive in the design position.
     pub(crate) fn design_value(&self) -> f64 {
         match self.kind {
             Drive::ArmAngle | Drive::Travel => 0.0,
@@ -82,8 +82,8 @@ impl Driving {
         }
     }
 
-    /// The form in which the drive's value enters the equation, and along which poses are continued: the cosine for the
-    /// paper's angle, else the value itself.
+    /// Form in which the drive's value enters the equation: the cosine for the paper's angle, else the value itself. Continuation
+    /// from pose to pose uses this form as its parameter.
     pub(crate) fn parameter(&self, value: f64) -> f64 {
         match self.kind {
             Drive::PaperTheta => value.cos(),
@@ -91,7 +91,7 @@ impl Driving {
         }
     }
 
-    /// The drive's value for which `parameter` is this number.
+    /// Value of the drive that has this `parameter`.
     pub(crate) fn value(&self, parameter: f64) -> f64 {
         match self.kind {
             Drive::PaperTheta => parameter.acos(),
@@ -105,12 +105,12 @@ impl Driving {
         e1.cross(e2).cross(moving[0] - self.centre).z / (self.radius * e1.z.hypot(e2.z))
     }
 
-    /// Radius of the arm over d51: zero where point 5 lies on the arm's axis.
+    /// Radius of the arm divided by d51. Zero if point 5 lies on the arm's axis.
     pub(crate) fn arm_share(&self) -> f64 {
         self.radius / self.d51
     }
 
-    /// The drive by arm angle at this position, as a length: its left-hand side moves as fast as point 5.
+    /// Equation of the drive by arm angle at this position, as a length. Its left-hand side changes at the speed of point 5.
     pub(crate) fn along_the_arm(&self, moving: &Moving) -> Driver {
         let [e1, e2] = self.ahead;
         let ahead = e1.cross(e2).cross(moving[0] - self.centre).normalised();
@@ -120,13 +120,14 @@ impl Driving {
         }
     }
 
-    /// Direction in which point 5 advances with the arm at `angle`, and the direction to it.
+    /// Two unit vectors with the arm at `angle`: the direction in which point 5 advances, and the direction from the centre to
+    /// point 5.
     fn turned(&self, angle: f64) -> [Vector3<f64>; 2] {
         let ([e1, e2], (sine, cosine)) = (self.ahead, angle.sin_cos());
         [e2 * cosine - e1 * sine, e1 * cosine + e2 * sine]
     }
 
-    /// Equation (15) for this parameter.
+    /// Equation (15) for this value of the parameter.
     pub(crate) fn driver(&self, parameter: f64) -> Driver {
         let on_five = |g: Vector3<f64>| [g, g.zero(), g.zero(), g.zero()];
         match self.kind {
@@ -151,12 +152,13 @@ impl Driving {
         }
     }
 
-    /// Divided by the sum of the weights, the equation rounds no worse than the others.
+    /// Scale of the drive by travel. The division by the sum of the weights keeps its rounding error as small as that of the
+    /// other equations.
     fn travel_scale(&self) -> f64 {
         self.d51 / self.wheel_centre.shares().map(f64::abs).iter().sum::<f64>()
     }
 
-    /// Rate of the level of (15) against its left-hand side at fixed points, for a unit rate of the drive's value:
+    /// Rate of the level of (15) minus the rate of its left-hand side at fixed points, for a unit rate of the drive's value:
     /// `-C_t`.
     pub(crate) fn rate(&self, value: f64, moving: &Moving) -> f64 {
         match self.kind {
@@ -166,11 +168,11 @@ impl Driving {
         }
     }
 
-    /// The rest of the right-hand side for accelerations, for a unit rate of the drive's value and the
-    /// velocities `velocity` that belong to the true one, `rate`: `-2 C_qt v rate - C_tt rate^2`.
+    /// Remaining right-hand side of the acceleration equation, `-2 C_qt v rate - C_tt rate^2`. It is for a unit rate of the
+    /// drive's value; `rate` is the actual rate, and `velocity` holds the velocities at that rate.
     pub(crate) fn curvature(&self, value: f64, rate: f64, velocity: &Moving) -> f64 {
         match self.kind {
-            // C_tt vanishes: the equation is harmonic in the angle, so C_tt = -C = 0.
+            // C_tt vanishes: the equation is harmonic in the angle, so C_tt = -C, and C = 0 at a solution.
             Drive::ArmAngle => 2.0 * self.d51 * self.turned(value)[1].dot(velocity[0]) * rate,
             Drive::PaperTheta => -self.d51 * self.d51 * value.cos() * rate * rate,
             Drive::Travel => 0.0,

@@ -1,19 +1,19 @@
 //! Equations (1) to (14): residual, Jacobian and second-order terms.
 //!
-//! All are quadratic in the unknowns and have the dimension of a squared length. Numbers in the code
-//! are the paper's point numbers; a row is the paper's equation number less one.
+//! All equations are quadratic in the unknowns and have the dimension of a squared length. Numbers in the code are the paper's
+//! point numbers. The row of an equation is its number in the paper minus one.
 
 use super::Moving;
 use super::drive::Driver;
 use hardpoint_engine::nalgebra::SVector;
 use hardpoint_engine::number::Vector3;
 
-/// One number for each equation, or one for each unknown: x, y, z of 5, then of 6, 7, 8, 9.
+/// One number for each equation, or one for each unknown: x, y and z of point 5, then of 6, 7, 8 and 9.
 pub(crate) type Column = SVector<f64, 15>;
 /// A row for each equation, a column for each unknown.
 pub(crate) type Jacobian = [[f64; 15]; 15];
 
-/// The pairs of points whose distance equations (1) to (10) fix.
+/// Pairs of points whose distances equations (1) to (10) fix.
 pub(crate) const DISTANCES: [[usize; 2]; 10] = [
     [5, 1],
     [5, 2],
@@ -30,12 +30,12 @@ const TIE_ROD: usize = 2;
 const COLLINEARITY: usize = 10;
 pub(crate) const DRIVE: usize = 14;
 
-/// The points 1 to 4, where they are at the moment.
+/// Points 1 to 4 at their present positions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Fixed(pub(crate) [Vector3<f64>; 4]);
 
 impl Fixed {
-    /// With point 3 moved by the rack.
+    /// Returns the points after the rack has moved point 3.
     pub(crate) fn with_rack(&self, rack: f64) -> Self {
         let mut points = self.0;
         points[2].y += rack;
@@ -49,12 +49,12 @@ impl Fixed {
     }
 }
 
-/// The squares of the ten distances in this position.
+/// Squares of the ten distances in this position.
 pub(crate) fn distances_squared(points: &[Vector3<f64>; 9]) -> [f64; 10] {
     DISTANCES.map(|[i, j]| (points[i - 1] - points[j - 1]).norm_squared())
 }
 
-/// The left-hand sides of equations (1) to (15).
+/// Left-hand sides of equations (1) to (15).
 pub(crate) fn residual(
     fixed: &Fixed,
     moving: &Moving,
@@ -72,8 +72,7 @@ pub(crate) fn residual(
     out
 }
 
-/// Equations (11) to (14), which are bilinear: x and y of a x b and of c x d, the latter with the
-/// paper's sign.
+/// Writes equations (11) to (14), which are bilinear: x and y of a x b, then x and y of c x d with the paper's sign.
 fn collinearity(out: &mut Column, [a, b]: [Vector3<f64>; 2], [c, d]: [Vector3<f64>; 2]) {
     out[COLLINEARITY] = a.y * b.z - a.z * b.y; // (11)
     out[COLLINEARITY + 1] = a.x * b.z - a.z * b.x; // (12)
@@ -81,7 +80,7 @@ fn collinearity(out: &mut Column, [a, b]: [Vector3<f64>; 2], [c, d]: [Vector3<f6
     out[COLLINEARITY + 3] = c.x * d.z - c.z * d.x; // (14)
 }
 
-/// The vectors of (11) and (12), 6-7 and 4-9, and those of (13) and (14), 7-9 and 4-9.
+/// Vectors of equations (11) and (12), 6-7 and 4-9, and of (13) and (14), 7-9 and 4-9.
 fn axis_vectors(fixed: &Fixed, moving: &Moving) -> [[Vector3<f64>; 2]; 2] {
     let [_, p6, p7, _, p9] = *moving;
     let b = p9 - fixed.0[3];
@@ -100,8 +99,8 @@ pub(crate) fn jacobian(fixed: &Fixed, moving: &Moving, driver: &Driver) -> Jacob
         }
     }
 
-    // The gradients of a.y b.z - a.z b.y and a.x b.z - a.z b.x by a; by b they are those by a with
-    // the vectors exchanged and the sign turned.
+    // Gradients of a.y b.z - a.z b.y and a.x b.z - a.z b.x by a. The gradients by b have the same form with a in place of b, and
+    // the opposite sign.
     let by_first = |b: Vector3<f64>| [Vector3::new(0.0, b.z, -b.y), Vector3::new(b.z, 0.0, -b.x)];
     let [[a, b], [c, _]] = axis_vectors(fixed, moving);
     for k in 0..2 {
@@ -109,7 +108,7 @@ pub(crate) fn jacobian(fixed: &Fixed, moving: &Moving, driver: &Driver) -> Jacob
         add(&mut out, COLLINEARITY + k, 6, -by_a);
         add(&mut out, COLLINEARITY + k, 7, by_a);
         add(&mut out, COLLINEARITY + k, 9, by_b);
-        // By c it is the same as by a: the other vector is 4-9 in both.
+        // The gradient by c equals the gradient by a, because the other vector is 4-9 in both products.
         add(&mut out, COLLINEARITY + 2 + k, 7, -by_a);
         add(&mut out, COLLINEARITY + 2 + k, 9, by_a - by_first(c)[k]);
     }
@@ -127,16 +126,16 @@ fn add(jacobian: &mut Jacobian, row: usize, point: usize, gradient: Vector3<f64>
     }
 }
 
-/// `-C_t` of equations (1) to (14): the rack, in equation (3), with `motion` the velocity of point 3;
-/// also its share of the acceleration equations, with `motion` its acceleration.
+/// `-C_t` of equations (1) to (14). Only equation (3) depends on the rack; `motion` is the velocity of point 3. With the
+/// acceleration of point 3 as `motion`, the result is the rack's part of the acceleration equations.
 pub(crate) fn rack_column(fixed: &Fixed, moving: &Moving, motion: f64) -> Column {
     let mut out = Column::zeros();
     out[TIE_ROD] = 2.0 * (moving[3] - fixed.0[2]).y * motion;
     out
 }
 
-/// The terms of the second time derivative of (1) to (14) that are quadratic in the velocities:
-/// (dJ/dt) times the velocities, with those of the rack. The drive's row is zero.
+/// Terms of the second time derivative of (1) to (14) that are quadratic in the velocities: (dJ/dt) times the velocities,
+/// including the velocity of the rack. The row of the drive is zero.
 pub(crate) fn quadratic(rack_velocity: f64, velocity: &Moving) -> Column {
     let mut out = Column::zeros();
     let zero = Vector3::new(0.0, 0.0, 0.0);
@@ -147,7 +146,7 @@ pub(crate) fn quadratic(rack_velocity: f64, velocity: &Moving) -> Column {
     for (row, square) in squares.into_iter().enumerate() {
         out[row] = square;
     }
-    // Second derivative of a square or a product: twice the square or product of the rates.
+    // The second derivative of a square or a product is twice the square or product of the rates.
     out * 2.0
 }
 
@@ -155,7 +154,7 @@ pub(crate) fn quadratic(rack_velocity: f64, velocity: &Moving) -> Column {
 mod tests {
     use super::*;
 
-    /// The equations are quadratic, so central differences of any step are their derivatives.
+    /// The equations are quadratic, so central differences with any step are exact derivatives.
     #[test]
     fn jacobian_is_the_derivative_of_the_residual() {
         let mut seed = 0.3_f64;
@@ -180,11 +179,11 @@ mod tests {
                 moving
             };
             let difference = (value(&moved(1.0)) - value(&moved(-1.0))) / 2.0;
-            // Values of order 10, a handful of roundings each.
+            // The values are about 10, and each has a few rounding errors.
             let by_hand = Column::from(by_hand.map(|row| row[column]));
             assert!((difference - by_hand).amax() < 64.0 * f64::EPSILON);
         }
-        // And the second difference along any direction is the quadratic term.
+        // The second difference along any direction is the quadratic term.
         let direction: Moving = std::array::from_fn(|_| vector());
         let along = |s: f64| value(&std::array::from_fn(|i| at[i] + direction[i] * s));
         let second = along(1.0) - along(0.0) * 2.0 + along(-1.0);

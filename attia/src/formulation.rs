@@ -1,4 +1,4 @@
-//! The formulation `point_coordinates` of studies.
+//! Registers the formulation `point_coordinates` for studies.
 
 use super::{Drive, PointCoordinates, Pose, Rates, Refusal, Strut, StrutPoints};
 use hardpoint_engine::mechanism::{self, DesignFault, Failure, FormulationFailure, Work};
@@ -69,11 +69,11 @@ impl Formulation for PaperFormulation {
     }
 }
 
-/// The paper's equations with the study's drive.
+/// The paper's equations, with the drive of the study.
 struct Driven {
     equations: PointCoordinates,
     drive: Drive,
-    /// Factor from a drive value of the study to one of the equations.
+    /// Factor from a drive value of the study to a drive value of the equations.
     sense: f64,
     coefficients: usize,
 }
@@ -97,7 +97,7 @@ impl Driven {
         })
     }
 
-    /// The failure, its drive value as the study counts it.
+    /// Converts a refusal to the engine's failure, with the drive value in the sign of the study.
     fn failure(&self, refusal: Refusal) -> Failure {
         let refusal = match refusal {
             Refusal::Unreachable { value, limit } => Refusal::Unreachable {
@@ -109,13 +109,13 @@ impl Driven {
         Failure::PointCoordinates(failure_of(refusal, self.drive))
     }
 
-    /// The pose of the knuckle along the study's drive.
+    /// Series of the knuckle pose along the drive of the study.
     fn series(&self, pose: &Pose) -> Result<mechanism::Pose<Jet<f64, 3>>, Refusal> {
         let rates = Rates {
             drive: self.sense,
             ..Rates::default()
         };
-        // Rates cost a factorisation.
+        // Rates need a matrix factorisation, so they are computed only on request.
         match self.coefficients {
             1 => {
                 let pose = self.equations.knuckle_pose::<1>(pose, rates)?;
@@ -126,7 +126,7 @@ impl Driven {
     }
 }
 
-/// The refusal as the engine reports it.
+/// Converts a refusal to the failure that the engine reports.
 fn failure_of(refusal: Refusal, drive: Drive) -> FormulationFailure {
     match refusal {
         Refusal::Singular(cause) => FormulationFailure::Singular {

@@ -1,14 +1,14 @@
-//! Points and angular motion of the knuckle, from the points 5 to 8.
+//! Points and angular motion of the knuckle, computed from points 5 to 8.
 
 use super::Moving;
 use super::motion::Motion;
 use hardpoint_engine::nalgebra::Matrix3;
 use hardpoint_engine::number::{Matrix3 as Axes, Vector3};
 
-/// A point fixed in the knuckle, as an affine combination of the points 5, 6, 7 and 8.
+/// A point fixed in the knuckle, as an affine combination of points 5, 6, 7 and 8.
 ///
-/// The combination is linear, so the same weights give its position, velocity and acceleration from
-/// those of the four points.
+/// The combination is linear. So the same weights give position, velocity and acceleration of the point from those of the four
+/// points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KnucklePoint([f64; 4]);
 
@@ -16,25 +16,25 @@ impl KnucklePoint {
     /// Point 5.
     pub(crate) const BALL_JOINT: KnucklePoint = KnucklePoint([1.0, 0.0, 0.0, 0.0]);
 
-    /// The point that is at `point` when the knuckle's points are at `moving`. `None` where 5, 6, 7
-    /// and 8 are in one plane, out of which no combination of them leads.
+    /// Returns the knuckle point that is at `point` when the points of the knuckle are at `moving`. `None` if points 5 to 8 lie
+    /// in one plane, because their combinations cannot leave that plane.
     pub(crate) fn new(point: Vector3<f64>, moving: &Moving) -> Option<Self> {
         let [_, w6, w7, w8] = vector_shares(point - moving[0], moving)?;
         Some(KnucklePoint([1.0 - (w6 + w7 + w8), w6, w7, w8]))
     }
 
-    /// The weights of the points 5, 6, 7 and 8; their sum is one.
+    /// Weights of points 5, 6, 7 and 8. Their sum is one.
     pub fn shares(&self) -> [f64; 4] {
         self.0
     }
 
-    /// Position, velocity or acceleration, from those of the unknown points.
+    /// Position, velocity or acceleration of the point, from the same quantity of the unknown points.
     pub fn of(&self, moving: &Moving) -> Vector3<f64> {
         combined(self.0, moving)
     }
 }
 
-/// Weights of 5, 6, 7 and 8 that combine to this vector of the knuckle; their sum is zero.
+/// Weights of points 5, 6, 7 and 8 that combine to this vector of the knuckle. Their sum is zero.
 fn vector_shares(vector: Vector3<f64>, moving: &Moving) -> Option<[f64; 4]> {
     let [p5, p6, p7, p8, _] = *moving;
     let edges = [p6 - p5, p7 - p5, p8 - p5].map(columns);
@@ -47,28 +47,26 @@ fn combined([w5, w6, w7, w8]: [f64; 4], moving: &Moving) -> Vector3<f64> {
     p5 * w5 + p6 * w6 + p7 * w7 + p8 * w8
 }
 
-/// The images of the three unit vectors under the knuckle's rotation, as linear combinations of the
-/// points 5, 6, 7 and 8. Like [`KnucklePoint`] they serve for rates as well: the same weights give the
-/// derivatives of the rotation from those of the points.
+/// Images of the three unit vectors under the knuckle's rotation, as linear combinations of points 5, 6, 7 and 8. The same
+/// weights also give derivatives of the rotation from those of the points, as for [`KnucklePoint`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct KnuckleRotation([[f64; 4]; 3]);
 
 impl KnuckleRotation {
-    /// From the position in which the rotation is the identity; `None` where 5, 6, 7 and 8 are in one
-    /// plane.
+    /// Makes the rotation that is the identity in the position `design`. `None` if points 5 to 8 lie in one plane.
     pub(crate) fn new(design: &Moving) -> Option<Self> {
         let [x, y, z] = Axes::identity(0.0).columns;
         let shares = |v| vector_shares(v, design);
         Some(KnuckleRotation([shares(x)?, shares(y)?, shares(z)?]))
     }
 
-    /// The rotation, or a derivative of it, by columns.
+    /// Columns of the rotation or of one of its derivatives.
     pub(crate) fn of(&self, moving: &Moving) -> [Vector3<f64>; 3] {
         self.0.map(|shares| combined(shares, moving))
     }
 }
 
-/// Angular velocity and acceleration of the knuckle (and of the strut's rod, which turns with it).
+/// Angular velocity and acceleration of the knuckle, and of the strut's rod, which turns with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AngularMotion {
     /// Angular velocity, rad per unit of time (or of the drive's value).
@@ -78,13 +76,12 @@ pub struct AngularMotion {
 }
 
 impl AngularMotion {
-    /// From all four knuckle points, by least squares.
+    /// Fits angular velocity and acceleration to all four knuckle points by least squares.
     ///
-    /// With r and v relative to the points' mean, the omega that minimises the sum of
-    /// |v - omega x r|^2 solves `I omega = sum of r x v`, where `I = sum of |r|^2 - r r'` is the inertia
-    /// of four unit masses: regular unless the points are on one line. The same holds for alpha with
-    /// a - omega x (omega x r) for v. Equation (25) takes a quotient instead that is 0/0 for an omega in
-    /// the plane of 6, 7 and 8.
+    /// Take r and v relative to the mean of the points. The omega that minimises the sum of |v - omega x r|^2 solves `I omega =
+    /// sum of r x v`. Here `I = sum of |r|^2 - r r'` is the inertia of four unit masses. It is regular unless the points are on
+    /// one line. The same equation gives alpha, with a - omega x (omega x r) in place of v. Equation (25) uses a quotient that is
+    /// 0/0 for an omega in the plane of 6, 7 and 8.
     pub(crate) fn of(moving: &Moving, motion: &Motion) -> Option<Self> {
         let [r, v, a] = [moving, &motion.velocity, &motion.acceleration].map(about_mean);
         let mut inertia = Matrix3::zeros();

@@ -1,9 +1,9 @@
-//! The MacPherson strut in point coordinates: the formulation of H. A. Attia, *Numerical Kinematic
-//! Analysis of the Standard Macpherson Motor-Vehicle Suspension System*, KSME International Journal
-//! 17 (2003), corrected. Equation numbers here are those of the paper.
+//! The MacPherson strut in point coordinates: the formulation of H. A. Attia, *Numerical Kinematic Analysis of the Standard
+//! Macpherson Motor-Vehicle Suspension System*, KSME International Journal 17 (2003), corrected. Equation numbers here are those
+//! of the paper.
 //!
-//! The unknowns are the coordinates of five points; everything else about the mechanism follows from
-//! them. The points have the numbers of the paper:
+//! The unknowns are the coordinates of five points. All other positions follow from them. The points have the numbers of the
+//! paper:
 //!
 //! | number | hardpoint | |
 //! |---|---|---|
@@ -16,38 +16,44 @@
 //! | 9 | a point of the strut's rod, on its axis | unknown |
 //! | 10 | `wheel_centre` | follows from 5, 6, 7 and 8 |
 //!
-//! Fifteen equations hold them: ten distances (1)-(10), four conditions that 4, 6, 7 and 9 stay on one
-//! line (11)-(14), and one for the drive (15). They are solved by Newton's method from the previous
-//! pose, velocities and accelerations by one LU factorisation with partial pivoting.
+//! There are fifteen equations: ten distances (1)-(10), four conditions that keep 4, 6, 7 and 9 on one line (11)-(14), and one
+//! for the drive (15). Newton's method solves them from the previous pose. Velocities and accelerations take one LU factorisation
+//! with partial pivoting.
 //!
-//! # What differs from the print
-//! - (14) has `z9 - z7` where `z9 - z6` is printed, and (15) `z5 - z1` where `z6 - z1` is printed.
-//! - Equation (15) is one of three drives ([`Drive`]); it cannot tell the two sides of the arm apart.
-//! - The paper wants 4 on the line 6-7. Where a study's `strut_lower` and `strut_upper` lie on a line
-//!   that misses `strut_top`, the strut's axis is the parallel through `strut_top`, and 6, 7 and 9 are
-//!   points of that axis. The study's own points ride on the knuckle ([`KnucklePoint`]).
-//! - The wheel centre is an affine combination of four knuckle points, not the intersection of three
-//!   spheres, which has two solutions.
-//! - Angular velocity and acceleration come from all four knuckle points ([`AngularMotion`]), not from
-//!   (25), which is 0/0 where the vector lies in the plane 6-7-8.
+//! # Differences from the printed paper
+//! - (14) has `z9 - z7` where `z9 - z6` is printed, and (15) has `z5 - z1` where `z6 - z1` is printed.
+//! - Equation (15) is one of three drives ([`Drive`]). As printed, it cannot distinguish the two sides of the arm.
+//! - The paper requires point 4 on the line 6-7. If the line through `strut_lower` and `strut_upper` of a study misses
+//!   `strut_top`, the strut's axis is the parallel through `strut_top`. Then 6, 7 and 9 are points of that axis. The study's own
+//!   points move with the knuckle ([`KnucklePoint`]).
+//! - The wheel centre is an affine combination of four knuckle points. The paper intersects three spheres, which has two
+//!   solutions.
+//! - Angular velocity and acceleration come from all four knuckle points ([`AngularMotion`]). Equation (25) is 0/0 if the vector
+//!   lies in the plane 6-7-8.
 //!
-//! # Which solution
-//! The equations have up to 32 real solutions at one position of the arm: for each, the knuckle or its
-//! mirror image, the rod one way round or the other, the strut longer or reversed, the tie rod's end on
-//! either side of the plane 3-4-5, and, with (15) as printed, the arm on either side. A pose is only
-//! returned when it continues the one it was started from; [`PointCoordinates::track`] says how.
+//! # Choice of the solution
+//! The equations have up to 32 real solutions at one position of the arm, because five choices have two sides each:
+//!
+//! - the knuckle or its mirror image;
+//! - the rod in its direction or reversed;
+//! - the strut longer or reversed;
+//! - the tie-rod end on either side of the plane 3-4-5;
+//! - with (15) as printed, the arm on either side.
+//!
+//! The crate returns a pose only if it continues the pose from which the search started. [`PointCoordinates::track`] explains
+//! how.
 //!
 //! # Singular positions
-//! The answer is a [`Refusal`] where the branch ends, or where the equations lose rank although the suspension may be
-//! sound ([`Singular`]).
+//! The answer is a [`Refusal`] where the branch ends. It is also a refusal where the equations lose rank although the suspension
+//! may be sound ([`Singular`]).
 //!
 //! # Use in studies
-//! [`register`] makes `formulation = "point_coordinates"` available to the engine. The program `hardpoint` and the Python
-//! module call it.
+//! [`register`] makes `formulation = "point_coordinates"` available to the engine. The program `hardpoint` and the Python module
+//! call it.
 //!
 //! # Frame and units
-//! x forward, y left (outboard), z up; a left wheel. Any unit of length: every equation is written as a
-//! squared length, every tolerance is relative.
+//! x forward, y left (outboard), z up; a left wheel. Any unit of length works, because every equation is a squared length and
+//! every tolerance is relative.
 
 #![warn(clippy::allow_attributes_without_reason, unreachable_pub)]
 

@@ -5,7 +5,7 @@ use super::equations::{Column, DRIVE, quadratic, rack_column};
 use super::tracking::{PointCoordinates, Pose, moving_of};
 use super::{AngularMotion, Refusal};
 
-/// Rates of the inputs, by time or by another parameter.
+/// Rates of the drive and the rack, by time or by another parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Rates {
     /// First derivative of the drive's value.
@@ -19,14 +19,14 @@ pub struct Rates {
 }
 
 impl Rates {
-    /// Derivatives by the drive's value, the rack held.
+    /// Unit rate of the drive with the rack held: gives derivatives by the drive's value.
     pub const BY_DRIVE: Rates = Rates {
         drive: 1.0,
         drive_acceleration: 0.0,
         rack: 0.0,
         rack_acceleration: 0.0,
     };
-    /// Derivatives by the rack's displacement, the drive held.
+    /// Unit rate of the rack with the drive held: gives derivatives by the rack's displacement.
     pub const BY_RACK: Rates = Rates {
         drive: 0.0,
         drive_acceleration: 0.0,
@@ -47,7 +47,7 @@ pub struct Motion {
 impl PointCoordinates {
     /// Velocities and accelerations at a solved pose.
     ///
-    /// With C(q, t) = 0 the fifteen equations and J = C_q, one factorisation of J serves both:
+    /// C(q, t) = 0 are the fifteen equations, and J = C_q. One factorisation of J serves both solutions:
     ///
     /// - J v = -C_t
     /// - J a = -(dJ/dt) v - C_qt v - C_tt
@@ -81,7 +81,7 @@ impl PointCoordinates {
         })
     }
 
-    /// Angular velocity and acceleration of the knuckle that belong to a motion.
+    /// Angular velocity and acceleration of the knuckle during a motion.
     pub fn angular_motion(&self, pose: &Pose, motion: &Motion) -> AngularMotion {
         AngularMotion::of(pose.moving(), motion).expect("the knuckle's points are not on one line")
     }

@@ -1,4 +1,4 @@
-//! Why the paper's equations give no answer.
+//! Reasons why the paper's equations give no answer.
 
 use std::fmt;
 use thiserror::Error;
@@ -6,25 +6,26 @@ use thiserror::Error;
 /// A way in which the fifteen equations lose rank.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Singular {
-    /// Equations (11) to (14) leave out the z-components of the vector products.
+    /// The strut's axis is horizontal. Equations (11) to (14) then fail, because they leave out the z-components of the vector
+    /// products.
     HorizontalStrut,
-    /// Equations (5) to (10) do not hold the points in their plane.
+    /// Knuckle points 5 to 8 lie in one plane. Equations (5) to (10) then do not hold the points in this plane.
     CoplanarKnuckle,
-    /// Then 5, 6 and 7 are on one line, and any fourth point is in a plane with them.
+    /// Point 5 lies on the strut's axis. Then 5, 6 and 7 are on one line, and every fourth point lies in one plane with them.
     BallJointOnStrutAxis,
-    /// 6 and 7 do not define the strut's axis.
+    /// Points 6 and 7 coincide, so they do not define the strut's axis.
     StrutPointsCoincide,
-    /// Points 4 and 9 do not define the rod's axis.
+    /// Points 4 and 9 coincide, so they do not define the rod's axis.
     RodPointsCoincide,
     /// The strut's axis is perpendicular to the line 4-5.
     NoStrutLength,
-    /// The lower arm has no radius.
+    /// The ball joint lies on the lower arm's axis, so the arm has no radius.
     BallJointOnArmAxis,
-    /// The tie rod does not hold the knuckle.
+    /// The tie rod is in a toggle position and does not hold the knuckle.
     TieRodToggle,
-    /// The paper's drive at theta = k pi, or beyond the reach of the arm.
+    /// The paper's drive is at theta = k pi, or beyond the reach of the arm.
     DeadCentre,
-    /// The drive by travel at the end of the travel.
+    /// The drive by travel is at the end of the travel.
     TravelLimit,
 }
 
@@ -60,27 +61,27 @@ impl fmt::Display for Singular {
 
 impl std::error::Error for Singular {}
 
-/// Why a pose was not found.
+/// Reason why no pose was found.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum Refusal {
-    /// At the requested pose, fewer than half of the digits would be left.
+    /// The requested pose is so near to a singular position that fewer than half of the digits would be correct.
     #[error("singular: {0}")]
     Singular(Singular),
     /// The branch of the design position ends before the requested pose.
     #[error("unreachable: the motion ends where the drive is {value}; there, {limit}")]
     Unreachable {
-        /// The value of the drive up to which the branch was followed.
+        /// Value of the drive up to which the branch was followed.
         value: f64,
-        /// The singularity that ends the range.
+        /// Singularity that ends the range.
         limit: Singular,
     },
     /// The branch of the design position ends before the rack reaches the requested displacement.
     #[error("unreachable: the rack does not get there; where it stops, {limit}")]
     RackUnreachable {
-        /// The singularity that stops the rack.
+        /// Singularity that stops the rack.
         limit: Singular,
     },
-    /// A number in the input is not finite.
+    /// An input number is not finite.
     #[error("the input is not finite")]
     NotFinite,
 }

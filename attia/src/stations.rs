@@ -1,5 +1,4 @@
-//! Station by station outward from the design position, and the pose of the knuckle as the rest of
-//! the crate knows it.
+//! Solves station by station outward from the design position, and returns the knuckle pose in the engine's form.
 
 use super::knuckle::KnuckleRotation;
 use super::{PointCoordinates, Pose, Rates, Refusal, Station};
@@ -8,7 +7,7 @@ use hardpoint_engine::number::Jet;
 use hardpoint_engine::number::{Matrix3, Vector3};
 
 impl PointCoordinates {
-    /// The pose with the drive as in the design position and the rack displaced.
+    /// Returns the pose with the drive at its design value and the rack displaced.
     pub fn placed(&self, rack: f64) -> Result<Pose, Refusal> {
         let design = self.design();
         let to = Station {
@@ -21,11 +20,11 @@ impl PointCoordinates {
         })
     }
 
-    /// Visits the drive's values outward from `start`, each from its neighbour. `visit` gets the number of each with
-    /// its pose or the reason for its absence.
+    /// Visits the drive's values outward from `start`; each pose starts from its neighbour. `visit` receives the number of the
+    /// value, and its pose or the reason why it has none.
     ///
-    /// The order follows the form of the value in the drive's equation: for the paper's angle its cosine. So values
-    /// on both sides of a dead centre are visited in the order of the arm's positions.
+    /// The order uses the form in which the value enters the drive's equation: the cosine for the paper's angle. So values on
+    /// both sides of a dead centre follow the order of the arm's positions.
     pub fn for_each_pose(
         &self,
         start: &Pose,
@@ -50,8 +49,8 @@ impl PointCoordinates {
         }
     }
 
-    /// The pose of the knuckle, its origin the ball joint, as a series with `N` coefficients, at most
-    /// three, along the motion with these rates.
+    /// Returns the pose of the knuckle as a series along the motion with these rates. Its origin is the ball joint. The series
+    /// has `N` coefficients, at most three.
     pub fn knuckle_pose<const N: usize>(
         &self,
         pose: &Pose,

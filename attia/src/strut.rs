@@ -1,4 +1,4 @@
-//! The design position, and the choice of the points 6, 7 and 9 on the strut's axis.
+//! Design position of a strut, and the choice of points 6, 7 and 9 on its axis.
 
 use super::Moving;
 use hardpoint_engine::model::{Constraint, Mechanism, PointId};
@@ -19,34 +19,33 @@ pub struct Strut {
     pub lower_ball_joint: Vector3<f64>,
     /// Point 6, on the knuckle.
     pub strut_lower: Vector3<f64>,
-    /// Point 7, on the knuckle. The strut's axis is parallel to 6-7 through 4; without it, it is 6-4.
+    /// Point 7, on the knuckle. The strut's axis passes through 4, parallel to 6-7. Without point 7 the axis is the line 6-4.
     pub strut_upper: Option<Vector3<f64>>,
     /// Point 8, joint of tie rod and knuckle.
     pub tie_rod_outer: Vector3<f64>,
-    /// Point 9, on the strut's rod; only read with [`StrutPoints::Study`].
+    /// Point 9, on the strut's rod. Only [`StrutPoints::Study`] reads it.
     pub rod_point: Option<Vector3<f64>>,
     /// Point 10, on the knuckle.
     pub wheel_centre: Vector3<f64>,
 }
 
-/// Points of the strut's axis that stand for 6, 7 and 9 in the equations.
+/// Choice of the points of the strut's axis that serve as 6, 7 and 9 in the equations.
 ///
-/// The pose does not depend on the choice. Its rounding error does.
+/// The pose does not depend on this choice, but its rounding error does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum StrutPoints {
-    /// Far apart, at fixed fractions of the strut's length: the equations are as well conditioned as
-    /// the suspension is.
+    /// Points far apart, at fixed fractions of the strut's length. The equations are then as well conditioned as the suspension
+    /// itself.
     #[default]
     Spread,
-    /// The study's own: the feet of `strut_lower`, `strut_upper` and `rod_point` on the axis. With
-    /// 6 and 7 close together the equations are badly conditioned. A missing `strut_upper` is taken
-    /// half-way from 6 to 4, a missing `rod_point` half-way from 7 to 4.
+    /// Points of the study: the feet of `strut_lower`, `strut_upper` and `rod_point` on the axis. If 6 and 7 are close together,
+    /// the equations are badly conditioned. A missing `strut_upper` is replaced by the point half-way from 6 to 4, a missing
+    /// `rod_point` by the point half-way from 7 to 4.
     Study,
 }
 
 impl Strut {
-    /// The strut that a mechanism is, read off its arm and its constraints; `None` for any other
-    /// topology.
+    /// Reads the strut off the arm and the constraints of a mechanism. `None` for any other topology.
     pub fn of(mechanism: &Mechanism, design: &[Vector3<f64>]) -> Option<Self> {
         let [arm] = mechanism.arms[..] else {
             return None;
@@ -83,7 +82,7 @@ impl Strut {
         if rise <= 0.0 { -1.0 } else { 1.0 }
     }
 
-    /// Returns true if every coordinate is a number.
+    /// True if every coordinate is a number.
     pub(crate) fn is_finite(&self) -> bool {
         let required = [
             self.lower_arm_front,
@@ -102,8 +101,7 @@ impl Strut {
         points.flat_map(Vector3::to_array).all(f64::is_finite)
     }
 
-    /// Direction of the strut's axis, from the ball joint's end towards the top mount. NaN where the
-    /// points that define it coincide.
+    /// Direction of the strut's axis, from the lower end towards the top mount. NaN if the points that define it coincide.
     pub fn axis(&self) -> Vector3<f64> {
         let upper = self.strut_upper.unwrap_or(self.strut_top);
         let direction = (upper - self.strut_lower).normalised();
@@ -111,10 +109,10 @@ impl Strut {
         if upward < 0.0 { -direction } else { direction }
     }
 
-    /// The unknown points in the design position.
+    /// Unknown points in the design position.
     pub(crate) fn moving(&self, choice: StrutPoints) -> Moving {
         let (axis, top) = (self.axis(), self.strut_top);
-        // A point of the axis by its distance below the top mount.
+        // Point of the axis at this distance below the top mount.
         let below = |distance: f64| top - axis * distance;
         let depth = |point: Vector3<f64>| (top - point).dot(axis);
         let [d6, d7, d9] = match choice {
@@ -138,7 +136,7 @@ impl Strut {
     }
 }
 
-/// Depth of 6, 7 and 9 below the top mount with [`StrutPoints::Spread`], as shares of the distance
-/// from the mount to the foot of the ball joint on the axis. Of the quarters tried these gave the lowest
-/// median condition number, 73, over sixty road-car struts scattered by 50 mm.
+/// Depths of 6, 7 and 9 below the top mount with [`StrutPoints::Spread`], as fractions of the distance from the mount to the foot
+/// of the ball joint on the axis. The quarters of this distance were tried. These gave the lowest median condition number, 73,
+/// over sixty road-car struts scattered by 50 mm.
 const SPREAD: [f64; 3] = [1.25, 0.5, 0.5];

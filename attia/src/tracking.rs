@@ -1,4 +1,4 @@
-//! Newton's method, from one pose to the next on the same branch.
+//! Newton's method from one pose to the next on the same branch.
 
 use super::branch::{Branch, nearest_singularity};
 use super::drive::{Driver, Driving};
@@ -10,27 +10,26 @@ use hardpoint_engine::bench_hooks::Lu;
 use hardpoint_engine::mechanism::{Work, WorkCounter};
 use hardpoint_engine::number::Vector3;
 
-/// The largest condition number at which half of the digits are left: 1/sqrt(2^-52).
+/// Largest condition number that leaves half of the digits correct: 1/sqrt(2^-52).
 const WORST_CONDITION: f64 = (1_u64 << 26) as f64;
 
-/// The largest ratio of Newton's second step to its first at which a start is trusted.
+/// Largest ratio of Newton's second step to its first step that the solver accepts.
 ///
-/// The equations are quadratic, so Newton's method converges to the root of the start's own branch if
-/// Kantorovich's h is at most 1/2, in which case the ratio is at most h/2/(1 - h). The ratio seen is
-/// that along one direction only, h is for all of them; a ratio of 1/4 leaves a margin of two.
+/// The equations are quadratic. So Newton's method converges to the root on the branch of the start if Kantorovich's h is at most
+/// 1/2. Then the ratio is at most h/2/(1 - h). The measured ratio belongs to one direction only, but h covers all directions. A
+/// ratio of 1/4 leaves a margin of two.
 const CONTRACTION: f64 = 0.25;
 
-/// The share of the way below which steps are not tried.
+/// Smallest step, as a fraction of the whole distance. Smaller steps are not tried.
 ///
-/// Steps have to shrink with the distance from the end of a branch, and towards it the condition number
-/// grows with the inverse square root of the distance. This near to the end, as a share of the way, it
-/// has grown by 2^20, to about [`WORST_CONDITION`].
+/// Steps must shrink with the distance from the end of a branch. Towards the end, the condition number grows with the inverse
+/// square root of the distance. At this fraction of the distance it has grown by 2^20, to about [`WORST_CONDITION`].
 const SMALLEST_STEP: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// A point of a motion: drive value and rack displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Station {
-    /// The value of the drive, see [`Drive`].
+    /// Value of the drive, see [`Drive`].
     pub value: f64,
     /// Displacement of `tie_rod_inner` along y.
     pub rack: f64,
@@ -44,12 +43,12 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// The drive and the rack it belongs to.
+    /// Drive value and rack displacement of this pose.
     pub fn station(&self) -> Station {
         self.station
     }
 
-    /// The points 5, 6, 7, 8 and 9.
+    /// Points 5, 6, 7, 8 and 9.
     pub fn moving(&self) -> &Moving {
         &self.moving
     }
@@ -63,15 +62,15 @@ pub struct PointCoordinates {
     lengths_squared: [f64; 10],
     wheel_centre: KnucklePoint,
     design: Pose,
-    /// The pivots' spread at which the condition number passes [`WORST_CONDITION`].
+    /// Ratio of smallest to largest pivot at which the condition number reaches [`WORST_CONDITION`].
     smallest_spread: f64,
-    /// Size of the left-hand sides at a solution, which rounding alone causes.
+    /// Size of the left-hand sides at a solution. Rounding alone causes it.
     rounding: f64,
     pub(crate) work: WorkCounter,
 }
 
 impl PointCoordinates {
-    /// The equations for a strut with this design position, which must not be a singular one.
+    /// Makes the equations for a strut with this design position. The design position must not be singular.
     pub fn new(strut: &Strut, points: StrutPoints, drive: Drive) -> Result<Self, Refusal> {
         if !strut.is_finite() {
             return Err(Refusal::NotFinite);
@@ -85,7 +84,7 @@ impl PointCoordinates {
         ]);
         let all = fixed.all(&moving);
         let lengths_squared = distances_squared(&all);
-        // In a coplanar knuckle any point will do: the condition number below is infinite.
+        // In a coplanar knuckle any point is acceptable here, because the condition number below is then infinite.
         let wheel_centre =
             KnucklePoint::new(strut.wheel_centre, &moving).unwrap_or(KnucklePoint::BALL_JOINT);
         let driving = Driving::new(drive, strut, wheel_centre);
@@ -117,46 +116,45 @@ impl PointCoordinates {
         Ok(mechanism)
     }
 
-    /// The design position.
+    /// Pose of the design position.
     pub fn design(&self) -> Pose {
         self.design
     }
 
-    /// Condition number of the Jacobian at a pose (in the Frobenius norm; independent of the unit of
-    /// length). Rounding errors are this number times 2^-52 times a few times the size of the result.
+    /// Condition number of the Jacobian at a pose, in the Frobenius norm. It does not depend on the unit of length. The rounding
+    /// error is a few times this number, times 2^-52, times the size of the result.
     pub fn condition(&self, pose: &Pose) -> f64 {
         let jacobian = self.jacobian(pose);
         condition(&jacobian, Lu::of(jacobian, 1.0).as_ref())
     }
 
-    /// The wheel centre, point 10.
+    /// Wheel centre, point 10.
     pub fn wheel_centre(&self) -> KnucklePoint {
         self.wheel_centre
     }
 
-    /// The knuckle point whose design position is `design`.
+    /// Knuckle point that is at `design` in the design position.
     pub fn knuckle_point(&self, design: Vector3<f64>) -> KnucklePoint {
         KnucklePoint::new(design, &self.design.moving)
             .expect("the knuckle of a regular design position is not flat")
     }
 
-    /// Counts of the work done since the equations were made.
+    /// Work done since the equations were made.
     pub fn work(&self) -> Work {
         self.work.work()
     }
 
-    /// The pose at another station, on the branch of `from`.
+    /// Returns the pose at another station, on the branch of `from`.
     ///
-    /// The drive and the rack go there on a straight line, in one step where that is safe, else in as
-    /// many as it takes. A step is taken when, along it,
+    /// Drive and rack go there on a straight line. The solver makes one step if that is safe, otherwise as many as necessary. It
+    /// accepts a step if three conditions hold along the step:
     ///
-    /// - Newton's method contracts from the start (an estimate of Kantorovich's condition, under which
-    ///   the root is the only one near and joined to the start by a path of regular ones);
-    /// - the determinant of the Jacobian keeps its sign, and so do the volumes that tell the assemblies
-    ///   apart;
-    /// - the Jacobian stays well enough conditioned that half of the digits are left.
+    /// - Newton's method contracts from the start. This estimates Kantorovich's condition: under it the root is the only one
+    ///   nearby, and a path of regular roots joins it to the start.
+    /// - The determinant of the Jacobian keeps its sign. The volumes that distinguish the assemblies keep their signs, too.
+    /// - The condition number of the Jacobian leaves half of the digits correct.
     ///
-    /// Otherwise it is halved, until it is next to nothing: there the branch ends.
+    /// Otherwise the solver halves the step. If the step becomes next to nothing, the branch ends there.
     pub fn track(&self, from: &Pose, to: Station) -> Result<Pose, Refusal> {
         if !(to.value.is_finite() && to.rack.is_finite()) {
             return Err(Refusal::NotFinite);
@@ -194,11 +192,11 @@ impl PointCoordinates {
         })
     }
 
-    /// Newton's method from the position `start`. `None` where it does not contract from its first
-    /// step on, or arrives elsewhere than on the branch of `start`.
+    /// Newton's method from the position `start`. `None` if it does not contract from its first step on, or if it arrives on
+    /// another branch.
     ///
-    /// It ends by itself: every step is at most a quarter of the one before, until the equations hold
-    /// to rounding. At least one step is made, so that a double root is not taken for a solution.
+    /// The iteration always ends: every step is at most a quarter of the previous one, until the equations hold to rounding. The
+    /// method makes at least one step, so that it does not accept a double root as a solution.
     fn corrected(&self, fixed: &Fixed, start: &Moving, driver: &Driver) -> Option<Moving> {
         let mut moving = *start;
         let (mut last, mut orientation, mut contracted) = (f64::INFINITY, 0.0, false);
@@ -206,7 +204,7 @@ impl PointCoordinates {
         let factors = loop {
             let mut left = residual(fixed, &moving, &self.lengths_squared, driver);
             let solved = left.amax() <= self.rounding;
-            // Where two steps have contracted, the Jacobian has changed next to nothing since the last.
+            // After two contracting steps, the Jacobian has hardly changed since the last factorisation.
             if let Some(lu) = factors.take_if(|_| solved && contracted) {
                 break lu;
             }
@@ -238,29 +236,29 @@ impl PointCoordinates {
         (self.is_clear_of_rounding(&factors) && branch(&moving) == branch(start)).then_some(moving)
     }
 
-    /// Returns true if a position that satisfies the equations to rounding is a true solution.
+    /// True if a position that satisfies the equations to rounding is a true solution.
     ///
-    /// Near the end of a branch the equations hold to rounding beyond the end as well. There a unit vector v is
-    /// nearly in the kernel of the Jacobian J. With w = J^-T v, the equations F = 0 become, for a step t along v,
+    /// Near the end of a branch, the equations also hold to rounding beyond the end. There the Jacobian J has a unit vector v
+    /// nearly in its kernel. With w = J^-T v, the equations F = 0 become, for a step t along v,
     ///
     /// - t + c t^2/2 + w.F = 0, where c = w.F''(v, v).
     ///
-    /// With a rounding error r in every F, each with the worst sign, the two roots meet at h = |c| r sum|w| = 1/2.
-    /// This h is Kantorovich's. The test requires h <= 1/4.
+    /// With a rounding error r in every F, each with the worst sign, the two roots meet at h = |c| r sum|w| = 1/2. This h is
+    /// Kantorovich's. The test requires h <= 1/4.
     fn is_clear_of_rounding(&self, factors: &Factors) -> bool {
-        // Where J is nearly singular, what solves it for any right-hand side is nearly v.
+        // If J is nearly singular, its solution for almost any right-hand side is nearly parallel to v.
         let v = Column::from(factors.solve([1.0; 15])).normalize();
         let w = Column::from(factors.solve_transposed(v.into()));
         let curvature = w.dot(&quadratic(0.0, &moving_of(&v)));
         curvature.abs() * self.rounding * w.lp_norm(1) <= 0.25
     }
 
-    /// The factors of a Jacobian, unless too few digits would be left.
+    /// Factorises a Jacobian. `None` if too few digits would be correct.
     pub(crate) fn factorised(&self, jacobian: Jacobian) -> Option<Factors> {
         Lu::of(jacobian, 1.0).filter(|lu| spread(lu) > self.smallest_spread)
     }
 
-    /// The Jacobian at a pose.
+    /// Jacobian at a pose.
     pub(crate) fn jacobian(&self, pose: &Pose) -> Jacobian {
         let Station { value, rack } = pose.station;
         let driver = self.driving.driver(self.driving.parameter(value));
@@ -282,7 +280,7 @@ impl PointCoordinates {
 
 type Factors = Lu<f64, 15>;
 
-/// The smallest pivot over the largest.
+/// Smallest pivot divided by the largest.
 fn spread(lu: &Factors) -> f64 {
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
     for pivot in lu.pivots() {
@@ -292,10 +290,10 @@ fn spread(lu: &Factors) -> f64 {
     least / most
 }
 
-/// Condition number of a Jacobian with these factors, in the Frobenius norm; infinite (or not a number) where singular.
+/// Condition number of a Jacobian with these factors, in the Frobenius norm. Infinite or NaN if the Jacobian is singular.
 ///
-/// Every equation is a squared length and every unknown a length, so that they need no scaling. Scaling the rows
-/// would hide two points that coincide, because their row then is only rounding.
+/// Every equation is a squared length and every unknown is a length, so no scaling is needed. Scaling the rows would hide two
+/// points that coincide, because their row then contains only rounding errors.
 fn condition(jacobian: &Jacobian, factors: Option<&Factors>) -> f64 {
     let norm = |rows: &Jacobian| {
         rows.as_flattened()
@@ -309,9 +307,9 @@ fn condition(jacobian: &Jacobian, factors: Option<&Factors>) -> f64 {
 
 /// Returns a bound on the rounding error of the equations at their solution.
 ///
-/// With coordinates up to M and distances up to D: each coordinate difference carries eps M, which
-/// moves a squared distance or a component of a vector product by no more than 2 sqrt(3) D eps M; the
-/// squares, products and sums add at most 4 D^2 eps. With M no less than D that is below 8 D M eps.
+/// Take coordinates up to M and distances up to D. Each coordinate difference has an error of eps M. It changes a squared
+/// distance or a component of a vector product by at most 2 sqrt(3) D eps M. The squares, products and sums add at most 4 D^2
+/// eps. If M is at least D, the total is below 8 D M eps.
 fn rounding(points: &[Vector3<f64>; 9], lengths_squared: &[f64; 10]) -> f64 {
     let distance = lengths_squared
         .iter()
@@ -322,13 +320,13 @@ fn rounding(points: &[Vector3<f64>; 9], lengths_squared: &[f64; 10]) -> f64 {
     8.0 * distance * largest * f64::EPSILON
 }
 
-/// The unknowns as points.
+/// Converts a column of unknowns to points.
 pub(crate) fn moving_of(column: &Column) -> Moving {
     std::array::from_fn(|i| Vector3::new(column[3 * i], column[3 * i + 1], column[3 * i + 2]))
 }
 
-/// The points 5 to 9 of a strut at a wheel travel (relative to the design) and a rack displacement,
-/// followed there from the design position.
+/// Returns points 5 to 9 of a strut at a wheel travel (relative to the design) and a rack displacement. The solver follows the
+/// motion from the design position.
 pub fn solve_travel(strut: &Strut, travel: f64, rack: f64) -> Result<Moving, Refusal> {
     let mechanism = PointCoordinates::new(strut, StrutPoints::Spread, Drive::Travel)?;
     let to = Station {

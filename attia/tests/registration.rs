@@ -1,12 +1,13 @@
-//! A program has the formulation in point coordinates once it registers it. This process begins without it.
+//! A program must register the formulation in point coordinates before it can use it. This process starts without the
+//! registration.
 
 use hardpoint_engine::mechanism::DesignFault;
 use hardpoint_engine::plan::Plan;
 use hardpoint_engine::study::Study;
 use std::path::Path;
 
-/// Without the formulation a study that asks for it is read, and refused by the formulation's name where it is solved. With
-/// it, every station is solved.
+/// Before the registration, the program reads a study that asks for the formulation, but refuses to solve it and names the
+/// formulation. After the registration, it solves every station.
 #[test]
 fn a_study_is_refused_until_its_formulation_is_registered() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies/attia.toml");

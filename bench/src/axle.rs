@@ -1,7 +1,7 @@
 //! Axle poses per second: designs of both wheels over the study's motion, as in a sweep.
 //!
-//! A design moves every hardpoint of both wheels, in mirror image, by up to ten millimetres. A pose is one position of
-//! the whole axle. The evaluators are those of sweeps and of [`DesignFunction`].
+//! A design moves every hardpoint of both wheels, in mirror image, by up to ten millimetres. A pose is one position of the whole
+//! axle. The evaluators are the same as in sweeps and in [`DesignFunction`].
 
 use super::throughput::Measurement;
 use super::{Clock, Job, Timing, Unmeasurable};
@@ -14,7 +14,7 @@ use hardpoint_engine::{DesignFunction, DesignStatus, DesignVariable, FunctionErr
 use std::hint::black_box;
 use std::sync::Mutex;
 
-/// Number of blocks of designs that one thread solves in lanes in a sample.
+/// Number of blocks of designs that one thread solves in lanes per sample.
 const BLOCKS: u64 = 8;
 /// Number of designs for slow methods.
 const FEW: u64 = 16;
@@ -24,14 +24,14 @@ const OUTPUTS: &str = "outputs of the study";
 const JACOBIAN: &str = "four angles of both wheels by every hardpoint";
 const ONE_BY_ONE: &str = "one by one";
 
-/// Quantities that are measured, and the plans of sweeps of many and of few designs.
+/// Measured quantities, with a sweep of many designs and a sweep of few.
 struct Question<'s> {
     asked: &'static str,
     many: SweepPlan<'s>,
     few: SweepPlan<'s>,
 }
 
-/// Measures on an axle, over its own motion, on up to `threads` threads.
+/// Measures an axle over its own motion, on up to `threads` threads.
 pub(super) fn measure(
     study: &Study,
     both: &AxleStudy,
@@ -71,7 +71,7 @@ pub(super) fn measure(
     found.push((JACOBIAN, ONE_BY_ONE.to_owned(), 1));
     jobs.push(jacobians(&of_angles, variables)?);
     let mut timings = clock.in_rounds(&mut jobs);
-    // Several threads by themselves, as for one wheel.
+    // Jobs with several threads run alone, as for one wheel.
     let many = &questions[0].many;
     let method = match many.worker()?.not_in_lanes() {
         None => format!("lanes, {}", Width::widest().name()),
@@ -90,7 +90,7 @@ pub(super) fn measure(
     Ok(found.into_iter().zip(timings).map(measurement).collect())
 }
 
-/// The study with these quantities and nothing else.
+/// Copy of the study that asks for these quantities only.
 fn asking(study: &Study, quantities: Vec<Quantity>) -> Study {
     let mut asking = study.clone();
     asking.optimise = None;
@@ -102,7 +102,7 @@ fn asking(study: &Study, quantities: Vec<Quantity>) -> Study {
     asking
 }
 
-/// A sweep of so many designs.
+/// A random sweep with this number of designs.
 fn sweep(variables: &[DesignVariable], samples: u64) -> Sweep {
     let variables = variables.iter().filter_map(DesignVariable::swept_as);
     Sweep {
@@ -125,7 +125,7 @@ fn unmeasurable(reason: NotBegun) -> Unmeasurable {
     }
 }
 
-/// Poses of all designs of a plan.
+/// Number of poses of all designs of a plan.
 fn poses(plan: &SweepPlan) -> usize {
     plan.record.designs as usize * plan.stations().count()
 }
@@ -144,7 +144,7 @@ fn of_one_thread<'p>(plan: &'p SweepPlan<'p>, mut worker: Worker<'p>) -> Job<'p>
     }
 }
 
-/// Each of several threads solves every design.
+/// Makes a job in which each of several threads solves every design.
 fn of_threads<'p>(plan: &'p SweepPlan<'p>, threads: usize) -> Result<Job<'p>, Unmeasurable> {
     let pool = hardpoint_engine::threads::pool(threads);
     let pool = pool.map_err(|_| Unmeasurable::Threads(threads))?;
@@ -163,7 +163,7 @@ fn of_threads<'p>(plan: &'p SweepPlan<'p>, threads: usize) -> Result<Job<'p>, Un
     })
 }
 
-/// Values with exact derivatives by every hardpoint coordinate.
+/// Makes a job that computes values with exact derivatives by every hardpoint coordinate.
 fn jacobians<'p>(study: &Study, variables: Vec<DesignVariable>) -> Result<Job<'p>, Unmeasurable> {
     let function = DesignFunction::with_variables(study, variables);
     let function =

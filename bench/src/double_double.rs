@@ -1,8 +1,8 @@
-//! Numbers of twice the precision: an unevaluated sum of two doubles, about 32 digits. They measure the errors of
+//! Numbers of twice the precision: an unevaluated sum of two doubles, about 32 digits. They serve to measure the errors of
 //! doubles.
 //!
-//! T. J. Dekker, A floating-point technique for extending the available precision, Numer. Math. 18,
-//! 1971; square root by one Newton step from the double's.
+//! T. J. Dekker, A floating-point technique for extending the available precision, Numer. Math. 18, 1971. The square root takes
+//! one Newton step from the square root of the double.
 
 use hardpoint_engine::number::{Real, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -10,13 +10,13 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// The sum of two doubles, the second at most half a unit in the last place of the first.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct DoubleDouble {
-    /// The double nearest to the number.
+    /// Double nearest to the number.
     pub high: f64,
-    /// The number minus `high`.
+    /// Number minus `high`.
     pub low: f64,
 }
 
-/// a + b exactly, |a| >= |b|.
+/// Exact a + b. Requires |a| >= |b|.
 fn quick_sum(a: f64, b: f64) -> DoubleDouble {
     let high = a + b;
     DoubleDouble {
@@ -25,7 +25,7 @@ fn quick_sum(a: f64, b: f64) -> DoubleDouble {
     }
 }
 
-/// a + b exactly.
+/// Exact a + b.
 fn sum(a: f64, b: f64) -> DoubleDouble {
     let high = a + b;
     let part = high - a;
@@ -35,7 +35,7 @@ fn sum(a: f64, b: f64) -> DoubleDouble {
     }
 }
 
-/// a b exactly.
+/// Exact a b.
 fn product(a: f64, b: f64) -> DoubleDouble {
     let split = |x: f64| {
         let large = 134_217_729.0 * x;
@@ -108,13 +108,13 @@ impl Div for DoubleDouble {
 }
 
 impl DoubleDouble {
-    /// Sine and cosine of an angle within a full turn of zero: Taylor series of its 32nd part, doubled
-    /// five times over, 1 - cos in place of the cosine so that no digit is lost.
+    /// Sine and cosine of an angle within a full turn of zero. The method sums the Taylor series of a 32nd of the angle and
+    /// doubles the angle five times. It carries 1 - cos in place of the cosine, so that no digit is lost.
     fn sin_cos(self) -> (Self, Self) {
         let x = self.scaled(1.0 / 32.0);
         let square = x * x;
         let (mut sine, mut versine) = (self.zero(), self.zero());
-        // Terms below 1e-33 of the first: (2 pi/32)^22/22! is.
+        // The terms left out are below 1e-33 of the first: (2 pi/32)^22/22! is.
         for k in (1..=11).rev() {
             let k = f64::from(k);
             let next = |sum: Self, divisor: f64| (sum.one() - sum) * square / divisor.into();
@@ -149,8 +149,8 @@ impl Real for DoubleDouble {
         let cosine = ((self.one() - self) * (self.one() + self)).sqrt();
         self.atan2(cosine)
     }
-    /// The double's angle, and the rest of it: its tangent is the vector's component across the angle
-    /// over the one along it, so small that it is its own arc.
+    /// Sum of the double's angle and a small remainder. The tangent of the remainder is the vector's component across the
+    /// double's angle over its component along it. It is so small that it equals its own arc.
     fn atan2(self, x: Self) -> Self {
         let angle = DoubleDouble::from(self.high.atan2(x.high));
         let (sine, cosine) = angle.sin_cos();
@@ -175,7 +175,7 @@ impl Scalar for DoubleDouble {
 mod tests {
     use super::*;
 
-    /// A hundredfold of 2^-104, relative to one.
+    /// One hundred times 2^-104, relative to one.
     const ROUNDING: f64 = 5e-30;
 
     #[test]

@@ -1,4 +1,4 @@
-//! Cost of each effect, alone and in sum, relative to positions alone.
+//! Cost of each effect, alone and added to the previous ones, relative to positions alone.
 
 use super::accuracy::{Subject, unchecked_and_checked};
 use super::{Clock, Job, Timing, Unmeasurable, wheel_travel};
@@ -16,14 +16,14 @@ use hardpoint_engine::study::{
 };
 use std::hint::black_box;
 
-/// One effect.
+/// Measured cost of one effect.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
     /// Name of the effect.
     pub effect: String,
     /// Time per pose with this effect alone.
     pub alone: Timing,
-    /// Time per pose with it and all before it.
+    /// Time per pose with this effect and all previous ones.
     pub added: Timing,
     /// Work done with this effect alone, per run.
     pub work: Work,
@@ -31,14 +31,14 @@ pub struct Measurement {
     pub poses: usize,
 }
 
-/// Every effect, positions alone first.
+/// Measurements of all effects; positions alone come first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effects {
-    /// In the order in which they are added up.
+    /// Measurements in the order in which the effects are added.
     pub measurements: Vec<Measurement>,
 }
 
-/// An effect as a change to a study.
+/// An effect as a change of a study.
 struct Change {
     name: &'static str,
     apply: fn(&mut WheelStudy),
@@ -171,7 +171,7 @@ impl Effects {
             jobs.extend([alone.job(), added.job()]);
         }
         let times = clock.in_rounds(&mut jobs);
-        // Certificates are no part of what is planned here: they are added to every pose.
+        // A plan contains no certificates. They are computed separately for every pose.
         let proofs = Proofs::of(&base, &subject)?;
         let jobs = [(&runs[0].1, 1), (&runs[all].2, runs[all].2.racks())];
         let rest = clock.in_rounds(&mut jobs.map(|(planned, many)| proofs.job(planned, many)));
@@ -261,7 +261,7 @@ impl<'m> Proofs<'m> {
         })
     }
 
-    /// The plan carried out, and every pose proved, `many` times over.
+    /// Makes a job that runs the plan and certifies every pose `many` times.
     fn job<'a>(&'a self, planned: &'a Planned, many: usize) -> Job<'a> {
         Job {
             items: planned.poses,
@@ -278,7 +278,7 @@ impl<'m> Proofs<'m> {
     }
 }
 
-/// The hardpoints of a suspension.
+/// Hardpoints of a suspension.
 fn hardpoints(suspension: &Suspension) -> Vec<PointId> {
     let mechanism = &suspension.mechanism;
     let known = |name: &str| mechanism.topology.hardpoint(name).is_some();

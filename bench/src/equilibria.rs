@@ -1,4 +1,4 @@
-//! Equilibria of a wheel with elastic parts per second, and a whole sheet of tests with derivatives.
+//! Equilibria per second of a wheel with elastic parts, and time of a whole sheet of tests with derivatives.
 
 use super::{Clock, Job, Timing, Unmeasurable};
 use hardpoint_engine::bench_hooks::wheel_figures;
@@ -11,28 +11,28 @@ use hardpoint_engine::number::{Tape, Vector3};
 use hardpoint_engine::study::{ComplianceStudy, WheelStudy};
 use std::hint::black_box;
 
-/// Loads of a sample.
+/// Number of loads in a sample.
 const LOADS: usize = 64;
 /// Largest component of a force, N.
 const LARGEST: f64 = 2000.0;
 
-/// A measured job.
+/// Measured time of one job.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
-    /// The job in words.
+    /// Name of the job in words.
     pub job: &'static str,
     /// Time per item.
     pub timing: Timing,
 }
 
-/// Times of equilibria of a study.
+/// Times of the equilibria of a study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Equilibria {
-    /// Each job.
+    /// One measurement per job.
     pub measurements: Vec<Measurement>,
 }
 
-/// Loads that are spread evenly, the same on every machine.
+/// Evenly spread loads, the same on every machine.
 fn loads() -> Vec<WheelLoads> {
     let part = |k: usize, irrational: f64| 2.0 * ((k + 1) as f64 * irrational).fract() - 1.0;
     let load = |k| {
@@ -44,7 +44,7 @@ fn loads() -> Vec<WheelLoads> {
     (0..LOADS).map(load).collect()
 }
 
-/// All inputs of a suspension with elastic parts.
+/// All input parameters of a suspension with elastic parts.
 fn parameters(wheel: &WheelStudy, elastic: &ComplianceStudy) -> Vec<Parameter> {
     let points = (0..wheel.suspension.design.len()).map(PointId);
     let mut all: Vec<Parameter> = points
@@ -62,7 +62,7 @@ fn parameters(wheel: &WheelStudy, elastic: &ComplianceStudy) -> Vec<Parameter> {
 }
 
 impl Equilibria {
-    /// Times equilibria of a study. Errors without elastic parts, and if the design has no equilibrium.
+    /// Times the equilibria of a study. Returns an error if the study has no elastic parts, or if its design has no equilibrium.
     pub fn measure(wheel: &WheelStudy, clock: &Clock) -> Result<Self, Unmeasurable> {
         let elastic = wheel.compliance.as_ref().ok_or(Unmeasurable::Rigid)?;
         let (suspension, parts) = (&wheel.suspension, &elastic.parts);

@@ -1,7 +1,7 @@
-//! The program measures itself on this machine: poses per second, the cost of a digit, and the cost of an effect.
+//! Measures the program on this machine: poses per second, the cost of a digit, and the cost of an effect.
 //!
-//! Times are taken in rounds, so that other load on the machine falls on all alike; compare within one run. Finite
-//! differences exist only here in the library, as a reference for comparison.
+//! The clock takes one sample of each job in turn, so that other load on the machine affects all jobs alike. Compare times within
+//! one run only. This crate is the only library code with finite differences; they are a reference for comparison.
 
 #![warn(clippy::allow_attributes_without_reason, unreachable_pub)]
 
@@ -23,7 +23,7 @@ pub use timing::{Clock, Job, Timing};
 use hardpoint_engine::mechanism::DesignFault;
 use hardpoint_engine::study::{Drive, Motion};
 
-/// Why there is nothing to measure.
+/// Reason why nothing can be measured.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Unmeasurable {
     /// The design cannot be solved.
@@ -39,7 +39,7 @@ pub enum Unmeasurable {
         /// Number of stations that the measurement needs.
         needed: usize,
     },
-    /// Two outputs of the study have one name.
+    /// Two outputs of the study have the same name.
     #[error("two outputs have the name {0}; remove one of them from [outputs]")]
     TwoColumns(String),
     /// A wheel of the axle cannot be solved.
@@ -62,7 +62,7 @@ impl From<DesignFault> for Unmeasurable {
     }
 }
 
-/// A motion through these wheel travels, the rack at 0.
+/// Motion through these wheel travels, with the rack at 0.
 fn wheel_travel(travels: &[f64]) -> Motion {
     Motion {
         drive: Drive::Travel,

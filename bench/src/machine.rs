@@ -1,4 +1,4 @@
-//! The machine and the program of a measurement.
+//! Machine and program version of a measurement.
 
 use super::Clock;
 use serde::Serialize;
@@ -6,24 +6,24 @@ use serde::Serialize;
 /// Machine, program and settings of a measurement.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Machine {
-    /// Name of the processor, as it calls itself; its architecture where it has none.
+    /// Name that the processor reports, or its architecture if it reports none.
     pub processor: String,
-    /// Threads it runs at once.
+    /// Number of threads that the machine runs at once.
     pub cores: usize,
     /// Operating system.
     pub system: &'static str,
     /// Version of the program.
     pub version: &'static str,
-    /// True if the program was built without optimisation; its times then mean little.
+    /// True if the program was built without optimisation. Its times then mean little.
     pub unoptimised: bool,
-    /// Samples of each time.
+    /// Number of samples per time.
     pub samples: usize,
     /// Shortest duration of a sample, in milliseconds.
     pub shortest_sample_ms: f64,
 }
 
 impl Machine {
-    /// This machine.
+    /// Describes this machine.
     pub fn here(clock: &Clock) -> Self {
         Machine {
             processor: processor().unwrap_or_else(|| std::env::consts::ARCH.to_owned()),
@@ -36,7 +36,7 @@ impl Machine {
         }
     }
 
-    /// In one line.
+    /// Description of the machine in one line.
     pub fn line(&self) -> String {
         let warning = match self.unoptimised {
             true => "; built without optimisation: times mean little",
@@ -49,7 +49,7 @@ impl Machine {
     }
 }
 
-/// Linux says it in a file; elsewhere it takes a library.
+/// Name of the processor, on Linux only: Linux has it in a file, other systems would need a library.
 fn processor() -> Option<String> {
     let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("model name"))?;

@@ -1,4 +1,4 @@
-//! Numbers of single precision: they show how many digits they lose.
+//! Numbers of single precision. They show how many digits single precision loses.
 
 use hardpoint_engine::number::{Real, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};

@@ -1,21 +1,21 @@
-//! Times: medians of many samples, with their spread.
+//! Times: median and spread of many samples.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-/// A time per item, in nanoseconds.
+/// Time per item, in nanoseconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timing {
-    /// Half of the samples are faster.
+    /// Median: half of the samples are faster.
     pub median: f64,
-    /// A quarter of the samples is faster.
+    /// Lower quartile: a quarter of the samples is faster.
     pub lower: f64,
-    /// A quarter of the samples is slower.
+    /// Upper quartile: a quarter of the samples is slower.
     pub upper: f64,
 }
 
 impl Timing {
-    /// Median and quartiles of samples, in ns per item; there must be at least one.
+    /// Computes median and quartiles of samples in ns per item. Needs at least one sample.
     fn of(mut samples: Vec<f64>) -> Self {
         samples.sort_by(f64::total_cmp);
         let at = |share: f64| samples[((samples.len() - 1) as f64 * share).round() as usize];
@@ -26,18 +26,18 @@ impl Timing {
         }
     }
 
-    /// Half of the distance between the quartiles, in parts of the median.
+    /// Half of the distance between the quartiles, relative to the median.
     pub fn spread(&self) -> f64 {
         0.5 * (self.upper - self.lower) / self.median
     }
 }
 
-/// Duration of the measurements.
+/// Settings of the measurements: number and duration of samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
-    /// Samples of each time.
+    /// Number of samples per time.
     pub samples: usize,
-    /// The shortest sample: work is repeated until it takes so long.
+    /// Shortest duration of a sample. Short work is repeated until it takes this long.
     pub shortest: Duration,
 }
 
@@ -45,14 +45,14 @@ impl Default for Clock {
     fn default() -> Self {
         Clock {
             samples: 51,
-            // Shorter than the slice of time in which something else has the processor.
+            // Shorter than the time slice of a scheduler, so that most samples run without interruption.
             shortest: Duration::from_micros(200),
         }
     }
 }
 
 impl Clock {
-    /// The time per item of `work`, which does `items` items.
+    /// Measures the time per item of `work`, which processes `items` items.
     pub fn time<R>(&self, items: usize, mut work: impl FnMut() -> R) -> Timing {
         let work = Job {
             items,
@@ -63,13 +63,13 @@ impl Clock {
         self.in_rounds(&mut [work])[0]
     }
 
-    /// The times of several jobs, one sample of each after another.
+    /// Measures several jobs in turn: one sample of each job per round.
     pub fn in_rounds(&self, jobs: &mut [Job<'_>]) -> Vec<Timing> {
         let repeats: Vec<u32> = jobs.iter_mut().map(|job| self.repeats(job)).collect();
         let mut samples = vec![Vec::with_capacity(self.samples); jobs.len()];
         for _ in 0..self.samples {
             for ((job, repeats), samples) in jobs.iter_mut().zip(&repeats).zip(&mut samples) {
-                // A sample for nothing: what came before has left its traces in the processor.
+                // A run that is not counted: it restores the processor's caches after the previous job.
                 elapsed(job, *repeats);
                 let time = elapsed(job, *repeats).as_secs_f64() * 1e9;
                 samples.push(time / f64::from(*repeats) / job.items as f64);
@@ -88,7 +88,7 @@ impl Clock {
     }
 }
 
-/// Something to be timed.
+/// Work to be timed.
 pub struct Job<'a> {
     /// Number of items that the job processes.
     pub items: usize,

@@ -1,7 +1,7 @@
-//! The equations on any number, with any tolerance and any start: for measuring their cost.
+//! Bare equations for any number type, tolerance and start, to measure their cost.
 //!
-//! Production is [`Solver`](hardpoint_engine::solve::Solver), which does more: it looks where it steps. Here the formulas
-//! of closed form and closure equations are run bare, so that one thing at a time can be changed.
+//! The program itself uses [`Solver`](hardpoint_engine::solve::Solver), which also checks its steps. This module runs the
+//! formulas of the closed form and of the closure equations without checks, so that a measurement can change one thing at a time.
 
 use hardpoint_engine::bench_hooks::{ClosedForm, Closure, Driver, Lu6, Roles};
 use hardpoint_engine::mechanism::{Configuration, Pose};
@@ -11,25 +11,25 @@ use hardpoint_engine::number::Jet;
 use hardpoint_engine::number::Scalar;
 use hardpoint_engine::number::{Matrix3, Vector3};
 
-/// Equations for the pose at a wheel travel, to be solved by Newton's method.
+/// Equations of the pose at a wheel travel. Newton's method solves them.
 pub(crate) trait Equations<T> {
-    /// The unknown that is solved for.
+    /// Type of the unknown.
     type Unknown: Copy;
-    /// Its value in the design position.
+    /// Value of the unknown in the design position.
     fn design(&self) -> Self::Unknown;
     /// Makes one Newton step. Returns the next unknown, and the travel error of the unknown before it.
     fn step(&self, at: &Self::Unknown, travel: T) -> (Self::Unknown, f64);
-    /// The weighted sum of earlier solutions.
+    /// Weighted sum of earlier solutions.
     fn predicted(&self, earlier: &[Self::Unknown], weights: &[f64]) -> Self::Unknown;
-    /// The pose.
+    /// Pose that belongs to an unknown.
     fn pose(&self, at: &Self::Unknown) -> Pose<T>;
 }
 
-/// The most Newton iterations of a solution.
+/// Largest number of Newton iterations per solution.
 const MOST_ITERATIONS: usize = 20;
 
-/// Solves until the equations are missed by no more than `tolerance` (a length), or are no longer met any better.
-/// Returns the number of iterations, too.
+/// Solves until the error of the equations is at most `tolerance` (a length), or no longer decreases. Returns the solution and
+/// the number of iterations.
 #[inline]
 pub(crate) fn solve<T: Scalar, E: Equations<T>>(
     equations: &E,
@@ -40,7 +40,7 @@ pub(crate) fn solve<T: Scalar, E: Equations<T>>(
     let (mut at, mut last) = (start, f64::INFINITY);
     for iteration in 1..=MOST_ITERATIONS {
         let (next, missed) = equations.step(&at, travel);
-        // Written so that NaN ends it.
+        // This form of the condition ends the iteration if the error is NaN.
         let shrinks = missed < last;
         if missed <= tolerance || !shrinks {
             return (at, iteration);
@@ -50,7 +50,7 @@ pub(crate) fn solve<T: Scalar, E: Equations<T>>(
     (at, MOST_ITERATIONS)
 }
 
-/// The closed form: one equation in the tangent of half the arm's angle.
+/// The closed form: one equation for the tangent of half the arm's angle.
 pub(crate) struct OneEquation<T> {
     form: ClosedForm<T>,
     series: ClosedForm<Jet<T, 2>>,
@@ -58,7 +58,7 @@ pub(crate) struct OneEquation<T> {
 }
 
 impl<T: Scalar> OneEquation<T> {
-    /// The equation of a design with the rack at `rack`. `None` if its mechanism has no closed form.
+    /// Makes the equation of a design with the rack at `rack`. `None` if the mechanism has no closed form.
     pub(crate) fn new(mechanism: &Mechanism, design: &[Vector3<T>], rack: T) -> Option<Self> {
         let form = ClosedForm::new(&Roles::of(mechanism)?, design);
         Some(OneEquation {
@@ -99,7 +99,7 @@ impl<T: Scalar> Equations<T> for OneEquation<T> {
     }
 }
 
-/// The six closure equations in the pose itself.
+/// The six closure equations for the pose itself.
 pub(crate) struct SixEquations<'m, T> {
     mechanism: &'m Mechanism,
     design: Vec<Vector3<T>>,
@@ -117,7 +117,7 @@ impl<'m, T: Scalar> SixEquations<'m, T> {
         }
     }
 
-    /// The design in a pose.
+    /// Configuration of the design in a pose.
     #[inline]
     pub(crate) fn configuration(&self, pose: Pose<T>) -> Configuration<'_, T> {
         Configuration::new(self.mechanism, &self.design, pose, self.rack)
@@ -173,8 +173,7 @@ impl<T: Scalar> Equations<T> for SixEquations<'_, T> {
     }
 }
 
-/// Sensitivities by forward differentiation: the equations with the coordinates of one hardpoint as
-/// variables, one hardpoint after another.
+/// Sensitivities by forward differentiation. The coordinates of one hardpoint are the variables, one hardpoint after another.
 pub(crate) struct Forward<'m, T> {
     plain: SixEquations<'m, T>,
     by_point: Vec<(PointId, SixEquations<'m, Dual<T, 3>>)>,
@@ -199,8 +198,8 @@ impl<'m, T: Scalar> Forward<'m, T> {
         }
     }
 
-    /// Calls `receive` with the configuration as a function of each hardpoint's coordinates, at a solved pose:
-    /// J x_p = -F_p with one factorisation for all.
+    /// Calls `receive` for each hardpoint, with the configuration at a solved pose as a function of the hardpoint's coordinates:
+    /// J x_p = -F_p, with one factorisation for all hardpoints.
     #[inline]
     pub(crate) fn each(
         &self,

@@ -96,11 +96,11 @@ class Bench:
         import dask
         from dask.distributed import Client, LocalCluster
 
-        # As the documentation advises.
+        # The documentation advises to switch the profiler off.
         dask.config.set({"distributed.worker.profile.enabled": False})
 
         def on(workers: int, folder: str, name: str) -> float:
-            # Workers have imported the module before.
+            # The workers import the module before the measurement.
             with (
                 LocalCluster(n_workers=workers, threads_per_worker=1, host="127.0.0.1", dashboard_address=None) as cluster,
                 Client(cluster) as client,

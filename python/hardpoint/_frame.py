@@ -152,7 +152,7 @@ class Frame(dict[str, Array]):
         import pyarrow
         import pyarrow.parquet
 
-        # Names of columns are taken, too, which the types of pyarrow do not say.
+        # pyarrow also accepts lists of column names here, but its type hints do not include them.
         words: Any = [name for name, values in self.items() if values.dtype.kind not in "fiu"]
         numbers: Any = [name for name, values in self.items() if values.dtype.kind == "f"]
         pyarrow.parquet.write_table(

@@ -103,7 +103,7 @@ class Run(Mapping[str, Frame]):
         for name in names:
             stem = name.rsplit(".", 1)[0]
             kind, _, number = stem.rpartition("-")
-            # part-000000000.csv are rows of designs, curves-000000000.csv their curves.
+            # part-000000000.csv contains rows of designs, curves-000000000.csv contains their curves.
             stem = {"part": "designs"}.get(kind, kind) if kind and number.isdigit() else stem
             self._tables.setdefault(stem, []).append(self.path / name)
         self._read: dict[str, Frame] = {}

@@ -94,7 +94,8 @@ def _done(futures: list[Future[int]], is_last: bool) -> set[int]:
         except Refused:
             raise
         except HardpointError:
-            # It would end so everywhere: raised at the last try, since a full disk may be another's.
+            # Most errors would occur on every worker. But a full disk may affect one worker only, so the
+            # error is raised at the last try.
             if is_last:
                 raise
         except Exception as error:  # noqa: BLE001: whatever the engine makes of a lost worker

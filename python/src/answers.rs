@@ -25,7 +25,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-/// Files of a run by name, and its summary as JSON.
+/// Files of a run with their names, and the summary of the run as JSON.
 struct Answer {
     files: Vec<(String, Vec<u8>)>,
     summary: String,
@@ -53,13 +53,13 @@ impl Answer {
     }
 }
 
-/// A record as its file.
+/// JSON of a record, as the program writes it to a file.
 pub(crate) fn as_json(record: &Record) -> Vec<u8> {
     let text = serde_json::to_string(record).expect("records are plain data");
     (text + "\n").into_bytes()
 }
 
-/// The files of a solve, over the study's motion or one of `[motions]`.
+/// Files of `solve`, over the study's own motion or over one of `[motions]`.
 #[pyfunction]
 #[pyo3(signature = (study, motion=None))]
 pub(crate) fn solve_files<'py>(
@@ -85,7 +85,7 @@ pub(crate) fn solve_files<'py>(
     answer.map_err(failure)?.into_dict(py)
 }
 
-/// The page of files in memory, and the pictures of their curves by name where they are asked for.
+/// Page of a run whose files are in memory, and on request the pictures of its curves by name.
 #[pyfunction]
 #[pyo3(signature = (files, pictures=false))]
 pub(crate) fn page_of_files<'py>(
@@ -114,7 +114,7 @@ fn by_name<'py>(py: Python<'py>, pictures: &[Picture]) -> PyResult<Bound<'py, Py
     Ok(result)
 }
 
-/// Refuses a study with elastic parts where they would be left out.
+/// Returns the study. Refuses a study with elastic parts if the result would ignore them.
 pub(crate) fn rigid<'s>(own: &'s hardpoint::Study, what: &str) -> PyResult<&'s hardpoint::Study> {
     match own.is_elastic() {
         false => Ok(own),
@@ -124,7 +124,7 @@ pub(crate) fn rigid<'s>(own: &'s hardpoint::Study, what: &str) -> PyResult<&'s h
     }
 }
 
-/// The tests of a rig: tables by name of the file, and a summary.
+/// Results of the `kc` tests: tables by file name, and a summary.
 #[pyfunction]
 #[pyo3(signature = (study, names=None))]
 pub(crate) fn kc<'py>(
@@ -153,7 +153,7 @@ pub(crate) fn kc<'py>(
     answer.map_err(failure)?.into_dict(py)
 }
 
-/// The adjustments that give the static values of `[setup]`.
+/// Adjustments that give the static values of `[setup]`.
 #[pyfunction]
 pub(crate) fn setup<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, PyDict>> {
     let own = rigid(study.whole(), "setup")?;
@@ -181,7 +181,7 @@ pub(crate) fn tolerance_of(own: &hardpoint::Study) -> PyResult<&Tolerance> {
     })
 }
 
-/// The effect of the scatter of `[tolerance]`. `progress(done, all)` is called on this thread.
+/// Effect of the scatter of `[tolerance]` on the results. `progress(done, all)` is called on this thread.
 #[pyfunction]
 #[pyo3(signature = (study, threads=None, progress=None))]
 pub(crate) fn tolerance<'py>(
@@ -205,7 +205,7 @@ pub(crate) fn tolerance<'py>(
     answer.map_err(failure)?.into_dict(py)
 }
 
-/// Results of builds; an interrupted call has none.
+/// Computes the results of all builds. An interrupted call returns no results.
 fn scattered(
     own: &hardpoint::Study,
     tolerance: &Tolerance,
@@ -248,7 +248,7 @@ fn scattered(
     Ok(Answer::of(files, &summary))
 }
 
-/// The study of one build of `[tolerance]`, by its number from 0.
+/// Study of one build of `[tolerance]`, by its number from 0.
 #[pyfunction]
 pub(crate) fn build(py: Python<'_>, study: &Study, number: u64) -> PyResult<Study> {
     let own = study.whole();
@@ -267,7 +267,7 @@ pub(crate) fn build(py: Python<'_>, study: &Study, number: u64) -> PyResult<Stud
     Study::of(py.detach(|| hardpoint::Study::elastic_from_text(&file, &text, "".as_ref())))
 }
 
-/// The study of one design of `[sweep]`, by its number from 0.
+/// Study of one design of `[sweep]`, by its number from 0.
 #[pyfunction]
 pub(crate) fn swept_design(py: Python<'_>, study: &Study, number: u64) -> PyResult<Study> {
     let own = study.whole();
@@ -285,7 +285,7 @@ pub(crate) fn swept_design(py: Python<'_>, study: &Study, number: u64) -> PyResu
     Study::of(py.detach(|| hardpoint::Study::elastic_from_text(&file, &text, "".as_ref())))
 }
 
-/// All assemblies of the design's lengths: a CSV, and places where the search could not decide.
+/// All positions in which the parts of the design can be assembled, as CSV, and the places where the search could not decide.
 #[pyfunction]
 pub(crate) fn assemblies<'py>(
     py: Python<'py>,
@@ -307,7 +307,7 @@ pub(crate) fn assemblies<'py>(
     Ok((PyBytes::new(py, csv.as_bytes()), found.undecided()))
 }
 
-/// Curves and points of studies side by side, over the motion of the first one.
+/// Curves and points of several studies side by side, over the motion of the first study.
 #[pyfunction]
 pub(crate) fn compare<'py>(
     py: Python<'py>,
@@ -336,8 +336,8 @@ pub(crate) fn compare<'py>(
     answer.map_err(failure)?.into_dict(py)
 }
 
-/// Makes the page of a finished run and writes it into the run's directory; returns the pictures of its curves, by name,
-/// where they are asked for.
+/// Makes the page of a finished run and writes it into the run's directory. Returns the pictures of its curves by name, if they
+/// are requested.
 #[pyfunction]
 #[pyo3(signature = (directory, pictures=false, force=false))]
 pub(crate) fn report<'py>(

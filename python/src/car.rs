@@ -23,7 +23,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-/// The study of a car: frozen, pickled as its text and those of both axles.
+/// Study of a car. It is immutable. Pickling stores its text and the texts of both axles.
 #[pyclass(frozen, module = "hardpoint._hardpoint")]
 pub(crate) struct Car {
     study: CarStudy,
@@ -34,7 +34,7 @@ impl Car {
         failure(self.study.car.describe_fault(fault))
     }
 
-    /// The variables of `[optimise]`, else those of `[sweep]`.
+    /// Variables of `[optimise]`, or of `[sweep]` if there is no `[optimise]`.
     fn own_variables(&self) -> &[CarVariable] {
         match (&self.study.optimise, &self.study.sweep) {
             (Some(optimise), _) => &optimise.variables,
@@ -52,7 +52,7 @@ impl Car {
 
 #[pymethods]
 impl Car {
-    /// From a file that names the files of both axles.
+    /// Reads the study of a car from a file, which names the files of both axles.
     #[staticmethod]
     #[pyo3(signature = (path, overrides=Vec::new()))]
     fn load(py: Python<'_>, path: PathBuf, overrides: Vec<String>) -> PyResult<Self> {
@@ -61,7 +61,7 @@ impl Car {
         Ok(Car { study })
     }
 
-    /// From its text and the studies of both axles, whatever files the text names.
+    /// Makes a car from its text and the studies of both axles. File names in the text are ignored.
     #[staticmethod]
     fn of(py: Python<'_>, name: &str, text: &str, front: &Study, rear: &Study) -> PyResult<Self> {
         let axles = [front, rear].map(|axle| axle.whole().clone());
@@ -70,13 +70,13 @@ impl Car {
         Ok(Car { study })
     }
 
-    /// Text of the study, with overrides applied.
+    /// Text of the study after all overrides.
     #[getter]
     fn text(&self) -> &str {
         &self.study.text
     }
 
-    /// The studies of the front and the rear axle.
+    /// Studies of the front and the rear axle.
     #[getter]
     fn axles(&self) -> PyResult<(Study, Study)> {
         let [front, rear] = self.study.axles.clone();
@@ -100,13 +100,13 @@ impl Car {
         cases.map(|case| case.name.clone()).collect()
     }
 
-    /// Columns of the results that the study asks for.
+    /// Columns of the results that the study requests.
     #[getter]
     fn results(&self) -> Vec<String> {
         self.columns()
     }
 
-    /// Columns of the variables of [optimise], else of [sweep].
+    /// Columns of the variables of [optimise], or of [sweep] if there is no [optimise].
     #[getter]
     fn variables(&self) -> Vec<String> {
         let variables = self.own_variables().iter();
@@ -136,7 +136,7 @@ impl Car {
     }
 }
 
-/// Results of the load cases: a column for each result, a row for each case.
+/// Results of the load cases: one column per result, one row per case.
 #[pyfunction]
 pub(crate) fn car_solve<'py>(py: Python<'py>, car: &Car) -> PyResult<Bound<'py, PyDict>> {
     let study = &car.study;
@@ -172,7 +172,7 @@ pub(crate) fn car_solve<'py>(py: Python<'py>, car: &Car) -> PyResult<Bound<'py, 
     }))
 }
 
-/// Derivatives of the results of all cases by variables: an array (cases, results, variables), NaN where a result is not
+/// Derivatives of the results of all cases by the variables, as an array (cases, results, variables). NaN if a result is not
 /// defined.
 #[pyfunction]
 pub(crate) fn car_derivatives<'py>(py: Python<'py>, car: &Car) -> PyResult<Bound<'py, PyAny>> {
@@ -199,7 +199,7 @@ pub(crate) fn car_derivatives<'py>(py: Python<'py>, car: &Car) -> PyResult<Bound
     Ok(mostly_nan(py, shape, known.into_iter()).into_any())
 }
 
-/// The rows of the car's sweep. `progress(done, all)` is called on this thread.
+/// Rows of the car's sweep. `progress(done, all)` is called on this thread.
 #[pyfunction]
 #[pyo3(signature = (car, threads=None, progress=None))]
 pub(crate) fn car_sweep<'py>(
@@ -265,7 +265,7 @@ pub(crate) fn car_optimise<'py>(
     Ok(result)
 }
 
-/// Doubts about a car's static position, a line each, and cases without equilibrium.
+/// Doubts about the car's static position, one per line, and the cases that have no equilibrium.
 #[pyfunction]
 pub(crate) fn car_check(py: Python<'_>, car: &Car) -> PyResult<(Vec<String>, Vec<String>)> {
     let study = &car.study;
@@ -277,7 +277,7 @@ pub(crate) fn car_check(py: Python<'_>, car: &Car) -> PyResult<(Vec<String>, Vec
     checked.map_err(|fault| car.fault(&fault))
 }
 
-/// Lift limits and ends of equilibrium, as a CSV.
+/// Wheel-lift limits and ends of equilibrium, as CSV.
 #[pyfunction]
 pub(crate) fn car_limits<'py>(py: Python<'py>, car: &Car) -> PyResult<Bound<'py, PyBytes>> {
     let study = &car.study;
@@ -289,7 +289,7 @@ pub(crate) fn car_limits<'py>(py: Python<'py>, car: &Car) -> PyResult<Bound<'py,
     Ok(PyBytes::new(py, table.csv(None).as_bytes()))
 }
 
-/// Results of cars side by side: files by name.
+/// Results of several cars side by side, as files by name.
 #[pyfunction]
 pub(crate) fn car_compare<'py>(
     py: Python<'py>,
@@ -318,7 +318,7 @@ pub(crate) fn car_compare<'py>(
     Ok(result)
 }
 
-/// The effect of the scatter of a car's parts: files by name. `progress(done, all)` is called on this thread.
+/// Effect of the scatter of a car's parts, as files by name. `progress(done, all)` is called on this thread.
 #[pyfunction]
 #[pyo3(signature = (car, threads=None, progress=None))]
 pub(crate) fn car_tolerance<'py>(

@@ -11,7 +11,7 @@ use numpy::{IntoPyArray, PyArray1, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Columns of a frame in the making, with their units and signs.
+/// Builds the columns of a frame, with their units and signs.
 pub(crate) struct Columns<'py> {
     py: Python<'py>,
     columns: Bound<'py, PyDict>,
@@ -24,7 +24,7 @@ impl<'py> Columns<'py> {
         Columns { py, columns, info }
     }
 
-    /// Adds a column; `info` is its output, its unit and when it is positive.
+    /// Adds a column. `info` holds the name of its output, its unit, and the meaning of a positive value.
     pub(crate) fn push(
         &self,
         name: &str,
@@ -37,7 +37,7 @@ impl<'py> Columns<'py> {
         self.info.set_item(name, info)
     }
 
-    /// The frame: columns, info, status codes, and the reasons of stations without or with doubtful values.
+    /// Returns the frame: columns, info, status codes, and a reason for each station whose values are missing or doubtful.
     pub(crate) fn finish(
         self,
         stations: impl Iterator<Item = (&'static str, Option<String>)>,
@@ -58,7 +58,7 @@ impl<'py> Columns<'py> {
     }
 }
 
-/// Why a station has no values, or doubtful ones.
+/// Reason why a station has no values or doubtful values.
 pub(crate) fn reason(word: &str) -> Option<String> {
     let reason = match word {
         "ok" => return None,
@@ -70,8 +70,8 @@ pub(crate) fn reason(word: &str) -> Option<String> {
     Some(reason.to_owned())
 }
 
-/// The curves of the study's motion, or of one in `[motions]`: columns, stations, statuses and, where the study asks for
-/// them, sensitivities.
+/// Curves over the study's own motion or over one of `[motions]`: columns, stations, statuses, and sensitivities if the study
+/// requests them.
 #[pyfunction]
 #[pyo3(signature = (study, motion=None, threads=None))]
 pub(crate) fn solve<'py>(
@@ -86,7 +86,7 @@ pub(crate) fn solve<'py>(
     }
 }
 
-/// The study over one of its `[motions]`.
+/// Study with one of its `[motions]` as its motion.
 pub(crate) fn in_motion(
     own: &hardpoint::study::Study,
     name: &str,
@@ -123,7 +123,7 @@ fn of_own_motion<'py>(
         columns.push(&c.name(), (c.key, c.unit, positive), found.along(c.key))?;
         motion.push(c.name());
     }
-    // The name of the drive comes first.
+    // The name of the drive comes first in the list.
     if let Some(drive) = found.motion.iter().find(|c| c.is_given && c.is_written) {
         motion.sort_by_key(|name| *name != drive.name());
     }
@@ -152,7 +152,8 @@ fn of_own_motion<'py>(
     Ok(result)
 }
 
-/// Adds the sensitivities of curves to a result: `[station][column][point][axis]`, of an axle by side before that.
+/// Adds the sensitivities of curves to a result. Their axes are `[station][column][point][axis]`; an axle has the side as first
+/// axis.
 fn set_sensitivities(
     py: Python<'_>,
     study: &Study,
@@ -191,7 +192,7 @@ fn set_sensitivities(
     result.set_item("sensitivity_points", names.collect::<Vec<_>>())
 }
 
-/// An array with values at some places, NaN at all others.
+/// Array with the given values at their places and NaN everywhere else.
 pub(crate) fn mostly_nan<const N: usize>(
     py: Python<'_>,
     shape: [usize; N],

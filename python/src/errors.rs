@@ -19,14 +19,14 @@ pyo3::create_exception!(
      the first mistake."
 );
 
-/// The mistakes of a study as an exception with their place.
+/// Converts the errors of a study to an exception with file, line, column and key of the first one.
 pub(crate) fn study_error(errors: &StudyErrors) -> PyErr {
     Python::attach(|python| {
         let error = StudyError::new_err(errors.render(false));
         let value = error.value(python);
         if let Some(first) = errors.all().first() {
             let (line, column) = first.position().unzip();
-            // An attribute that cannot be set leaves the message, which says the same.
+            // If an attribute cannot be set, the message still contains the same facts.
             let _ = value.setattr("line", line);
             let _ = value.setattr("column", column);
             let _ = value.setattr("key", first.path());
@@ -36,19 +36,19 @@ pub(crate) fn study_error(errors: &StudyErrors) -> PyErr {
     })
 }
 
-/// An exception for a request that cannot be computed.
+/// Exception for a request that cannot be computed.
 pub(crate) fn failure(message: impl Into<String>) -> PyErr {
     HardpointError::new_err(message.into())
 }
 
-/// An exception for a result that is larger than the memory.
+/// Exception for a result that does not fit into memory.
 pub(crate) fn too_large(shape: &[usize]) -> PyErr {
     PyMemoryError::new_err(format!(
         "a result of shape {shape:?} does not fit into memory"
     ))
 }
 
-/// An exception for a command of the program that has no result. Options of the command line are parameters here.
+/// Exception for a command that returned no result. The text names parameters of Python instead of command-line options.
 pub(crate) fn not_done(reason: NotDone) -> PyErr {
     match reason {
         NotDone::WrongStudy(errors) => study_error(&errors),

@@ -1,4 +1,4 @@
-//! Curves as a pure function of the design.
+//! Curves as a pure function of the design variables.
 
 use crate::errors::{failure, too_large};
 use crate::status::of_designs;
@@ -15,25 +15,26 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-/// Designs that one thread takes at a time: of values, and of values with Jacobians, which take longer.
+/// Number of designs that one thread takes at a time for values. The next constant is for values with Jacobians, which take
+/// longer.
 const CHUNK: usize = 128;
 const DIFFERENTIATED: usize = 32;
-/// The same of an axle, whose designs are solved one after the other.
+/// Number of designs per chunk for an axle, whose designs are solved one by one.
 const OF_AXLE: usize = 1;
 
-/// A pure function of the design.
+/// Pure function from design variables to curves.
 #[pyclass(frozen, module = "hardpoint._hardpoint")]
 pub(crate) struct Function {
     function: Arc<DesignFunction>,
-    /// Workspaces of calls before, for the next calls: to make one takes longer than to evaluate a design.
+    /// Workspaces of earlier calls, kept for later calls. Making one takes longer than evaluating a design.
     idle: Mutex<Vec<Workspace>>,
-    /// The study, for copies in other processes.
+    /// Study of the function. Pickling needs it to copy the function to other processes.
     study: Py<Study>,
     is_axle: bool,
 }
 
 self_cell::self_cell!(
-    /// A workspace with the function that it evaluates.
+    /// A workspace together with the function that it evaluates.
     struct Workspace {
         owner: Arc<DesignFunction>,
         #[not_covariant]
@@ -41,7 +42,7 @@ self_cell::self_cell!(
     }
 );
 
-/// A workspace in use. It is idle again afterwards, unless its call panicked.
+/// A workspace in use. It becomes idle again afterwards, unless its call panicked.
 struct InUse<'f> {
     function: &'f Function,
     workspace: Option<Workspace>,
@@ -63,7 +64,7 @@ impl Drop for InUse<'_> {
     }
 }
 
-/// Designs of one chunk, and where their results go.
+/// Designs of one chunk, and the places for their results.
 struct Chunk<'a> {
     x: &'a [f64],
     values: &'a mut [f64],
@@ -96,7 +97,7 @@ impl Function {
         variables.map(|v| v.name.clone()).collect()
     }
 
-    /// Lowest and highest value of each variable, (variables, 2).
+    /// Lowest and highest value of each variable, as an array (variables, 2).
     #[getter]
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let variables = self.function.variables();
@@ -115,13 +116,13 @@ impl Function {
         self.function.stations()
     }
 
-    /// The study with the variables at `x` (variables,).
+    /// Study with its variables at `x`, an array (variables,).
     fn moved(&self, py: Python<'_>, x: Vec<f64>) -> PyResult<Study> {
         let study = self.study.bind(py);
         Study::moved(study, self.function.moved(&study.get().study, &x))
     }
 
-    /// Values of designs (n, variables): (n, outputs, stations), and the status of each design.
+    /// Values and status of designs. Input is (n, variables), values are (n, outputs, stations).
     #[pyo3(signature = (x, threads=None))]
     fn values<'py>(
         &self,
@@ -156,8 +157,8 @@ impl Function {
         Ok((values, of_designs(&status).into_pyarray(py)))
     }
 
-    /// Values and exact Jacobians of designs (n, variables): (n, outputs, stations) and (n, outputs, stations,
-    /// variables).
+    /// Values and exact Jacobians of designs. Input is (n, variables), values are (n, outputs, stations), Jacobians are (n,
+    /// outputs, stations, variables).
     #[pyo3(signature = (x, threads=None))]
     fn value_and_jacobian<'py>(
         &self,
@@ -240,7 +241,8 @@ impl Function {
         }
     }
 
-    /// Evaluates chunks: on the calling thread where there is one of either, else on so many threads.
+    /// Evaluates chunks of designs. A single chunk, or `threads = 1`, runs on the calling thread; otherwise a pool of threads
+    /// runs them.
     fn carry_out(
         &self,
         py: Python<'_>,
@@ -293,7 +295,7 @@ pub(crate) fn zeros<'py, T: Element, D: numpy::ndarray::Dimension>(
     Ok(array.cast_into()?)
 }
 
-/// The variables of these names, or those a study moves where none are given.
+/// Variables with these names. Without names, the variables that the study moves.
 pub(crate) fn named(
     study: &hardpoint::Study,
     names: Option<Vec<String>>,
@@ -319,8 +321,8 @@ pub(crate) fn named(
     }
 }
 
-/// True if two variables are one, or if one is a coordinate that the other one moves. Offsets of the same coordinate add
-/// up.
+/// True if two variables are the same, or if one sets a coordinate that the other one moves. Two offsets of the same coordinate
+/// do not conflict: they add up.
 fn contradict(study: &hardpoint::Study, a: &DesignVariable, b: &DesignVariable) -> bool {
     if a.name == b.name {
         return true;
@@ -330,14 +332,14 @@ fn contradict(study: &hardpoint::Study, a: &DesignVariable, b: &DesignVariable) 
             let same = |m: &Move| (b.moves.iter()).any(|n| (n.point, n.axis) == (m.point, m.axis));
             (a.absolute || b.absolute) && a.moves.iter().any(same)
         }
-        // A turn is named by its points.
+        // The name of a turn consists of the names of its points.
         (Some(other), None) => other.absolute && turns(study, &b.name, &other.moves),
         (None, Some(other)) => other.absolute && turns(study, &a.name, &other.moves),
         (None, None) => false,
     }
 }
 
-/// True if a turn of this name turns one of the points of these moves.
+/// True if the turn with this name rotates one of the moved points.
 fn turns(study: &hardpoint::Study, name: &str, moves: &[Move]) -> bool {
     let (points, _) = name.rsplit_once("_turn_").unwrap_or((name, ""));
     let mechanism = &study.wheel().mechanism;
@@ -345,7 +347,7 @@ fn turns(study: &hardpoint::Study, name: &str, moves: &[Move]) -> bool {
     moved.any(|moved| points.split('+').any(|point| point == moved))
 }
 
-/// The rows of an array of designs, one after the other, with a column for each of `k` variables.
+/// Rows of an array of designs as one slice, row after row. Each row has `k` values, one per variable.
 pub(crate) fn rows<'a>(x: &'a PyReadonlyArray2<'_, f64>, k: usize) -> PyResult<&'a [f64]> {
     let shape = x.shape();
     if shape[1] != k {

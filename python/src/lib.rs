@@ -1,8 +1,8 @@
-//! The Python module: thin, over the library's front door. No second logic lives here.
+//! The Python module, a thin layer over the Rust library's public interface. It computes nothing itself.
 //!
-//! Arrays are float64 in C order, units those of the column names, axes the study's. NaN is "no value". What is
-//! wrong with a study is a `StudyError`; everything else that cannot be done is a `HardpointError`. The global
-//! interpreter lock is released while numbers are computed, and Ctrl-C is heard between pieces.
+//! Arrays are float64 in C order. Column names give the units, and the study gives the axes. NaN means "no value". An error in a
+//! study raises `StudyError`; every other failure raises `HardpointError`. The module releases the global interpreter lock during
+//! computations. Between pieces of work it checks for Ctrl-C.
 
 #![allow(
     clippy::type_complexity,

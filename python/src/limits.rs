@@ -1,4 +1,4 @@
-//! Limits of a design, and the nearest limits of builds.
+//! Limits of a design, and the nearest limits among builds.
 
 use crate::answers::{rigid, tolerance_of};
 use crate::errors::failure;
@@ -16,16 +16,17 @@ use pyo3::types::PyDict;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-/// Value of an end of a range and its cause. A quantity that turns right round has half a turn on either side.
+/// Value of one end of a range, and the cause of this limit. A quantity that can turn a full circle ends at half a turn on either
+/// side.
 type End = (f64, String);
 
-/// Lower and upper end of each quantity by name; `None` if nothing moves it or its range is unknown.
+/// Lower and upper end of each quantity, by name. `None` if nothing moves the quantity, or if its range is unknown.
 type Ranges = Vec<(&'static str, Option<[End; 2]>)>;
 
-/// Lower and upper end of each quantity, with the number of the build that has it.
+/// Lower and upper end of each quantity, each with the number of the build that has it.
 type NearestRanges<'py> = Bound<'py, PyDict>;
 
-/// Limits of travel, rack and arm, or of both travels, rack and roll: (lower, upper) with their causes.
+/// Limits of a wheel (travel, rack and arm angle) or of an axle (both travels, rack and roll): (lower, upper) with their causes.
 #[pyfunction]
 pub(crate) fn limits<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, PyDict>> {
     let own = rigid(&study.study, "limits")?;
@@ -40,8 +41,8 @@ pub(crate) fn limits<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py,
     Ok(result)
 }
 
-/// Nearest limits of the first builds of `[tolerance]`: (lower, upper), each with its cause and its build; and the number
-/// of builds that cannot be assembled. `progress(done, all)` is called on this thread.
+/// Nearest limits among the first builds of `[tolerance]`: (lower, upper), each with its cause and its build. Also returns the
+/// number of builds that cannot be assembled. `progress(done, all)` is called on this thread.
 #[pyfunction]
 #[pyo3(signature = (study, builds, threads=None, progress=None))]
 pub(crate) fn limits_of_builds<'py>(
@@ -83,7 +84,7 @@ pub(crate) fn limits_of_builds<'py>(
     Ok((result, found.rejected))
 }
 
-/// Limits of a build; `None` if it cannot be assembled or cannot move.
+/// Limits of one build. `None` if it cannot be assembled or cannot move.
 fn of_build(own: &hardpoint::Study, problem: &Problem, number: u64) -> Option<Ranges> {
     let mut wheels = problem.built_wheels(number).ok()?.into_iter();
     let left = wheels.next()?;
@@ -155,7 +156,7 @@ fn of_axle(axle: &Axle) -> Result<Ranges, String> {
     Ok(ranges)
 }
 
-/// The value of an end, NaN without an end, and its cause.
+/// Value of an end and its cause. The value is NaN if the quantity turns without an end.
 fn cause_of(end: &RangeEnd) -> End {
     match end {
         RangeEnd::Fold(limit) => (end.value(), limit.cause.to_string()),
@@ -168,7 +169,7 @@ fn cause_of(end: &RangeEnd) -> End {
     }
 }
 
-/// Both ends as they are printed, the lower one first.
+/// Both ends as printed values, the lower one first.
 fn ends([lower, upper]: [End; 2], factor: f64) -> [End; 2] {
     let half_turn = std::f64::consts::PI;
     let printed = |(value, cause): End, otherwise: f64| {
@@ -183,7 +184,7 @@ fn ends([lower, upper]: [End; 2], factor: f64) -> [End; 2] {
     }
 }
 
-/// Nearest limits of some builds. Of equal limits, those of the first build.
+/// Nearest limits among some builds. If limits are equal, the first build counts.
 #[derive(Default)]
 struct Nearest {
     ranges: Vec<(&'static str, Option<[(End, u64); 2]>)>,
@@ -203,7 +204,7 @@ impl Nearest {
         }
     }
 
-    /// Combines these limits with those of builds with higher numbers.
+    /// Merges these limits with the limits of builds that have higher numbers.
     fn and(mut self, later: Nearest) -> Nearest {
         self.rejected += later.rejected;
         if self.ranges.is_empty() {

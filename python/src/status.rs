@@ -1,8 +1,8 @@
-//! Codes of the result at a station, or of a design.
+//! Status codes of stations and of designs.
 
 use hardpoint::DesignStatus;
 
-/// Words by code. Codes are part of the interface: new ones are appended.
+/// Status words; the index of a word is its code. Codes are part of the interface, so new words go to the end.
 pub(crate) const WORDS: [&str; 12] = [
     "ok",
     "ill_conditioned",
@@ -18,13 +18,13 @@ pub(crate) const WORDS: [&str; 12] = [
     "unstable",
 ];
 
-/// The code of a word of a `status` column; 255 for a word that has none.
+/// Code of a word in a `status` column. 255 if the word has no code.
 pub(crate) fn code(word: &str) -> u8 {
     let place = WORDS.iter().position(|w| *w == word);
     place.map_or(u8::MAX, |place| place as u8)
 }
 
-/// The codes of designs.
+/// Status codes of designs.
 pub(crate) fn of_designs(status: &[DesignStatus]) -> Vec<u8> {
     let word = |status: &DesignStatus| match status {
         DesignStatus::Ok => "ok",

@@ -1,4 +1,4 @@
-//! Studies, and requests about one design.
+//! Studies, and functions that work on one design.
 
 use crate::errors::{failure, not_done, study_error};
 use crate::threads::on_threads;
@@ -15,27 +15,27 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-/// A study: frozen, pickled as its text.
+/// A study. It is immutable. Pickling stores its text.
 #[pyclass(frozen, module = "hardpoint._hardpoint")]
 pub(crate) struct Study {
-    /// Its text is that of `moved_from`, if there is one.
+    /// Data of the study. If its points were moved, its text is still the text of `moved_from`.
     pub(crate) study: hardpoint::study::Study,
-    /// The study whose points were moved, if this one was not read from a text.
+    /// The original study, if this study was made by moving its points instead of reading a text.
     moved_from: Option<Py<Study>>,
-    /// The study with its own text, where its points were moved.
+    /// Cache of the study with its own text, for a study whose points were moved.
     whole: OnceLock<hardpoint::study::Study>,
 }
 
 #[pymethods]
 impl Study {
-    /// From a file.
+    /// Reads a study from a file.
     #[staticmethod]
     #[pyo3(signature = (path, overrides=Vec::new()))]
     fn load(py: Python<'_>, path: PathBuf, overrides: Vec<String>) -> PyResult<Self> {
         Study::of(py.detach(|| hardpoint::study::Study::read_elastic(&path, &overrides)))
     }
 
-    /// From its text; `directory` is where the files it names are.
+    /// Reads a study from its text. `directory` holds the files that the text names.
     #[staticmethod]
     #[pyo3(signature = (text, name="study.toml", directory=None))]
     fn loads(py: Python<'_>, text: &str, name: &str, directory: Option<PathBuf>) -> PyResult<Self> {
@@ -43,7 +43,7 @@ impl Study {
         Study::of(py.detach(|| hardpoint::study::Study::elastic_from_text(name, text, &directory)))
     }
 
-    /// The text, target curves from files written out.
+    /// Text of the study. Target curves from files are written into it.
     #[getter]
     fn text(&self) -> &str {
         &self.whole().text
@@ -64,14 +64,14 @@ impl Study {
         self.study.wheel().length_unit.symbol()
     }
 
-    /// Names of the coordinates that functions and sweeps of the study move, unless others are given.
+    /// Names of the variables that functions and sweeps of the study use by default.
     #[getter]
     fn variables(&self) -> Vec<String> {
         let variables = hardpoint::DesignVariable::of(&self.study);
         variables.into_iter().map(|v| v.name).collect()
     }
 
-    /// Names of the variables of `[sweep]`; empty without it.
+    /// Names of the variables of `[sweep]`. Empty without `[sweep]`.
     #[getter]
     fn sweep_variables(&self) -> Vec<String> {
         let designs = self.study.sweep.as_ref().map(|sweep| &sweep.designs);
@@ -90,7 +90,7 @@ impl Study {
         names.map(str::to_owned).collect()
     }
 
-    /// True for an axle.
+    /// True if the study describes an axle.
     #[getter]
     fn is_axle(&self) -> bool {
         self.study.axle().is_some()
@@ -103,19 +103,19 @@ impl Study {
         points.map(|p| p.name.clone()).collect()
     }
 
-    /// Their design positions, (points, 3), in the study's axes.
+    /// Design positions of the points in the study's axes, as an array (points, 3).
     #[getter]
     fn design<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let suspension = self.study.wheel();
         let points = suspension.design.iter();
-        // No negative zeros from axes that point the other way.
+        // Adding 0.0 turns negative zeros, which appear if an axis is reversed, into positive zeros.
         let rows: Vec<f64> = points
             .flat_map(|p| suspension.frame.vector(*p).to_array().map(|c| c + 0.0))
             .collect();
         rows.into_pyarray(py).reshape([suspension.design.len(), 3])
     }
 
-    /// The study with other design positions, as its text with these points would be read.
+    /// Study with other design positions. It equals the study that would be read from a text with these points.
     fn with_design(slf: &Bound<'_, Self>, design: PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
         let this = slf.get();
         let suspension = this.study.wheel();
@@ -141,7 +141,7 @@ impl Study {
         Self::moved(slf, this.study.at_design(moved))
     }
 
-    /// The study with fields overridden, each as in `motion.rack=5.0`.
+    /// Study with overridden fields. Each override looks like `motion.rack=5.0`.
     fn with_overrides(&self, py: Python<'_>, overrides: Vec<String>) -> PyResult<Self> {
         let (file, whole) = (self.file_name(), self.whole());
         Study::of(py.detach(|| whole.with_overrides(&file, &overrides)))
@@ -171,14 +171,14 @@ impl Study {
         })
     }
 
-    /// A study whose points were moved, as its text with these points would be read.
+    /// Study with moved points. It equals the study that would be read from a text with these points.
     pub(crate) fn moved(slf: &Bound<'_, Self>, moved: hardpoint::study::Study) -> PyResult<Self> {
         let (py, this) = (slf.py(), slf.get());
         let root = match &this.moved_from {
             Some(root) => root.clone_ref(py),
             None => slf.clone().unbind(),
         };
-        // The body of a drop link that the study does not name depends on the points.
+        // If the study does not name the body of a drop link, the points decide which body carries it.
         let wheel = moved.wheel();
         if wheel.mechanism.keeps_drop_link(&wheel.design) && is_sound(&moved) {
             return Ok(Study {
@@ -191,7 +191,7 @@ impl Study {
         Self::loads(py, &text, &this.file_name(), None)
     }
 
-    /// The study with its own text.
+    /// Study whose text contains its own points.
     pub(crate) fn whole(&self) -> &hardpoint::study::Study {
         match &self.moved_from {
             None => &self.study,
@@ -207,13 +207,13 @@ impl Study {
         format!("{}.toml", self.study.name)
     }
 
-    /// A fault of the study's own design.
+    /// Exception for a fault of the study's own design.
     pub(crate) fn fault(&self, fault: &hardpoint::mechanism::DesignFault) -> PyErr {
         failure(fault.describe(&self.study.wheel().mechanism))
     }
 }
 
-/// True if reading the study's points finds no mistake in them.
+/// True if the study's points pass all checks that reading a study makes.
 fn is_sound(study: &hardpoint::study::Study) -> bool {
     let right = study.axle().and_then(|both| both.axle.right.as_ref());
     let mut wheels = [Some(study.wheel()), right].into_iter().flatten();
@@ -226,22 +226,21 @@ pub(crate) fn topologies() -> Vec<&'static str> {
     Topology::ALL.iter().map(|t| t.name).collect()
 }
 
-/// A commented study that runs as it is.
+/// Commented study of a topology that runs without changes.
 #[pyfunction]
 #[pyo3(signature = (topology, parts=Vec::new()))]
 pub(crate) fn template(topology: &str, parts: Vec<String>) -> PyResult<String> {
     hardpoint::cli::template(topology, &parts).map_err(failure)
 }
 
-/// The JSON schema of studies, as text.
+/// JSON schema of studies, as text.
 #[pyfunction]
 pub(crate) fn schema(py: Python<'_>) -> &'static str {
     static SCHEMA: OnceLock<String> = OnceLock::new();
     py.detach(|| SCHEMA.get_or_init(|| hardpoint::study::schema().to_string()))
 }
 
-/// Checks a study as `hardpoint check` does. Returns doubts and remarks, each on a line, and the stations that cannot
-/// be solved.
+/// Checks a study as `hardpoint check` does. Returns doubts and remarks, one per line, and the stations that cannot be solved.
 #[pyfunction]
 pub(crate) fn check(py: Python<'_>, study: &Study) -> PyResult<(Vec<String>, Vec<String>)> {
     let own = &study.study;
@@ -253,7 +252,7 @@ pub(crate) fn check(py: Python<'_>, study: &Study) -> PyResult<(Vec<String>, Vec
     .map_err(failure)
 }
 
-/// The drawing of the mechanism along the study's motion, as JSON: the bodies, and the positions at some stations.
+/// Drawing of the mechanism along the study's motion, as JSON: the bodies, and their positions at some stations.
 #[pyfunction]
 pub(crate) fn drawing(py: Python<'_>, study: &Study) -> PyResult<String> {
     let own = &study.study;
@@ -266,8 +265,8 @@ pub(crate) fn drawing(py: Python<'_>, study: &Study) -> PyResult<String> {
     Ok(serde_json::json!({ "scene": record.scene, "frames": frames }).to_string())
 }
 
-/// Runs a command of the program in this process, as in `["report", "out/front"]`; its exit code. As the program
-/// itself it handles signals.
+/// Runs a command of the program in this process, as in `["report", "out/front"]`. Returns the exit code. With `is_program` it
+/// handles signals as the program does.
 #[pyfunction]
 #[pyo3(signature = (arguments, is_program=false))]
 pub(crate) fn command(py: Python<'_>, arguments: Vec<String>, is_program: bool) -> PyResult<u8> {
@@ -278,7 +277,7 @@ pub(crate) fn command(py: Python<'_>, arguments: Vec<String>, is_program: bool) 
     crate::threads::command(py, || hardpoint::cli::run_embedded(arguments))
 }
 
-/// Runs a command without its text on standard output; its exit code and its text for standard error.
+/// Runs a command and suppresses its standard output. Returns its exit code and its text for standard error.
 #[pyfunction]
 pub(crate) fn command_captured(py: Python<'_>, arguments: Vec<String>) -> PyResult<(u8, String)> {
     let arguments = ["hardpoint".to_owned(), "--quiet".to_owned()]
@@ -287,7 +286,7 @@ pub(crate) fn command_captured(py: Python<'_>, arguments: Vec<String>) -> PyResu
     crate::threads::command(py, || hardpoint::cli::run_captured(arguments))
 }
 
-/// Exports a study with the arguments of the program; its remarks. Files that the study names are not needed.
+/// Exports a study with the arguments of the program. Returns the program's remarks. Files that the study names need not exist.
 #[pyfunction]
 pub(crate) fn export_study(
     py: Python<'_>,
@@ -299,8 +298,8 @@ pub(crate) fn export_study(
     done.map_err(not_done)
 }
 
-/// Imports points with the arguments of the program: from the file that they name, or from a map in JSON. Returns the text
-/// of the study, and the summary.
+/// Imports points with the arguments of the program: from the file that they name, or from a JSON map. Returns the text of the
+/// study, and the summary.
 #[pyfunction]
 #[pyo3(signature = (arguments, points=None, names=BTreeMap::new()))]
 pub(crate) fn import_study(
@@ -316,13 +315,13 @@ pub(crate) fn import_study(
     done.map_err(not_done)
 }
 
-/// Formula and source of every quantity of the catalogues, by its name without unit.
+/// Formula and source of every catalogue quantity, by its name without unit.
 #[pyfunction]
 pub(crate) fn catalogue() -> BTreeMap<&'static str, (&'static str, &'static str)> {
     let wheel = Characteristic::ALL.iter().map(|c| c.info());
     let of_wheels = WheelQuantity::ALL.iter().map(|q| q.info());
     let axle = AxleQuantity::ALL.iter().map(|q| q.info());
-    // A name that a wheel and an axle have means the axle's last.
+    // If a wheel and an axle quantity share a name, the last entry, the axle's, replaces the others.
     let all = wheel.chain(of_wheels).chain(axle);
     all.map(|info| (info.name, (info.formula, info.source)))
         .collect()

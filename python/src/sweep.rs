@@ -1,4 +1,4 @@
-//! Sweeps into arrays.
+//! Sweeps whose results are arrays.
 
 use crate::errors::{failure, not_done, study_error, too_large};
 use crate::function::{named, rows};
@@ -27,7 +27,7 @@ pub(crate) fn not_begun(study: &Study, error: NotBegun) -> PyErr {
     }
 }
 
-/// The designs of a study's own `[sweep]`.
+/// Sweep in the study's own `[sweep]`.
 pub(crate) fn own_sweep(study: &Study) -> PyResult<&Sweep> {
     let sweep = study.study.sweep.as_ref();
     sweep.ok_or_else(|| {
@@ -35,7 +35,7 @@ pub(crate) fn own_sweep(study: &Study) -> PyResult<&Sweep> {
     })
 }
 
-/// The designs given as rows of an array, a column for each of these variables.
+/// Sweep of the designs in the rows of an array, with one column per variable.
 fn given(
     study: &Study,
     x: &PyReadonlyArray2<'_, f64>,
@@ -61,7 +61,7 @@ fn given(
     })
 }
 
-/// Appends rows, one after another, to columns.
+/// Distributes the values of consecutive rows to the columns.
 fn append(rows: &[f64], columns: &mut [Vec<f64>]) {
     let width = columns.len();
     for (k, column) in columns.iter_mut().enumerate() {
@@ -69,7 +69,7 @@ fn append(rows: &[f64], columns: &mut [Vec<f64>]) {
     }
 }
 
-/// Rows that are taken from the threads.
+/// Table that collects rows from the threads.
 struct Table {
     columns: Vec<Vec<f64>>,
     status: Vec<u8>,
@@ -77,7 +77,7 @@ struct Table {
 }
 
 impl Table {
-    /// Room for the rows of a sweep, or `MemoryError`.
+    /// Reserves memory for the rows of a sweep, or raises `MemoryError`.
     fn of(record: &SweepRecord) -> PyResult<Self> {
         let designs = usize::try_from(record.designs).unwrap_or(usize::MAX);
         let count = record.value_columns().len();
@@ -108,8 +108,8 @@ impl Table {
     }
 }
 
-/// The rows of a sweep: a column for each variable and output, the status of each design, and why designs failed. Of
-/// the study's own designs, or of those in the rows of `x`. `progress(done, all)` is called on this thread.
+/// Rows of a sweep: one column per variable and output, the status of each design, and the reason for each failed design. The
+/// designs are the study's own or the rows of `x`. `progress(done, all)` is called on this thread.
 #[pyfunction]
 #[pyo3(signature = (study, x=None, variables=None, threads=None, progress=None))]
 pub(crate) fn sweep<'py>(
@@ -138,7 +138,7 @@ pub(crate) fn sweep<'py>(
     )
 }
 
-/// The page of a sweep, of the study's own designs or of those in the rows of `x`. It solves the designs again.
+/// Page of a sweep. The designs are the study's own or the rows of `x`. The function solves them again.
 #[pyfunction]
 #[pyo3(signature = (study, x=None, variables=None))]
 pub(crate) fn sweep_page(
@@ -157,7 +157,7 @@ pub(crate) fn sweep_page(
         let plan = SweepPlan::of(own, sweep)?;
         let go_on = || !flag.load(Ordering::Relaxed);
         let run = SweepRun::of(&plan, go_on, |summary| -> Result<_, DesignFault> {
-            // Of an axle the page shows no drawing.
+            // The page of an axle shows no mechanism.
             let wheel = own.vehicle.one_wheel();
             let drawn = wheel.map(|wheel| DrawnDesigns::of(own, wheel, &plan, summary));
             drawn.transpose()
@@ -168,8 +168,8 @@ pub(crate) fn sweep_page(
     made.map_err(|e| not_begun(study, e))
 }
 
-/// Writes the sweep of a study into a directory as `hardpoint sweep` does, of its own designs or of those in the rows of
-/// `x`; or one part of it, by its number from 0 and the number of parts. Returns true if every part asked for is whole.
+/// Writes a sweep into a directory as `hardpoint sweep` does. The designs are the study's own or the rows of `x`. `part` selects
+/// one part: its number from 0, and the number of parts. Returns true if every requested part is complete.
 #[pyfunction]
 #[pyo3(signature = (study, directory, x=None, variables=None, part=None, threads=None))]
 pub(crate) fn sweep_into(
@@ -189,7 +189,7 @@ pub(crate) fn sweep_into(
     let out = directory.to_string_lossy().into_owned();
     let mut arguments = vec![
         "sweep".to_owned(),
-        // A function prints nothing.
+        // A Python function does not print.
         "--quiet".to_owned(),
         study.file_name(),
         format!("--out={out}"),
@@ -205,7 +205,7 @@ pub(crate) fn sweep_into(
     })
 }
 
-/// The rows of a sweep: columns, number of variables, status and reasons.
+/// Collects the rows of a sweep: columns, number of variables, status and reasons.
 pub(crate) fn collect<'py>(
     py: Python<'py>,
     swept: Swept<'_>,
@@ -227,7 +227,7 @@ pub(crate) fn collect<'py>(
     let mut curves = header.map(<[u8]>::to_vec);
     let work = |flag: &AtomicBool| {
         let solved = |worker: &mut _, block| solve_block(worker, block, text);
-        // Nothing that takes the rows fails.
+        // The consumer of the rows never returns an error.
         let _: Result<(), ()> = in_order(
             0..record.blocks(),
             || swept.worker(),
@@ -262,7 +262,7 @@ pub(crate) fn collect<'py>(
     Ok(result)
 }
 
-/// The rows of a block, and its curves where they are asked for.
+/// Rows of a block, and its curves if they are requested.
 fn solve_block(
     worker: &mut SweptWorker<'_>,
     block: u64,
@@ -273,7 +273,7 @@ fn solve_block(
     (rows, curves)
 }
 
-/// The number of parts of a study's sweep, each 131,072 designs or a little fewer.
+/// Number of parts of a study's sweep. A part has 131,072 designs or slightly fewer.
 #[pyfunction]
 pub(crate) fn sweep_parts(study: &Study) -> PyResult<u64> {
     let sweep = own_sweep(study)?;

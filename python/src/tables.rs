@@ -1,4 +1,4 @@
-//! Tables of results, read back.
+//! Reads the tables of results.
 
 use crate::errors::failure;
 use numpy::IntoPyArray;
@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::PathBuf;
 
-/// A column: numbers, NaN where a cell is empty, or words.
+/// Cells of a column: numbers (NaN for an empty cell) or words.
 enum Cells {
     Numbers(Vec<f64>),
     Words(Vec<String>),
@@ -27,7 +27,7 @@ impl Cells {
             (Cells::Words(words), _) => words.push(cell.to_owned()),
             (Cells::Numbers(numbers), Some(number)) => numbers.push(number),
             (Cells::Numbers(numbers), None) => {
-                // Columns of words have words from the first row on, but for cells that are empty.
+                // A column of words has words from the first row on. So only empty cells can have been read as numbers before.
                 let word = |n: &f64| {
                     if n.is_nan() {
                         String::new()
@@ -64,8 +64,8 @@ fn read(from: impl Read, columns: &mut Vec<(String, Cells)>) -> Result<(), csv::
     Ok(())
 }
 
-/// The columns of CSV files with the same header, one after the other: arrays where every cell is a number or empty,
-/// else lists of words.
+/// Columns of several CSV files that have the same header; their rows follow each other. A column of numbers and empty cells
+/// becomes an array, any other column a list of words.
 #[pyfunction]
 pub(crate) fn read_tables(py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<Bound<'_, PyDict>> {
     let mut columns = Vec::new();
@@ -81,7 +81,7 @@ pub(crate) fn read_tables(py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<Bound
     columns_of(py, columns)
 }
 
-/// The columns of a CSV file in memory, as [`read_tables`] reads those of files.
+/// Columns of a CSV file in memory, in the form that [`read_tables`] returns.
 #[pyfunction]
 pub(crate) fn parse_table<'py>(py: Python<'py>, csv: &[u8]) -> PyResult<Bound<'py, PyDict>> {
     let mut columns = Vec::new();

@@ -1,6 +1,6 @@
-//! Work on a pool of threads while the calling thread listens to Python: Ctrl-C, progress, callbacks.
+//! Work on a pool of threads, while the calling thread serves Python: Ctrl-C, progress and callbacks.
 //!
-//! Pools are kept by process: the threads of a pool do not survive a fork, so a forked child that used its parent's pool
+//! Each process has its own pool, because the threads of a pool do not survive a fork. A forked child that used its parent's pool
 //! would wait forever.
 
 use crate::errors::failure;
@@ -16,7 +16,7 @@ use std::time::Duration;
 /// Longest time between two checks for Ctrl-C.
 pub(crate) const LISTEN: Duration = Duration::from_millis(50);
 
-/// The pool that was used last, with its process and its number of threads.
+/// The last pool, with its process id and its number of threads.
 static LAST: Mutex<Option<(u32, usize, Arc<ThreadPool>)>> = Mutex::new(None);
 
 /// Refuses a number of threads below 1.
@@ -29,8 +29,8 @@ pub(crate) fn checked(threads: Option<usize>) -> PyResult<()> {
     }
 }
 
-/// A pool of this number of threads, at most one for each core; `None` is one for each core. A new number ends the threads of
-/// the last pool when their work is done.
+/// Returns a pool with this number of threads, at most one per core. `None` means one per core. If the number changes, the
+/// threads of the last pool end after their work.
 fn pool(threads: Option<usize>) -> PyResult<Arc<ThreadPool>> {
     checked(threads)?;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
@@ -47,14 +47,14 @@ fn pool(threads: Option<usize>) -> PyResult<Arc<ThreadPool>> {
     if let Some((of, _, former)) = last.replace((process, threads, pool.clone()))
         && of != process
     {
-        // The threads of a parent process are not here and cannot be told to end.
+        // These threads exist only in the parent process, so this process cannot end them.
         std::mem::forget(former);
     }
     Ok(pool)
 }
 
-/// Runs work that ends early when its flag is raised. The flag is raised by Ctrl-C and by an error of `listen`, which is called
-/// on this thread about every 50 ms and once at the end. Returns when the work has ended: nothing is left running.
+/// Runs work that ends early if its flag is raised. Ctrl-C and an error of `listen` raise the flag. `listen` is called on this
+/// thread about every 50 ms and once at the end. The function returns after the work has ended, so no thread keeps running.
 pub(crate) fn interruptible<T: Send>(
     py: Python<'_>,
     threads: Option<usize>,
@@ -63,7 +63,8 @@ pub(crate) fn interruptible<T: Send>(
 ) -> PyResult<T> {
     let pool = pool(threads)?;
     let flag = AtomicBool::new(false);
-    // Raised by an exception alone: a callback that ends a tuning keeps what it has.
+    // Only an exception raises this second flag. A callback that ends a tuning raises the first flag alone, so that the tuning
+    // keeps its present result.
     let stop = Arc::new(AtomicBool::new(false));
     let (sender, mut ended) = channel();
     let mut found = None;
@@ -72,7 +73,7 @@ pub(crate) fn interruptible<T: Send>(
         scope.spawn(move |_| {
             let work = || stoppable(stop, || work(flag));
             *found = Some(catch_unwind(AssertUnwindSafe(work)));
-            // The receiver waits for this or for the end of the sender.
+            // The receiver wakes on this message or when the sender is dropped.
             let _ = sender.send(());
         });
         let mut heard = Ok(());
@@ -101,7 +102,7 @@ pub(crate) fn interruptible<T: Send>(
     }
 }
 
-/// As [`interruptible`], without progress.
+/// Runs work like [`interruptible`], but without progress.
 pub(crate) fn on_threads<T: Send>(
     py: Python<'_>,
     threads: Option<usize>,
@@ -110,7 +111,7 @@ pub(crate) fn on_threads<T: Send>(
     interruptible(py, threads, work, |_, _| Ok(()))
 }
 
-/// Runs a command of the program on a thread of its own. Ctrl-C stops the command, and its exception is returned.
+/// Runs a command of the program on its own thread. Ctrl-C stops the command, and the function returns the exception.
 pub(crate) fn command<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
     let (sender, mut ended) = channel();
     let (heard, found) = std::thread::scope(|scope| {

@@ -1,4 +1,4 @@
-//! Tuning.
+//! Tuning of studies.
 
 use crate::answers::as_json;
 use crate::errors::failure;
@@ -25,7 +25,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::channel;
 
-/// A study and its `[optimise]`.
+/// Returns a study with its `[optimise]` section, or an error without it.
 fn tuned(study: &Study) -> PyResult<(&hardpoint::study::Study, &Optimise)> {
     let own = study.whole();
     let optimise = own.optimise.as_ref().ok_or_else(|| {
@@ -36,19 +36,19 @@ fn tuned(study: &Study) -> PyResult<(&hardpoint::study::Study, &Optimise)> {
     Ok((own, optimise))
 }
 
-/// A tuning with the results that are made of it.
+/// A tuning with the results derived from it.
 struct Tuned {
     tuning: Tuning,
     summary: TuningSummary,
     front: Option<Vec<u8>>,
-    /// The front as the record of a run has it, in JSON.
+    /// Pareto front in JSON, as the record of a run contains it.
     front_record: Option<String>,
-    /// True if every curve of the tuned design was found, and a front if one was requested.
+    /// True if every curve of the tuned design was found, and also the front if it was requested.
     is_complete: bool,
     is_interrupted: bool,
 }
 
-/// Tunes a study. Errors are those of the design itself, in words.
+/// Tunes a study. An error describes in words why the design itself cannot be solved.
 fn tune_study(
     own: &hardpoint::study::Study,
     optimise: &Optimise,
@@ -91,8 +91,8 @@ fn tune_study(
     })
 }
 
-/// Tunes a study towards its targets. `callback(start, iteration, misfit)` is called on this thread; a true answer or
-/// `StopIteration` ends the tuning with its present result.
+/// Tunes a study towards its targets. `callback(start, iteration, misfit)` is called on this thread. If it returns true or raises
+/// `StopIteration`, the tuning ends with its present result.
 #[pyfunction]
 #[pyo3(signature = (study, with_front=true, with_prices=false, threads=None, callback=None))]
 pub(crate) fn optimise<'py>(
@@ -204,7 +204,7 @@ pub(crate) fn optimise<'py>(
     Ok(result)
 }
 
-/// The files with the curves of a tuning, before and after, and its record. `front` is the record of the front.
+/// Files of a tuning: the curves before and after, and the record. `front` is the record of the Pareto front.
 #[pyfunction]
 #[pyo3(signature = (study, tuned=None, front=None))]
 pub(crate) fn tuning_files<'py>(
@@ -238,21 +238,21 @@ pub(crate) fn tuning_files<'py>(
     Ok(result)
 }
 
-/// The targets and constraints of a study as functions of variables.
+/// Targets and constraints of a study as functions of the variables.
 #[pyclass(frozen, module = "hardpoint._hardpoint")]
 pub(crate) struct Residuals {
     study: Py<Study>,
     layout: TargetLayout,
     names: Vec<String>,
-    /// What the variables move, as offsets.
+    /// Variables as offsets from the design.
     variables: Vec<Variable>,
-    /// The value of each variable at the design.
+    /// Value of each variable at the design.
     at_design: Vec<f64>,
 }
 
 #[pymethods]
 impl Residuals {
-    /// Of the variables of `[optimise]`, or of those of these names.
+    /// Makes the functions for the variables with these names, or by default for those of `[optimise]`.
     #[new]
     #[pyo3(signature = (study, variables=None))]
     fn new(py: Python<'_>, study: Py<Study>, variables: Option<Vec<String>>) -> PyResult<Self> {
@@ -300,7 +300,7 @@ impl Residuals {
         flat.into_pyarray(py).reshape([count, 2])
     }
 
-    /// Names of the columns of the targets, one for each residual.
+    /// Column name of the target of each residual.
     #[getter]
     fn rows(&self) -> PyResult<Vec<String>> {
         let (_, optimise) = tuned(self.study.get())?;
@@ -309,8 +309,7 @@ impl Residuals {
         Ok(rows.into_iter().map(name).collect())
     }
 
-    /// Names of the constraints, one for each row, with the limit; and the number of rows that are equalities, which come
-    /// first.
+    /// Name of the constraint and its limit for each row, and the number of equality rows. Equality rows come first.
     #[getter]
     fn constraint_rows(&self) -> PyResult<(Vec<String>, usize)> {
         let (_, optimise) = tuned(self.study.get())?;
@@ -326,13 +325,13 @@ impl Residuals {
         Ok((rows.collect(), equalities))
     }
 
-    /// The study with the variables at these offsets.
+    /// Study with its variables at `x`.
     fn moved(&self, py: Python<'_>, x: Vec<f64>) -> PyResult<Study> {
         let (own, _) = tuned(self.study.get())?;
         Study::moved(self.study.bind(py), own.moved(&x))
     }
 
-    /// Residuals and their derivatives at offsets; a reason in words where the design there has none.
+    /// Residuals and their derivatives at `x`, or the reason in words if the design there has none.
     fn value_and_jacobian<'py>(
         &self,
         py: Python<'py>,
@@ -341,8 +340,8 @@ impl Residuals {
         in_arrays(py, self.at(py, &x, evaluated)?)
     }
 
-    /// Rows of the constraints and their derivatives at offsets: at most 0 where they are kept, 0 for equalities, 1 for a
-    /// visible violation such as a millimetre. A reason in words where the design there has none.
+    /// Rows of the constraints and their derivatives at `x`. A row is at most 0 if the constraint holds, or 0 for an equality. It
+    /// is 1 for a visible violation such as a millimetre. Returns a reason in words if the design there has no rows.
     fn constraints<'py>(
         &self,
         py: Python<'py>,
@@ -354,8 +353,7 @@ impl Residuals {
 }
 
 impl Residuals {
-    /// Evaluates the targets, or targets and constraints, at offsets. An error says why the study's own design cannot be
-    /// solved.
+    /// Evaluates the targets, or targets and constraints, at `x`. An error explains why the study's own design cannot be solved.
     fn at<T: Send>(
         &self,
         py: Python<'_>,
@@ -370,21 +368,21 @@ impl Residuals {
             .map(|(x, at)| x - at)
             .collect();
         let wheel = own.wheel();
-        // On this thread: to wake another one takes as long as an evaluation.
+        // The evaluation runs on this thread, because waking another thread takes as long as the evaluation.
         let found = py.detach(|| evaluate(wheel, &self.variables, &self.layout, &x));
         py.check_signals()?;
         found.map_err(|fault| failure(fault.describe(&wheel.mechanism)))
     }
 }
 
-/// Values and their derivatives as arrays, or the reason for their absence.
+/// Values and derivatives as arrays, or the reason why there are none.
 fn in_arrays(py: Python<'_>, found: Result<Linearisation, Infeasible>) -> PyResult<Evaluated<'_>> {
     let found = match found {
         Ok(found) => found,
         Err(infeasible) => return Ok(Evaluated::Not(infeasible.to_string())),
     };
     let (rows, columns) = found.jacobian.shape();
-    // nalgebra lies column by column.
+    // nalgebra stores a matrix column by column, so the rows are collected here.
     let jacobian: Vec<f64> = (0..rows)
         .flat_map(|r| (0..columns).map(move |c| (r, c)))
         .map(|at| found.jacobian[at])
@@ -394,7 +392,7 @@ fn in_arrays(py: Python<'_>, found: Result<Linearisation, Infeasible>) -> PyResu
     Ok(Evaluated::Found((values.into_pyarray(py), jacobian)))
 }
 
-/// Residuals with their Jacobian, or the reason for their absence.
+/// Residuals with their Jacobian, or the reason why there are none.
 #[derive(IntoPyObject)]
 enum Evaluated<'py> {
     Found((Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)),

@@ -55,11 +55,11 @@ def test_derivatives_are_those_of_differences(tmp_path):
 
     slope = (of(600_000.0 + step) - of(600_000.0 - step)) / (2 * step)
     undefined = np.isnan(exact[:, :, bar])
-    # The distribution is 0/0 where the car does not turn.
+    # The distribution of load transfer is 0/0 if the car does not turn.
     assert undefined.sum() == 2
     scale = np.nanmax(np.abs(slope), axis=0)
     error = np.abs(slope - exact[:, :, bar]) / scale
-    # Central differences of loads of some thousand newtons.
+    # The tolerance allows for central differences of loads of a few thousand newtons.
     assert np.nanmax(error) < 1e-5
 
 
@@ -89,7 +89,7 @@ def test_tuned_cars_are_studies(tmp_path):
     again = hp.Car(tuned.save(tmp_path / "tuned")).solve()
     assert again.of("turn")["lateral_load_transfer_distribution_percent"] == pytest.approx(48.0, abs=0.05)
     assert len(tuned.targets["output"]) == 3
-    # Changes that no target asks for: those of the program.
+    # The side effects equal those of the program.
     assert hp.run(["--quiet", "optimise", str(path), "--out", str(tmp_path / "run")]) == 0
     effects = hp.read_run(tmp_path / "run").summary["side_effects"]
     frame = tuned.side_effects

@@ -168,7 +168,7 @@ def test_pictures_and_a_page(front, tmp_path):
     assert hp.run(["--quiet", "optimise", path, "--out", tmp_path / "run"]) == 0
     run = hp.read_run(tmp_path / "run")
     tuned = hp.optimise(front)
-    # Tuning through the program and through the module: the same bits.
+    # A tuning by the program and a tuning by the module give exactly equal numbers.
     np.testing.assert_array_equal(run.tuned.design, tuned.study.design)
     assert run.tuned.text == tuned.study.text
     curves = hp.solve(tuned.study)

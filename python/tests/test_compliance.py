@@ -21,7 +21,7 @@ def test_tests_of_a_rig_are_frames():
     assert set(found) == {"kc", "levels", "compliance_matrix"}
     assert found.summary["design_load_N"] == pytest.approx(4682.0, abs=1.0)
     assert not found.summary["is_rigid"]
-    # The slope at the station is the slope of the levels around it.
+    # The secant at the station is the slope between the outermost levels.
     levels = found["levels"]
     rows = (levels["load"] == "lateral") & (levels["trail_mm"] == 0.0)
     toe, force = levels["toe_deg"][rows], levels["force_N"][rows]
@@ -39,7 +39,7 @@ def test_an_elastic_axle_is_tested(tmp_path):
     rows = (kc["quantity"] == "toe_by_lateral_force") & (kc["mode"] == "opposed")
     left, right = (kc["value"][rows & (kc["wheel"] == side)] for side in ("left", "right"))
     np.testing.assert_allclose(left, right, rtol=1e-9)
-    # With a subframe mount ten times as soft the wheels steer more, and alike.
+    # If a subframe mount is ten times as soft, the toe of both wheels changes, by the same amount.
     soft = hp.kc(path, {"bushings.subframe_rear.stiffness": [300.0, 400.0, 250.0, 2e4, 3e4, 2e4]})["kc"]["value"]
     softer = [soft[rows & (kc["wheel"] == side)] for side in ("left", "right")]
     np.testing.assert_allclose(*softer, rtol=1e-9)
@@ -87,7 +87,7 @@ def test_every_function_takes_an_elastic_axle():
     tuned = hp.optimise(study)
     assert tuned.success
     figures = hp.solve(tuned.study)[figure]
-    # The design is good enough within the tolerances.
+    # The tuned design meets the targets within the tolerances.
     np.testing.assert_allclose(figures[1], -0.01, atol=0.001)
 
 

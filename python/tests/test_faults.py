@@ -137,14 +137,14 @@ def test_residuals_travel_and_shorten_the_steps_of_scipy(front):
     x = np.zeros(len(r.variables))
     np.testing.assert_array_equal(copy(x), r(x))
     assert len(r.rows) == len(r(x)) and set(r.rows) <= set(hp.solve(front))
-    # A step into designs without a pose: SciPy takes a shorter one.
+    # A design outside the reach of the mechanism gives NaN; SciPy then tries a shorter step.
     far = np.full(len(x), 1e4)
     assert np.isnan(r(far)).all() and np.isnan(r.jacobian(far)).all()
     fit = scipy.least_squares(r, x, jac=r.jacobian, bounds=40 * r.bounds.T, max_nfev=20)
     assert fit.cost <= 0.5 * np.sum(r(x) ** 2)
 
 
-# Elastic axles are for `kc` and `check` alone.
+# Studies of cars and studies with a subframe are left out.
 OTHERS = ("\n[car]\n", "\n[subframe]\n")
 SUSPENSIONS = [path for path in sorted(STUDIES.glob("*.toml")) if not any(key in path.read_text() for key in OTHERS)]
 
@@ -153,7 +153,7 @@ SUSPENSIONS = [path for path in sorted(STUDIES.glob("*.toml")) if not any(key in
 def test_moved_points_are_those_of_the_text(path):
     """Points alone are replaced without reading the text again: the result is that of the text."""
     study = hp.load(path)
-    # The shear centre of a twist beam stays in the middle of the car.
+    # The shear centre of a twist beam must stay in the middle of the car, so it is not moved.
     names = [name for name in study.points if name != "shear_centre"][:2]
     moved = study.replace(points={name: study[name] + [0.25, -0.5, 0.125] for name in names})
     read = hp.loads(moved.text, name=f"{moved.name}.toml", directory=path.parent)
@@ -218,7 +218,7 @@ def test_the_lock_is_let_go(front):
         took = time.perf_counter() - begun
         done.set()
         thread.join()
-        # A call that kept the lock would be one gap.
+        # A call that kept the interpreter lock would cause one long gap.
         assert max(gaps) < max(0.7 * took, 0.1), f"{name}: {max(gaps):.3f} of {took:.3f} s"
 
 

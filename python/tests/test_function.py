@@ -61,7 +61,7 @@ def test_hostile_arrays_are_exceptions(front):
     for threads in (0, -1, 2**70):
         with pytest.raises((hp.HardpointError, OverflowError)):
             f(np.zeros(k), threads=threads)
-    # An address space of its own would be needed for the answer.
+    # The answer would be larger than the address space.
     huge = np.broadcast_to(np.zeros(k), (2**40, k))
     with pytest.raises((MemoryError, hp.HardpointError)):
         f(huge)
@@ -83,7 +83,7 @@ def test_hostile_arrays_are_exceptions(front):
     assert f(read_only).shape == (3, *f.shape)
     assert f(np.asfortranarray(designs(f, 5))).shape[0] == 5
     assert f(np.zeros((0, k))).shape[0] == 0
-    # Any number type, any strides, either byte order.
+    # The function accepts every number type, all strides, and both byte orders.
     exact = f(np.ones((4, k)))
     for same in (np.ones((4, k), np.int8), np.ones((4, k), ">f8"), np.ones((8, 2 * k))[::2, ::2], [[1] * k] * 4):
         np.testing.assert_array_equal(f(same), exact)
@@ -135,7 +135,7 @@ def test_a_sweep_of_given_designs(sweep_study, front):
     again = hp.sweep(sweep_study, x, variables=names)
     for name in rows:
         np.testing.assert_array_equal(again[name], rows[name], err_msg=name)
-    # Without [sweep], by the variables of [optimise].
+    # Without [sweep], the variables are those of [optimise].
     given = hp.sweep(front, designs(front.function(), 20))
     assert len(given["misfit"]) == 20 and len(given.failed) == 0
     for call in (front.function, lambda names: hp.sweep(front, np.zeros((2, 2)), variables=names)):

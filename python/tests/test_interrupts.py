@@ -11,7 +11,8 @@ import pytest
 import hardpoint as hp
 from conftest import STUDIES
 
-# The bar is 0.3 s in a release build; this one is not optimised, and its machine may be busy.
+# The limit for a release build is 0.3 s. The build of the tests is not optimised, and the machine may be busy.
+# So the default limit is longer.
 SOON = float(os.environ.get("HARDPOINT_SOON", "5.0"))
 
 
@@ -112,11 +113,11 @@ def interrupted(call, subject):
             call(subject)
         took = time.perf_counter() - sent[0]
     finally:
-        # A call that returned early fails alone: its signal does not reach the next test.
+        # If a call returns early, only this test fails, because its signal does not reach the next test.
         returned.set()
         thread.join()
     assert took < SOON, f"{took:.2f} s"
-    # Nothing goes on: the processor is idle but for this thread.
+    # No work continues: the process uses hardly any processor time while this thread sleeps.
     begun = time.process_time()
     time.sleep(0.3)
     assert time.process_time() - begun < 0.15

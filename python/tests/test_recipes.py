@@ -24,7 +24,7 @@ PACKAGES = {
     "pymoo": ["pymoo"],
     "tolerances": ["pandas", "matplotlib"],
 }
-# The module of the tests is not optimised.
+# The build of the tests is not optimised, so the recipes run with small numbers.
 SMALL = {"HARDPOINT_DESIGNS": "5000", "HARDPOINT_BUILDS": "300", "HARDPOINT_TRIALS": "10", "HARDPOINT_GENERATIONS": "6"}
 
 

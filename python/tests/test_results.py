@@ -75,7 +75,7 @@ def test_sweeps_are_saved_and_shown_as_by_the_program(sweep_study, tmp_path):
     assert "without files" in (tmp_path / "page.html").read_text()
     directory = rows.save(tmp_path / "saved")
     same_files(directory, by_program, ["designs.csv", "summary.json", "pareto.csv"])
-    # The same designs by hand.
+    # Pass the same designs as an array.
     x = np.column_stack([rows[name] for name in rows.variables])
     given = hp.sweep(sweep_study, x)
     np.testing.assert_array_equal(hp.read_run(given.save(tmp_path / "given"))["designs"]["misfit"], rows["misfit"])
@@ -132,7 +132,7 @@ def test_functions_have_the_constraints_of_the_study():
     x = 0.3 * r.bounds[:, 1]
     np.testing.assert_array_equal(f.constraints(x), r.constraints(x))
     np.testing.assert_array_equal(f.constraint_jacobian(x), r.constraint_jacobian(x))
-    # By other variables, one of them a coordinate.
+    # Use other variables, one of which is a coordinate.
     names = ["tie_rod_inner_z", "tie_rod_inner_dy"]
     g = study.function(names, constraints=True)
     z = study["tie_rod_inner"][2]

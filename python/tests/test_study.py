@@ -121,7 +121,7 @@ def test_an_axle_is_a_function_and_swept_and_limited(tmp_path):
     for k, e in enumerate(h * np.eye(2)):
         difference = (8 * (f(x + e) - f(x - e)) - (f(x + 2 * e) - f(x - 2 * e))) / (12 * h)
         np.testing.assert_allclose(jacobian[..., k], difference, rtol=1e-5, atol=1e-6)
-    # A sweep: the rows of the program, to the bit; of an array those of the same designs.
+    # A sweep gives exactly the rows of the program. A sweep of an array gives the rows of the same designs.
     path = tmp_path / "axle.toml"
     path.write_text(study.text)
     assert hp.run(["--quiet", "sweep", path, "--out", tmp_path / "run"]) in (0, 1)
@@ -178,7 +178,7 @@ def test_tuning_of_an_axle_is_that_of_the_program(name, tmp_path):
             assert np.isnan(frame[key][row]) if missing else frame[key][row] == written[key]
         assert frame["wheel"][row] == (written["wheel"] or "")
         assert all(f"{place['name']} {place['value']:g}" in frame["at"][row] for place in written["at"])
-    # The function that is minimised, with its derivatives.
+    # The residuals that a tuning minimises, with their derivatives.
     r = study.residuals()
     x = 0.05 * np.ptp(r.bounds, axis=1)
     values, jacobian = r.value_and_jacobian(x)

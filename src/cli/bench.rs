@@ -19,7 +19,7 @@ use crate::study::Study;
 use serde::Serialize;
 use std::path::Path;
 
-/// `machine.json`
+/// Content of `machine.json`: conditions of the measurement.
 #[derive(Serialize)]
 struct Circumstances<'a> {
     benchmark: &'a str,
@@ -38,7 +38,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
         other => Stop::in_file(path, other),
     };
     let wheel = study.one_wheel();
-    // Before anything is written.
+    // These checks come before any file is written.
     match (wheel, arguments.kind) {
         (None, kind) => refuse_for_axle(kind, path)?,
         (Some(wheel), BenchKind::Equilibria) if wheel.compliance.is_none() => {
@@ -97,7 +97,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     output.finish()?;
     if output.directory().is_some() {
         match &picture {
-            // A hundred rows are for programs.
+            // The full table has about a hundred rows, so people get the brief one.
             Some((_, brief)) => {
                 output.table_for_programs(kind, || table.clone());
                 output.text_only(&brief.text(width()))?;
@@ -106,12 +106,12 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
             None => output.table(kind, &table)?,
         }
     }
-    // On standard output the table is the main CSV already.
+    // With standard output as target, the table is already printed as the main CSV.
     output.print_files(&files)?;
     Ok(Exit::Done)
 }
 
-/// The study that is named, or a strut's template.
+/// Study that the call names, or the template of a strut.
 fn measured_study(arguments: &BenchArguments) -> Result<Study, Stop> {
     Ok(match &arguments.study {
         Some(path) if arguments.kind == BenchKind::Equilibria => {
@@ -125,10 +125,10 @@ fn measured_study(arguments: &BenchArguments) -> Result<Study, Stop> {
     })
 }
 
-/// A picture (SVG) of measurements, and its table of a few rows.
+/// SVG picture of measurements, with a short table.
 type Picture = (String, Table);
 
-/// Table of the measurements, with a picture of those of accuracy.
+/// Table of the measurements. Accuracy also has a picture.
 fn measure(
     study: &Study,
     kind: BenchKind,
@@ -149,7 +149,7 @@ fn measure(
         (BenchKind::Equilibria, Some(wheel)) => {
             (equilibria_table(&Equilibria::measure(wheel, clock)?), None)
         }
-        // The others are refused for axles.
+        // The other kinds were refused for axles before.
         _ => (
             throughput_table(&Throughput::measure(study, threads, clock)?),
             None,
@@ -157,7 +157,7 @@ fn measure(
     })
 }
 
-/// Refuses measurements that are of one wheel by their nature.
+/// Refuses measurements that only make sense for one wheel.
 fn refuse_for_axle(kind: BenchKind, path: &Path) -> Result<(), Stop> {
     let why = match kind {
         BenchKind::Throughput => return Ok(()),

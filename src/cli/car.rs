@@ -33,7 +33,7 @@ use crate::study::CarStudy;
 use serde_json::json;
 use std::path::Path;
 
-/// The files of the commands on cars.
+/// Files that the commands for cars write.
 const FILES: [&str; 16] = [
     "report.json",
     "report.html",
@@ -62,7 +62,7 @@ fn solver<'a>(study: &'a CarStudy, path: &Path) -> Result<CarSolver<'a>, Stop> {
     made.map_err(fault)
 }
 
-/// `hardpoint check` of a car: the static position.
+/// `hardpoint check` of a car: checks the static position.
 pub(super) fn check(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let path = &arguments.study;
     let study = CarStudy::read(path, &arguments.set)?;
@@ -121,10 +121,10 @@ fn open(arguments: &RunArguments, study: &CarStudy, command: &str) -> Result<Out
     )
 }
 
-/// Names of the three studies that are kept with results: the car, its front and its rear axle.
+/// Names of the three studies kept beside the results: the car, its front axle and its rear axle.
 const KEPT_NAMES: [&str; 3] = ["study.toml", "front.toml", "rear.toml"];
 
-/// Texts of these studies.
+/// Texts of these three studies.
 fn kept(study: &CarStudy) -> Vec<String> {
     let [_, front_name, rear_name] = KEPT_NAMES;
     let [front, rear] = &study.axles;
@@ -135,7 +135,7 @@ fn kept(study: &CarStudy) -> Vec<String> {
     ]
 }
 
-/// Writes the studies of a run beside its results, if there is a directory. Returns the names of the files.
+/// Writes the studies of a run beside its results, if the output is a directory. Returns the names of the files.
 fn keep(output: &Output, study: &CarStudy) -> Result<Vec<&'static str>, Stop> {
     let mut names = Vec::new();
     if output.directory().is_some() {
@@ -147,7 +147,7 @@ fn keep(output: &Output, study: &CarStudy) -> Result<Vec<&'static str>, Stop> {
     Ok(names)
 }
 
-/// Writes the data of the page, and the page if it is asked for. Returns the names of the files.
+/// Writes the data of the page, and the page itself if it is requested. Returns the names of the files.
 fn page(
     output: &Output,
     record: CarRecord,
@@ -166,7 +166,7 @@ fn page(
             output.file("report.html", car_page(&record).as_bytes())?;
             names.push("report.html");
         }
-        // A page of an earlier run would speak of others.
+        // A page from an earlier run would show other results, so it is removed.
         false => output.without("report.html")?,
     }
     Ok(names)

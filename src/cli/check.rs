@@ -59,7 +59,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     Ok(Exit::of(checked.is_complete()))
 }
 
-/// Prints the values of a study of one wheel in the design position, then its requests with their cost.
+/// Prints the design-position values of a study of one wheel, then its requests and their cost.
 fn say_wheel(out: &mut Printer, study: &Study, own: &WheelStudy, path: &Path) -> Result<(), Stop> {
     let plan = Plan::of(own);
     let fault = |fault: DesignFault| design_fault(study, path, &fault);
@@ -98,7 +98,7 @@ fn say_axle(out: &mut Printer, study: &Study, summary: &Summary) -> Result<(), S
     Ok(())
 }
 
-/// The study's drive in the design position, whatever the motion is.
+/// Value of the study's drive in the design position, even if the motion does not contain it.
 fn design_value(study: &Study) -> Result<f64, DesignFault> {
     let suspension = study.wheel();
     match study.motion().drive {
@@ -118,7 +118,7 @@ fn drive_name(plan: &Plan) -> &'static str {
     }
 }
 
-/// Sentence on the motion and the outputs.
+/// Sentence about the motion and the outputs.
 fn motion(study: &Study, plan: &Plan) -> String {
     let formulation = match plan.formulation {
         Formulation::KnucklePose => "",
@@ -147,7 +147,7 @@ fn motion(study: &Study, plan: &Plan) -> String {
     text
 }
 
-/// Sentences on the requests of commands other than `solve`.
+/// Sentences about requests that commands other than `solve` process.
 fn asked(study: &Study) -> Vec<String> {
     let mut said = Vec::new();
     if let Some(sweep) = &study.sweep {
@@ -178,7 +178,7 @@ fn asked(study: &Study) -> Vec<String> {
     said
 }
 
-/// Sentence on a robust tuning.
+/// Sentence about a robust tuning.
 fn robust(scatter: &Scatter) -> String {
     let builds = counted(scatter.builds, "build");
     match scatter.lowers_misfit() {
@@ -187,7 +187,7 @@ fn robust(scatter: &Scatter) -> String {
     }
 }
 
-/// Sentence on the scatter, and the reason if builds do not use SIMD lanes.
+/// Sentence about the scatter. If builds do not use SIMD lanes, it gives the reason.
 fn scattered(study: &Study, tolerance: &Tolerance) -> String {
     let mut text = format!(
         "Tolerances (tolerance only): {}, {}, {}.",
@@ -203,7 +203,7 @@ fn scattered(study: &Study, tolerance: &Tolerance) -> String {
     text
 }
 
-/// Sentence on a sweep, and the reason if its designs do not use SIMD lanes.
+/// Sentence about a sweep. If its designs do not use SIMD lanes, it gives the reason.
 fn swept(study: &Study, sweep: &Sweep) -> String {
     let mut text = match &sweep.designs {
         Designs::Sampled(sampled) => format!(
@@ -225,7 +225,7 @@ fn swept(study: &Study, sweep: &Sweep) -> String {
     text
 }
 
-/// Sentence with the reason if the designs of a sweep do not use SIMD lanes.
+/// Sentence that explains why the designs of a sweep do not use SIMD lanes. `None` if they do.
 pub(super) fn one_by_one(plan: &SweepPlan) -> Option<String> {
     let why = plan.worker().ok()?.not_in_lanes()?;
     let mut text = format!(
@@ -242,7 +242,7 @@ pub(super) fn one_by_one(plan: &SweepPlan) -> Option<String> {
     Some(text + ".")
 }
 
-/// Length of the rod of each rocker, and the bodies at its ends.
+/// Length of the rod of each rocker, with the bodies at its ends.
 fn rods(suspension: &Suspension) -> impl Iterator<Item = String> {
     let Suspension {
         mechanism, design, ..
@@ -259,7 +259,7 @@ fn rods(suspension: &Suspension) -> impl Iterator<Item = String> {
     })
 }
 
-/// Table of every effect: on or off, the requests for it, and its approximate cost.
+/// Table of all effects: on or off, the requests that need it, and its approximate cost.
 fn plan_table(study: &Study, plan: &Plan) -> Table {
     let mut table = Table::with_columns([
         Column::from("effect"),

@@ -1,4 +1,4 @@
-//! Alternatives to the tuned design: trade-off and price list, if requested.
+//! Alternatives to the tuned design, if requested: the Pareto front and the list of misfit against size of change.
 
 use super::exit::Stop;
 use super::interrupt;
@@ -14,7 +14,7 @@ pub(super) struct Choices {
 }
 
 impl Choices {
-    /// Alternatives, computed from the end of a tuning.
+    /// Computes the alternatives after the end of a tuning.
     pub(super) fn of(
         study: &Study,
         optimise: &Optimise,
@@ -38,7 +38,7 @@ impl Choices {
         })
     }
 
-    /// Writes the files; returns their names.
+    /// Writes the files of the alternatives and returns their names.
     pub(super) fn write(
         &self,
         output: &Output,

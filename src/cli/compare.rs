@@ -88,7 +88,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
     Ok(Exit::of(is_complete))
 }
 
-/// Prints the tables: to standard error where the CSV goes to standard output.
+/// Prints the tables. They go to standard error if the CSV goes to standard output.
 pub(super) fn print_tables(arguments: &CompareArguments, tables: &Tables) -> Result<(), Stop> {
     let format: Format = arguments.format.into();
     let text = tables.render(format, width());
@@ -102,7 +102,7 @@ pub(super) fn print_tables(arguments: &CompareArguments, tables: &Tables) -> Res
     Ok(())
 }
 
-/// Unique names of files, without their common parts.
+/// Unique labels of the sources, without the parts that all paths share.
 pub(super) fn labels(sources: &[PathBuf]) -> Vec<String> {
     let mut labels: Vec<String> = Vec::new();
     for path in sources {
@@ -112,7 +112,7 @@ pub(super) fn labels(sources: &[PathBuf]) -> Vec<String> {
         };
         let whole = path.display().to_string();
         let name = name.map_or(whole.clone(), |n| n.to_string_lossy().into_owned());
-        // They become names of columns.
+        // Labels become names of columns, so they must be printable.
         let mut label = printable(&name).replace(['\n', '\t'], " ");
         if labels.contains(&label) {
             label = printable(&whole);
@@ -134,7 +134,7 @@ fn of_study(
     crate::compared::of_study(study, label, first).map_err(|why| Stop::in_file(path, why))
 }
 
-/// A finished run: the curves it wrote, and the points of the study it keeps.
+/// Reads a finished run: the curves that it wrote, and the points of the study that it keeps.
 fn of_run(path: &Path, label: String) -> Result<Compared, Stop> {
     let file = path.join("curves.csv");
     if !file.exists() {

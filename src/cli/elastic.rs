@@ -9,10 +9,10 @@ use crate::model::{LengthUnit, Side};
 use crate::report::{Table, brief, elastic_parts, no_equilibrium, plausibility};
 use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Study};
 
-/// A rate above this is doubtful where lengths are in millimetres, N/mm: N/m may be meant.
+/// Limit of a plausible stiffness in N/mm. A larger value may be in N/m by mistake. Applies if lengths are in millimetres.
 const DOUBTFUL_RATE: f64 = 1e6;
 
-/// The commands that take elastic parts.
+/// Names the commands that accept elastic parts.
 const COMMANDS: &str = "`hardpoint kc` runs the tests; `solve`, `sweep`, `optimise`, `tolerance` and `compare` have the \
                         elastic parts, too.";
 
@@ -58,7 +58,7 @@ pub(super) fn check_axle(
     Ok(Exit::of(complete))
 }
 
-/// Says that a study is valid, and what is doubtful about its points and the elastic parts of a wheel.
+/// Prints that a study is valid, then doubts about its points and about the elastic parts of a wheel.
 fn say_doubts(
     arguments: &StudyArguments,
     study: &Study,
@@ -77,7 +77,7 @@ fn say_doubts(
     Ok(out)
 }
 
-/// Both wheels at the design height. Returns false if they have no equilibrium.
+/// Prints both wheels at the design height. Returns false if they have no equilibrium.
 fn say_axle_design(
     out: &mut Printer,
     study: &AxleStudy,
@@ -87,7 +87,7 @@ fn say_axle_design(
         suspensions: Side::ALL.map(|side| study.axle.suspension(side)),
         tyre_rate: elastic.tyre_rate,
     };
-    // The reader of the study has built it once.
+    // The study was already built once when it was read, so this does not fail.
     let Ok(run) = AxleKcRun::new(vehicle, &elastic.parts) else {
         return Ok(false);
     };
@@ -130,9 +130,9 @@ fn relaxed_in_words(relaxed: Relaxed) -> &'static str {
     }
 }
 
-/// The wheel at the design height. Returns false if it has no equilibrium.
+/// Prints the wheel at the design height. Returns false if it has no equilibrium.
 fn say_design(out: &mut Printer, study: &Study, elastic: &ComplianceStudy) -> Result<bool, Stop> {
-    // The reader of the study has built it once.
+    // The study was already built once when it was read, so this does not fail.
     let Ok(wheel) = ElasticWheel::new(study.wheel(), &elastic.parts) else {
         return Ok(false);
     };
@@ -170,7 +170,7 @@ fn say_design(out: &mut Printer, study: &Study, elastic: &ComplianceStudy) -> Re
     Ok(true)
 }
 
-/// Doubts about elastic parts, a line each.
+/// Doubts about elastic parts, one per line.
 fn doubts(study: &Study, parts: &Compliance) -> Vec<String> {
     let mechanism = &study.wheel().mechanism;
     let mut doubts = Vec::new();

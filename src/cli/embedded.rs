@@ -1,4 +1,5 @@
-//! Commands for programs that call this library: studies in memory instead of files, errors instead of text.
+//! Commands for programs that call this library. They take studies in memory instead of files, and return errors instead of
+//! printing text.
 
 use super::exit::{Exit, Stop};
 use super::{Arguments, Command, export, import, interrupt, sweep, terminal};
@@ -51,7 +52,7 @@ fn embedded<T>(run: impl FnOnce() -> Result<T, Stop>) -> Result<(T, String), Not
     }
 }
 
-/// The command of these arguments; the program's name is left out.
+/// Parses the command from its arguments. The arguments do not contain the program's name.
 fn parsed(arguments: &[String]) -> Result<Command, NotDone> {
     let program = ["hardpoint".to_owned()];
     let arguments = Arguments::try_parse_from(program.iter().chain(arguments));
@@ -59,7 +60,7 @@ fn parsed(arguments: &[String]) -> Result<Command, NotDone> {
     Ok(arguments.command)
 }
 
-/// `hardpoint export` of a study in memory. The source in `arguments` is only a name for messages. Returns the remarks.
+/// `hardpoint export` of a study in memory. The source in `arguments` only serves as a name in messages. Returns the remarks.
 pub fn export_study(study: &Study, arguments: &[String]) -> Result<String, NotDone> {
     let Command::Export(arguments) = parsed(arguments)? else {
         return Err(NotDone::WrongInput("expected an export".to_owned()));
@@ -67,8 +68,8 @@ pub fn export_study(study: &Study, arguments: &[String]) -> Result<String, NotDo
     embedded(|| export::run_of(&arguments, Some(study))).map(|(_, said)| said)
 }
 
-/// `hardpoint import` without a study file: the text of the study, and the summary of the import. `points` is a map in JSON in place
-/// of the file, `names` are those in the file by hardpoint.
+/// `hardpoint import` that writes no study file. Returns the text of the study, and the summary of the import. `points` is a JSON
+/// map that replaces the file. `names` maps hardpoints to their names in the file.
 pub fn import_study(
     arguments: &[String],
     points: Option<&str>,
@@ -81,8 +82,8 @@ pub fn import_study(
     Ok(found)
 }
 
-/// `hardpoint sweep` of a study in memory. The study in `arguments` is only a name for messages. Returns true if every
-/// part that was asked for is whole.
+/// `hardpoint sweep` of a study in memory. The study in `arguments` only serves as a name in messages. Returns true if every
+/// requested part is complete.
 pub fn sweep_study(study: &Study, arguments: &[String]) -> Result<bool, NotDone> {
     let Command::Sweep(arguments) = parsed(arguments)? else {
         return Err(NotDone::WrongInput("expected a sweep".to_owned()));

@@ -1,4 +1,4 @@
-//! End of a command.
+//! Ends of a command: exit codes and errors.
 
 use super::interrupt;
 use crate::results::WriteError;
@@ -6,12 +6,12 @@ use crate::study::StudyErrors;
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
-/// Longest word of a reason, in characters. Only a cell of a hostile file has a longer one.
+/// Longest word in an error message, in characters. Only a cell of a hostile file is longer.
 const LONGEST_WORD: usize = 300;
-/// Longest reason.
+/// Longest error message, in characters.
 const LONGEST_REASON: usize = 20_000;
 
-/// A reason with its longest words cut: a file may have millions of characters where a number is expected.
+/// Shortens the longest words of a message. A file may have millions of characters in place of a number.
 fn shortened(reason: &str) -> String {
     let mut short = String::new();
     for word in reason.split_inclusive(char::is_whitespace) {
@@ -31,21 +31,21 @@ fn shortened(reason: &str) -> String {
     short
 }
 
-/// Documented exits.
+/// Documented exits of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Exit {
-    /// The whole request is done.
+    /// The command did everything that was requested.
     Done,
-    /// A part could not be solved or written; the rest exists.
+    /// One part could not be solved or written. The other parts exist.
     Incomplete,
-    /// The input or the call is wrong; nothing was written.
+    /// The input or the call is wrong. Nothing was written.
     WrongInput,
-    /// A signal stopped it; finished work is kept.
+    /// A signal stopped the command. Finished work is kept.
     Interrupted,
 }
 
 impl Exit {
-    /// Exit of a command that ran: done or incomplete.
+    /// Exit of a command that ran to its end: done or incomplete.
     pub(super) fn of(is_complete: bool) -> Self {
         match is_complete {
             true => Exit::Done,
@@ -64,24 +64,24 @@ impl Exit {
     }
 }
 
-/// Reason that stops a command early.
+/// Reason why a command stops early.
 #[derive(Debug)]
 pub(super) enum Stop {
-    /// Whoever read our output has seen enough.
+    /// The reader of our output closed the pipe.
     ClosedPipe,
-    /// The study is wrong.
+    /// The study contains errors.
     WrongStudy(StudyErrors),
-    /// Something else is wrong.
+    /// Any other failure.
     Failed {
-        /// For the user.
+        /// Message for the user.
         message: String,
-        /// The exit code it leads to.
+        /// Exit that this failure causes.
         exit: Exit,
     },
 }
 
 impl Stop {
-    /// The input or the call is wrong.
+    /// Failure because the input or the call is wrong.
     pub(super) fn wrong_input(message: impl std::fmt::Display) -> Self {
         Stop::Failed {
             message: format!("error: {message}"),
@@ -89,19 +89,19 @@ impl Stop {
         }
     }
 
-    /// A file, or its use, is wrong.
+    /// Failure because a file is wrong or cannot be used for this purpose.
     pub(super) fn in_file(path: &Path, reason: impl std::fmt::Display) -> Self {
         let reason = shortened(&reason.to_string());
         Stop::wrong_input(format!("{}: {reason}", path.display()))
     }
 
-    /// A study lacks a section that the command needs; `what` names its content.
+    /// Failure because the study lacks a section that the command needs. `what` names the content of the section.
     pub(super) fn no_section(path: &Path, section: &str, what: &str) -> Self {
         let reason = format!("the section [{section}] is missing: it gives {what}");
         Stop::in_file(path, reason)
     }
 
-    /// A request that cannot be met.
+    /// Failure because a request cannot be met.
     pub(super) fn not_met(message: impl std::fmt::Display) -> Self {
         Stop::Failed {
             message: format!("error: {message}"),
@@ -109,12 +109,12 @@ impl Stop {
         }
     }
 
-    /// A request of an accepted file could not be solved.
+    /// Failure because a request of an accepted file could not be solved.
     pub(super) fn unsolved(path: &Path, reason: impl std::fmt::Display) -> Self {
         Stop::not_met(format!("{}: {reason}", path.display()))
     }
 
-    /// Marks a message as raised after the input was accepted and some results exist.
+    /// Marks a failure as incomplete instead of wrong input, because the input was accepted and some results may exist.
     pub(super) fn after_its_input(self) -> Self {
         match self {
             Stop::Failed { message, .. } => Stop::Failed {
@@ -125,7 +125,7 @@ impl Stop {
         }
     }
 
-    /// Results that were computed could not be written.
+    /// Failure because computed results could not be written.
     pub(super) fn unwritten(error: WriteError) -> Self {
         Stop::Failed {
             message: format!("error: {error}"),
@@ -140,7 +140,7 @@ impl From<StudyErrors> for Stop {
     }
 }
 
-/// Errors of standard output and standard error.
+/// Converts errors of standard output and standard error.
 impl From<io::Error> for Stop {
     fn from(error: io::Error) -> Self {
         match error.kind() {
@@ -157,7 +157,7 @@ impl From<io::Error> for Stop {
 mod tests {
     use super::*;
 
-    /// Reasons of usual length stay; a cell of millions of characters does not fill the terminal.
+    /// Messages of usual length stay unchanged. A cell of millions of characters does not fill the terminal.
     #[test]
     fn reasons_have_a_bounded_length() {
         let usual = "line 4: expected a number,\n  found \"1.5 mm\"";

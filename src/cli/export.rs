@@ -108,7 +108,7 @@ fn length(text: &str) -> Result<f64, String> {
     length.ok_or_else(|| "expected a length above 0, as in 0.1".to_owned())
 }
 
-/// The most values of a span: poses are their product.
+/// Largest number of values in a range. The number of poses is the product of two ranges.
 const MOST_VALUES: usize = 200;
 
 fn span(text: &str) -> Result<Span, String> {
@@ -137,7 +137,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<Exit, Stop> {
     run_of(arguments, None)
 }
 
-/// Exports the source, or this study in its place.
+/// Exports the source, or the given study in its place.
 pub(super) fn run_of(arguments: &ExportArguments, given: Option<&Study>) -> Result<Exit, Stop> {
     check_call(arguments)?;
     let source = match given {
@@ -172,7 +172,7 @@ pub(super) fn run_of(arguments: &ExportArguments, given: Option<&Study>) -> Resu
     Ok(Exit::Done)
 }
 
-/// Refuses options that do not go together.
+/// Refuses options that cannot be combined.
 fn check_call(arguments: &ExportArguments) -> Result<(), Stop> {
     let to = arguments.to;
     let only = |given: bool, option: &str, target: Target, name: &str| match given && to != target {
@@ -232,14 +232,14 @@ fn check_call(arguments: &ExportArguments) -> Result<(), Stop> {
     Ok(())
 }
 
-/// The files that are read.
+/// Files that the export reads.
 fn inputs(source: &Source, arguments: &ExportArguments) -> Vec<PathBuf> {
     let mut inputs = source.inputs.clone();
     inputs.extend(arguments.into.clone());
     inputs
 }
 
-/// Prints the content that a file leaves out, and returns the file.
+/// Prints a note about content that the file format leaves out, and returns the file.
 pub(super) fn say(written: Written) -> Vec<u8> {
     for line in written.notes {
         note(&format!("{line}\n"));
@@ -283,7 +283,7 @@ fn optimum_k(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, St
     Ok(say(Written { bytes, notes }))
 }
 
-/// Table of the curves, under the names of this program or of another tool.
+/// Table of the curves, with the names of this program or of another tool.
 fn curves(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Stop> {
     let outgoing = source.outgoing()?;
     let page = curves_in(&outgoing, source.curves()?);

@@ -1,4 +1,4 @@
-//! Sources of `hardpoint export`: a study, or the directory of a run.
+//! Source of `hardpoint export`: a study, or the directory of a run.
 
 use super::exit::Stop;
 use super::export::{ExportArguments, Target};
@@ -18,19 +18,19 @@ use crate::study::{LONGEST_TABLE, Study, read_bytes};
 use crate::sweep::SweepPlan;
 use std::path::{Path, PathBuf};
 
-/// The study that a tuning has found, in its directory.
+/// Name of the file with the tuned study in the directory of a tuning.
 const TUNED: &str = "optimised.toml";
 
 /// Source of an export.
 pub(super) struct Source {
     path: PathBuf,
-    /// The files that were read.
+    /// Files that were read.
     pub(super) inputs: Vec<PathBuf>,
-    /// The study at the design that is exported; `None` of a run that keeps none.
+    /// Study at the exported design. `None` for a run that keeps no study.
     study: Option<Study>,
-    /// Rounding, if requested.
+    /// Rounded design, if rounding was requested.
     rounded: Option<Rounded>,
-    /// The tables of a run's directory: their names and contents.
+    /// Tables of a run's directory: names and contents.
     tables: Vec<(String, Vec<u8>)>,
     unit: Option<LengthUnit>,
     frame: Option<FrameConvention>,
@@ -49,7 +49,7 @@ impl Source {
         source.prepared(arguments)
     }
 
-    /// A study in memory.
+    /// Makes the source of a study in memory.
     pub(super) fn of_study(arguments: &ExportArguments, study: Study) -> Result<Self, Stop> {
         Source::of(arguments, Some(study)).prepared(arguments)
     }
@@ -66,7 +66,7 @@ impl Source {
         }
     }
 
-    /// Moves the source to the design that is to be exported.
+    /// Checks the study and changes it to the design that is to be exported.
     fn prepared(self, arguments: &ExportArguments) -> Result<Self, Stop> {
         let mut source = self;
         let path = &arguments.source;
@@ -100,7 +100,7 @@ impl Source {
                 "Elastic parts are not exported: the file has the hardpoints of the relaxed position.\n",
             );
         }
-        // Studies that `check` refuses are not exported.
+        // A study that `check` refuses is not exported.
         Checked::of(&motion_alone(study)).map_err(|why| Stop::in_file(path, why))?;
         source.inputs.extend(study.inputs.iter().cloned());
         let before = source.design_of_file(arguments)?;
@@ -138,7 +138,7 @@ impl Source {
         Ok(())
     }
 
-    /// The design of the study's own file, before `--set` and `--design`; of a tuning before it was tuned.
+    /// Design in the study's own file, before `--set` and `--design`. For a tuning, the design before the tuning.
     fn design_of_file(&self, arguments: &ExportArguments) -> Result<Vec<Vector3<f64>>, Stop> {
         let study = self.study()?;
         let file = match self.is_tuning() {
@@ -149,12 +149,12 @@ impl Source {
         };
         match file.is_file() {
             true => Ok(Study::read_elastic(&file, &[])?.wheel().design.clone()),
-            // Runs of earlier versions, and standard input.
+            // Runs of earlier versions keep no copy, and standard input is not a file.
             false => Ok(study.wheel().design.clone()),
         }
     }
 
-    /// Returns true if the source is the directory of a tuning.
+    /// True if the source is the directory of a tuning.
     fn is_tuning(&self) -> bool {
         self.path.is_dir() && self.path.join(TUNED).is_file()
     }
@@ -174,7 +174,8 @@ impl Source {
             true => moved_coordinates(design, before),
             false => vec![true; 3 * design.len()],
         };
-        // In a run, the changed coordinates are the tuned ones; a study names its variables.
+        // In the directory of a tuning, the changed coordinates are the tuned ones. Otherwise the study's variables name the
+        // tuned coordinates.
         if !self.is_tuning() {
             let tuned = tuned_coordinates(study);
             free.iter_mut()
@@ -200,7 +201,7 @@ impl Source {
         Ok(())
     }
 
-    /// Renames curves of a run that do not belong to the exported points.
+    /// Renames the curves of a run if they do not belong to the exported points.
     fn set_other_curves_aside(&mut self, before: &[Vector3<f64>]) {
         let Some(study) = &self.study else { return };
         let manifest = Manifest::read(&self.path).unwrap_or_default();
@@ -209,7 +210,7 @@ impl Source {
             .map(|run| run.command.as_str());
         let of_points = match (self.is_tuning(), author) {
             (true, Some("optimise")) => {
-                // The tuned points, unless they were rounded or changed.
+                // Curves of a tuning belong to the tuned points, unless these were rounded or changed.
                 let kept = kept_study(&self.path, &[]).ok().flatten();
                 kept.is_some_and(|kept| kept.wheel().design == study.wheel().design)
             }
@@ -240,7 +241,7 @@ impl Source {
         })
     }
 
-    /// The study in the unit and the axes of the file.
+    /// Study in the unit and the axes of the file.
     pub(super) fn outgoing(&self) -> Result<Outgoing<'_>, Stop> {
         let study = self.study()?;
         Ok(match &self.rounded {
@@ -249,7 +250,7 @@ impl Source {
         })
     }
 
-    /// Curves of the exported points, from the run or solved, in the study's unit and axes.
+    /// Curves of the exported points, in the study's unit and axes. They come from the run, or are solved again.
     pub(super) fn curves(&self) -> Result<Page, Stop> {
         let refused = |reason: String| Stop::in_file(&self.path, reason);
         let of_run = self.tables.iter().find(|(name, _)| name == "curves");
@@ -260,7 +261,7 @@ impl Source {
         page_of_csv("curves", &solved.csv()).map_err(refused)
     }
 
-    /// The sheets of a workbook.
+    /// Sheets of a workbook.
     pub(super) fn pages(&self) -> Result<Vec<Page>, Stop> {
         let mut pages = Vec::new();
         let outgoing = match self.study {
@@ -311,7 +312,7 @@ impl Source {
     }
 }
 
-/// A study at a design of its sweep.
+/// Study at one design of its sweep.
 fn of_sweep(study: &Study, number: u64, path: &Path) -> Result<Study, Stop> {
     let refused = |reason: &str| Stop::in_file(path, reason);
     let sweep = study.sweep.as_ref();
@@ -327,7 +328,7 @@ fn of_sweep(study: &Study, number: u64, path: &Path) -> Result<Study, Stop> {
     Ok(plan.moved(number))
 }
 
-/// Prints the cost of rounding: the misfit of the targets, and the largest change of every curve.
+/// Prints the cost of rounding: the misfit of the targets, and the largest change of each curve.
 fn say_loss(before: &Study, after: &Study, rounded: &Rounded, free: &[bool]) {
     let grid = rounded.grid;
     let (step, unit) = (grid.step, grid.unit.symbol());
@@ -360,7 +361,7 @@ fn say_loss(before: &Study, after: &Study, rounded: &Rounded, free: &[bool]) {
     }
 }
 
-/// The largest change of each column of numbers.
+/// Largest change of each column of numbers.
 fn changes(before: &Page, after: &Page) -> Table {
     let mut table = Table::new(["output", "largest change"]);
     let header = before.rows.first().map_or(&[][..], Vec::as_slice);

@@ -70,7 +70,7 @@ pub(super) struct ImportArguments {
     pub(super) force: bool,
 }
 
-/// A topology by its name.
+/// Returns the topology with this name.
 pub(super) fn topology(name: &str) -> Result<&'static Topology, String> {
     Topology::named(name).ok_or_else(|| {
         let names: Vec<&str> = Topology::ALL.iter().map(|t| t.name).collect();
@@ -126,7 +126,7 @@ fn body(text: &str) -> Result<(String, String), String> {
     parts.ok_or_else(|| "expected HARDPOINT=BODY, as in drop_link_outer=rocker".to_owned())
 }
 
-/// The answers that a file's open questions take.
+/// Answers to the questions that a file leaves open.
 #[derive(Clone, Default)]
 pub(super) struct Said {
     sheet: Option<String>,
@@ -148,7 +148,7 @@ impl Said {
         }
     }
 
-    /// Takes an answer as its flag would.
+    /// Stores an answer in the same way as its command-line flag.
     fn take(&mut self, flag: &str, value: &str) -> Result<(), String> {
         match flag {
             "--sheet" => self.sheet = Some(value.to_owned()),
@@ -162,10 +162,10 @@ impl Said {
     }
 }
 
-/// The most questions that a file leaves open: sheet, axle, side, axes, half track.
+/// Largest number of questions that a file leaves open: sheet, axle, side, axes and half track.
 const MOST_QUESTIONS: usize = 5;
 
-/// Asks the questions of a file.
+/// Asks the user the questions that a file leaves open.
 pub(super) struct Questions<'a> {
     file: &'a Path,
     can_ask: bool,
@@ -181,8 +181,8 @@ impl<'a> Questions<'a> {
         }
     }
 
-    /// Returns the result of `read` for the answers. At a terminal it asks the question; otherwise the question is
-    /// the reason of a refusal.
+    /// Returns the result of `read` for the answers so far. If `read` returns an open question, a user at a terminal is asked.
+    /// Otherwise the question becomes the reason of the refusal.
     pub(super) fn settle<T>(
         &mut self,
         said: &mut Said,
@@ -249,7 +249,7 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
     Ok(Exit::Done)
 }
 
-/// The text of the study and the summary of an import that writes no file. `points` is a map in JSON in place of the file.
+/// Imports without writing a file. Returns the text of the study and the summary. `points` is a JSON map that replaces the file.
 pub(super) fn in_memory(
     arguments: &ImportArguments,
     points: Option<&str>,
@@ -265,7 +265,7 @@ pub(super) fn in_memory(
     Ok((study_text(arguments, &imported)?, summary(&imported, None)))
 }
 
-/// The suspension of a table of points.
+/// Makes a suspension from a table of points.
 fn imported(
     arguments: &ImportArguments,
     table: &PointTable,
@@ -304,7 +304,7 @@ fn imported(
     })
 }
 
-/// The study of an import, if its points form a suspension.
+/// Text of the imported study, if its points form a suspension.
 fn study_text(arguments: &ImportArguments, imported: &Imported) -> Result<String, Stop> {
     let file_name = arguments.file.file_name().unwrap_or_default();
     let study = imported.study("the imported study", &file_name.to_string_lossy());
@@ -315,7 +315,7 @@ fn study_text(arguments: &ImportArguments, imported: &Imported) -> Result<String
     })
 }
 
-/// Asks a question until it is answered; `None` at the end of the input.
+/// Asks a question until the user answers it. `None` at the end of the input.
 fn ask(
     question: &Question,
     input: &mut impl BufRead,
@@ -354,8 +354,8 @@ fn ask(
     None
 }
 
-/// Summary of an import: roles of the points, readings and assumptions, parts left out, and the command that shows
-/// the result.
+/// Summary of an import: roles of the points, units and axes that were read or assumed, parts left out, and the command that
+/// shows the result.
 fn summary(imported: &Imported, out: Option<Option<&Path>>) -> String {
     let mut text = roles(imported);
     for (title, lines) in [
@@ -374,7 +374,7 @@ fn summary(imported: &Imported, out: Option<Option<&Path>>) -> String {
     text
 }
 
-/// Lines below a title; nothing without lines.
+/// A title with lines below it. Empty if there are no lines.
 pub(super) fn listed(title: &str, lines: &[String]) -> String {
     if lines.is_empty() {
         return String::new();
@@ -383,7 +383,7 @@ pub(super) fn listed(title: &str, lines: &[String]) -> String {
     format!("{title}:\n{lines}")
 }
 
-/// Hardpoints with their names and places in the file.
+/// Table of the hardpoints with their names and places in the file.
 pub(super) fn roles(imported: &Imported) -> String {
     let longest = imported.hardpoints.iter().map(|h| h.name.len()).max();
     let longest = longest.unwrap_or(0);
@@ -398,7 +398,7 @@ pub(super) fn roles(imported: &Imported) -> String {
     text
 }
 
-/// Reads the names given to hardpoints in the file.
+/// Reads the user's map from hardpoints to names in the file.
 fn names(path: &Path) -> Result<BTreeMap<String, String>, Stop> {
     let refused = |reason: String| Stop::in_file(path, reason);
     let text = bytes_of(path).map_err(refused)?;
@@ -415,7 +415,7 @@ fn names(path: &Path) -> Result<BTreeMap<String, String>, Stop> {
 mod tests {
     use super::*;
 
-    /// Answers by number and by value; nothing else is taken where there is nothing to make up.
+    /// A question accepts an answer by number or by value. If its choices are fixed, it accepts nothing else.
     #[test]
     fn questions_take_answers_that_flags_take() {
         let of_axle = Question {

@@ -1,4 +1,4 @@
-//! `hardpoint import --car`: both axles of a file, and a study of the car that names them.
+//! `hardpoint import --car`: imports both axles of a file, and writes a study of the car that names them.
 
 use super::exit::{Exit, Stop};
 use super::import::{ImportArguments, Questions, Said, listed, roles};
@@ -10,7 +10,7 @@ use crate::study::CarStudy;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Value of an axle from a list of one for both or one for each.
+/// Value of one axle, from a list with one value for both axles or one value for each.
 fn of_axle<T: Copy>(values: &[T], end: usize) -> Option<T> {
     values.get(end).or(values.first()).copied()
 }
@@ -72,7 +72,7 @@ pub(super) fn run(
     Ok(Exit::Done)
 }
 
-/// Writes the three files, or none if one is there already.
+/// Writes the three files. Writes none of them if one exists already.
 fn write(directory: &Path, car: &ImportedCar, force: bool) -> Result<(), Stop> {
     let paths = CAR_FILES.map(|file| directory.join(file));
     let taken = paths.iter().find(|path| path.exists());

@@ -1,6 +1,6 @@
-//! Suspensions and parts that are no topology, with what comes nearest.
+//! Answers to names of suspensions and parts that are not topologies. Each one names the nearest available topology.
 
-/// Words of a name, and the sentence that answers them.
+/// Words in names of unsupported suspensions and parts, each with the sentence that the program answers.
 const INSTEAD: [(&str, &str); 8] = [
     (
         "leaf",
@@ -34,7 +34,7 @@ const INSTEAD: [(&str, &str); 8] = [
     ),
 ];
 
-/// The answer to a name that is no topology.
+/// Answer to a name that is not a topology.
 pub(super) fn instead_of(name: &str) -> Option<&'static str> {
     let plain = name.trim().to_lowercase().replace(['-', ' '], "_");
     let found = INSTEAD.iter().find(|(word, _)| plain.contains(word));
@@ -46,7 +46,7 @@ mod tests {
     use super::*;
     use crate::model::Topology;
 
-    /// Every topology that an answer names is there, and no topology has an answer.
+    /// Every topology that an answer mentions exists, and no existing topology has an answer.
     #[test]
     fn answers_name_topologies() {
         for (_, answer) in INSTEAD {

@@ -1,7 +1,7 @@
-//! Signals. The first one stops the command, the second one ends the process at once.
+//! Signals. The first signal stops the command, the second one ends the process at once.
 //!
-//! A command that has something to keep looks at the [`flag`], stops, and writes it. Every other one ends where it is:
-//! between two writes, and with its directories recorded as interrupted. Neither takes longer than [`MOST_WORK`].
+//! A command that has results to keep checks the [`flag`], stops, and writes them. Every other command ends where it is. This is
+//! safe: it ends between two writes, and its directories are recorded as interrupted. Both cases end within [`MOST_WORK`].
 
 use super::terminal;
 use crate::results::exit_interrupted;
@@ -11,27 +11,27 @@ use std::sync::{Arc, LazyLock, Once};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Processor time within which a command stops by itself.
+/// Processor time that a command may use to stop by itself.
 const MOST_WORK: Duration = Duration::from_millis(200);
 
-/// Time in which it does so where it waits for others: for the disk, or for whoever reads its output.
+/// Elapsed time that a command may use to stop by itself. It covers waiting for the disk or for the reader of its output.
 const MOST_WAIT: Duration = Duration::from_secs(2);
 
-/// Interval between checks of both.
+/// Interval between two checks of these limits.
 const LOOK: Duration = Duration::from_millis(5);
 
-/// Time limit for a last line on standard error.
+/// Time limit for the last line on standard error.
 const LAST_WORDS: Duration = Duration::from_millis(20);
 
 static FLAG: AtomicBool = AtomicBool::new(false);
-/// The first signal's number; 0 before it.
+/// Number of the first signal. 0 before a signal arrives.
 static SIGNAL: AtomicI32 = AtomicI32::new(0);
-/// True if this module listens to signals; inside another program that does.
+/// True if this module handles signals. False inside another program, which handles them itself.
 static LISTENS: AtomicBool = AtomicBool::new(false);
-/// The number of SIGINT.
+/// Number of SIGINT.
 const INTERRUPT: i32 = 2;
 static STOPS_BY_ITSELF: AtomicBool = AtomicBool::new(false);
-/// Ends a command inside another program that does not stop by itself.
+/// Flag for commands inside another program that do not stop by themselves.
 static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 
 /// True from the first signal on.
@@ -39,7 +39,7 @@ pub(super) fn flag() -> &'static AtomicBool {
     &FLAG
 }
 
-/// Returns true if a signal has arrived.
+/// True if a signal has arrived.
 pub(super) fn is_raised() -> bool {
     FLAG.load(Ordering::SeqCst)
 }
@@ -49,7 +49,7 @@ pub(super) fn stops_by_itself() {
     STOPS_BY_ITSELF.store(true, Ordering::SeqCst);
 }
 
-/// Exit code of a command that a signal has stopped: 128 and the signal's number.
+/// Exit code of a command that a signal stopped: 128 plus the number of the signal.
 pub(super) fn exit_code() -> u8 {
     let signal = SIGNAL.load(Ordering::SeqCst);
     u8::try_from(128 + signal).unwrap_or(u8::MAX)
@@ -58,8 +58,7 @@ pub(super) fn exit_code() -> u8 {
 /// Payload of the unwinding that ends a command inside another program.
 pub(super) struct Ended;
 
-/// Ends the command, where a signal has come and there is nothing to keep: with the process, or inside another program by
-/// unwinding.
+/// Ends the command after a signal if it has nothing to keep. Ends the process, or inside another program unwinds the stack.
 pub(super) fn end() -> ! {
     if !LISTENS.load(Ordering::SeqCst) {
         std::panic::resume_unwind(Box::new(Ended));
@@ -67,7 +66,7 @@ pub(super) fn end() -> ! {
     exit_interrupted(i32::from(exit_code()))
 }
 
-/// Stops the commands that run inside another program, as Ctrl-C does. Those that do not stop by themselves end at the next
+/// Stops a command that runs inside another program, as Ctrl-C does. If it does not stop by itself, it ends at the next
 /// checkpoint of the numerics.
 pub(super) fn raise() {
     SIGNAL.store(INTERRUPT, Ordering::SeqCst);
@@ -77,12 +76,12 @@ pub(super) fn raise() {
     }
 }
 
-/// The flag that ends a command at the next checkpoint of the numerics.
+/// Flag that ends a command at the next checkpoint of the numerics.
 pub(super) fn stop() -> &'static Arc<AtomicBool> {
     &STOP
 }
 
-/// Forgets a signal, before the next command inside another program.
+/// Clears the signal before the next command inside another program.
 pub(super) fn reset() {
     SIGNAL.store(0, Ordering::SeqCst);
     FLAG.store(false, Ordering::SeqCst);
@@ -90,7 +89,7 @@ pub(super) fn reset() {
     STOPS_BY_ITSELF.store(false, Ordering::SeqCst);
 }
 
-/// Listens to signals, for the rest of the process.
+/// Starts to handle signals, for the rest of the process.
 pub(super) fn listen() {
     static LISTENING: Once = Once::new();
     // Without a handler, a signal ends the process. This is safe, because files appear whole or not at all.
@@ -103,7 +102,7 @@ pub(super) fn listen() {
 #[cfg(unix)]
 fn listen_on_a_thread() -> std::io::Result<()> {
     use signal_hook::consts::{SIGINT, SIGTERM};
-    // SIGHUP keeps its effect, so that `nohup` can take it away.
+    // SIGHUP keeps its default effect, so that `nohup` can disable it.
     let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM])?;
     let listener = thread::Builder::new().name("signals".to_owned());
     listener.spawn(move || signals.forever().for_each(heard))?;
@@ -131,7 +130,7 @@ fn heard(signal: i32) {
     }
 }
 
-/// Waits while the command stops by itself, within bounds.
+/// Waits until the command has stopped by itself, within the limits.
 fn wait() {
     let begun = Instant::now();
     let work = work_done();
@@ -148,14 +147,14 @@ fn work_done() -> Duration {
     clock.map_or(Duration::ZERO, Duration::from)
 }
 
-/// Elsewhere the clock on the wall has to do.
+/// Other systems use elapsed time instead of processor time.
 #[cfg(not(unix))]
 fn work_done() -> Duration {
     static BEGUN: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
     BEGUN.get_or_init(Instant::now).elapsed()
 }
 
-/// Prints a line, unless nobody reads it.
+/// Prints a line, but does not wait long if nobody reads it.
 fn say(text: &'static str) {
     let (said, done) = mpsc::channel();
     let spawned = thread::Builder::new().spawn(move || {

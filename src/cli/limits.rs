@@ -43,7 +43,7 @@ pub(super) fn run(arguments: &LimitsArguments) -> Result<Exit, Stop> {
     }
 }
 
-/// The requested page.
+/// Data of the requested page.
 #[derive(Clone, Copy)]
 struct Page<'a> {
     path: &'a Path,
@@ -71,7 +71,7 @@ impl Page<'_> {
     }
 }
 
-/// Ranges of the motion of a wheel's study, by the quantities of the table of limits.
+/// Ranges of the motion in a study of one wheel, by the quantities of the table of limits.
 fn motion_ranges(study: &Study) -> Vec<(String, [f64; 2])> {
     let Some(own) = study.one_wheel() else {
         return Vec::new();
@@ -144,7 +144,7 @@ fn of_wheel(
     Ok(Exit::of(failures.is_empty()))
 }
 
-/// The limits of an axle, with the wheel that causes each.
+/// Limits of an axle, each with the wheel that causes it.
 fn of_axle(
     arguments: &StudyArguments,
     study: &Study,
@@ -198,7 +198,7 @@ fn of_axle(
     Ok(Exit::of(failures.is_empty()))
 }
 
-/// Rows of the travels of an axle, with their ranges.
+/// Rows for the travels of an axle, with their ranges.
 pub(super) fn travel_rows<'l>(axle: &Axle, limits: &'l AxleLimits) -> Vec<(Row, &'l Range)> {
     let unit = axle.left.length_unit.symbol();
     let row = |quantity: &str, at: &str, factor: f64| Row {
@@ -222,10 +222,10 @@ pub(super) fn travel_rows<'l>(axle: &Axle, limits: &'l AxleLimits) -> Vec<(Row, 
     }
 }
 
-/// Cause of a limit for which no singularity was found.
+/// Cause of a limit without a known singularity.
 const LOST: &str = "the path could not be followed further";
 
-/// Cause of a limit at the toggle of a rod.
+/// Cause of a limit at which a rod is in toggle position.
 fn at_toggle(rod: Rod) -> String {
     format!(
         "the {rod} is at toggle: it turns {} no further",
@@ -233,8 +233,7 @@ fn at_toggle(rod: Rod) -> String {
     )
 }
 
-/// Row of a quantity with its limits and causes. Values are multiplied by a factor; a negative factor swaps the
-/// limits.
+/// Row of a quantity with its limits and causes. `factor` multiplies the values; a negative factor swaps the limits.
 fn row(what: [&str; 2], factor: f64, ends: [(f64, String); 2]) -> [Cell; 6] {
     let [quantity, at] = what.map(Cell::from);
     let [mut from, mut to] = ends.map(|(value, why)| (value * factor, why));
@@ -251,7 +250,7 @@ fn row(what: [&str; 2], factor: f64, ends: [(f64, String); 2]) -> [Cell; 6] {
     ]
 }
 
-/// The range of the study's drive at each displacement of the rack that the study asks for, in its axes.
+/// Range of the study's drive at each requested rack displacement, in the study's axes.
 pub(super) fn ranges_by_rack(
     plan: &Plan,
     solver: &mut Solver,
@@ -261,7 +260,7 @@ pub(super) fn ranges_by_rack(
     plan.racks.iter().map(|rack| range(*rack)).collect()
 }
 
-/// Row of the table: a quantity, and the position of the others.
+/// Row of the table: a quantity, and the positions at which the other quantities are held.
 pub(super) struct Row {
     pub(super) quantity: String,
     pub(super) at: String,
@@ -290,7 +289,7 @@ impl Row {
         row([&self.quantity, &self.at], self.factor, ends)
     }
 
-    /// The limits as the table has them: the lower one first.
+    /// Limits as the table shows them, the lower one first.
     pub(super) fn in_table(&self, ends: [f64; 2]) -> [f64; 2] {
         let mut ends = ends.map(|end| end * self.factor);
         if self.factor < 0.0 {
@@ -299,7 +298,7 @@ impl Row {
         ends
     }
 
-    /// Travel of a wheel of an axle.
+    /// Row for the travel of one wheel of an axle.
     pub(super) fn wheel_travel(axle: &Axle, side: Side) -> Self {
         Row {
             quantity: format!("{}_travel_{}", side.name(), axle.left.length_unit.symbol()),
@@ -308,7 +307,7 @@ impl Row {
         }
     }
 
-    /// Rack of an axle, in the study's axes.
+    /// Row for the rack of an axle, in the study's axes.
     pub(super) fn axle_rack(axle: &Axle) -> Self {
         Row {
             quantity: format!("rack_{}", axle.left.length_unit.symbol()),
@@ -317,7 +316,7 @@ impl Row {
         }
     }
 
-    /// Roll angle of an axle.
+    /// Row for the roll angle of an axle.
     pub(super) fn roll() -> Self {
         Row {
             quantity: "roll_deg".to_owned(),
@@ -341,7 +340,7 @@ impl Row {
     }
 }
 
-/// Cause of a limit: the singular part, or the part that is nearest to a singularity.
+/// Cause of a limit: the part that is singular, or the part nearest to a singularity.
 fn because(limit: &Limit, study: &Study) -> String {
     let name = |id: &PointId| {
         let name = study.wheel().mechanism.name(*id);
@@ -385,7 +384,7 @@ pub(super) fn straight(limits: &Limits) -> &'static str {
     }
 }
 
-/// Ranges of the quantities, each with the others held. Rockers are separate, because other parts limit them.
+/// Range of each quantity while the others are held. Rockers have their own rows, because other parts limit them.
 pub(super) fn ranges<'l>(
     study: &Study,
     limits: &'l Limits,
@@ -415,7 +414,7 @@ pub(super) fn ranges<'l>(
     rows
 }
 
-/// Row of the study's drive, with the rack at this position.
+/// Row for the study's drive, with the rack at this position.
 fn driven(study: &Study, at: String) -> Row {
     let (quantity, factor) = match study.motion().drive.in_kernel() {
         model::Drive::Travel => (
@@ -443,14 +442,14 @@ fn columns() -> [Column; 6] {
     ]
 }
 
-/// The name of the travel at which a rod of a rocker is at toggle.
+/// Name of the travel at which a rocker's rod is in toggle position.
 pub(super) fn rod_travel(study: &Study, rocker: RockerId) -> String {
     let rod = study.wheel().mechanism.rocker(rocker).rod.to_string();
     let unit = study.wheel().length_unit.symbol();
     format!("{}_travel_{unit}", rod.replace(' ', "_"))
 }
 
-/// Table of the limits of each quantity, the others held.
+/// Table of the limits of each quantity while the others are held.
 fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
     let mut table = Table::with_columns(columns()).keyed(2);
     for (row, range) in ranges(study, limits, by_rack) {
@@ -484,13 +483,13 @@ fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
     table
 }
 
-/// Margin from drive values to the nearest limit of all these ranges; negative beyond it.
+/// Distance from the drive values to the nearest limit of all these ranges. Negative if a value is beyond it.
 pub(super) fn travel_left<'r>(ranges: impl Iterator<Item = &'r Range>, values: &[f64]) -> f64 {
     let left = ranges.flat_map(|range| values.iter().map(move |value| range.margin(*value)));
     left.fold(f64::INFINITY, f64::min)
 }
 
-/// The least distance to a singularity over the motion of the study, in words.
+/// Smallest distance to a singularity over the motion of the study, in words.
 fn margin(
     study: &Study,
     plan: &Plan,

@@ -1,4 +1,4 @@
-//! `hardpoint limits --builds`: smallest limits of the builds of `[tolerance]`.
+//! `hardpoint limits --builds`: nearest limits among the builds of `[tolerance]`.
 
 use super::StudyArguments;
 use super::exit::{Exit, Stop};
@@ -50,7 +50,7 @@ pub(super) fn run(
     out.table("limits", table(&drawn, &least))?;
     out.say("\n")?;
     let mut counts = Table::new(["builds", "number", "first"]);
-    // Not available for the paper's drive.
+    // The paper's drive has no comparison of limits and motion.
     let short = (study.motion().drive != Drive::PaperTheta).then_some(least.short);
     let mut numbers = vec![
         ("cannot be assembled", Some(least.rejected)),
@@ -87,10 +87,10 @@ pub(super) fn run(
 
 /// Limits of one mechanism.
 struct LimitRanges {
-    /// Rows of the table: quantity, held quantities, lower and upper limit.
+    /// Rows of the table: quantity, held quantities, lower limit and upper limit.
     rows: Vec<(String, String, [f64; 2])>,
-    /// Margin from the study's motion to the nearest limit; negative beyond it. `None` with the paper's drive and for
-    /// axles, whose motion has several numbers.
+    /// Distance from the study's motion to the nearest limit; negative if the motion goes beyond it. `None` with the paper's
+    /// drive. Also `None` for axles, because their motion has several quantities.
     margin: Option<f64>,
     /// True if the study's motion goes beyond the limits.
     is_short: bool,
@@ -124,7 +124,7 @@ impl LimitRanges {
         })
     }
 
-    /// Limits of an axle. An unknown limit of roll is NaN.
+    /// Limits of an axle. NaN for an unknown roll limit.
     fn of_axle(axle: &Axle, plan: &AxlePlan) -> Result<Self, (Side, DesignFault)> {
         let limits = axle.limits()?;
         let travels = travel_rows(axle, &limits).into_iter();
@@ -148,7 +148,7 @@ impl LimitRanges {
         })
     }
 
-    /// Limits of a build; `None` if it cannot be assembled or cannot move.
+    /// Limits of one build. `None` if it cannot be assembled or cannot move.
     fn of_build(study: &Study, problem: &Problem, number: u64) -> Option<Self> {
         let mut wheels = problem.built_wheels(number).ok()?.into_iter();
         let left = wheels.next()?;
@@ -161,30 +161,30 @@ impl LimitRanges {
         }
     }
 
-    /// Returns true if a limit is unknown.
+    /// True if a limit is unknown.
     fn is_unknown(&self) -> bool {
         let mut ends = self.rows.iter().flat_map(|(.., ends)| ends);
         ends.any(|end| end.is_nan())
     }
 }
 
-/// A row with its limits as the table has them.
+/// Row with its limits as the table shows them.
 fn in_table(row: Row, ends: [f64; 2]) -> (String, String, [f64; 2]) {
     let ends = row.in_table(ends);
     (row.quantity, row.at, ends)
 }
 
-/// Smallest limits of some builds; of equal limits, those of the first build.
+/// Nearest limits among some builds. If limits are equal, the first build counts.
 #[derive(Default)]
 struct Least {
-    /// For each row of [`LimitRanges`]: the largest lower and the smallest upper limit, each with its build.
+    /// For each row of [`LimitRanges`]: the largest lower limit and the smallest upper limit, each with its build.
     rows: Vec<[(f64, u64); 2]>,
     margin: Option<(f64, u64)>,
-    /// Number of builds that cannot be assembled or cannot move, and the first.
+    /// Number of builds that cannot be assembled or cannot move, and number of the first one.
     rejected: (u64, Option<u64>),
-    /// Number of builds that do not reach the motion of the study, and the first.
+    /// Number of builds that do not reach the motion of the study, and number of the first one.
     short: (u64, Option<u64>),
-    /// Number of builds with an unknown limit, and the first.
+    /// Number of builds with an unknown limit, and number of the first one.
     unknown: (u64, Option<u64>),
 }
 
@@ -207,7 +207,7 @@ impl Least {
         }
     }
 
-    /// Combines these limits with those of builds with higher numbers.
+    /// Merges these limits with the limits of builds that have higher numbers.
     fn and(mut self, later: Least) -> Least {
         if self.rows.is_empty() {
             self.rows = later.rows;
@@ -236,7 +236,7 @@ impl Least {
     }
 }
 
-/// Table of the limits of the nominal design and the smallest limits of all builds.
+/// Table of the limits of the nominal design, and of the nearest limits of all builds.
 fn table(drawn: &LimitRanges, least: &Least) -> Table {
     let mut table = Table::with_columns([
         Column::from("quantity"),

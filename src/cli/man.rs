@@ -6,7 +6,7 @@ use clap::CommandFactory;
 use clap_mangen::Man;
 use std::io::Write;
 
-/// One page: the program, then each command with its arguments.
+/// Prints one manual page: the program, then each command with its arguments.
 pub(super) fn run() -> Result<Exit, Stop> {
     let mut command = Arguments::command();
     command.build();

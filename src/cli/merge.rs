@@ -14,7 +14,7 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, Stop> {
     if arguments.out == Path::new("-") {
         return Err(Stop::wrong_input("merge writes to a directory, not to -"));
     }
-    // Nothing is written unless every part is whole.
+    // No file is written unless every part is complete.
     let parts = Parts::read(&arguments.parts).map_err(not_this)?;
     let resolved = |path: &Path| path.canonicalize().ok();
     let target = resolved(&arguments.out);
@@ -28,7 +28,7 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, Stop> {
         )));
     }
     let record = &parts.record;
-    // Study of the parts, if they keep one.
+    // The study of the parts, if a part keeps one.
     let mut kept = parts.directories().map(|part| part.join(STUDY_COPY));
     let kept = kept.find_map(|path| Study::read_elastic(&path, &[]).ok());
     let files = SweepDirectory::files(record);

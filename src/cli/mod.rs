@@ -1,4 +1,4 @@
-//! The command line: arguments, exit codes, progress. The only place that knows clap.
+//! The command line: arguments, exit codes and progress. Only this module uses clap.
 
 mod assemblies;
 mod bench;
@@ -337,13 +337,13 @@ impl From<TableFormat> for crate::report::Format {
     }
 }
 
-/// Runs the command line and returns its exit code.
+/// Runs the program with the arguments of the process. Returns the exit code.
 pub fn run() -> ExitCode {
     ExitCode::from(run_with(std::env::args_os()))
 }
 
-/// Runs as [`run`] inside a process that handles its own signals. The first argument is the program's name. Returns
-/// the exit code.
+/// Runs like [`run`], but inside a process that handles its own signals. The first argument is the program's name. Returns the
+/// exit code.
 pub fn run_embedded<A: Into<std::ffi::OsString> + Clone>(
     arguments: impl IntoIterator<Item = A>,
 ) -> u8 {
@@ -360,7 +360,7 @@ pub fn run_embedded<A: Into<std::ffi::OsString> + Clone>(
                 .unwrap_or(Exit::Interrupted)
         }
         Err(error) => {
-            // Help and version are errors to clap, too.
+            // clap also reports requests for help and version as errors.
             terminal::print_usage(&error);
             match error.use_stderr() {
                 true => Exit::WrongInput,
@@ -371,7 +371,8 @@ pub fn run_embedded<A: Into<std::ffi::OsString> + Clone>(
     .code()
 }
 
-/// A commented study of a topology that runs, with parts by their names, as `hardpoint new` prints it.
+/// Returns the commented study of a topology that `hardpoint new` prints. `parts` names the parts to add. The study runs without
+/// changes.
 ///
 /// # Errors
 /// The reason in words.
@@ -379,25 +380,25 @@ pub fn template(topology: &str, parts: &[String]) -> Result<String, String> {
     new::template(topology, parts)
 }
 
-/// As [`run_embedded`], with the text for standard error.
+/// Runs like [`run_embedded`], but also returns the text for standard error instead of printing it.
 pub fn run_captured<A: Into<std::ffi::OsString> + Clone>(
     arguments: impl IntoIterator<Item = A>,
 ) -> (u8, String) {
     terminal::capture(|| run_embedded(arguments))
 }
 
-/// Stops the commands that run inside this process ([`run_embedded`]), as Ctrl-C stops the program.
+/// Stops the commands that run inside this process by [`run_embedded`], as Ctrl-C stops the program.
 pub fn interrupt_embedded() {
     interrupt::raise();
 }
 
-/// Forgets [`interrupt_embedded`], before the next command.
+/// Clears an [`interrupt_embedded`] before the next command.
 pub fn forget_interrupt() {
     interrupt::reset();
 }
 
-/// Runs as [`run`] with these arguments; the first is the program's name. Returns the exit code. A second signal ends
-/// the process; so does the first if there is nothing to keep.
+/// Runs like [`run`] with these arguments. The first one is the program's name. Returns the exit code. A second signal ends the
+/// process. The first signal also ends it if there are no results to keep.
 pub fn run_with<A: Into<std::ffi::OsString> + Clone>(arguments: impl IntoIterator<Item = A>) -> u8 {
     interrupt::listen();
     run_embedded(arguments)

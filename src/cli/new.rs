@@ -51,10 +51,10 @@ enum Part {
     Bushings,
 }
 
-/// A commented study of a topology that runs, with parts by their names.
+/// Returns the commented study of a topology. `parts` names the parts to add. The study runs without changes.
 ///
 /// # Errors
-/// The reason in words: a name that is unknown, or a part that the topology does not have.
+/// The reason in words: an unknown name, or a part that the topology does not have.
 pub(super) fn template(topology: &str, parts: &[String]) -> Result<String, String> {
     let named = Topology::named(topology);
     let named = named.ok_or_else(|| format!("there is no topology {topology:?}"))?;
@@ -66,7 +66,7 @@ pub(super) fn template(topology: &str, parts: &[String]) -> Result<String, Strin
     study(named, &parts).map_err(|e| e.to_string())
 }
 
-/// Writes the three studies of a car. Nothing is written if one of the files is there.
+/// Writes the three studies of a car. Writes none of them if one of the files exists.
 fn write_car((name, files): &CarTemplate, arguments: &NewArguments) -> Result<Exit, Stop> {
     if !arguments.with.is_empty() {
         return Err(Stop::wrong_input(format!(
@@ -89,7 +89,7 @@ fn write_car((name, files): &CarTemplate, arguments: &NewArguments) -> Result<Ex
     Ok(Exit::Done)
 }
 
-/// All topologies and cars, a line each.
+/// All topologies and cars, one per line.
 fn topologies() -> String {
     let topologies = Topology::ALL.iter().map(|t| (t.name, t.summary));
     let cars = TEMPLATES.iter().map(|(car, _)| match *car {
@@ -139,7 +139,8 @@ mod tests {
     use crate::study::Study;
     use std::path::Path;
 
-    /// An axle has what loads, stiffnesses and frequencies need; one wheel has no such sections.
+    /// An axle template contains everything that loads, stiffnesses and frequencies need. A template of one wheel has no such
+    /// sections.
     #[test]
     fn axles_with_springs_have_their_rates() {
         for (name, parts, sprung) in [
@@ -159,8 +160,8 @@ mod tests {
         }
     }
 
-    /// Each part, all parts together, and all parts of one wheel, over the whole motion. A solid axle has a Panhard rod or a Watt
-    /// linkage.
+    /// Runs each template over its whole motion with each part, with all parts together, and with all parts of one wheel. A solid
+    /// axle has a Panhard rod or a Watt linkage.
     #[test]
     fn every_template_runs_with_every_part() {
         for topology in Topology::ALL {
@@ -203,7 +204,7 @@ mod tests {
         }
     }
 
-    /// Templates with bushings have equilibria in all their tests, of one wheel and of an axle.
+    /// Templates with bushings have an equilibrium in all their tests, for one wheel and for an axle.
     #[test]
     fn templates_with_bushings_run_on_the_rig() {
         let mut names = Vec::new();

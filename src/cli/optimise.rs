@@ -18,10 +18,10 @@ use crate::solved::Solved;
 use crate::study::{CarStudy, Optimise, Study, StudyErrors};
 use std::path::Path;
 
-/// Largest number of printed free moves; the page and `summary.json` have all.
+/// Largest number of printed directions that leave the targets unchanged. The page and `summary.json` contain all of them.
 const MOST_DIRECTIONS: usize = 2;
 
-/// Prints the result of a tuning: misfit, targets, variables, constraints.
+/// Prints the result of a tuning: misfit, targets, variables and constraints.
 pub(super) fn say_outcome(
     output: &Output,
     study: &Study,
@@ -46,7 +46,7 @@ pub(super) fn say_outcome(
     output.say_remarks(summary.remarks())
 }
 
-/// Prints the changes that no target asks for, flagged ones first.
+/// Prints the side effects of the tuning, flagged ones first.
 pub(super) fn say_side_effects(output: &Output, effects: &[SideEffect]) -> Result<(), Stop> {
     if effects.is_empty() {
         return Ok(());
@@ -68,8 +68,8 @@ pub(super) fn say_side_effects(output: &Output, effects: &[SideEffect]) -> Resul
     Ok(())
 }
 
-/// Prints the faults of the tuned design, moves that leave the targets unchanged, and the ends of the starts.
-/// `refused` holds the errors of the tuned study, if it has any.
+/// Prints the faults of the tuned design, the moves that leave the targets unchanged, and the ends of the starts. `refused` holds
+/// the errors of the tuned study, if it has any.
 pub(super) fn say_openings(
     output: &Output,
     study: &Study,
@@ -119,7 +119,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
         return Err(Stop::no_section(path, "optimise", what));
     };
     let pool = pool(arguments.threads, optimise.starts as u64)?;
-    // Solved first: a design that is wrong must be known before anything is written.
+    // The nominal design is solved first, so that an error in it is known before any file is written.
     let fault = |why| Stop::in_file(path, why);
     let before = Solved::with_targets(&study).map_err(fault)?;
     let record = || Solved::record("optimise", &[("before", "curves_before.csv", &before)]);
@@ -166,14 +166,14 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     Ok(exit)
 }
 
-/// An ended tuning with its results.
+/// A finished tuning with its results.
 struct Finished<'a> {
     path: &'a Path,
     study: &'a Study,
     optimise: &'a Optimise,
     tuning: &'a Tuning,
     before: &'a Solved<'a>,
-    /// The tuned design with its curves; `None` if no start reached a design.
+    /// Tuned design with its curves. `None` if no start reached a design.
     tuned: Option<(&'a Study, &'a Solved<'a>)>,
     choices: &'a Choices,
     summary: &'a TuningSummary,
@@ -273,7 +273,7 @@ impl Finished<'_> {
     }
 }
 
-/// `kc.csv` of a tuned design with elastic parts; `None` for a rigid one.
+/// `kc.csv` of a tuned design with elastic parts. `None` for a rigid design.
 fn figures_of(tuned: &Study) -> Result<Option<Vec<u8>>, String> {
     let tests = tuned
         .is_elastic()
@@ -282,8 +282,8 @@ fn figures_of(tuned: &Study) -> Result<Option<Vec<u8>>, String> {
     Ok(tests.map(|tests| tests.results.kc_csv()))
 }
 
-/// Writes the design that an interrupted tuning has reached, before anything is computed from it. Ends the process where
-/// it has reached none.
+/// Writes the design that an interrupted tuning has reached, before any further computation with it. Ends the process if the
+/// tuning has reached no design.
 fn keep(
     output: &Output,
     study: &Study,

@@ -1,4 +1,4 @@
-//! Destination of a run's results: a directory with a summary on standard output, or the main CSV on standard output
+//! Destination of a run's results. It is a directory, with a summary on standard output, or standard output for the main CSV,
 //! with everything else on standard error.
 
 use super::exit::Stop;
@@ -15,11 +15,11 @@ use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-/// Study of the run, including the changes of `--set` and target curves from files, so that later commands need no
-/// other file.
+/// Study of the run. It includes the changes of `--set` and the target curves from files, so that later commands need no other
+/// file.
 pub(super) const STUDY_COPY: &str = "study.toml";
 
-/// The files of a solve.
+/// Files of `solve`.
 const CURVE_FILES: [&str; 4] = [
     "curves.csv",
     "sensitivities.csv",
@@ -27,7 +27,7 @@ const CURVE_FILES: [&str; 4] = [
     "report.json",
 ];
 
-/// The files of a tuning.
+/// Files of `optimise`.
 const TUNING_FILES: [&str; 9] = [
     "curves.csv",
     "kc.csv",
@@ -40,10 +40,10 @@ const TUNING_FILES: [&str; 9] = [
     "report.json",
 ];
 
-/// The files of a set-up.
+/// Files of `setup`.
 const SETUP_FILES: [&str; 4] = ["curves.csv", "setup.csv", "effects.csv", "summary.json"];
 
-/// The files of rig tests.
+/// Files of `kc`.
 const KC_FILES: [&str; 5] = [
     "kc.csv",
     "levels.csv",
@@ -52,7 +52,7 @@ const KC_FILES: [&str; 5] = [
     "summary.json",
 ];
 
-/// The files of builds.
+/// Files of `tolerance`.
 const TOLERANCE_FILES: [&str; 9] = [
     "tolerance.csv",
     "contributors.csv",
@@ -68,13 +68,13 @@ const TOLERANCE_FILES: [&str; 9] = [
 pub(super) struct Output {
     directory: Option<RunDirectory>,
     format: Format,
-    /// Tables for programs, printed at the end.
+    /// Tables for programs. They are printed at the end.
     tables: RefCell<Tables>,
 }
 
-/// Files of a command, and their destination.
+/// Files of a command, and the place for them.
 pub(super) struct Destination<'a> {
-    /// Value of `--out`; `-` is standard output.
+    /// Value of `--out`. `-` means standard output.
     out: Option<&'a Path>,
     /// Default destination.
     default: PathBuf,
@@ -85,7 +85,7 @@ pub(super) struct Destination<'a> {
 }
 
 impl<'a> Destination<'a> {
-    /// Destination from the arguments; the default is the folder of this name below `out`.
+    /// Reads the destination from the arguments. The default is the folder with this name below `out`.
     pub(super) fn of(
         out: Option<&'a Path>,
         name: &str,
@@ -104,12 +104,12 @@ impl<'a> Destination<'a> {
         })
     }
 
-    /// The directory, if it is not standard output.
+    /// Path of the directory. Meaningless if the output is standard output.
     pub(super) fn path(&self) -> &Path {
         self.out.unwrap_or(&self.default)
     }
 
-    /// Returns true if the directory can hold a copy of the study: no input of the run has that name.
+    /// True if the directory can hold a copy of the study: no input of the run has the same file name.
     pub(super) fn keeps_study(&self, inputs: &[PathBuf]) -> bool {
         let copy = self.path().join(STUDY_COPY).canonicalize().ok();
         let is_input = |path: &PathBuf| copy.is_some() && path.canonicalize().ok() == copy;
@@ -117,7 +117,7 @@ impl<'a> Destination<'a> {
     }
 }
 
-/// The directory for the results of a study where none is given, below `out`.
+/// Default directory for the results of a study, below `out`.
 fn default_directory(name: &str) -> Result<PathBuf, Stop> {
     let is_plain = !["", ".", ".."].contains(&name) && !name.contains(['/', '\\']);
     match is_plain {
@@ -130,8 +130,7 @@ fn default_directory(name: &str) -> Result<PathBuf, Stop> {
 }
 
 impl Output {
-    /// Opens the output of a command, so that a place that cannot be written is known before the work is
-    /// done.
+    /// Opens the output of a command. It happens before the work, so that a directory without write access is found early.
     pub(super) fn open(
         arguments: &RunArguments,
         study: &Study,
@@ -173,7 +172,7 @@ impl Output {
         Ok(output)
     }
 
-    /// Writes the study of the run, if there is a directory.
+    /// Writes the study of the run, if the output is a directory.
     pub(super) fn keep_study(&self, study: &Study) -> Result<(), Stop> {
         match &self.directory {
             Some(directory) => {
@@ -184,8 +183,8 @@ impl Output {
         }
     }
 
-    /// Opens a directory, or standard output for `-`. If the default directory holds results of another version of
-    /// the study, it moves them aside. In other directories it refuses the run.
+    /// Opens a directory, or standard output for `-`. If the default directory holds results of another version of the study,
+    /// they are moved aside. In any other directory it refuses the run.
     pub(super) fn at(destination: &Destination<'_>, claim: Claim<'_>) -> Result<Self, Stop> {
         let format = destination.format;
         if destination.out == Some(Path::new("-")) {
@@ -216,7 +215,7 @@ impl Output {
         })
     }
 
-    /// Writes the main CSV: to the directory under this name, or to standard output.
+    /// Writes the main CSV to the directory under this name, or to standard output.
     pub(super) fn main_csv(&self, name: &str, contents: &[u8]) -> Result<(), Stop> {
         match &self.directory {
             Some(directory) => directory.write(name, contents).map_err(Stop::unwritten),
@@ -224,7 +223,7 @@ impl Output {
         }
     }
 
-    /// Writes another file, where there is a directory.
+    /// Writes another file, if the output is a directory.
     pub(super) fn file(&self, name: &str, contents: &[u8]) -> Result<(), Stop> {
         match &self.directory {
             Some(directory) => directory.write(name, contents).map_err(Stop::unwritten),
@@ -232,7 +231,7 @@ impl Output {
         }
     }
 
-    /// Removes a file of an earlier run: beside the new results it would speak of others.
+    /// Removes a file of an earlier run, because it would contradict the new results.
     pub(super) fn without(&self, name: &str) -> Result<(), Stop> {
         match &self.directory {
             Some(directory) => directory.remove(name).map_err(Stop::unwritten),
@@ -240,7 +239,7 @@ impl Output {
         }
     }
 
-    /// Writes a file and returns its name. If there is nothing to write, it removes the file of an earlier run.
+    /// Writes a file and returns its name. If there is no content, it removes the file of an earlier run.
     pub(super) fn file_if_any<'n>(
         &self,
         name: &'n str,
@@ -253,12 +252,12 @@ impl Output {
         Ok(contents.map(|_| name))
     }
 
-    /// The directory, where there is one.
+    /// Directory of the results, if there is one.
     pub(super) fn directory(&self) -> Option<&RunDirectory> {
         self.directory.as_ref()
     }
 
-    /// Writes a record for programs, on one line.
+    /// Writes a record for programs as one line of JSON.
     pub(super) fn record(&self, name: &str, record: &impl serde::Serialize) -> Result<(), Stop> {
         let text = serde_json::to_string(record).expect("records are plain data");
         self.file(name, (text + "\n").as_bytes())
@@ -270,13 +269,13 @@ impl Output {
         self.file(name, (text + "\n").as_bytes())
     }
 
-    /// Returns true if the summary is text for readers.
+    /// True if the summary is text for people.
     pub(super) fn is_text(&self) -> bool {
         self.format == Format::Text
     }
 
-    /// Prints text of the summary. In formats other than text, standard output has only tables for programs, and the
-    /// rest goes to standard error.
+    /// Prints text of the summary. In other formats than text, standard output only has tables for programs, so the text goes to
+    /// standard error.
     pub(super) fn say(&self, text: &str) -> Result<(), Stop> {
         if terminal::is_quiet() {
             return Ok(());
@@ -284,13 +283,13 @@ impl Output {
         match (self.directory.is_some(), self.is_text()) {
             (true, true) => terminal::print(text)?,
             (false, true) => terminal::note(text),
-            // Without the empty lines that set it off from tables.
+            // Without tables around it, the text needs no empty lines.
             (_, false) => terminal::note(&format!("{}\n", text.trim_matches('\n'))),
         }
         Ok(())
     }
 
-    /// Prints text between tables: to a reader, as a program knows its tables by their names.
+    /// Prints text between tables for people only. Programs identify tables by their names.
     pub(super) fn text_only(&self, text: &str) -> Result<(), Stop> {
         match self.is_text() {
             true => self.say(text),
@@ -298,7 +297,7 @@ impl Output {
         }
     }
 
-    /// Prints a request that could not be met. It is an error, so it is printed also with `--quiet`.
+    /// Prints a request that could not be met. This is an error, so it is also printed with `--quiet`.
     pub(super) fn say_failure(&self, text: &str) -> Result<(), Stop> {
         match terminal::is_quiet() {
             true => terminal::eprint(text.trim_start_matches('\n')),
@@ -316,7 +315,7 @@ impl Output {
         remarks.try_for_each(|remark| self.say(&format!("\n{remark}\n")))
     }
 
-    /// Prints remarks. If a request could not be met, the warnings among them are printed also with `--quiet`.
+    /// Prints remarks. If a request could not be met, the warnings among them are also printed with `--quiet`.
     pub(super) fn say_plausibility(
         &self,
         remarks: impl IntoIterator<Item = String>,
@@ -332,7 +331,7 @@ impl Output {
         Ok(())
     }
 
-    /// Prints a table of the summary; for programs, which know it by its name, at the end.
+    /// Prints a table of the summary. In formats for programs, the table is printed at the end under this name.
     pub(super) fn table(&self, name: &'static str, table: &Table) -> Result<(), Stop> {
         match self.is_text() {
             true => self.say(&table.text(terminal::width()))?,
@@ -341,22 +340,22 @@ impl Output {
         Ok(())
     }
 
-    /// Passes a table to programs; readers get words instead.
+    /// Prints a table in formats for programs only. People get words instead.
     pub(super) fn table_for_programs(&self, name: &'static str, table: impl FnOnce() -> Table) {
         if !self.is_text() {
             self.tables.borrow_mut().push(name, table());
         }
     }
 
-    /// Notes that a signal has stopped the work, before a summary is written.
+    /// Records that a signal has stopped the work, before a summary is written.
     pub(super) fn mark_interrupted(&self) {
         if let Some(directory) = &self.directory {
             directory.mark_interrupted();
         }
     }
 
-    /// Records the run as finished or interrupted. This precedes all printing, because the reader of the output may
-    /// stop early.
+    /// Records the run as finished or interrupted. This happens before all printing, because the reader of the output may stop
+    /// early.
     pub(super) fn finish(&self) -> Result<(), Stop> {
         // A signal that comes now is too late to interrupt the run.
         interrupt::stops_by_itself();
@@ -366,7 +365,7 @@ impl Output {
         }
     }
 
-    /// Records an unfinished run that a later one continues.
+    /// Records an unfinished run that a later run continues.
     pub(super) fn leave_unfinished(&self) -> Result<(), Stop> {
         match &self.directory {
             Some(directory) => directory.leave_unfinished().map_err(Stop::unwritten),
@@ -374,7 +373,7 @@ impl Output {
         }
     }
 
-    /// Says where the results are, and prints the tables where programs read them.
+    /// Prints the places of the results, and in formats for programs the tables.
     pub(super) fn print_files(&self, files: &[&str]) -> Result<(), Stop> {
         if !self.is_text() {
             let text = self.tables.borrow().render(self.format, terminal::width());
@@ -394,7 +393,7 @@ impl Output {
     }
 }
 
-/// Study in the run's directory; after a tuning the tuned one.
+/// Study in the run's directory. After a tuning it is the tuned study.
 pub(super) fn kept_study(directory: &Path, overrides: &[String]) -> Result<Option<Study>, Stop> {
     let kept = ["optimised.toml", STUDY_COPY].map(|name| directory.join(name));
     let kept = kept.iter().find(|file| file.is_file());
@@ -403,15 +402,15 @@ pub(super) fn kept_study(directory: &Path, overrides: &[String]) -> Result<Optio
         .transpose()?)
 }
 
-/// All the files a run reads.
+/// All files that a run reads.
 pub(super) fn inputs(study: &Study, path: &Path) -> Vec<PathBuf> {
     let mut inputs = study.inputs.clone();
     inputs.push(path.to_owned());
     inputs
 }
 
-/// Thread pool of a run with a given number of pieces of work. It has no more threads than cores or pieces, because
-/// more would only use memory, and it reports a smaller number.
+/// Thread pool of a run with this number of pieces of work. It has at most one thread per core and per piece, because more
+/// threads would only use memory. If the request was for more, it prints the smaller number.
 pub(super) fn pool(asked: Option<NonZeroUsize>, pieces: u64) -> Result<rayon::ThreadPool, Stop> {
     let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let useful = cores
@@ -429,7 +428,7 @@ pub(super) fn pool(asked: Option<NonZeroUsize>, pieces: u64) -> Result<rayon::Th
         .map_err(|e| Stop::wrong_input(format!("cannot start {threads} threads: {e}")))
 }
 
-/// A design that cannot be solved is a mistake of the study.
+/// Reports a design that cannot be solved as an error of the study.
 pub(super) fn design_fault(study: &Study, path: &Path, fault: &DesignFault) -> Stop {
     Stop::in_file(path, fault.describe(&study.wheel().mechanism))
 }

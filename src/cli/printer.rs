@@ -1,4 +1,4 @@
-//! Standard output of a command without files: text and tables for readers, or tables only for programs.
+//! Standard output of a command that writes no files: text and tables for people, or only tables for programs.
 
 use super::exit::Stop;
 use super::terminal;
@@ -18,7 +18,7 @@ impl Printer {
         }
     }
 
-    /// Prints text for readers, except with `--quiet`.
+    /// Prints text for people, except with `--quiet`.
     pub(super) fn say(&self, text: &str) -> Result<(), Stop> {
         match self.format == Format::Text && !terminal::is_quiet() {
             true => Ok(terminal::print(text)?),
@@ -26,7 +26,7 @@ impl Printer {
         }
     }
 
-    /// Prints a remark for readers, also beside the tables for programs, except with `--quiet`.
+    /// Prints a remark for people, except with `--quiet`. In formats for programs it does not disturb the tables.
     pub(super) fn remark(&self, text: &str) -> Result<(), Stop> {
         match self.format {
             Format::Text => self.say(text)?,
@@ -35,7 +35,7 @@ impl Printer {
         Ok(())
     }
 
-    /// Prints a request that could not be met. This is an error, so it is printed also with `--quiet`.
+    /// Prints a request that could not be met. This is an error, so it is also printed with `--quiet`.
     pub(super) fn failure(&self, text: &str) -> Result<(), Stop> {
         match terminal::is_quiet() {
             true => terminal::eprint(text.trim_matches('\n')),
@@ -44,7 +44,7 @@ impl Printer {
         Ok(())
     }
 
-    /// Prints a requested table; for programs at the end.
+    /// Prints a requested table. In formats for programs it is printed at the end.
     pub(super) fn table(&mut self, name: &'static str, table: Table) -> Result<(), Stop> {
         match self.format {
             Format::Text => terminal::print(&table.text(terminal::width()))?,
@@ -53,7 +53,7 @@ impl Printer {
         Ok(())
     }
 
-    /// Prints the tables where a program reads them.
+    /// Prints the tables in formats for programs.
     pub(super) fn finish(self) -> Result<(), Stop> {
         if self.format != Format::Text {
             let text = self.tables.render(self.format, terminal::width());

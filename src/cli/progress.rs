@@ -19,7 +19,7 @@ pub(super) fn line(total: u64, unit: &str) -> ProgressBar {
     ProgressBar::new(total).with_style(style.with_key("rate", rate))
 }
 
-/// `0.52/s`, `170/s`, `170 thousand/s`: as many digits as a glance takes in.
+/// Formats a rate as `0.52/s`, `170/s` or `170 thousand/s`, with only a few digits.
 fn rate(per_second: f64) -> String {
     let (value, word) = match per_second {
         v if v >= 9.995e5 => (v / 1e6, " million"),

@@ -1,4 +1,4 @@
-//! `hardpoint report`, and `--report` and `--plots` of the commands that run something.
+//! `hardpoint report`, and the options `--report` and `--plots` of other commands.
 
 use super::exit::{Exit, Stop};
 use super::output::Destination;
@@ -74,7 +74,7 @@ impl ReportOptions {
             let (out, format) = (arguments.out.as_deref(), arguments.study.format);
             let results = Destination::of(out, &study.name, arguments.force, format)?;
             if is_same(plots, results.path()) {
-                // There the pictures of a run are results of their own.
+                // In the run's own directory, the pictures of a run belong to its results.
                 let drawn = Manifest::read(plots).unwrap_or_default();
                 names.retain(|name| drawn.author(name).is_none());
             }
@@ -87,7 +87,7 @@ impl ReportOptions {
         })
     }
 
-    /// Reads the finished run back and shows it. Returns the files written into the run's directory.
+    /// Reads the finished run and makes its page and pictures. Returns the files written into the run's directory.
     pub(super) fn show(&self, directory: Option<&RunDirectory>) -> Result<Vec<&'static str>, Stop> {
         let mut files = Vec::new();
         let Some(directory) = directory else {
@@ -118,7 +118,7 @@ impl ReportOptions {
     }
 }
 
-/// Reads a sweep's directory back and makes its page.
+/// Reads the directory of a sweep and makes its page.
 pub(super) fn show_sweep(directory: &RunDirectory) -> Result<(), Stop> {
     let sweep = SweepRun::read(directory.path()).map_err(Stop::wrong_input)?;
     write_page(&sweep_page(&sweep), directory)
@@ -129,7 +129,7 @@ fn write_page(page: &str, directory: &RunDirectory) -> Result<(), Stop> {
     written.map_err(Stop::unwritten)
 }
 
-/// Claim of the pictures on their directory.
+/// Claim on the directory of the pictures.
 fn claim_of_pictures<'a>(names: &'a [&'a str], force: bool) -> Claim<'a> {
     Claim {
         command: "report --plots",
@@ -151,13 +151,14 @@ fn check_pictures(plots: &Path, names: &[String], force: bool) -> Result<(), Sto
     RunDirectory::check(plots, &claim_of_pictures(&names, force)).map_err(no_place_for_pictures)
 }
 
-/// Returns true if two paths lead to one directory.
+/// True if two paths lead to the same directory.
 fn is_same(one: &Path, other: &Path) -> bool {
     let real = |path: &Path| path.canonicalize().ok();
     one == other || (real(one).is_some() && real(one) == real(other))
 }
 
-/// Writes pictures of a run. It replaces pictures of other runs, because they can be drawn again, but no other files.
+/// Writes the pictures of a run. It may replace pictures of other runs, because they can be made again, but it replaces no other
+/// files.
 fn write_pictures(run: &Run, plots: &Path, force: bool) -> Result<Vec<String>, Stop> {
     let pictures = pictures(run);
     let names: Vec<&str> = pictures.iter().map(|p| p.name.as_str()).collect();

@@ -4,12 +4,12 @@ use super::exit::Stop;
 use crate::results;
 use std::path::{Path, PathBuf};
 
-/// Path of `--out`; `None` for standard output, which `-` stands for as in commands with directories.
+/// Path of `--out`. `None` for standard output, which is also the meaning of `-`, as in commands with directories.
 pub(super) fn file_of_out(out: &Option<PathBuf>) -> Option<&Path> {
     out.as_deref().filter(|out| *out != Path::new("-"))
 }
 
-/// Writes a file, whole or not at all. It replaces an existing file only with `--force`, and never an input.
+/// Writes a file completely or not at all. It replaces an existing file only with `--force`, and it never replaces an input.
 pub(super) fn save(out: &Path, bytes: &[u8], force: bool, inputs: &[PathBuf]) -> Result<(), Stop> {
     if let Some(input) = inputs.iter().find(|input| are_one_file(input, out)) {
         return Err(Stop::wrong_input(format!(
@@ -28,7 +28,7 @@ pub(super) fn save(out: &Path, bytes: &[u8], force: bool, inputs: &[PathBuf]) ->
         .map_err(|error| Stop::wrong_input(format!("cannot write {}: {error}", out.display())))
 }
 
-/// Returns true if two paths lead to one file: by their canonical paths, or as links to the same data.
+/// True if two paths lead to the same file: their canonical paths are equal, or they are links to the same data.
 fn are_one_file(one: &Path, other: &Path) -> bool {
     let [a, b] = [one, other].map(|path| path.canonicalize().ok());
     (a.is_some() && a == b) || are_one_inode(one, other)
@@ -53,7 +53,7 @@ fn are_one_inode(_: &Path, _: &Path) -> bool {
 mod tests {
     use super::*;
 
-    /// The input under its own name, by another path, through a link and as a hard link.
+    /// An input is recognised by its own name, by another path, through a symbolic link and as a hard link.
     #[test]
     fn a_file_that_was_read_is_never_replaced() {
         let directory = tempfile::tempdir().unwrap();

@@ -35,7 +35,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     };
     let output = Output::open(arguments, &study, "setup")?;
 
-    // Curves about the new resting position, in every output of the study.
+    // Curves about the new static position, with every output of the study.
     let by_theta = found.adjusted.motion().drive == Drive::PaperTheta;
     let mut complete = true;
     let mut files = vec!["setup.csv", "summary.json"];
@@ -71,7 +71,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     Ok(Exit::of(complete && found.met()))
 }
 
-/// Prints the summary of a wheel to a reader, in narrow tables.
+/// Prints the summary of a wheel for people, in narrow tables.
 fn print(output: &Output, summary: &SetUpSummary) -> Result<(), Stop> {
     let width = terminal::width();
     output.text_only(&format!(
@@ -109,7 +109,7 @@ fn print(output: &Output, summary: &SetUpSummary) -> Result<(), Stop> {
     Ok(())
 }
 
-/// A title with the wheels of an axle: "Instructions for both wheels".
+/// Adds the wheels of an axle to a title, as in "Instructions for both wheels".
 fn title(summary: &SetUpSummary, title: &str) -> String {
     match summary.side {
         None => title.to_owned(),
@@ -130,7 +130,7 @@ fn print_effects(output: &Output, wheels: &[SetUpSummary]) -> Result<(), Stop> {
     Ok(())
 }
 
-/// Prints the reason why there is no set-up, and the effect of each adjustment on the design.
+/// Prints the reason why no set-up exists, and the effect of each adjustment on the design.
 fn not_met(
     arguments: &RunArguments,
     study: &Study,

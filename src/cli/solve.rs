@@ -17,7 +17,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let study = Study::read_elastic(path, &arguments.study.set)?;
     let fault = |why| Stop::in_file(path, why);
     let solved = Solved::of(&study).map_err(fault)?;
-    // Everything that may be refused is known before anything is written.
+    // These steps may refuse the study, so they come before any file is written.
     let summary = solved.summary().map_err(fault)?;
     let of_motions = NamedCurves::all(&study).map_err(fault)?;
     let plausibility = solved.plausibility().map_err(fault)?;

@@ -31,7 +31,7 @@ pub(super) fn run(arguments: &StudioArguments) -> Result<Exit, Stop> {
         None => Studio::choose(std::env::current_dir()?, arguments.port),
     };
     let studio = studio.map_err(|why| {
-        // Errors of a study begin with their kind, as the printed line does.
+        // Errors of a study begin with their kind, and the printed line adds the kind again.
         let why = why.to_string();
         Stop::wrong_input(why.strip_prefix("error: ").unwrap_or(&why))
     })?;
@@ -42,7 +42,7 @@ pub(super) fn run(arguments: &StudioArguments) -> Result<Exit, Stop> {
     terminal::note(
         "Keep this address private. Ctrl-C ends the server; unsaved changes stay in the browser.\n",
     );
-    // From here on a signal ends the server in order, so that no file with the address stays behind.
+    // From here on a signal ends the server in order, so that the file with the address is removed.
     interrupt::stops_by_itself();
     let invitation = match arguments.no_open {
         true => None,
@@ -54,7 +54,7 @@ pub(super) fn run(arguments: &StudioArguments) -> Result<Exit, Stop> {
     Ok(Exit::Interrupted)
 }
 
-/// Opens a browser, which reads the address from a file: arguments of programs are no secret.
+/// Opens a browser that reads the address from a file, because other users can see the arguments of programs.
 fn invited(address: &str) -> Option<Invitation> {
     let opened = Invitation::to(address).and_then(|invitation| {
         open::that_detached(invitation.path())?;

@@ -18,22 +18,22 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Interval between two looks at a part that another process is computing.
+/// Interval between two checks of a part that another process is computing.
 const WAIT: Duration = Duration::from_millis(200);
 
 /// A sweep that is ready to run.
 pub(super) struct Ready<'s> {
-    /// The sweep.
+    /// Sweep to be computed.
     pub swept: Swept<'s>,
-    /// Text of its results.
+    /// Formatter of the results as text.
     pub text: SweepText,
     /// Files that were read.
     pub inputs: Vec<PathBuf>,
-    /// Names of the studies' copies that are kept with the results.
+    /// Names of the copies of studies that are kept with the results.
     pub kept_names: &'s [&'static str],
-    /// Texts of these copies in a directory that exists.
+    /// Returns the texts of these copies for an existing directory.
     pub kept: &'s dyn Fn(&Path) -> Vec<String>,
-    /// Writes the data of single designs that the page shows, at the end.
+    /// Writes data of single designs for the page, at the end.
     pub draw: &'s dyn Fn(&Output, &SweepStatistics) -> Result<(), Stop>,
 }
 
@@ -45,7 +45,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     run_study(arguments, &Study::read_elastic(path, &arguments.study.set)?)
 }
 
-/// Sweeps a study; the path in the arguments names it in messages.
+/// Runs the sweep of a study. The path in the arguments names the study in messages.
 pub(super) fn run_study(arguments: &SweepArguments, study: &Study) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let Some(sweep) = &study.sweep else {
@@ -85,7 +85,7 @@ pub(super) fn run_study(arguments: &SweepArguments, study: &Study) -> Result<Exi
     carry_out(arguments, &ready, before)
 }
 
-/// Refuses two columns of one name.
+/// Refuses two columns with the same name.
 pub(super) fn two_columns(path: &Path, name: &str) -> Stop {
     Stop::in_file(
         path,
@@ -95,7 +95,7 @@ pub(super) fn two_columns(path: &Path, name: &str) -> Stop {
     )
 }
 
-/// Returns true if the designs go to standard output. In that case it refuses options that need a directory.
+/// True if the designs go to standard output. Then it refuses options that need a directory.
 pub(super) fn is_to_stdout(arguments: &SweepArguments, format: FileFormat) -> Result<bool, Stop> {
     let to_stdout = arguments.out.as_deref() == Some(Path::new("-"));
     if to_stdout {
@@ -104,7 +104,7 @@ pub(super) fn is_to_stdout(arguments: &SweepArguments, format: FileFormat) -> Re
     Ok(to_stdout)
 }
 
-/// Runs a sweep. `note` prints remarks once its directory is claimed.
+/// Runs a sweep. After the directory is claimed, `note` prints remarks.
 pub(super) fn carry_out(
     arguments: &SweepArguments,
     ready: &Ready<'_>,
@@ -121,7 +121,7 @@ pub(super) fn carry_out(
             .map_err(unwritten)?;
         return finish(&output, record, &statistics, false);
     };
-    // Shards keep each other's parts, whatever is forced.
+    // Several shards share a directory, so a shard never discards finished parts, even with `--force`.
     let anew = arguments.force && !arguments.resume && arguments.shard.is_none();
     let directory = SweepDirectory::prepare(claimed, record, anew).map_err(Stop::unwritten)?;
     let parts = match arguments.shard {
@@ -133,7 +133,7 @@ pub(super) fn carry_out(
     };
     let missing = directory.done().map_err(not_this)?.missing;
     if !missing.is_empty() {
-        // They would speak of other parts than there are.
+        // These files would describe parts that are being replaced.
         for name in ["summary.json", "pareto.csv", "drawn.json", "report.html"] {
             claimed.remove(name).map_err(Stop::unwritten)?;
         }
@@ -159,7 +159,7 @@ pub(super) fn carry_out(
     }
     (ready.draw)(&output, &done.statistics)?;
     let exit = finish(&output, record, &done.statistics, arguments.report)?;
-    // A shard is asked whether its parts are whole: engines take anything but 0 for a failure.
+    // For a shard, the exit code tells if its own parts are complete. Workflow engines treat every code but 0 as a failure.
     Ok(match arguments.shard.is_some() && own_are_whole {
         true => Exit::Done,
         false => exit,
@@ -223,7 +223,7 @@ fn open(arguments: &SweepArguments, ready: &Ready<'_>) -> Result<Output, Stop> {
         ..Claim::default()
     };
     let output = Output::at(&destination, claim)?;
-    // Only now does the directory exist, from which the copies name other files.
+    // The texts name other files relative to the directory, which exists only from here on.
     let texts = match keeps_study {
         true => (ready.kept)(destination.path()),
         false => Vec::new(),
@@ -234,7 +234,7 @@ fn open(arguments: &SweepArguments, ready: &Ready<'_>) -> Result<Output, Stop> {
     Ok(output)
 }
 
-/// Writes curves and mechanism of the designs that are worth a look.
+/// Writes the curves and the mechanism of the designs that the page shows.
 fn draw(
     output: &Output,
     study: &Study,
@@ -242,7 +242,7 @@ fn draw(
     statistics: &SweepStatistics,
     path: &Path,
 ) -> Result<(), Stop> {
-    // Of an axle the page shows no drawing.
+    // The page of an axle shows no mechanism.
     let Vehicle::Wheel(own) = &study.vehicle else {
         return Ok(());
     };
@@ -260,7 +260,7 @@ fn draw(
 /// Requested outputs that a sweep does not compute.
 fn left_out(study: &Study) -> Vec<&'static str> {
     let asked: Vec<(&'static str, bool)> = match &study.vehicle {
-        // Points are computed.
+        // Points are computed, so they are not in this list.
         Vehicle::Wheel(own) => vec![
             ("order", own.outputs.order != Order::Position),
             ("sensitivities", !own.outputs.sensitivities.is_empty()),
@@ -281,8 +281,8 @@ fn left_out(study: &Study) -> Vec<&'static str> {
         .collect()
 }
 
-/// Computes parts until all are complete or Ctrl-C stops it. Returns true if all are complete. It waits for a part of
-/// another process, and computes the part itself if that process dies.
+/// Computes parts until all are complete or Ctrl-C stops the command. Returns true if all are complete. It waits for parts that
+/// another process computes. If that process dies, it computes these parts itself.
 fn sweep_parts(
     swept: Swept<'_>,
     text: &SweepText,
@@ -330,7 +330,7 @@ fn sweep_parts(
     result
 }
 
-/// Writes the rows of all designs to standard output. It adds up statistics in the same way as for parts.
+/// Writes the rows of all designs to standard output. It accumulates statistics in the same way as a sweep that writes parts.
 fn to_standard_output(swept: Swept<'_>, text: &SweepText) -> Result<SweepStatistics, WriteError> {
     let record = swept.record();
     let line = progress::line(record.designs, "designs");
@@ -359,7 +359,7 @@ fn to_standard_output(swept: Swept<'_>, text: &SweepText) -> Result<SweepStatist
     Ok(all)
 }
 
-/// Prints the progress of a shard of an unfinished sweep.
+/// Prints the progress of one shard while the sweep is unfinished.
 fn finish_shard(
     output: &Output,
     record: &SweepRecord,
@@ -473,7 +473,7 @@ fn print_design(study: &Study, plan: &SweepPlan, number: u64) -> Result<Exit, St
     Ok(Exit::Done)
 }
 
-/// `3/8`, counted from 1.
+/// Parses `3/8`; the first number counts from 1.
 pub(super) fn shard(text: &str) -> Result<[u64; 2], String> {
     let parts = text
         .split_once('/')

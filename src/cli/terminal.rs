@@ -1,5 +1,5 @@
-//! Output to the terminal. It contains no control sequences and no line wider than the terminal. With `--quiet` it
-//! contains errors and requested data only.
+//! Output to the terminal. It contains no control sequences, and no line is wider than the terminal. With `--quiet` it contains
+//! only errors and requested data.
 
 use crate::report::{is_printable, printable, wrapped};
 use crate::study::StudyErrors;
@@ -7,26 +7,26 @@ use std::cell::RefCell;
 use std::io::{self, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The width where standard output is no terminal.
+/// Width of lines if standard output is not a terminal.
 const PAPER: usize = 100;
-/// Smallest width to which output is fitted.
+/// Smallest width that lines are fitted to.
 const LEAST: usize = 40;
 
 static QUIET: AtomicBool = AtomicBool::new(false);
 
 thread_local! {
-    /// Text for standard error of commands on this thread, where it is captured.
+    /// Captured text for standard error of commands on this thread. `None` if nothing is captured.
     static CAPTURED: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
-/// Runs something on this thread and returns its text for standard error instead of writing it.
+/// Runs a function on this thread. Returns its text for standard error instead of printing it.
 pub(super) fn capture<T>(run: impl FnOnce() -> T) -> (T, String) {
     CAPTURED.set(Some(String::new()));
     let found = run();
     (found, CAPTURED.take().unwrap_or_default())
 }
 
-/// Adds text to the captured one; returns false where nothing is captured.
+/// Adds text to the captured text. Returns false if nothing is captured.
 fn is_captured(text: &str) -> bool {
     CAPTURED.with_borrow_mut(|captured| {
         captured
@@ -36,7 +36,7 @@ fn is_captured(text: &str) -> bool {
     })
 }
 
-/// Switches `--quiet` on: from now on only errors and requested data are printed.
+/// Switches `--quiet` on or off. With `--quiet`, only errors and requested data are printed.
 pub(super) fn be_quiet(quiet: bool) {
     QUIET.store(quiet, Ordering::Relaxed);
 }
@@ -45,7 +45,7 @@ pub(super) fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// Characters in a line of standard output: of the terminal, or `COLUMNS`, or else 100.
+/// Number of characters in a line of standard output: from the terminal, else from `COLUMNS`, else 100.
 pub(super) fn width() -> usize {
     let terminal = terminal_size::terminal_size_of(io::stdout());
     let terminal = terminal.map(|(width, _)| usize::from(width.0));
@@ -53,23 +53,23 @@ pub(super) fn width() -> usize {
     terminal.or_else(variable).unwrap_or(PAPER).max(LEAST)
 }
 
-/// Returns true if standard error accepts colours: it is a terminal, it is not dumb, and `NO_COLOR` is not set.
+/// True if standard error accepts colours: it is a terminal, not a dumb one, and `NO_COLOR` is not set.
 pub(super) fn has_colours() -> bool {
     let asked_for_none = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
     io::stderr().is_terminal() && !asked_for_none && !is_dumb()
 }
 
-/// Returns true if the terminal can only print text, without moving the cursor.
+/// True if the terminal can only print text and cannot move the cursor.
 pub(super) fn is_dumb() -> bool {
     std::env::var_os("TERM").is_some_and(|term| term == "dumb")
 }
 
-/// Writes prose or tables to standard output.
+/// Writes text or tables to standard output.
 pub(super) fn print(text: &str) -> io::Result<()> {
     io::stdout().write_all(wrapped(&printable(text), width()).as_bytes())
 }
 
-/// Writes to standard error. That it is closed or full takes nothing from the results.
+/// Writes to standard error. A closed or full standard error is ignored, because the results do not depend on it.
 pub(super) fn eprint(text: &str) {
     if is_captured(text) {
         return;
@@ -82,14 +82,14 @@ pub(super) fn note(text: &str) {
     if !is_captured(text) && !is_quiet() {
         match terminal_size::terminal_size_of(io::stderr()) {
             Some((width, _)) => eprint(&wrapped(text, usize::from(width.0).max(LEAST))),
-            // A log is read line by line.
+            // Lines of a log are not wrapped, because programs read them line by line.
             None => eprint(text),
         }
     }
 }
 
-/// Writes the mistakes of a study to standard error, in colours where they have nothing in them that a
-/// terminal would obey.
+/// Prints the errors of a study on standard error. The text has colours only if it contains no control characters for the
+/// terminal.
 pub(super) fn eprint_study_errors(errors: &StudyErrors) {
     let plain = errors.render(false);
     let captures = CAPTURED.with_borrow(Option::is_some);
@@ -105,7 +105,7 @@ pub(super) fn print_usage(error: &clap::Error) {
     let plain = error.render().to_string();
     let captures = CAPTURED.with_borrow(Option::is_some);
     if !captures && is_printable(&plain) {
-        // A closed pipe is not ours to report.
+        // An error of printing is ignored: it only means that nobody reads the text.
         let _ = error.print();
     } else {
         eprint(&plain);

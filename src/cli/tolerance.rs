@@ -47,7 +47,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     let expansion = pool
         .install(|| Expansion::of(&problem))
         .map_err(|reason| not_aligned(&study, path, reason).after_its_input())?;
-    // Before the builds, because afterwards an interrupted run only writes.
+    // The forecast precedes the builds, because after an interruption the run only writes.
     let forecast = Forecast::of(&problem, &expansion, &drawn);
     let builds = pool
         .install(|| with_progress(&problem, tolerance, &drawn))
@@ -101,7 +101,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     )
 }
 
-/// Says how far the builds came, done and requested, and which files there are.
+/// Prints the number of finished builds of the requested ones, and the files of the run.
 pub(super) fn ended(
     output: &Output,
     interrupted: bool,
@@ -120,7 +120,7 @@ pub(super) fn ended(
     })
 }
 
-/// The bands of one wheel as they are drawn beside its curves.
+/// Limit bands of one wheel, as its charts show them.
 fn bands(study: &Study, tolerance: &Tolerance) -> Vec<BandCurve> {
     let drive = study.motion().drive;
     let drives: Vec<f64> = study
@@ -134,13 +134,13 @@ fn bands(study: &Study, tolerance: &Tolerance) -> Vec<BandCurve> {
     drawn.collect()
 }
 
-/// Scatter of the parts of a study.
+/// Scatter of the parts in a study.
 pub(super) fn tolerance_of<'s>(study: &'s Study, path: &Path) -> Result<&'s Tolerance, Stop> {
     let tolerance = study.tolerance.as_ref();
     tolerance.ok_or_else(|| Stop::no_section(path, "tolerance", "the scatter of the parts"))
 }
 
-/// A study's tolerances, made ready.
+/// Prepares the tolerance analysis of a study.
 pub(super) fn problem<'s>(
     study: &'s Study,
     tolerance: &'s Tolerance,
@@ -153,7 +153,7 @@ fn not_aligned(study: &Study, path: &Path, reason: SetUpError) -> Stop {
     Stop::in_file(path, scatter::refusal(study, reason))
 }
 
-/// Prints a build as a study.
+/// Prints one build as a study.
 fn print_build(problem: &Problem, number: u64) -> Result<Exit, Stop> {
     let (study, seed) = (problem.study, problem.tolerance.seed);
     match problem.built_text(number) {
@@ -198,8 +198,8 @@ fn with_progress(
     found
 }
 
-/// Writes the curves of the nominal design and of the percentiles at each station, with the data of the page. Returns
-/// the names of the files.
+/// Writes the curves of the nominal design and the percentiles at each station, with the data of the page. Returns the names of
+/// the files.
 fn fans(
     output: &Output,
     path: &Path,

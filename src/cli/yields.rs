@@ -1,4 +1,4 @@
-//! Shares of builds within all bands, before and after a robust tuning.
+//! Yield: share of builds within all bands, before and after a robust tuning.
 
 use super::interrupt;
 use crate::optimise::{Control, ExpectedYield, tune};
@@ -7,9 +7,9 @@ use crate::study::{Optimise, Study, Tolerance};
 use crate::tolerance::{MonteCarlo, Problem, monte_carlo};
 use std::ops::ControlFlow;
 
-/// For a robust tuning: yields of the design before it, of the optimum without scatter and of the tuned design. All
-/// are of the same builds by Monte Carlo, as in `hardpoint tolerance`. They are independent of the builds of the
-/// tuning. `None` if the tuning is not robust, without bands, or after an interruption.
+/// Yields for a robust tuning: of the design before it, of the optimum without scatter, and of the tuned design. All three come
+/// from the same Monte Carlo builds, as in `hardpoint tolerance`. The tuning uses other builds. `None` if the tuning is not
+/// robust, has no bands, or was interrupted.
 pub(super) fn yields(
     study: &Study,
     optimise: &Optimise,
@@ -20,7 +20,7 @@ pub(super) fn yields(
     let tolerance = study.tolerance.as_ref().filter(|t| !t.bands.is_empty())?;
     let tuned = tuned?;
     let plain = match expected {
-        // The search began there.
+        // The robust search began at this design.
         Some(expected) => Some(study.moved(&expected.plain)),
         None => plain_optimum(study, optimise),
     };
@@ -32,11 +32,11 @@ pub(super) fn yields(
         of(tuned),
         expected,
     );
-    // After an interruption they would be of different numbers of builds.
+    // After an interruption the yields would come from different numbers of builds.
     (!interrupt::is_raised()).then_some(yields)
 }
 
-/// The tuned study if builds do not scatter.
+/// Study after a tuning without scatter.
 fn plain_optimum(study: &Study, optimise: &Optimise) -> Option<Study> {
     let plain = Optimise {
         scatter: None,
@@ -50,7 +50,7 @@ fn plain_optimum(study: &Study, optimise: &Optimise) -> Option<Study> {
     Some(study.moved(&tuning.best?.offsets))
 }
 
-/// The builds of a study, if it can be built.
+/// Monte Carlo builds of a study. `None` if the study cannot be built.
 fn builds(study: &Study, tolerance: &Tolerance) -> Option<MonteCarlo> {
     let problem = Problem::of(study, tolerance).ok()?;
     let problem = problem.interruptible(interrupt::flag());

@@ -1,4 +1,4 @@
-//! Drawings of a page: the mechanism along its motion, the effect of each coordinate, and some designs of a sweep.
+//! Data for the drawings of a page: the mechanism along its motion, the effect of each coordinate, and some designs of a sweep.
 //! This module solves them from a study; `report` draws them.
 
 mod sweep;
@@ -9,20 +9,20 @@ use crate::plan::Plan;
 use crate::report::{DrawnDesign, Record};
 use crate::study::{Study, WheelStudy};
 
-/// The most frames of the drawing, and stations of the sensitivities: a page must stay small and a run
-/// of a million stations must not be run twice.
+/// Largest number of drawn frames and of stations with sensitivities. The page must stay small, and a run of a million stations
+/// must not be solved twice.
 const MOST_FRAMES: usize = 400;
-/// The most displacements of the rack among them.
+/// Largest number of rack displacements among them.
 const MOST_RACKS: usize = 9;
 
-/// A design to be recorded: label, file with its curves, the wheel and the curves themselves.
+/// A design to be recorded: label, file with its curves, wheel, and curves.
 pub type Solved<'a> = (&'a str, &'a str, &'a WheelStudy, &'a Curves);
 
 impl Record {
-    /// The record of a run. The last of the designs is the one sensitivities are taken of.
+    /// Makes the record of a run. Sensitivities are those of the last design.
     ///
     /// # Errors
-    /// If one of them cannot be solved in the design position.
+    /// If a design cannot be solved in the design position.
     pub fn of(
         command: &str,
         study: &Study,
@@ -39,7 +39,7 @@ impl Record {
     }
 }
 
-/// Takes instantaneous centres out of drawings of elastic wheels: they are of the rigid mechanism.
+/// Removes instantaneous centres from drawings of elastic wheels, because the centres belong to the rigid mechanism.
 pub(crate) fn leave_out_centres(frames: &mut [Frame]) {
     for placed in frames
         .iter_mut()
@@ -51,7 +51,7 @@ pub(crate) fn leave_out_centres(frames: &mut [Frame]) {
     }
 }
 
-/// Designs with their frames. Where several curves are of the very same mechanism the last has them.
+/// Designs with their frames. If several designs have the same mechanism, only the last one gets frames.
 fn drawn<'a>(few: &Plan, designs: &[Solved<'a>]) -> Result<Vec<DrawnDesign<'a>>, DesignFault> {
     let shown_later = |number: usize, wheel: &WheelStudy| {
         let mut later = designs[number + 1..].iter();

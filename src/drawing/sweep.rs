@@ -1,4 +1,4 @@
-//! Some designs of a sweep with their curves and their mechanism.
+//! Some designs of a sweep, with their curves and their mechanism.
 
 use super::{Solved, drawn};
 use crate::curves::wheel_curves;
@@ -8,16 +8,16 @@ use crate::report::{CurveTable, DrawnDesigns, Record, SweepSummary, curves_csv};
 use crate::study::{Study, WheelStudy};
 use crate::sweep::SweepPlan;
 
-/// The most designs that are drawn, beside the one as given.
+/// Largest number of drawn designs beside the nominal design.
 const MOST_DESIGNS: usize = 16;
-/// The most stations of each.
+/// Largest number of stations of each design.
 const MOST_STATIONS: usize = 45;
-/// The most displacements of the rack among them.
+/// Largest number of rack displacements among them.
 const MOST_RACKS: usize = 3;
 
 impl DrawnDesigns {
-    /// The best designs of a sweep and some of its front, or without targets those with the least or
-    /// largest values of outputs. Designs that cannot be drawn are left out.
+    /// Selects the best designs of a sweep and some of its Pareto front. Without targets, it selects the designs with the
+    /// smallest or largest outputs. Designs that cannot be solved are left out.
     pub fn of(
         study: &Study,
         own: &WheelStudy,

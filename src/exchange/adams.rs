@@ -11,25 +11,24 @@
 //!  'camber_angle'  'left/right'   'real'     -0.5
 //! ```
 //!
-//! A block begins with its name in brackets, which may be in either case; `$` and `!` begin comments,
-//! braces name the columns, texts are in single quotes and may be padded with blanks. A hardpoint of both
-//! sides (`left/right`) is given for the left one; the right one is its mirror image. x points rearward, y
-//! to the right and z up. Camber is positive with the top of the wheel leaning outward, toe with its front
-//! turned inward, as in studies.
+//! A block begins with its name in brackets, in upper or lower case. `$` and `!` begin comments. Braces name the columns. Texts
+//! are in single quotes and may be padded with blanks. A hardpoint of both sides (`left/right`) has the coordinates of the left
+//! one; the right one is its mirror image. x points rearward, y to the right and z up. As in studies, camber is positive if the
+//! top of the wheel leans outward, and toe is positive if its front turns inward.
 
 use crate::model::LengthUnit;
 use crate::report::shortest;
 
-/// Wheel of a row.
+/// Side of the car to which a row applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Symmetry {
-    /// The left one, and the right one as its mirror image.
+    /// Both sides: the left one, and its mirror image on the right.
     Both,
-    /// The left one.
+    /// Left side only.
     Left,
-    /// The right one.
+    /// Right side only.
     Right,
-    /// Neither: a point of the car.
+    /// No side: a point on the car's centre plane.
     Single,
 }
 
@@ -51,64 +50,63 @@ impl Symmetry {
 /// A hardpoint of a subsystem.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SubsystemPoint {
-    /// Name, without padding.
+    /// Name without padding.
     pub name: String,
-    /// Wheel of the point.
+    /// Side of the point.
     pub symmetry: Symmetry,
-    /// x rearward, y right, z up, in the file's unit.
+    /// Position in the file's unit: x rearward, y right, z up.
     pub position: [f64; 3],
-    /// Line, counted from 1.
+    /// Line number, counted from 1.
     pub line: usize,
 }
 
-/// A parameter of a subsystem that is a number.
+/// A numeric parameter of a subsystem.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SubsystemParameter {
-    /// Name, without padding.
+    /// Name without padding.
     pub name: String,
-    /// Wheel of the parameter.
+    /// Side of the parameter.
     pub symmetry: Symmetry,
-    /// Value, in the file's unit.
+    /// Value in the file's unit.
     pub value: f64,
-    /// Line, counted from 1.
+    /// Line number, counted from 1.
     pub line: usize,
 }
 
-/// The geometry in a subsystem file.
+/// Geometry in a subsystem file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Subsystem {
-    /// The unit of length, where the file gives one.
+    /// Unit of length, if the file gives one.
     pub length: Option<LengthUnit>,
     /// True if angles are in degrees.
     pub degrees: bool,
-    /// Name of its template, if the file gives one.
+    /// Name of the subsystem's template, if the file gives one.
     pub template: Option<String>,
-    /// The hardpoints.
+    /// Hardpoints of the file.
     pub points: Vec<SubsystemPoint>,
-    /// The parameters that are numbers.
+    /// Numeric parameters of the file.
     pub parameters: Vec<SubsystemParameter>,
 }
 
-/// Returns true if a text is such a file: it has a block of hardpoints.
+/// True if a text is a subsystem file: it has a block of hardpoints.
 pub(super) fn is_subsystem(text: &str) -> bool {
     text.lines()
         .any(|line| block(line) == Some("HARDPOINT".to_owned()))
 }
 
-/// Bytes as text, each byte a character: the files name no encoding, and none of their structure needs
-/// one.
+/// Converts bytes to text, one character per byte. The files do not state an encoding, and their structure does not need one.
 pub(super) fn text_of(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| char::from(*byte)).collect()
 }
 
-/// The bytes of such a text.
+/// Converts such a text back to bytes.
 pub(super) fn bytes_of(text: &str) -> Vec<u8> {
     text.chars()
         .map(|c| u8::try_from(c).unwrap_or(b'?'))
         .collect()
 }
 
-/// The name of the block a line begins, in capitals.
+/// Name of the block that begins on this line, in capitals.
 pub(super) fn block(line: &str) -> Option<String> {
     let name = line.trim().strip_prefix('[')?.split(']').next()?;
     Some(name.trim().to_ascii_uppercase())
@@ -129,7 +127,7 @@ pub(super) fn read(text: &str) -> Result<Subsystem, String> {
             within = name;
             continue;
         }
-        // Parts of a block in parentheses have rows of another kind.
+        // A part of a block in parentheses has rows of another kind.
         if line.trim_start().starts_with('(') {
             within.clear();
         }
@@ -167,7 +165,7 @@ pub(super) fn read(text: &str) -> Result<Subsystem, String> {
                 }
             }
             "PARAMETER" => {
-                // Texts and whole numbers are of no concern.
+                // Parameters that are texts or integers are not needed.
                 if let Ok(row) = row(line)
                     && let [kind, value] = row.fields.as_slice()
                     && kind.text == "real"
@@ -187,7 +185,7 @@ pub(super) fn read(text: &str) -> Result<Subsystem, String> {
     Ok(subsystem)
 }
 
-/// A unit of length by its name.
+/// Unit of length with this name.
 pub(super) fn length_unit(name: &str) -> Option<LengthUnit> {
     match name.to_ascii_lowercase().as_str() {
         "mm" | "millimeter" => Some(LengthUnit::Millimetre),
@@ -197,7 +195,7 @@ pub(super) fn length_unit(name: &str) -> Option<LengthUnit> {
     }
 }
 
-/// `KEY = 'value'`
+/// Splits `KEY = 'value'` into key and value.
 pub(super) fn assignment(line: &str) -> Option<(String, String)> {
     let (key, value) = line.split_once('=')?;
     let value = value.trim().trim_matches('\'').trim();
@@ -231,7 +229,7 @@ fn units(line: &str, subsystem: &mut Subsystem) -> Result<(), String> {
     Ok(())
 }
 
-/// A value of a row, and where it stands in the line.
+/// A value of a row, and its position in the line.
 struct Field<'a> {
     text: &'a str,
     start: usize,
@@ -239,7 +237,7 @@ struct Field<'a> {
 
 impl Field<'_> {
     fn number(&self) -> Result<f64, String> {
-        // Fortran's exponent letter occurs in old files.
+        // Old files have Fortran's exponent letter D.
         let text = self.text.replace(['D', 'd'], "e");
         let number = text.parse::<f64>().ok().filter(|n| n.is_finite());
         number.ok_or_else(|| format!("expected a number, found {:?}", self.text))
@@ -250,7 +248,7 @@ impl Field<'_> {
 struct Row<'a> {
     name: String,
     symmetry: Symmetry,
-    /// The fields after the symmetry.
+    /// Fields after the symmetry.
     fields: Vec<Field<'a>>,
 }
 
@@ -272,7 +270,7 @@ fn row(line: &str) -> Result<Row<'_>, String> {
     })
 }
 
-/// The values of a line: words, and texts in single quotes without their padding.
+/// Splits a line into its values: words, and quoted texts without padding.
 fn fields(line: &str) -> Vec<Field<'_>> {
     let mut fields = Vec::new();
     let mut at = 0;
@@ -284,7 +282,7 @@ fn fields(line: &str) -> Vec<Field<'_>> {
             None => rest.find(char::is_whitespace).unwrap_or(rest.len()),
         };
         let text = rest[..length].trim_matches('\'').trim();
-        // A comment behind the values.
+        // A comment follows the values.
         if rest.starts_with(['$', '!']) {
             break;
         }
@@ -294,17 +292,17 @@ fn fields(line: &str) -> Vec<Field<'_>> {
     fields
 }
 
-/// A file rewritten with other coordinates.
+/// A file with replaced coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Rewritten {
-    /// Text; all but the coordinates is as it was.
+    /// Text of the file. Everything except the coordinates is unchanged.
     pub text: String,
     /// Number of changed rows.
     pub rows: usize,
 }
 
-/// The text of a subsystem with coordinates from a function of name and symmetry, in the file's unit and
-/// axes. Rows for which it knows none stay.
+/// Replaces the coordinates of a subsystem. `position` returns them for a name and a symmetry, in the file's unit and axes. Rows
+/// for which it returns `None` stay unchanged.
 pub(super) fn rewritten(
     text: &str,
     position: impl Fn(&str, Symmetry) -> Option<[f64; 3]>,
@@ -344,7 +342,7 @@ pub(super) fn rewritten(
     }
 }
 
-/// A new subsystem file with these hardpoints and parameters: as much of one as carries geometry.
+/// Makes a new subsystem file with these hardpoints and parameters. It contains only the geometry.
 pub(super) fn written(
     length: LengthUnit,
     points: &[(String, Symmetry, [f64; 3])],

@@ -7,13 +7,13 @@
 //!  PROPERTY_FILE  =  'mdids://database/bushings.tbl/soft.bus'
 //! ```
 //!
-//! A property file has its own units and a curve of deflection and force for each axis: `[FX_CURVE]` to `[FZ_CURVE]`, and of
-//! angle and torque `[TX_CURVE]` to `[TZ_CURVE]`. The database of a path (`mdids://database/`, `<database>/`) is the folder
-//! above that of the subsystem.
+//! A property file has its own units. It has a curve of force against deflection for each axis, `[FX_CURVE]` to `[FZ_CURVE]`, and
+//! of torque against angle, `[TX_CURVE]` to `[TZ_CURVE]`. The database of a path (`mdids://database/`, `<database>/`) is the
+//! folder above the folder of the subsystem.
 //!
-//! The orientation of a bushing is in the template and not in these files. A study's bushing has x along the pivot axis. So
-//! the importer assumes Adams' z along that axis, the usual practice, and takes only bushings for which nothing else is
-//! needed: the same curves along and about x and y, and curves that are odd functions.
+//! The template contains the orientation of a bushing; these files do not. A study's bushing has x along the pivot axis. The
+//! importer assumes that Adams' z is along that axis, which is the usual practice. It only accepts bushings whose remaining
+//! orientation does not matter: the curves along and about x equal those of y, and all curves are odd functions.
 
 use super::adams::{assignment, block, text_of};
 use super::source::bytes_of;
@@ -23,19 +23,19 @@ use crate::study::{FileText, StudyErrors};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
-/// Points of deflection and force.
+/// Points of a curve: deflection and force.
 type Points = Vec<[f64; 2]>;
 
-/// Law of a bushing along or about one axis, in newtons, rad and the unit of the subsystem.
+/// Law of a bushing along or about one axis, in N, rad and the subsystem's unit of length.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Law {
-    /// A constant rate.
+    /// Constant rate.
     Rate(f64),
-    /// A curve through points.
+    /// Curve through points.
     Curve(Points),
 }
 
-/// Laws of a bushing in the axes of a study: along x, y, z, then about them. y and z have the same ones.
+/// Laws of a bushing in the axes of a study: along x, y and z, then about them. y and z have equal laws.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Laws {
     pub along: [Law; 2],
@@ -45,23 +45,23 @@ pub(super) struct Laws {
 /// A bushing of a subsystem.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct AdamsBushing {
-    /// Name.
+    /// Name of the bushing.
     pub usage: String,
-    /// Line in the subsystem.
+    /// Line number in the subsystem.
     pub line: usize,
     /// True if the bushing is on the right wheel only.
     pub is_right: bool,
-    /// Laws, or the reason why a study cannot use them.
+    /// Laws of the bushing, or the reason why a study cannot use them.
     pub laws: Result<Laws, String>,
 }
 
-/// Axes of a property file: along x, y, z, then about them.
+/// Axes of a property file: along x, y and z, then about them.
 const AXES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
 
-/// The largest difference of values that count as equal, relative to the largest value.
+/// Largest difference between values that count as equal, relative to the largest value.
 const SAME: f64 = 1e-6;
 
-/// Keys of a block `[BUSHING_ASSEMBLY]`.
+/// Keys of one block `[BUSHING_ASSEMBLY]`.
 #[derive(Default)]
 struct Block {
     line: usize,
@@ -75,7 +75,7 @@ impl Block {
     }
 }
 
-/// Bushings of the subsystem at a path, in its unit of length.
+/// Reads the bushings of the subsystem at a path, in the subsystem's unit of length.
 pub(super) fn of_subsystem(path: &Path, text: &str, unit: LengthUnit) -> Vec<AdamsBushing> {
     let mut blocks: Vec<Block> = Vec::new();
     let mut is_within = false;
@@ -154,7 +154,7 @@ fn laws(path: &Path, block: &Block, unit: LengthUnit) -> Result<Laws, String> {
     })
 }
 
-/// The property file that a subsystem names.
+/// Path of the property file that a subsystem names.
 fn property_file(path: &Path, named: &str) -> Result<PathBuf, String> {
     let plain = named.replace('\\', "/");
     let below = match plain.strip_prefix("mdids://") {
@@ -184,7 +184,7 @@ fn property_file(path: &Path, named: &str) -> Result<PathBuf, String> {
     })
 }
 
-/// The six curves of a property file in newtons, rad and a unit of length, by rising deflection.
+/// Reads the six curves of a property file in N, rad and this unit of length, sorted by deflection.
 fn curves_of(source: FileText, unit: LengthUnit) -> Result<[Points; 6], String> {
     let shown = |error: StudyErrors| error.to_string().trim_end().to_owned();
     let file = bushing_file::read(&Arc::new(source)).map_err(shown)?;
@@ -222,7 +222,7 @@ fn are_equal(one: &Points, other: &Points) -> bool {
             .all(|(a, b)| near(0, a[0], b[0]) && near(1, a[1], b[1]))
 }
 
-/// Refuses a curve whose direction matters.
+/// Refuses a curve that is not an odd function, because its direction would matter.
 fn is_odd(axis: &str, curve: &Points) -> Result<(), String> {
     let turned: Points = curve.iter().rev().map(|[d, f]| [-d, -f]).collect();
     match are_equal(curve, &turned) {
@@ -233,7 +233,7 @@ fn is_odd(axis: &str, curve: &Points) -> Result<(), String> {
     }
 }
 
-/// A constant rate if all points are on one line.
+/// Returns a constant rate if all points are on one line, else the curve.
 fn law(curve: Points) -> Law {
     let [deflection, force] = curve[curve.len() - 1];
     let rate = force / deflection;
@@ -260,7 +260,7 @@ mod tests {
         }
     }
 
-    /// 1 mm and 1 deg carry 7 N and 7 N mm, in the unit of the subsystem. Torques are over rad.
+    /// 1 mm and 1 deg carry 7 N and 7 N mm. The result is in the unit of the subsystem, and torques are per rad.
     #[test]
     fn curves_are_in_newtons_rad_and_the_unit_of_the_subsystem() {
         let made = curves_of(source("1 7\n0 0\n-1 -7"), LengthUnit::Metre).unwrap();

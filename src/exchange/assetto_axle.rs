@@ -1,45 +1,45 @@
-//! Live axles of Assetto Corsa: `TYPE=AXLE` with the links of section `[AXLE]`, as a `solid_axle`.
+//! Live axles of Assetto Corsa: `TYPE=AXLE` with the links of section `[AXLE]`, imported as a `solid_axle`.
 //!
-//! Each link has an end at the body, `J0_CAR`, and one at the axle, `J0_AXLE`: lateral, up, forward in metres from the middle
-//! of both wheel centres, lateral positive to the left. The links are told apart by their places:
+//! Each link has an end at the body, `J0_CAR`, and one at the axle, `J0_AXLE`. Coordinates are lateral, up and forward in metres
+//! from the middle of both wheel centres; lateral is positive to the left. The importer identifies the links by their positions:
 //!
-//! | link | told by |
+//! | link | identified as |
 //! |---|---|
 //! | pair | two links that are mirror images; of two pairs the higher one is the upper one |
 //! | Panhard rod | the link that is longest across the car, without a mirror image |
 //! | single upper link | the other link without a mirror image |
 //!
-//! With two pairs and a Panhard rod the axle binds in roll, so the upper pair becomes one link in the middle if both links
-//! of the pair are parallel in plan: in heave it is the same, and in roll it has the mean motion of both.
+//! With two pairs and a Panhard rod, the axle binds in roll. If the two upper links are parallel in plan view, the importer
+//! replaces them by one link in the middle. This link gives the same motion in heave, and the mean motion of both links in roll.
 
-/// An end of a link in the file.
+/// One end of a link in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct End {
-    /// Lateral, up, forward.
+    /// Lateral, up and forward coordinates.
     pub place: [f64; 3],
-    /// Line of the file.
+    /// Line number in the file.
     pub line: usize,
 }
 
 /// A link of the section `[AXLE]`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Link {
-    /// Number in the keys.
+    /// Number of the link in the keys of the file.
     pub number: usize,
     /// Ends at the body and at the axle.
     pub ends: [End; 2],
 }
 
-/// Meaning of a link: the hardpoints of its ends, without `_chassis` and `_axle`.
+/// Role of a link: the hardpoints of its ends, without the suffixes `_chassis` and `_axle`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Meaning {
-    /// The link, moved to the centre plane if it stands for a pair.
+    /// The link. If it represents a pair, it is moved to the centre plane.
     pub link: Link,
-    /// Start of the names of its hardpoints.
+    /// First part of the names of its hardpoints.
     pub part: &'static str,
 }
 
-/// Largest difference of mirror images, m.
+/// Largest difference between mirror images, m.
 const SAME: f64 = 1e-9;
 
 impl Link {
@@ -71,7 +71,7 @@ impl Link {
     }
 }
 
-/// Tells the links of a live axle apart. The second value is a note.
+/// Identifies the links of a live axle. The second value is a note for the user.
 ///
 /// # Errors
 /// The links are not those of a solid axle of this program.
@@ -82,7 +82,7 @@ pub(super) fn meanings(links: &[Link]) -> Result<(Vec<Meaning>, Option<String>),
         let mut others = links.iter();
         let twin = others.find(|other| other.number != link.number && link.is_mirror_of(other));
         match twin {
-            // The left one counts.
+            // The left link of a pair is used.
             Some(twin) => {
                 let lateral = |l: &Link| l.ends[0].place[0] + l.ends[1].place[0];
                 if (lateral(link), link.number) > (lateral(twin), twin.number) {
@@ -176,7 +176,8 @@ mod tests {
         found.iter().map(|m| (m.link.number, m.part)).collect()
     }
 
-    /// Pairs are told by height and the left link of each counts, in any order of the file.
+    /// The order of the links in the file does not matter: pairs are identified by their height, and the left link of each pair is
+    /// used.
     #[test]
     fn links_are_told_apart_by_their_places() {
         let [a, b] = pair(0, [0.5, 0.1, 0.4], [0.2, 0.1, 0.0]);
@@ -191,7 +192,7 @@ mod tests {
             parts(&[rod.clone(), upper, c.clone(), d.clone()]),
             [(3, "lower_link"), (8, "upper_link"), (7, "panhard")]
         );
-        // Splayed links and a rod bind. Parallel ones are replaced by the link in the middle.
+        // With a Panhard rod, two splayed upper links bind. Two parallel ones are replaced by one link in the middle.
         let [e, f] = pair(4, [0.4, 0.1, 0.4], [0.2, 0.1, 0.0]);
         let refused = meanings(&[c.clone(), d.clone(), e, f, rod.clone()]).unwrap_err();
         assert!(refused.contains("binds in roll"), "{refused}");
@@ -199,7 +200,7 @@ mod tests {
         let (found, note) = meanings(&[c.clone(), d.clone(), e, f, rod]).unwrap();
         assert_eq!(found[1].link.ends[1].place, [0.0, 0.12, 0.0]);
         assert!(note.unwrap().contains("J5"));
-        // A mirror image that is not exact is none.
+        // Two links that are not exact mirror images are no pair.
         let [g, mut h] = pair(4, [0.4, 0.1, 0.4], [0.2, 0.1, 0.0]);
         h.ends[0].place[1] = -0.1;
         let refused = meanings(&[c, d, g, h]).unwrap_err();

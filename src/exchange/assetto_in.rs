@@ -1,9 +1,9 @@
-//! `suspensions.ini` of Assetto Corsa: both axles of a car, points relative to the wheel centre.
+//! `suspensions.ini` of Assetto Corsa: both axles of a car, with points relative to the wheel centre.
 //!
-//! The sections `[FRONT]` and `[REAR]` give points as lateral, up, forward in metres, lateral positive inboard. In
-//! files of `VERSION` 2 and above all points of a wheel are `RIM_OFFSET` further outboard than they are written. The wheel
-//! centre is half of `TRACK` off the centre plane; the axles are `WHEELBASE` apart. In ISO 8855, with the origin
-//! below the front axle at the height of the axle's wheel centre, a point is
+//! The sections `[FRONT]` and `[REAR]` give points as lateral, up and forward in metres; lateral is positive inboard. In files of
+//! `VERSION` 2 and above, all points of a wheel are `RIM_OFFSET` further outboard than the file says. The wheel centre is half of
+//! `TRACK` away from the centre plane. The axles are `WHEELBASE` apart. The importer uses ISO 8855 with the origin below the
+//! front axle, at the height of the axle's wheel centre. There a point is
 //!
 //! ```text
 //! x = forward (front), forward - WHEELBASE (rear)
@@ -18,11 +18,11 @@
 //! | `AXLE` | `solid_axle`, see `assetto_axle` |
 //! | `ML` | refused by name |
 //!
-//! `STATIC_CAMBER` is in degrees, negative with the top inward. `TOE_OUT` is a length by which the steering rod
-//! moves, no angle. `SPRING_RATE` is the rate at the wheel in N/m; the file has no points of springs.
+//! `STATIC_CAMBER` is in degrees, negative with the top inward. `TOE_OUT` is not an angle but a length by which the steering rod
+//! moves. `SPRING_RATE` is the rate at the wheel in N/m; the file has no points of springs.
 //!
-//! `BASEY` is the height of the wheel centre above the centre of gravity of the car, and `CG_LOCATION` the share of the weight
-//! on the front axle. Beside the file, `car.ini` has the mass.
+//! `BASEY` is the height of the wheel centre above the centre of gravity of the car. `CG_LOCATION` is the fraction of the weight
+//! on the front axle. The file `car.ini` in the same folder has the mass.
 
 use super::assetto_axle::{self, End, Link};
 use super::axes::{Axes, Declared};
@@ -32,7 +32,7 @@ use super::table::{AxleFigures, CarFigures, Figure, Kind, Marks, Mass, NamedPoin
 use crate::model::{AxlePosition, FrameConvention, LengthUnit};
 use std::path::Path;
 
-/// Keys of points and their hardpoints. Those of a topology are the keys of its `TYPE`.
+/// Keys of points with their hardpoints. A topology uses the keys of its `TYPE`.
 pub(super) const POINTS: &[(&str, &str)] = &[
     ("STRUT_CAR", "strut_top"),
     ("STRUT_TYRE", "strut_lower"),
@@ -46,7 +46,7 @@ pub(super) const POINTS: &[(&str, &str)] = &[
     ("WBTYRE_STEER", "tie_rod_outer"),
 ];
 
-/// Keys that a study cannot hold, with the reason.
+/// Keys that a study cannot represent, with the reason.
 const LEFT_OUT: &[(&str, &str)] = &[
     (
         "ROD_LENGTH",
@@ -64,10 +64,10 @@ const LEFT_OUT: &[(&str, &str)] = &[
     ),
 ];
 
-/// The most links of a live axle that are read.
+/// Largest number of links of a live axle that are read.
 const MOST_LINKS: usize = 16;
 
-/// Returns true if a file is of this kind: by its name, or by sections that JSON does not have.
+/// True if a file is a `suspensions.ini`: by its name, or by sections, which JSON does not have.
 pub(super) fn is_ini(path: &Path, text: &str) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str());
     let is_named = extension.is_some_and(|extension| extension.eq_ignore_ascii_case("ini"));
@@ -89,7 +89,7 @@ fn without_comment(line: &str) -> &str {
     line[..end].trim()
 }
 
-/// An assignment with its line.
+/// An assignment `KEY=value` with its line number.
 struct Entry<'a> {
     section: &'a str,
     key: &'a str,
@@ -97,7 +97,7 @@ struct Entry<'a> {
     line: usize,
 }
 
-/// The assignments of a file.
+/// Splits a file into its assignments.
 fn assignments(text: &str) -> File<'_> {
     let mut entries: Vec<Entry> = Vec::new();
     let mut within = "";
@@ -116,10 +116,10 @@ fn assignments(text: &str) -> File<'_> {
     File(entries)
 }
 
-/// Reads the file.
+/// Reads the points of the file.
 ///
 /// # Errors
-/// It has no axles, or a number is none.
+/// The file has no axles, or a value is not a number.
 pub(super) fn points_of(path: &Path, text: &str) -> Result<PointTable, String> {
     let file = assignments(text);
     let axles = [("FRONT", AxlePosition::Front), ("REAR", AxlePosition::Rear)];
@@ -151,7 +151,7 @@ struct File<'a>(Vec<Entry<'a>>);
 
 impl File<'_> {
     fn entry(&self, section: &str, key: &str) -> Option<&Entry<'_>> {
-        // The game takes the first.
+        // The game uses the first assignment of a key.
         let mut all = self.0.iter();
         all.find(|entry| entry.section == section && entry.key.eq_ignore_ascii_case(key))
     }
@@ -163,7 +163,7 @@ impl File<'_> {
         number(entry.value, entry.line).map(Some)
     }
 
-    /// Adds the links of `[AXLE]`, with their hardpoints if they can be told apart.
+    /// Adds the links of `[AXLE]`, with their hardpoints if they can be identified.
     fn live_axle(&self, axle: AxlePosition, table: &mut PointTable) -> Result<Kind, String> {
         let count = self.number("AXLE", "LINK_COUNT")?;
         let mut links = Vec::new();
@@ -228,7 +228,7 @@ impl File<'_> {
         }
     }
 
-    /// Place of an axle along the car.
+    /// Longitudinal position of an axle in the car.
     fn ahead(&self, axle: AxlePosition) -> Result<f64, String> {
         Ok(match axle {
             AxlePosition::Front => 0.0,
@@ -236,13 +236,13 @@ impl File<'_> {
         })
     }
 
-    /// Figures of the car.
+    /// Masses and dimensions of the car.
     fn car(&self, path: &Path, notes: &mut Vec<String>) -> Result<CarFigures, String> {
         let below = ["FRONT", "REAR"].map(|name| self.number(name, "BASEY"));
         let [front, rear] = below;
         let (front, rear) = (front?, rear?);
         let wheelbase = self.number("BASIC", "WHEELBASE")?;
-        // Both wheel centres are known from the centre of gravity.
+        // The file gives the height of both wheel centres relative to the centre of gravity.
         let rear_offset = match (front, rear, wheelbase) {
             (Some(front), Some(rear), Some(_)) => Some([0.0, 0.0, rear - front]),
             _ => None,
@@ -272,7 +272,7 @@ impl File<'_> {
         })
     }
 
-    /// Says why the rate at the wheel makes no spring, and how to get one.
+    /// Notes why the rate at the wheel gives no spring, and how to get one.
     fn spring_rate(&self, name: &str, table: &mut PointTable) -> Result<(), String> {
         let Some(rate) = self.number(name, "SPRING_RATE")? else {
             return Ok(());
@@ -316,7 +316,7 @@ impl File<'_> {
         let track = self.number(name, "TRACK")?;
         let wheelbase = self.number("BASIC", "WHEELBASE")?;
         let ahead = self.ahead(axle)?;
-        // Without a track the wheel stays in the centre plane, which is asked about later.
+        // Without a track, the wheel stays in the centre plane. The importer asks for the half track later.
         let half_track = track.unwrap_or(0.0) / 2.0;
         let marks = Marks {
             side: None,
@@ -331,7 +331,7 @@ impl File<'_> {
             body: None,
             place: format!("line {line}"),
         };
-        // A live axle may have points of another type, which the game does not use.
+        // A live axle may also have points of another type. The game ignores them.
         let points = if is_live { &[] } else { POINTS };
         for (key, hardpoint) in points {
             let Some(entry) = self.entry(name, key) else {
@@ -377,7 +377,7 @@ impl File<'_> {
     }
 }
 
-/// The mass in `car.ini` beside the file, if it is there.
+/// Mass in `car.ini` in the same folder, if that file exists.
 fn total_mass(path: &Path, notes: &mut Vec<String>) -> Result<Option<f64>, String> {
     let beside = path.with_file_name("car.ini");
     if !beside.is_file() {
@@ -393,7 +393,7 @@ fn total_mass(path: &Path, notes: &mut Vec<String>) -> Result<Option<f64>, Strin
     Ok(mass.filter(|mass| *mass > 0.0))
 }
 
-/// Lateral, up, forward.
+/// Reads three numbers: lateral, up and forward.
 fn triple(entry: &Entry<'_>) -> Result<[f64; 3], String> {
     let parts: Result<Vec<f64>, String> = entry
         .value

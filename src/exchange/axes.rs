@@ -1,18 +1,18 @@
-//! Axes of a file: the way each of its three coordinates grows, as headers, titles, formats or the user say it.
+//! Axes of a file: the direction in which each of its three coordinates grows. Headers, titles, the format or the user state it.
 
 use crate::model::{FrameConvention, Side};
 use std::fmt;
 
-/// The way a coordinate grows.
+/// Direction in which a coordinate grows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
     /// Towards the front of the car.
     Forward,
-    /// Towards its rear.
+    /// Towards the rear of the car.
     Rearward,
-    /// Towards its left.
+    /// Towards the left of the car.
     Left,
-    /// Towards its right.
+    /// Towards the right of the car.
     Right,
     /// Away from the ground.
     Up,
@@ -21,7 +21,7 @@ pub enum Way {
 }
 
 impl Way {
-    /// Every way there is.
+    /// All six directions.
     const ALL: [Way; 6] = [
         Way::Forward,
         Way::Rearward,
@@ -31,12 +31,12 @@ impl Way {
         Way::Down,
     ];
 
-    /// Name in `--axes`.
+    /// Name of the direction in `--axes`.
     pub fn name(self) -> &'static str {
         ["forward", "rearward", "left", "right", "up", "down"][self as usize]
     }
 
-    /// The way a word names.
+    /// Direction that a word names.
     pub(super) fn of(word: &str) -> Option<Way> {
         Some(match word.to_ascii_lowercase().as_str() {
             "forward" | "forwards" | "fwd" | "front" | "frontward" | "fore" | "ahead" => {
@@ -53,43 +53,43 @@ impl Way {
         })
     }
 
-    /// Axis in ISO 8855: 0 along the car, 1 across it, 2 upright.
+    /// Axis of the direction in ISO 8855: 0 along the car, 1 across it, 2 vertical.
     pub(super) fn axis(self) -> usize {
         self as usize / 2
     }
 
-    /// Sign in ISO 8855 (x forward, y left, z up).
+    /// Sign of the direction in ISO 8855 (x forward, y left, z up).
     pub(super) fn sign(self) -> f64 {
         [1.0, -1.0, 1.0, -1.0, 1.0, -1.0][self as usize]
     }
 
-    /// The way along an ISO axis with a sign.
+    /// Direction along an ISO axis with this sign.
     pub(super) fn along(axis: usize, sign: f64) -> Way {
         Way::ALL[2 * axis + usize::from(sign < 0.0)]
     }
 
-    /// The opposite way.
+    /// Opposite direction.
     pub(super) fn opposite(self) -> Way {
         Way::along(self.axis(), -self.sign())
     }
 }
 
-/// Ways of all three coordinates, one along each axis of the car.
+/// Directions of all three coordinates, one along each axis of the car.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Axes(pub(super) [Way; 3]);
 
 impl Axes {
-    /// Axes with these directions, if one runs along each axis of the car.
+    /// Makes axes with these directions. `None` unless each axis of the car has exactly one of them.
     pub(super) fn new(ways: [Way; 3]) -> Option<Self> {
         let mut axes = ways.map(Way::axis);
         axes.sort_unstable();
         (axes == [0, 1, 2]).then_some(Axes(ways))
     }
 
-    /// Reads `left,forward,up`.
+    /// Parses `left,forward,up`.
     ///
     /// # Errors
-    /// The text is not three ways, one along each axis.
+    /// The text is not three directions, one along each axis.
     pub fn parse(text: &str) -> Result<Self, String> {
         let named = |word: &str| Way::of(word.trim());
         let ways: Option<Vec<Way>> = text.split(',').map(named).collect();
@@ -101,7 +101,7 @@ impl Axes {
         })
     }
 
-    /// The axes of a convention.
+    /// Axes of a convention.
     pub fn of(convention: FrameConvention) -> Self {
         Axes(match convention {
             FrameConvention::Iso8855 => [Way::Forward, Way::Left, Way::Up],
@@ -110,29 +110,29 @@ impl Axes {
         })
     }
 
-    /// The convention with these axes, if a study knows one.
+    /// Convention with these axes, if studies know one.
     pub(super) fn convention(self) -> Option<FrameConvention> {
         let mut all = FrameConvention::ALL.into_iter();
         all.find(|convention| Axes::of(*convention) == self)
     }
 
-    /// Returns true if x, y and z make a right-handed system.
+    /// True if x, y and z form a right-handed system.
     pub fn is_right_handed(self) -> bool {
         let [x, y, z] = self.0.map(Way::axis);
-        // Even orders of the three axes keep the hand.
+        // An even permutation of the three axes keeps the handedness.
         let is_even = [[0, 1, 2], [1, 2, 0], [2, 0, 1]].contains(&[x, y, z]);
         let sign: f64 = self.0.iter().map(|way| way.sign()).product();
         is_even == (sign > 0.0)
     }
 
-    /// The coordinate that runs across the car, and its sign towards the left.
+    /// Coordinate that runs across the car, and its sign towards the left.
     pub(super) fn across(self) -> (usize, f64) {
         let column = self.0.iter().position(|way| way.axis() == 1);
         let column = column.expect("one runs along each axis");
         (column, self.0[column].sign())
     }
 
-    /// A position or vector of the file in ISO 8855: coordinates change places and signs, no more.
+    /// Converts a position or vector of the file to ISO 8855. Coordinates only change places and signs.
     pub(super) fn to_iso(self, position: [f64; 3]) -> [f64; 3] {
         let mut iso = [0.0; 3];
         for (way, coordinate) in self.0.iter().zip(position) {
@@ -145,7 +145,7 @@ impl Axes {
         iso
     }
 
-    /// A vector of ISO 8855 in the file's coordinates.
+    /// Converts a vector of ISO 8855 to the file's coordinates.
     pub(super) fn iso_in_file(self, vector: [f64; 3]) -> [f64; 3] {
         self.0.map(|way| way.sign() * vector[way.axis()])
     }
@@ -158,20 +158,20 @@ impl fmt::Display for Axes {
     }
 }
 
-/// Direction of one coordinate, as the file states it.
+/// Direction of one coordinate, as far as the file states it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Coordinate {
-    /// Nothing.
+    /// The file states nothing.
     #[default]
     Unknown,
-    /// Axis in ISO 8855 ("lateral"), not its sign.
+    /// The file states the axis in ISO 8855 ("lateral"), but not its sign.
     Along(usize),
-    /// Direction.
+    /// The file states the direction.
     Grows(Way),
 }
 
 impl Coordinate {
-    /// Both statements; `None` where they contradict each other.
+    /// Combines two statements. `None` if they contradict each other.
     pub(super) fn and(self, other: Coordinate) -> Option<Coordinate> {
         match (self, other) {
             (Coordinate::Unknown, other) | (other, Coordinate::Unknown) => Some(other),
@@ -185,17 +185,17 @@ impl Coordinate {
     }
 }
 
-/// Directions of the axes, as the file states them.
+/// Directions of the axes, as far as the file states them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Declared(pub(super) [Coordinate; 3]);
 
 impl Declared {
-    /// Axes that are known in full.
+    /// Statement of all three axes.
     pub(super) fn whole(axes: Axes) -> Self {
         Declared(axes.0.map(Coordinate::Grows))
     }
 
-    /// Both statements, or an error where they contradict each other at `place`.
+    /// Combines two statements. Returns an error that names `place` if they contradict each other.
     pub(super) fn and(self, other: Declared, place: &str) -> Result<Declared, String> {
         let mut both = self;
         for (k, coordinate) in both.0.iter_mut().enumerate() {
@@ -209,7 +209,7 @@ impl Declared {
         Ok(both)
     }
 
-    /// The axes, if the file says all of them.
+    /// Axes, if the file states all of them.
     pub(super) fn axes(self) -> Option<Axes> {
         let way = |coordinate| match coordinate {
             Coordinate::Grows(way) => Some(way),
@@ -219,7 +219,7 @@ impl Declared {
         Axes::new([x?, y?, z?])
     }
 
-    /// Returns true if these axes agree with the declaration.
+    /// True if these axes agree with the statement.
     pub(super) fn allows(self, axes: Axes) -> bool {
         let agrees = |(said, way): (&Coordinate, Way)| match said {
             Coordinate::Unknown => true,
@@ -229,16 +229,16 @@ impl Declared {
         self.0.iter().zip(axes.0).all(agrees)
     }
 
-    /// Returns true if nothing is declared.
+    /// True if the file states nothing.
     pub(super) fn is_empty(self) -> bool {
         self == Declared::default()
     }
 
-    /// Directions of axes in a line of text: "SAE axes", "x forward, y left, z up".
+    /// Reads directions of axes from a line of text, such as "SAE axes" or "x forward, y left, z up".
     pub(super) fn in_text(text: &str) -> Declared {
         let words = super::names::cut(text);
         let has = |wanted: &str| words.iter().any(|word| word == wanted);
-        // "Formula SAE" is no convention of axes.
+        // The name "Formula SAE" does not refer to a convention of axes.
         const ABOUT_AXES: [&str; 8] = [
             "axes",
             "axis",
@@ -260,7 +260,7 @@ impl Declared {
             let Some(at) = words.iter().position(|word| word == letter) else {
                 continue;
             };
-            // "x points forward", "x is positive rearward".
+            // Phrases such as "x points forward" and "x is positive rearward".
             let behind = words[at + 1..].iter().take(3);
             let before_next = behind.take_while(|word| !["x", "y", "z"].contains(&word.as_str()));
             let mut flipped = false;
@@ -273,7 +273,7 @@ impl Declared {
                 }
             }
         }
-        // Words about other things do not make axes.
+        // Words about other subjects do not define axes.
         match declared.axes() {
             Some(_) => declared,
             None => Declared::default(),
@@ -281,7 +281,7 @@ impl Declared {
     }
 }
 
-/// Directions of a reading of the points, for a wheel of this side.
+/// Directions of the axes in a reading of the points, for a wheel of this side.
 pub(super) fn of_reading(reading: &crate::report::Reading, side: Side) -> Axes {
     let mut ways = [Way::Forward; 3];
     let (along, forward) = reading.forward;
@@ -293,7 +293,7 @@ pub(super) fn of_reading(reading: &crate::report::Reading, side: Side) -> Axes {
     Axes(ways)
 }
 
-/// The reading of the points that these axes are, for a wheel of this side.
+/// Reading of the points that belongs to these axes, for a wheel of this side.
 pub(super) fn reading_of(axes: Axes, side: Side) -> crate::report::Reading {
     let at = |axis: usize| {
         let column = axes.0.iter().position(|way| way.axis() == axis);

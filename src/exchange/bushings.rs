@@ -1,4 +1,4 @@
-//! Bushings of a file at the hardpoints of an imported wheel, and their sections in the study.
+//! Assigns the bushings of a file to the hardpoints of an imported wheel, and writes their sections of the study.
 
 use super::adams_bushings::{AdamsBushing, Law, Laws};
 use super::import::{ImportOptions, Imported};
@@ -7,16 +7,16 @@ use super::table::PointTable;
 use crate::model::{LengthUnit, Side};
 use std::fmt::Write;
 
-/// A bushing at a hardpoint.
+/// A bushing at a hardpoint of the study.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Bushing {
     hardpoint: &'static str,
     laws: Laws,
-    /// Name and place in the file.
+    /// Name of the bushing and its place in the file.
     from: String,
 }
 
-/// Pivots whose bushings have their axis along that of the arm.
+/// Pivots of arms. Their bushings have the axis of the arm.
 const PIVOTS: [&str; 6] = [
     "lower_arm_front",
     "lower_arm_rear",
@@ -26,7 +26,7 @@ const PIVOTS: [&str; 6] = [
     "arm_pivot_outer",
 ];
 
-/// Takes the bushings of a file, or names those that are left out.
+/// Imports the bushings that the study can use, and lists the other bushings of the file with the reasons.
 pub(super) fn take(table: &PointTable, options: &ImportOptions<'_>, imported: &mut Imported) {
     let of_wheel = |bushing: &&AdamsBushing| !bushing.is_right || imported.side == Side::Right;
     let bushings: Vec<&AdamsBushing> = table.bushings.iter().filter(of_wheel).collect();
@@ -69,7 +69,7 @@ fn at_hardpoint(
     bushing: &AdamsBushing,
     imported: &Imported,
 ) -> Result<(&'static str, Laws), String> {
-    // Prefixes of types in Adams/Car: kinematic or not, left, right or single.
+    // Adams/Car puts a prefix before names: kinematic or not, then left, right or single.
     let name = bushing.usage.to_lowercase();
     let plain = name.split_once('_').filter(|(prefix, _)| {
         prefix.len() == 3 && prefix.starts_with('b') && prefix.ends_with(['l', 'r', 's'])
@@ -97,7 +97,7 @@ fn at_hardpoint(
     Ok((role.hardpoint, laws))
 }
 
-/// The sections of a study; empty without bushings.
+/// Sections for the study. Empty if there are no bushings.
 pub(super) fn sections(bushings: &[Bushing], unit: LengthUnit) -> String {
     if bushings.is_empty() {
         return String::new();

@@ -1,4 +1,4 @@
-//! A car from a file with two axles: two studies of axles, and a study of the car that names them.
+//! Imports a car from a file with two axles: two studies of axles, and a study of the car that names them.
 
 use super::compose::one_line;
 use super::import::{ImportOptions, Imported, import};
@@ -7,21 +7,21 @@ use super::table::PointTable;
 use crate::model::{AxlePosition, Side};
 use std::fmt::Write;
 
-/// Names of the files: the car, its front and its rear axle.
+/// Names of the files: the car, its front axle and its rear axle.
 pub const CAR_FILES: [&str; 3] = ["car.toml", "car_front.toml", "car_rear.toml"];
 
-/// A car of a file.
+/// An imported car.
 #[derive(Clone, Debug)]
 pub struct ImportedCar {
-    /// Front and rear axle, by their left wheels.
+    /// Front and rear axle, each represented by its left wheel.
     pub axles: [Imported; 2],
-    /// Texts of the files, as [`CAR_FILES`].
+    /// Texts of the files, in the order of [`CAR_FILES`].
     pub files: [String; 3],
-    /// Keys that the study of the car needs and the file does not have.
+    /// Keys that the study of the car needs but the file does not have.
     pub missing: Vec<String>,
 }
 
-/// Finds both axles in a file's points, each with its own options.
+/// Imports both axles from a file's points, each with its own options.
 pub fn import_car(
     table: &PointTable,
     options: [&ImportOptions<'_>; 2],
@@ -73,7 +73,7 @@ pub fn import_car(
     })
 }
 
-/// The study of the car.
+/// Text of the study of the car.
 fn car(
     table: &PointTable,
     front: &Imported,
@@ -118,7 +118,7 @@ fn car(
                 "rear_offset = [{x:?}, {y:?}, {z:?}]      # place of the rear study's origin in the front one"
             );
         }
-        // Points of one file have one origin.
+        // All points of a file share one origin.
         (None, false) => {
             text +=
                 "rear_offset = [0.0, 0.0, 0.0]      # both studies have the origin of the file\n"

@@ -1,19 +1,19 @@
-//! Cells of a table of any file format.
+//! Cells of a table in any file format.
 
 use std::collections::BTreeMap;
 
-/// The content of a cell.
+/// Content of a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Cell {
     /// A number that the file stores as a number.
     Number(f64),
-    /// A text; of a file of text, also one that may be a number.
+    /// A text. In a text file it may also represent a number.
     Text(String),
-    /// A cell without a usable value, with its description: "the error #REF!".
+    /// A cell without a usable value, with its description, such as "the error #REF!".
     Unusable(String),
 }
 
-/// Names of places in a table.
+/// Naming scheme for places in a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Places {
     /// Line and column, counted from 1.
@@ -22,25 +22,25 @@ pub(super) enum Places {
     Spreadsheet,
 }
 
-/// A table: cells by row and column, both counted from 0.
+/// A table: cells by row and column. Both indices count from 0.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sheet {
-    /// Name; empty where the file is one table.
+    /// Name of the table. Empty if the file has only one table.
     pub name: String,
-    /// The cells that hold something.
+    /// Cells that are not empty.
     pub cells: BTreeMap<(u32, u32), Cell>,
-    /// Names of its places.
+    /// Naming scheme for its places.
     pub places: Places,
 }
 
 impl Sheet {
-    /// The most cells of a table that is read: hardpoints fill a few hundred.
+    /// Largest number of cells in a table that is read. Hardpoints fill a few hundred cells.
     pub(super) const MOST_CELLS: usize = 200_000;
 
-    /// The longest text of a cell that is read, in bytes: names and numbers are far shorter.
+    /// Longest text of a cell that is read, in bytes. Names and numbers are much shorter.
     const LONGEST_TEXT: usize = 2000;
 
-    /// A table without cells.
+    /// Makes a table without cells.
     pub(super) fn new(name: impl Into<String>, places: Places) -> Self {
         Sheet {
             name: name.into(),
@@ -49,7 +49,7 @@ impl Sheet {
         }
     }
 
-    /// Puts a cell, or says that there are too many.
+    /// Adds a cell, or returns an error if the table has too many cells.
     pub(super) fn put(&mut self, row: u32, column: u32, cell: Cell) -> Result<(), String> {
         if self.cells.len() >= Sheet::MOST_CELLS {
             return Err(format!(
@@ -67,25 +67,25 @@ impl Sheet {
         Ok(())
     }
 
-    /// The cells of a row, with their columns.
+    /// Cells of a row, with their column numbers.
     pub(super) fn row(&self, row: u32) -> impl Iterator<Item = (u32, &Cell)> {
         let cells = self.cells.range((row, 0)..=(row, u32::MAX));
         cells.map(|((_, column), cell)| (*column, cell))
     }
 
-    /// The numbers of rows that hold something, in order.
+    /// Numbers of the rows that are not empty, in order.
     pub(super) fn rows(&self) -> Vec<u32> {
         let mut rows: Vec<u32> = self.cells.keys().map(|(row, _)| *row).collect();
         rows.dedup();
         rows
     }
 
-    /// The cell at a place.
+    /// Cell at a row and a column.
     pub(super) fn cell(&self, row: u32, column: u32) -> Option<&Cell> {
         self.cells.get(&(row, column))
     }
 
-    /// Name of the place of a cell.
+    /// Name of a cell's place.
     pub(super) fn place(&self, row: u32, column: u32) -> String {
         match self.places {
             Places::Lines => format!("line {}, column {}", row + 1, column + 1),
@@ -93,7 +93,7 @@ impl Sheet {
         }
     }
 
-    /// Name of the place of a row.
+    /// Name of a row's place.
     pub(super) fn row_place(&self, row: u32) -> String {
         match self.places {
             Places::Lines => format!("line {}", row + 1),
@@ -102,7 +102,7 @@ impl Sheet {
     }
 }
 
-/// The letters of a spreadsheet's column, counted from 0: A, ..., Z, AA, ...
+/// Letters of a spreadsheet column: A, ..., Z, AA, ... The number counts from 0.
 pub(super) fn letters(column: u32) -> String {
     let mut number = column + 1;
     let mut letters = Vec::new();

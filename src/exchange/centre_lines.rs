@@ -1,8 +1,8 @@
-//! Points and centre lines as a drawing for CAD: DXF of release 12 in text, which every reader takes.
+//! Points and centre lines as a CAD drawing: text DXF of release 12, which every CAD program reads.
 //!
-//! The file is a list of pairs: a number that names the kind of value, and the value, each on a line of its own
-//! (Autodesk, DXF Reference). Each body has a layer with its centre lines (`LINE`), the points are on the layer
-//! `POINTS` (`POINT`), their names on `NAMES` (`TEXT`).
+//! The file is a list of pairs. Each pair has a number for the kind of value and the value, each on its own line (Autodesk, DXF
+//! Reference). The centre lines of each body (`LINE`) have their own layer. The points (`POINT`) are on the layer `POINTS`, and
+//! their names (`TEXT`) on `NAMES`.
 
 use super::outgoing::Outgoing;
 use crate::model::{FrameConvention, LengthUnit, PointId, Side};
@@ -10,7 +10,7 @@ use crate::number::Vector3;
 use crate::report::Scene;
 use std::fmt::Write;
 
-/// The bytes of a drawing of all wheels of a study.
+/// Bytes of a drawing of all wheels of a study.
 pub fn drawing(outgoing: &Outgoing<'_>) -> Vec<u8> {
     let mut drawing = Drawing::default();
     let wheels = outgoing.wheels();
@@ -24,7 +24,7 @@ pub fn drawing(outgoing: &Outgoing<'_>) -> Vec<u8> {
     drawing.file(outgoing).into_bytes()
 }
 
-/// Directions of the axes of a convention.
+/// Text with the directions of the axes of a convention.
 pub(super) fn axes(convention: FrameConvention) -> &'static str {
     match convention {
         FrameConvention::Iso8855 => "x forward, y left, z up",
@@ -33,12 +33,12 @@ pub(super) fn axes(convention: FrameConvention) -> &'static str {
     }
 }
 
-/// Height of the letters in the file's unit: 6 mm.
+/// Height of the letters in the file's unit, equal to 6 mm.
 fn text_height(outgoing: &Outgoing<'_>) -> f64 {
     outgoing.unit.convert(6.0, LengthUnit::Millimetre)
 }
 
-/// Entities and the layers that they are on.
+/// Entities of the drawing, with their layers.
 #[derive(Default)]
 struct Drawing {
     entities: String,
@@ -73,7 +73,7 @@ impl Drawing {
     }
 
     fn line(&mut self, layer: &str, from: [f64; 3], to: [f64; 3]) {
-        // The shared point of two parts makes no line.
+        // A point shared by two parts is not a line.
         if from != to {
             self.entity("LINE", layer, &[(10, from), (11, to)]);
         }
@@ -113,7 +113,7 @@ impl Drawing {
         let said = format!("unit {unit}; frame {name}: {axes}");
         let height = text_height(outgoing);
         self.text("UNIT_AND_FRAME", &said, [0.0; 3], height);
-        // All of the header except the unit is of release 12; readers that do not know the unit skip it.
+        // The header follows release 12, except for the unit. Readers that do not know the unit skip it.
         let code = match outgoing.unit {
             LengthUnit::Inch | LengthUnit::InchPound => 1,
             LengthUnit::Millimetre => 4,

@@ -1,5 +1,5 @@
-//! Suspensions of Project Chrono: `"Type": "Suspension"` with a `"Template"` and parts with locations, in metres,
-//! x forward, y left, z up, given for the left wheel.
+//! Suspensions of Project Chrono: `"Type": "Suspension"` with a `"Template"` and parts with locations. Locations are in metres (x
+//! forward, y left, z up) and belong to the left wheel.
 //!
 //! | template | topology |
 //! |---|---|
@@ -11,16 +11,16 @@
 //! | `SolidAxle` | `solid_axle` on four links |
 //! | `SolidThreeLinkAxle`, `SolidBellcrankThreeLinkAxle` | `solid_axle`: the triangular link is two upper links that share their joint at the axle |
 //!
-//! Spring and damper are two elements there (`Spring`, `Shock`), and one in a study: the spring's ends are taken, or
-//! the damper's where there is no spring. A MacPherson strut runs along the spring. `Camber Angle (deg)` is positive
-//! with the top outward, `Toe Angle (deg)` with the front inward, as in studies.
+//! Chrono has two elements for spring and damper (`Spring`, `Shock`); a study has one. The importer takes the ends of the spring,
+//! or the ends of the damper if there is no spring. The axis of a MacPherson strut is that of the spring. As in studies, `Camber
+//! Angle (deg)` is positive with the top outward, and `Toe Angle (deg)` with the front inward.
 
 use super::axes::{Axes, Declared};
 use super::map::{Node, place, position};
 use super::table::{Figure, Kind, Marks, NamedPoint, PointTable};
 use crate::model::{FrameConvention, LengthUnit};
 
-/// Parts and locations of one hardpoint; the first that is there counts.
+/// Parts and locations that can give one hardpoint. The first one in the file is used.
 type Sources = (&'static str, &'static [(&'static str, &'static str)]);
 
 const WHEEL: Sources = ("wheel_centre", &[("Spindle", "COM")]);
@@ -146,10 +146,10 @@ const SOLID_UPPER: [Sources; 2] = [
     ),
 ];
 
-/// Parts that steer a solid axle of Project Chrono.
+/// Parts of a solid axle of Project Chrono that steer it.
 const STEERING_OF_AXLES: [&str; 5] = ["Tierod", "Draglink", "Bell Crank", "Bellcrank", "Knuckle"];
 
-/// Keys of the lower end of spring and damper, and the body it sits on in studies.
+/// Keys for the lower end of spring and damper, and the body in studies that carries this end.
 const LOWER_ENDS: [(&str, &str); 4] = [
     ("Location Axle", "axle"),
     ("Location Arm", "arm"),
@@ -157,10 +157,10 @@ const LOWER_ENDS: [(&str, &str); 4] = [
     ("Location Link", "link"),
 ];
 
-/// The points of a suspension of Project Chrono; `None` if the map is not one.
+/// Points of a suspension of Project Chrono. `None` if the map is not such a suspension.
 ///
 /// # Errors
-/// Template has no counterpart.
+/// The template has no counterpart here.
 pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
     let is_suspension = text(root, "Type") == Some("Suspension");
     let Some(template) = text(root, "Template").filter(|_| is_suspension) else {
@@ -219,7 +219,7 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
     Ok(Some(table))
 }
 
-/// Templates without a topology here, with the nearest one.
+/// Refusal of a template that has no topology here. It names the nearest topology.
 fn refusal(template: &str) -> String {
     let nearest = match template {
         "LeafspringAxle"
@@ -246,7 +246,7 @@ fn refusal(template: &str) -> String {
     format!("its suspension is a {template} of Project Chrono, which no topology is: {nearest}")
 }
 
-/// The spring's ends, or the damper's where there is no spring.
+/// Takes the ends of the spring, or of the damper if there is no spring.
 fn spring(root: &Node, topology: &str, table: &mut PointTable) {
     let ends = |part: &'static str| {
         let upper = location(root, (part, "Location Chassis"))?;
@@ -291,11 +291,11 @@ fn spring(root: &Node, topology: &str, table: &mut PointTable) {
     table.points.extend([top, foot]);
 }
 
-/// Says why a spring on the trailing link is left out, and how to get its motion ratio all the same.
+/// Explains why a spring on the trailing link is left out, and how to get its motion ratio.
 ///
-/// The link turns about its inner joint, so a foot at the share t of its length moves t times as far as its outer
-/// joint. A parallel spring at the outer joint therefore has 1/t times the motion ratio. A foot beside the line of
-/// the joints moves along the link as well, which this leaves out.
+/// The link turns about its inner joint. So a spring foot at the fraction t of the link's length moves t times as far as the
+/// outer joint. A parallel spring at the outer joint therefore has 1/t times the motion ratio. A foot that is not on the line
+/// between the joints also moves along the link. This explanation neglects that motion.
 fn on_link(root: &Node, part: &str, topology: &str, upper: [f64; 3], lower: [f64; 3]) -> String {
     let reason = format!(
         "{part}: its lower end is on a link, and a {topology} takes a spring on the knuckle or on a rocker. The wheel \
@@ -318,7 +318,7 @@ fn on_link(root: &Node, part: &str, topology: &str, upper: [f64; 3], lower: [f64
         return reason;
     }
     let shown = |point: [f64; 3]| {
-        // Rounded to 0, without the sign of a negative one.
+        // Adding 0.0 removes the sign of a negative zero after rounding.
         let [x, y, z] = point.map(|number| (number * 1e4).round() / 1e4 + 0.0);
         format!("[{x:.4}, {y:.4}, {z:.4}]")
     };
@@ -369,7 +369,7 @@ fn point(
     }
 }
 
-/// The value under a key, in any capitals.
+/// Value under a key. Upper and lower case are equal.
 pub(super) fn entry<'n>(node: &'n Node, key: &str) -> Option<&'n Node> {
     let Node::Table(entries) = node else {
         return None;
@@ -395,7 +395,8 @@ pub(super) fn location(root: &Node, (part, key): (&str, &str)) -> Option<[f64; 3
 mod tests {
     use super::*;
 
-    /// A spring on the link is put beside its outer joint, with the share of its foot. A foot beyond either joint is not.
+    /// The explanation puts a spring on the link beside the link's outer joint, and gives the fraction at which its foot is. It
+    /// does not do this for a foot beyond either joint.
     #[test]
     fn a_foot_between_the_joints_has_a_share() {
         let list = |point: [f64; 3]| Node::List(Vec::from(point.map(Node::Number)));

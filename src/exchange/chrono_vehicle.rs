@@ -1,11 +1,11 @@
-//! Vehicles of Project Chrono: `"Type": "Vehicle"` with two axles, each with the file of its suspension and its place in the
+//! Vehicles of Project Chrono: `"Type": "Vehicle"` with two axles. Each axle has the file of its suspension and its place in the
 //! vehicle.
 //!
-//! Paths in such a file start at the folder of all vehicles, some folders above it. They are looked for from the folders
-//! above the vehicle's file upward. Points are moved by `Suspension Location` into the axes of the vehicle: x forward, y left,
-//! z up, metres.
+//! Paths in such a file start at the folder of all vehicles, which is some levels above the file. The importer looks for them in
+//! the folders above the vehicle's file, the nearest first. It moves the points by `Suspension Location` into the axes of the
+//! vehicle: x forward, y left, z up, metres.
 //!
-//! | figure | from |
+//! | value | source |
 //! |---|---|
 //! | sprung mass with its centre | the chassis: `Components`, or `Mass` and `COM` |
 //! | unsprung mass of an axle | twice the sum of `Spindle`, `Upright` or `Knuckle`, and wheel; the `Axle Tube` of a solid axle as well |
@@ -26,10 +26,10 @@ struct Axle {
     place: [f64; 3],
 }
 
-/// The points of a vehicle of Project Chrono; `None` if the map is not one.
+/// Points of a vehicle of Project Chrono. `None` if the map is not such a vehicle.
 ///
 /// # Errors
-/// It has other than two axles, or a file of its parts cannot be read.
+/// The vehicle does not have two axles, or a file that it names cannot be read.
 pub(super) fn read(path: &Path, root: &Node) -> Result<Option<PointTable>, String> {
     if text(root, "Type") != Some("Vehicle") {
         return Ok(None);
@@ -75,7 +75,7 @@ pub(super) fn read(path: &Path, root: &Node) -> Result<Option<PointTable>, Strin
     Ok(Some(table))
 }
 
-/// Adds the points of an axle, moved to its place.
+/// Adds the points of an axle, moved to the axle's place.
 fn add(table: &mut PointTable, own: Axle, end: AxlePosition) {
     let Axle {
         table: mut axle,
@@ -175,7 +175,7 @@ fn number_of(root: &Node, keys: &[&str]) -> Option<f64> {
     }
 }
 
-/// Linear springs only: a curve or a part without a free length has no force here.
+/// Rate and force of a linear spring. `None` for a spring with a curve or without a free length, whose force is not known.
 fn spring(root: &Node) -> Option<SpringFigures> {
     let rate = number_of(root, &["Spring", "Spring Coefficient"])?;
     let free = number_of(root, &["Spring", "Free Length"])?;
@@ -193,7 +193,7 @@ fn spring(root: &Node) -> Option<SpringFigures> {
     })
 }
 
-/// The carriers and wheels of an axle.
+/// Mass of the wheel carriers and wheels of an axle.
 fn unsprung_mass(root: &Node, wheel: Option<f64>) -> Option<f64> {
     let spindle = number_of(root, &["Spindle", "Mass"])?;
     let carrier = ["Upright", "Knuckle"].into_iter();
@@ -204,7 +204,7 @@ fn unsprung_mass(root: &Node, wheel: Option<f64>) -> Option<f64> {
     Some(2.0 * (spindle + carrier + wheel?) + tube)
 }
 
-/// The chassis, with the components that are holes subtracted.
+/// Mass of the chassis. Components that are holes are subtracted.
 fn chassis(path: &Path, root: &Node) -> Result<Option<Mass>, String> {
     let Some(inline) = entry(root, "Chassis") else {
         return Ok(None);
@@ -230,7 +230,7 @@ fn chassis(path: &Path, root: &Node) -> Result<Option<Mass>, String> {
             }
         }
         let cg = match components.len() {
-            // One component keeps its digits.
+            // A single component keeps its coordinates exactly.
             1 => location(&components[0], ("Centroidal Frame", "Location")),
             _ => Some(moment.map(|sum| sum / mass)),
         };

@@ -1,4 +1,4 @@
-//! Completeness: groups with missing parts, points without use, missing hardpoints.
+//! Completeness: groups with missing parts, unused points, and missing hardpoints.
 
 use super::figure_names::{FigureKind, figure};
 use super::roles::{self, Letters};
@@ -8,8 +8,8 @@ use crate::model::Topology;
 
 /// Leaves out springs, rockers and bars with missing parts, each with the reason.
 ///
-/// A spring's lower end is on the rocker where there is one. So it goes with an incomplete rocker, unless the file
-/// puts it on another body: on the lower arm its motion ratio would be another one.
+/// If there is a rocker, it carries the lower end of the spring. So the spring is left out together with an incomplete rocker,
+/// because it would have a different motion ratio on the lower arm. A spring that the file puts on another body stays.
 pub(super) fn drop_incomplete(
     options: &ImportOptions<'_>,
     hardpoints: &mut Vec<Hardpoint>,
@@ -32,7 +32,7 @@ pub(super) fn drop_incomplete(
             continue;
         }
         has_lost_rocker |= group.what == "the rocker";
-        // Of as complete lists the first is meant: a pushrod.
+        // If two lists are equally complete, the first one is meant: a pushrod.
         let nearest = lists()
             .rev()
             .max_by_key(|list| list.iter().filter(given).count());
@@ -82,7 +82,7 @@ pub(super) fn drop_incomplete(
         ];
         hardpoints.retain(|h| !bar.contains(&h.name));
     }
-    // The user asked for these points by name, so they must not be dropped.
+    // The user named these points, so they must not be dropped.
     let lost = before.iter().find(|was| {
         options.names.contains_key(was.name) && !hardpoints.iter().any(|h| h.name == was.name)
     });
@@ -96,7 +96,7 @@ pub(super) fn drop_incomplete(
     }
 }
 
-/// The names of points that mean nothing here, each once.
+/// Names of points that have no meaning here, each name once.
 pub(super) fn unused(
     table: &PointTable,
     meanings: &[Option<&'static str>],
@@ -115,7 +115,7 @@ pub(super) fn unused(
     names
 }
 
-/// Another topology that lacks nothing and uses points that are left over.
+/// Finds another topology for which no hardpoint is missing and which uses more of the points.
 pub(super) fn rather(
     topology: &Topology,
     unused: &[String],
@@ -142,7 +142,7 @@ pub(super) fn rather(
     found.copied()
 }
 
-/// Refuses a file in which hardpoints are missing. `made` are made of other parts of the file later.
+/// Refuses a file with missing hardpoints. The hardpoints in `made` do not count, because the import computes them later.
 pub(super) fn missing(
     topology: &Topology,
     hardpoints: &[Hardpoint],

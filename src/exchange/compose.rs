@@ -1,4 +1,4 @@
-//! Text of the study of an imported wheel or axle; it runs.
+//! Text of the study of an imported wheel or axle. The study runs without changes.
 
 use super::bushings;
 use super::import::Imported;
@@ -9,7 +9,7 @@ use crate::study::Study;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Characteristics of the study of a wheel, as far as its points suffice.
+/// Characteristics in the study of a wheel. Those that its points do not define are left out.
 const OUTPUTS: [&str; 8] = [
     "camber",
     "toe",
@@ -21,7 +21,7 @@ const OUTPUTS: [&str; 8] = [
     "motion_ratio",
 ];
 
-/// Characteristics of the study of an axle.
+/// Characteristics in the study of an axle.
 const AXLE_OUTPUTS: [&str; 7] = [
     "camber_to_road",
     "toe",
@@ -32,7 +32,7 @@ const AXLE_OUTPUTS: [&str; 7] = [
     "motion_ratio",
 ];
 
-/// Characteristics of the study of a solid axle.
+/// Characteristics in the study of a solid axle.
 const SOLID_OUTPUTS: [&str; 6] = [
     "axle_steer",
     "axle_lateral",
@@ -47,22 +47,22 @@ const SOLID_OUTPUTS: [&str; 6] = [
 enum Part<'a> {
     /// One wheel.
     Wheel,
-    /// Both wheels: the left one, and the lines of `[axle.right]` if the right one is not its mirror image.
+    /// Both wheels: the left one, and the lines of `[axle.right]` if the right wheel is not its mirror image.
     Axle(&'a str),
     /// A solid axle.
     Solid,
 }
 
-/// Travels that are tried, in millimetres, the largest first.
+/// Travels to be tried, in millimetres, the largest first.
 const TRAVELS: [f64; 6] = [80.0, 60.0, 40.0, 30.0, 20.0, 10.0];
 
 impl Imported {
-    /// The text of a study of the wheel, or of the axle if it is a solid one. `name` is the study's name in messages,
-    /// `origin` the file of the points.
+    /// Text of a study of the wheel, or of the axle if it is a solid axle. `name` is the study's name in messages; `origin` is
+    /// the file with the points.
     ///
     /// # Errors
     ///
-    /// The faults of the suspension that the points make, in words.
+    /// The faults of the suspension in words.
     pub fn study(&self, name: &str, origin: &str) -> Result<String, String> {
         let text = match self.topology.carries_both_wheels() {
             true => self.running(name, origin, Part::Solid),
@@ -74,7 +74,7 @@ impl Imported {
         Ok(text)
     }
 
-    /// The text of a study of both wheels. `right` is the right wheel of the same file.
+    /// Text of a study of both wheels. `right` is the right wheel from the same file.
     pub(super) fn axle_study(
         &self,
         right: Option<&Imported>,
@@ -88,7 +88,7 @@ impl Imported {
         self.running(name, origin, Part::Axle(&differences))
     }
 
-    /// The lines of a right wheel that is not the mirror image.
+    /// Lines of `[axle.right]` for a right wheel that is not the mirror image of the left one.
     fn differences(&self, right: &Imported) -> String {
         let mut text = String::new();
         let own = |name: &str| self.hardpoints.iter().find(|h| h.name == name);
@@ -123,11 +123,11 @@ impl Imported {
         text
     }
 
-    /// The study with the largest range of motion in which it runs.
+    /// Text of the study with the largest range of motion in which it runs.
     fn running(&self, name: &str, origin: &str, part: Part<'_>) -> Result<String, String> {
         let read = |text: &str| Study::from_text(name, text, Path::new(""));
         let with = |travel: f64, outputs: &[&str]| self.text(origin, part, travel, outputs);
-        // Report a fault of the points once, not for each output.
+        // This first read reports a fault of the points once, instead of once per output.
         read(&with(TRAVELS[0], &[])).map_err(|errors| errors.render(false))?;
         let wanted: &[&str] = match part {
             Part::Wheel => &OUTPUTS,
@@ -235,7 +235,7 @@ impl Imported {
         }
     }
 
-    /// The spring's rate and force, if the file has them.
+    /// Writes rate and force of the spring, if the file has them.
     fn spring(&self, text: &mut String) {
         let has_spring = self
             .hardpoints
@@ -252,7 +252,7 @@ impl Imported {
         }
     }
 
-    /// The car's figures, where the file has any.
+    /// Writes masses and dimensions of the car, if the file has any.
     fn vehicle(&self, text: &mut String, part: Part<'_>) {
         let unsprung = self.figures.unsprung_mass;
         let unsprung = unsprung.filter(|_| !matches!(part, Part::Wheel));
@@ -261,7 +261,7 @@ impl Imported {
             return;
         }
         *text += "\n[vehicle]\n";
-        // The track of an axle follows from its points.
+        // The points of an axle define its track.
         let track = self.track.filter(|_| matches!(part, Part::Wheel));
         for (key, length) in [("wheelbase", self.wheelbase), ("track", track)] {
             if let Some(length) = length {
@@ -286,14 +286,14 @@ impl Imported {
                 text,
                 "\n[motion]\ntravel = {{ from = -{travel:?}, to = {travel:?}, steps = 41 }}   # wheel centre up = positive"
             ),
-            // Roll is about a plane ground, which is where the radius says.
+            // Roll needs the ground plane, and the wheel radius gives its height.
             Part::Axle(_) | Part::Solid if self.wheel_radius.is_none() => writeln!(
                 text,
                 "\n[motion]                         # roll needs radius in [wheel]\n\
                  heave = {{ from = -{travel:?}, to = {travel:?}, steps = 41 }}   # travel of both wheels"
             ),
             Part::Axle(_) | Part::Solid => {
-                // A degree of roll for each 20 mm: a wheel then moves less than the travel.
+                // One degree of roll per 20 mm of travel, so that each wheel moves less than the travel.
                 let (roll, heave) = (travel_mm / 20.0, self.travel(travel_mm / 2.0));
                 writeln!(
                     text,
@@ -305,7 +305,7 @@ impl Imported {
         };
     }
 
-    /// A round travel in the file's unit, of about this number of millimetres.
+    /// Round travel in the file's unit, near this number of millimetres.
     fn travel(&self, millimetres: f64) -> f64 {
         match self.unit {
             LengthUnit::Millimetre => millimetres,
@@ -315,7 +315,7 @@ impl Imported {
     }
 }
 
-/// A text for a comment.
+/// Removes line breaks from a text, so that it fits into a comment.
 pub(super) fn one_line(text: &str) -> String {
     text.chars()
         .map(|c| if c.is_control() { ' ' } else { c })

@@ -1,5 +1,4 @@
-//! Choice of the axle and the wheel, and the point of each hardpoint that belongs to them. Points of two axles are
-//! never mixed.
+//! Chooses the axle and the wheel, and selects their point for each hardpoint. Points of two axles are never mixed.
 
 use super::refusal::{Question, Refusal};
 use super::roles::{self, Role};
@@ -7,32 +6,32 @@ use super::table::{Kind, Marks, NamedPoint, PointTable};
 use super::{Hardpoint, ImportOptions};
 use crate::model::{AxlePosition, Side};
 
-/// A point with the hardpoint that it means.
+/// A point with the hardpoint that it represents.
 pub(super) struct Named<'t> {
     pub point: &'t NamedPoint,
     pub role: Role,
 }
 
 impl Named<'_> {
-    /// Wheel and axle, by its own column or title first.
+    /// Wheel and axle of the point. Its own column or title comes first.
     fn marks(&self) -> Marks {
         self.point.marks.or(self.role.marks)
     }
 }
 
-/// The wheel that is imported.
+/// Wheel that is imported.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Corner {
     pub axle: Option<AxlePosition>,
-    /// The wheel, where the user or the file says so.
+    /// Side of the wheel, if the user or the file gives it.
     pub side: Option<Side>,
 }
 
-/// A hardpoint with the wheel its coordinates were written for.
+/// A hardpoint, with the wheel for which its coordinates were written.
 #[derive(Clone, Debug)]
 pub(super) struct Picked {
     pub hardpoint: Hardpoint,
-    /// `None` where the file does not say.
+    /// Side for which the coordinates were written. `None` if the file does not give it.
     pub origin: Option<Side>,
 }
 
@@ -97,7 +96,7 @@ fn axle(
             Some(*only)
         }
         (None, _) => {
-            // Names from the user can settle it.
+            // Names that the user gives can decide the axle.
             let mapped = named
                 .iter()
                 .filter(|named| options.names.contains_key(named.role.hardpoint));
@@ -125,7 +124,7 @@ fn axle(
     Ok(chosen)
 }
 
-/// Refuses a topology that the file says its suspension is not.
+/// Refuses a topology that contradicts the kind of suspension in the file.
 fn kind(
     table: &PointTable,
     axle: Option<AxlePosition>,
@@ -152,13 +151,13 @@ fn kind(
     }
 }
 
-/// The point of one hardpoint for the chosen wheel.
+/// Point of one hardpoint for the chosen wheel.
 pub(super) fn pick(
     hardpoint: &'static str,
     named: &[Named<'_>],
     corner: Corner,
 ) -> Result<Option<Picked>, Refusal> {
-    // Points of the axle first, then points without an axle; never points of the other axle.
+    // Points of the chosen axle come first, then points without an axle. Points of the other axle are never used.
     let of_axle = |axle: Option<AxlePosition>| -> Vec<&Named<'_>> {
         let of = named.iter().filter(|n| n.role.hardpoint == hardpoint);
         of.filter(|n| corner.axle.is_none() || n.marks().axle == axle)
@@ -208,7 +207,7 @@ pub(super) fn pick(
     }))
 }
 
-/// The point of one hardpoint that the file gives for the other wheel.
+/// Point of one hardpoint that the file gives for the other wheel.
 pub(super) fn of_other_wheel(
     hardpoint: &'static str,
     named: &[Named<'_>],

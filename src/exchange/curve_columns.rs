@@ -1,8 +1,8 @@
-//! Curves in another unit, in other axes, and under the names of other tools.
+//! Curves in another unit, in other axes, and with the names of other tools.
 //!
-//! A column names its unit at its end (`bump_steer_deg_per_mm`), so a length is found by its name. Coordinates of
-//! points, angular velocities and places of the rack change sign with the axes; all other columns have signs of the
-//! car, which no axes change ([`Characteristic::info`]).
+//! The name of a column ends with its unit (`bump_steer_deg_per_mm`), so the name shows which columns contain lengths.
+//! Coordinates of points, angular velocities and rack displacements change their signs with the axes. All other columns have
+//! signs that refer to the car and do not change ([`Characteristic::info`]).
 //!
 //! [`Characteristic::info`]: crate::characteristics::Characteristic::info
 
@@ -10,7 +10,7 @@ use super::outgoing::Outgoing;
 use super::workbook::{Page, Value};
 use crate::model::{Axis, LengthUnit, Side};
 
-/// Curves as a study prints them, in the unit and axes of a file, and with columns that say so.
+/// Converts curves from the unit and axes of the study to those of the file, and renames the columns accordingly.
 pub fn curves_in(outgoing: &Outgoing<'_>, mut page: Page) -> Page {
     let Some((header, rows)) = page.rows.split_first_mut() else {
         return page;
@@ -43,7 +43,7 @@ pub fn curves_in(outgoing: &Outgoing<'_>, mut page: Page) -> Page {
     page
 }
 
-/// A number whose unit has a power of a length.
+/// Converts a number whose unit contains a power of a length.
 fn in_power(number: f64, power: i32, from: LengthUnit, to: LengthUnit) -> f64 {
     match power {
         _ if from == to => number,
@@ -53,10 +53,10 @@ fn in_power(number: f64, power: i32, from: LengthUnit, to: LengthUnit) -> f64 {
     }
 }
 
-/// Words of units other than lengths.
+/// Words in units that are not lengths.
 const UNIT_WORDS: [&str; 9] = ["deg", "percent", "N", "lbf", "ft", "per", "rad", "s", "Hz"];
 
-/// Start of the unit in a column name, including the sign before it.
+/// Position in a column name at which the unit starts, including the separator before it.
 fn unit_start(name: &str) -> usize {
     let is_unit = |word: &str| {
         let word = word.trim_end_matches(|c: char| c.is_ascii_digit());
@@ -72,13 +72,13 @@ fn unit_start(name: &str) -> usize {
     start
 }
 
-/// The unit in the name of a column; empty for a plain number.
+/// Unit in the name of a column. Empty for a dimensionless number.
 pub fn unit_of_column(name: &str) -> &str {
     name[unit_start(name)..].trim_start_matches('_')
 }
 
-/// A column's name with another unit of length, and the power of the length in the unit. A newton metre stays one: it
-/// is printed in metres whatever the unit of length.
+/// Name of a column in another unit of length, and the power of the length in its unit. Newton metres do not change: they are
+/// printed in metres with every unit of length.
 fn in_unit(name: &str, from: LengthUnit, to: LengthUnit) -> (String, i32) {
     let start = unit_start(name);
     let (mut renamed, mut power) = (name[..start].to_owned(), 0);
@@ -102,7 +102,7 @@ fn in_unit(name: &str, from: LengthUnit, to: LengthUnit) -> (String, i32) {
     (renamed, power)
 }
 
-/// -1 for a column whose sign the axes of the file turn, by its name without the unit.
+/// Sign factor of a column: -1 if the axes of the file reverse its sign. `stem` is the name without the unit.
 fn sign(outgoing: &Outgoing<'_>, stem: &str) -> f64 {
     let (own, file) = (
         outgoing.study.wheel().frame,
@@ -151,19 +151,19 @@ fn sign(outgoing: &Outgoing<'_>, stem: &str) -> f64 {
     }
 }
 
-/// A tool whose names curves may have.
+/// Tool whose names the curves can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tool {
-    /// Adams/Car, as its suspension analyses name their results.
+    /// Adams/Car, with the result names of its suspension analyses.
     Adams,
-    /// Altair MotionView, as its suspension design factors are named.
+    /// Altair MotionView, with the names of its suspension design factors.
     Altair,
 }
 
-/// A characteristic under the name of another tool: ours, its own, and -1 where its sign is the opposite.
+/// A characteristic in another tool: our name, its name, and -1 if its sign is opposite.
 type Named = (&'static str, &'static str, f64);
 
-/// Published definitions that equal our characteristics; `docs/exchange.md` names the source of each.
+/// Published definitions of Adams that equal our characteristics. `docs/exchange.md` names the source of each one.
 const ADAMS: &[Named] = &[
     ("camber", "camber_angle", 1.0),
     ("toe", "toe_angle", 1.0),
@@ -173,7 +173,8 @@ const ADAMS: &[Named] = &[
     ("caster_trail", "caster_moment_arm", 1.0),
 ];
 
-/// Likewise. Its camber, scrub radius and caster trail are projections along the car's axes and not the wheel's.
+/// Published definitions of Altair that equal our characteristics. Altair's camber, scrub radius and caster trail are missing,
+/// because they are projections along the axes of the car instead of the wheel.
 const ALTAIR: &[Named] = &[
     ("toe", "Toe-in Angle", 1.0),
     ("caster", "Caster Angle", 1.0),
@@ -188,7 +189,7 @@ impl Tool {
         }
     }
 
-    /// The name of a column, with its wheel and its unit.
+    /// Name of a column in this tool, with wheel and unit.
     fn column(self, name: &str, side: Side, unit: &str) -> String {
         match (self, side) {
             (Tool::Adams, _) => format!("{name}.{} [{unit}]", side.name()),
@@ -198,8 +199,8 @@ impl Tool {
     }
 }
 
-/// Curves under another tool's names and signs: columns of the motion unchanged, then the columns with the same
-/// definition. Returns also the names of the others.
+/// Curves with another tool's names and signs: unchanged columns of the motion, then the columns with equal definitions. Also
+/// returns the names of all other columns.
 pub fn under_names_of(tool: Tool, outgoing: &Outgoing<'_>, page: &Page) -> (Page, Vec<String>) {
     let header = page.rows.first().cloned().unwrap_or_default();
     let (_, own) = outgoing.study.wheel().frame.meaning();
@@ -243,7 +244,7 @@ pub fn under_names_of(tool: Tool, outgoing: &Outgoing<'_>, page: &Page) -> (Page
     (Page { name, rows }, left_out)
 }
 
-/// Returns true if a column holds a station or its status.
+/// True if a column contains a station or its status.
 fn is_motion(stem: &str) -> bool {
     const MOTION: &str = "travel arm_angle theta time rack roll heave travel_left travel_right \
                           steering_wheel_angle side frame status";

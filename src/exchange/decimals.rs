@@ -1,22 +1,22 @@
-//! Numbers of a table as text: decimal points or commas, and marks of inches.
+//! Numbers in a text table: decimal points or commas, and inch marks.
 
 use super::cell::{Cell, Sheet};
 use super::header::{Columns, text};
 
-/// The largest number that a file may hold.
+/// Largest number that a file may contain.
 pub(super) const LARGEST: f64 = 1e12;
 
-/// Decimal notation of a table.
+/// Number notation of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Decimals {
     comma: bool,
-    /// True if all coordinates carry the mark of inches.
+    /// True if all coordinates have an inch mark.
     pub(super) inches: bool,
 }
 
 impl Decimals {
-    /// Returns the decimal notation of a table's coordinates. Refuses a table in which 1,250 may be a thousand or one
-    /// and a quarter.
+    /// Finds the number notation of a table's coordinates. Refuses a table in which 1,250 may mean either one thousand two
+    /// hundred and fifty or one and a quarter.
     pub(super) fn of(sheet: &Sheet, columns: &Columns) -> Result<Self, String> {
         let places = || columns.triples.iter().flat_map(|triple| triple.columns);
         let texts = || {
@@ -81,7 +81,7 @@ impl Decimals {
     }
 }
 
-/// Returns true if all coordinates carry the mark of inches. Refuses a table in which only some carry it.
+/// True if all coordinates have an inch mark. Refuses a table in which only some of them have it.
 fn inches(sheet: &Sheet, columns: &Columns) -> Result<bool, String> {
     let is_coordinate = |column: &u32| {
         let mut triples = columns.triples.iter();
@@ -103,7 +103,7 @@ fn inches(sheet: &Sheet, columns: &Columns) -> Result<bool, String> {
         let seen = if has_mark { &mut marked } else { &mut plain };
         *seen = seen.or(Some((*row, *column)));
     }
-    // A figure in the first column (an angle) carries no mark of inches.
+    // A single number in the first column, such as an angle, has no inch mark.
     let is_figure = |row: u32| {
         let triple = &columns.triples[0];
         sheet.cell(row, triple.columns[1]).is_none()
@@ -118,7 +118,7 @@ fn inches(sheet: &Sheet, columns: &Columns) -> Result<bool, String> {
     }
 }
 
-/// A number without the mark of inches behind it.
+/// Removes a trailing inch mark from a number.
 fn without_mark(text: &str) -> &str {
     let text = text.trim();
     let bare = text.strip_suffix(['"', '\u{2033}', '\u{201d}']);
@@ -126,7 +126,7 @@ fn without_mark(text: &str) -> &str {
         .map_or(text, str::trim_end)
 }
 
-/// A number as text.
+/// Parses a number.
 pub(super) fn plain_number(text: &str, comma: bool) -> Result<f64, String> {
     let plain = without_mark(text).replace('\u{2212}', "-");
     let plain = if comma {
@@ -134,7 +134,7 @@ pub(super) fn plain_number(text: &str, comma: bool) -> Result<f64, String> {
     } else {
         plain
     };
-    // The names of no numbers are read by the standard library, too.
+    // The standard library would also parse "nan" and "inf", so a digit is required.
     let is_number = plain.contains(|c: char| c.is_ascii_digit());
     let number = plain
         .parse::<f64>()

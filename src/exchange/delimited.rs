@@ -1,8 +1,8 @@
-//! Tables as text: separated by comma, semicolon or tab.
+//! Text tables separated by commas, semicolons or tabs.
 
 use super::cell::{Cell, Places, Sheet};
 
-/// Reads a table. The separator is the comma, semicolon or tab that splits the most lines.
+/// Reads a table. The separator is the comma, semicolon or tab that splits the largest number of lines.
 pub(super) fn read(text: &str) -> Result<Sheet, String> {
     let text = text.trim_start_matches('\u{feff}');
     let mut sheet = Sheet::new("", Places::Lines);
@@ -22,7 +22,7 @@ pub(super) fn read(text: &str) -> Result<Sheet, String> {
     for record in reader.into_records() {
         let record = record.map_err(|error| error.to_string())?;
         let start = record.position().map_or(0, |p| p.byte() as usize);
-        // Rows can end in any line break.
+        // Rows may end with any kind of line break.
         let row = lines.of(start).max(next);
         next = row + 1;
         for (column, text) in record.iter().enumerate() {
@@ -38,7 +38,7 @@ pub(super) fn read(text: &str) -> Result<Sheet, String> {
     }
 }
 
-/// Line numbers of a text, for rising positions.
+/// Counts line numbers of a text for rising positions.
 struct Lines<'a> {
     text: &'a str,
     at: usize,
@@ -46,7 +46,7 @@ struct Lines<'a> {
 }
 
 impl Lines<'_> {
-    /// The line, from 0, of the first row at or behind a byte: blank lines and comments come first.
+    /// Line number, from 0, of the first row at or after a byte position. It skips blank lines and comments.
     fn of(&mut self, start: usize) -> u32 {
         let bytes = self.text.as_bytes();
         let mut start = start.clamp(self.at, bytes.len());
@@ -67,8 +67,8 @@ impl Lines<'_> {
     }
 }
 
-/// A table with decimal commas is not separated by commas. So semicolon and tab have priority if they split the lines
-/// at all.
+/// Finds the separator. A table with decimal commas does not use commas as separators. So semicolon and tab have priority if they
+/// split any line.
 fn separator(text: &str) -> u8 {
     let lines = || {
         text.lines()

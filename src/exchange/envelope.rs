@@ -1,8 +1,8 @@
-//! The space that a tyre needs over travel and steer, as solids for CAD.
+//! Space that a tyre needs over travel and steer, as solids for CAD.
 //!
 //! Each pose of the wheel gives one closed solid: the tyre as a cylinder about the spin axis. Its rings are polygons
-//! drawn about the circle, so that the tyre lies inside. The file is binary STL: an 80-byte text, the number of
-//! triangles, and for each triangle its outward normal, its corners (32-bit floats) and two bytes of nothing.
+//! circumscribed about the circle, so the tyre lies inside. The file is binary STL: an 80-byte text, the number of triangles, and
+//! then the triangles. Each triangle has its outward normal and its corners as 32-bit floats, and two unused bytes.
 
 use super::outgoing::Outgoing;
 use crate::characteristics::Characteristic;
@@ -12,7 +12,7 @@ use crate::number::Vector3;
 use crate::study::{Motion, Order, Study};
 use std::f64::consts::PI;
 
-/// Corners of a ring.
+/// Number of corners of a ring.
 const CORNERS: usize = 96;
 
 /// Cylinder of a tyre, in the file's unit.
@@ -20,21 +20,21 @@ const CORNERS: usize = 96;
 pub struct Tyre {
     /// Radius.
     pub radius: f64,
-    /// Width, half of it on either side of the wheel centre.
+    /// Width. Half of it is on either side of the wheel centre.
     pub width: f64,
 }
 
-/// Equally spaced values from one end to the other, both included.
+/// Equally spaced values between two ends, including both ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
-    /// The ends.
+    /// First and last value.
     pub ends: [f64; 2],
-    /// Number of values; 1 if the ends are the same.
+    /// Number of values. 1 if the ends are equal.
     pub values: usize,
 }
 
 impl Span {
-    /// The values, in the order of the ends.
+    /// Values in order, from the first end to the second.
     pub fn all(&self) -> Vec<f64> {
         let [first, last] = self.ends;
         if first == last || self.values < 2 {
@@ -46,22 +46,22 @@ impl Span {
     }
 }
 
-/// The solids of all poses.
+/// Solids of all poses.
 #[derive(Clone, Debug)]
 pub struct Envelope {
-    /// One solid for each pose of each wheel: its triangles, corners counter-clockwise seen from outside.
+    /// One solid per pose and wheel, as triangles. Seen from outside, the corners are counter-clockwise.
     pub solids: Vec<Vec<[[f32; 3]; 3]>>,
-    /// The largest distances of a corner of a solid from the same corner at the next travel and at the next rack.
+    /// Largest distance between a corner of a solid and the same corner at the next travel, and at the next rack displacement.
     pub widest_steps: [f64; 2],
     title: String,
 }
 
 impl Envelope {
-    /// The envelope of every wheel of a study. Travels and racks are in the file's unit, racks along its y axis.
+    /// Makes the envelope of every wheel of a study. Travels and racks are in the file's unit; racks are along the file's y axis.
     ///
     /// # Errors
     ///
-    /// A pose that the wheel cannot take, in words; a rack that steers nothing.
+    /// In words: a pose that the wheel cannot reach, or a rack that steers nothing.
     pub fn of(
         outgoing: &Outgoing<'_>,
         tyre: Tyre,
@@ -102,7 +102,7 @@ impl Envelope {
         Ok(envelope)
     }
 
-    /// Bound on the distance of a tyre point outside of all solids at poses between them: half of a step along travel
+    /// Bound on the distance by which a tyre point between two poses can be outside of all solids: half of a step along travel
     /// plus half of a step along the rack.
     pub fn gap(&self) -> f64 {
         0.5 * (self.widest_steps[0] + self.widest_steps[1])
@@ -113,7 +113,7 @@ impl Envelope {
         self.solids.iter().map(Vec::len).sum()
     }
 
-    /// The binary STL file.
+    /// Bytes of the binary STL file.
     pub fn stl(&self) -> Vec<u8> {
         let mut bytes = self.title.clone().into_bytes();
         bytes.resize(80, b' ');
@@ -130,10 +130,10 @@ impl Envelope {
     }
 }
 
-/// Wheel centre and spin axis (outboard, length 1) in the axes and the unit of the file.
+/// Wheel centre and spin axis (unit vector, outboard) in the axes and the unit of the file.
 type WheelPose = [Vector3<f64>; 2];
 
-/// The poses of a wheel, travel running fastest.
+/// Poses of a wheel. Travel varies fastest.
 fn poses(
     outgoing: &Outgoing<'_>,
     side: Side,
@@ -192,11 +192,11 @@ fn poses(
     Ok(poses)
 }
 
-/// The two rings of a cylinder, inboard and outboard, corner by corner; the centre of each ring is the last.
+/// Corners of the inboard and the outboard ring of a cylinder. The last entry of each ring is its centre.
 type Rings = [Vec<Vector3<f64>>; 2];
 
 fn corners([centre, axis]: WheelPose, tyre: Tyre) -> Rings {
-    // up, across and axis are right-handed: corners go counter-clockwise seen from outboard.
+    // up, across and axis are right-handed, so the corners are counter-clockwise seen from outboard.
     let up = match axis.z.abs() < 0.9 {
         true => Vector3::new(0.0, 0.0, 1.0),
         false => Vector3::new(1.0, 0.0, 0.0),
@@ -215,14 +215,14 @@ fn corners([centre, axis]: WheelPose, tyre: Tyre) -> Rings {
     })
 }
 
-/// The largest distance between the same corners of two solids.
+/// Largest distance between equal corners of two solids.
 fn farthest(one: &Rings, other: &Rings) -> f64 {
     let pairs = one.iter().flatten().zip(other.iter().flatten());
     let squares = pairs.map(|(a, b)| (*a - *b).norm_squared());
     squares.fold(0.0, f64::max).sqrt()
 }
 
-/// The triangles of a cylinder. Corners are rounded once, so that triangles that share an edge have the same ends.
+/// Triangles of a cylinder. Corners are rounded only once, so triangles with a common edge have identical corners.
 fn solid(rings: &Rings) -> Vec<[[f32; 3]; 3]> {
     let [inner, outer] = rings.each_ref().map(|ring| {
         let single = |p: &Vector3<f64>| p.to_array().map(|x| x as f32);
@@ -239,7 +239,7 @@ fn solid(rings: &Rings) -> Vec<[[f32; 3]; 3]> {
     triangles
 }
 
-/// The normal of a triangle, of length 1.
+/// Unit normal of a triangle.
 fn normal(triangle: &[[f32; 3]; 3]) -> [f64; 3] {
     let [a, b, c] = triangle.map(|p| Vector3::from(p.map(f64::from)));
     let across = (b - a).cross(c - a);

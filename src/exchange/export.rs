@@ -1,11 +1,11 @@
-//! A study's points as a table.
+//! Points of a study as a table.
 
 use super::outgoing::Outgoing;
 use super::workbook::{Page, Value};
 use crate::model::{PointId, Side, SpinAxis};
 
-/// The points of a study as a table: a row for each with its wheel, axes and, where another is possible, its body; then
-/// static camber and toe, where no point gives them, and the wheel's radius. The header names the unit.
+/// Points of a study as a table. Each point has a row with wheel and axes, and with its body if another body is possible. Then
+/// come the wheel's radius, and static camber and toe if no point defines them. The header names the unit.
 pub fn point_rows(outgoing: &Outgoing<'_>) -> Vec<Vec<Value>> {
     let unit = outgoing.unit.symbol();
     let text = |text: &str| Value::Text(text.to_owned());
@@ -39,13 +39,13 @@ pub fn point_rows(outgoing: &Outgoing<'_>) -> Vec<Vec<Value>> {
     rows
 }
 
-/// Half of a solid axle that a point is on.
+/// Half of a solid axle to which a point belongs.
 enum Half<'a> {
-    /// The left one; every point of a wheel that moves by itself.
+    /// Left half. Every point of an independent wheel counts as left.
     Left,
-    /// The right one, with the place that the left one gives.
+    /// Right half, as the mirror image of a point on the left.
     MirrorImage,
-    /// The right one, with a place of its own: the name in the left half.
+    /// Right half with its own coordinates. The value is the point's name in the left half.
     Right(&'a str),
 }
 
@@ -53,7 +53,7 @@ fn right_half<'a>(outgoing: &'a Outgoing<'_>, id: PointId) -> Half<'a> {
     let mechanism = &outgoing.study.wheel().mechanism;
     let pairs = mechanism.rigid_axle.iter().flat_map(|axle| &axle.pairs);
     let Some([near, _]) = pairs.into_iter().find(|[_, far]| *far == id) else {
-        // A point that follows another one is not of the study.
+        // A point that mirrors another one is not written in the study.
         return match mechanism.is_far(id) {
             true => Half::MirrorImage,
             false => Half::Left,
@@ -67,7 +67,7 @@ fn right_half<'a>(outgoing: &'a Outgoing<'_>, id: PointId) -> Half<'a> {
     }
 }
 
-/// Static angles that no point gives, and the wheel's radius.
+/// Wheel radius, and static angles that no point defines.
 fn figures(outgoing: &Outgoing<'_>) -> Vec<(String, f64)> {
     let mut figures = Vec::new();
     let wheels = outgoing.different_wheels();
@@ -76,7 +76,7 @@ fn figures(outgoing: &Outgoing<'_>) -> Vec<(String, f64)> {
         if matches!(suspension.mechanism.spin_axis, SpinAxis::From(_)) {
             continue;
         }
-        // The right wheel of an axle; a study of one wheel has no other.
+        // Only an axle has a separate right wheel.
         let prefix = match (number, side) {
             (1, Side::Right) => "right_",
             _ => "",
@@ -92,7 +92,7 @@ fn figures(outgoing: &Outgoing<'_>) -> Vec<(String, f64)> {
     figures
 }
 
-/// Rows as text between commas.
+/// Rows as comma-separated text.
 pub fn csv(rows: &[Vec<Value>]) -> Vec<u8> {
     let mut writer = csv::WriterBuilder::new()
         .flexible(true)
@@ -112,7 +112,7 @@ pub fn csv(rows: &[Vec<Value>]) -> Vec<u8> {
     writer.into_inner().expect("memory takes everything")
 }
 
-/// A CSV file of results as a sheet: numbers as numbers.
+/// Converts a CSV file of results to a sheet, with numeric cells as numbers.
 pub fn page_of_csv(name: &str, text: &[u8]) -> Result<Page, String> {
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)

@@ -1,17 +1,17 @@
-//! Names of figures that a file gives beside hardpoints: static angles, radius, tracks, offsets.
+//! Names of values that a file gives beside hardpoints: static angles, radius, tracks and offsets.
 
 use super::names::{Words, cut, end_of, marks_of};
 use super::table::Marks;
 use crate::model::{AxlePosition, LengthUnit};
 
-/// Figures that a file may give beside hardpoints.
+/// Values that a file may give beside hardpoints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FigureKind {
     /// Camber in the design position.
     StaticCamber,
-    /// Toe in the design position, inward positive.
+    /// Toe in the design position, toe-in positive.
     StaticToe,
-    /// The same, outward positive.
+    /// Toe in the design position, toe-out positive.
     StaticToeOut,
     /// Loaded radius of the wheel.
     WheelRadius,
@@ -23,9 +23,9 @@ pub(super) enum FigureKind {
     Track,
     /// Distance between the axles.
     Wheelbase,
-    /// The contact point, whose distance from the wheel centre is the loaded radius.
+    /// Contact point. Its distance from the wheel centre is the loaded radius.
     ContactPoint,
-    /// Offsets of the contact point, forward, outboard and up.
+    /// Offset of the contact point: 0 forward, 1 outboard, 2 up.
     Offset(usize),
 }
 
@@ -48,11 +48,11 @@ const FIGURES: &[(FigureKind, &str)] = &[
     (FigureKind::Offset(2), "vertical offset"),
 ];
 
-/// A figure by its name: its kind, its wheel, and the unit of length behind it.
+/// Finds a value by its name: its kind, its wheel, and the unit of length after the name.
 pub(super) fn figure(name: &str) -> Option<(FigureKind, Marks, Option<LengthUnit>)> {
     let mut cut = cut(name);
     let mut unit = None;
-    // "toe in" and "wheel_radius_in" end alike.
+    // The end of "toe in" is not a unit, but the end of "wheel_radius_in" is.
     let is_toe = cut.iter().any(|word| word == "toe");
     while let Some(last) = cut.last() {
         let found = super::header::unit_of(last).filter(|_| !is_toe);
@@ -95,7 +95,7 @@ pub(super) fn figure(name: &str) -> Option<(FigureKind, Marks, Option<LengthUnit
     kind_of(&rest).map(|kind| (kind, marks, unit))
 }
 
-/// Words without the axle that they begin or end with.
+/// Splits off the axle that stands first or last among the words.
 fn without_axle_word(words: &[String]) -> (Option<AxlePosition>, &[String]) {
     match words {
         [first, rest @ ..] if end_of(first).is_some() => (end_of(first), rest),

@@ -1,4 +1,4 @@
-//! Figures of a wheel: static camber and toe with the tool's sign, the loaded radius, half track, track, wheelbase.
+//! Values of a wheel: static camber and toe with the tool's sign, loaded radius, half track, track and wheelbase.
 
 use super::ImportOptions;
 use super::corner::Corner;
@@ -7,7 +7,7 @@ use super::names::cut;
 use super::table::{Figure, PointTable};
 use crate::model::LengthUnit;
 
-/// Figures of the chosen wheel: angles in degrees with the signs of studies, lengths in the study's unit.
+/// Values of the chosen wheel. Angles are in degrees with the signs of studies; lengths are in the study's unit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Figures {
     pub camber: Option<f64>,
@@ -17,25 +17,25 @@ pub(super) struct Figures {
     pub half_track: Option<f64>,
     pub track: Option<f64>,
     pub wheelbase: Option<f64>,
-    /// Offsets of the contact point: forward, outboard, up.
+    /// Offsets of the contact point: forward, outboard and up.
     pub offset: [f64; 3],
-    /// Numbers that mean nothing here.
+    /// Names of values without a meaning here.
     pub unused: Vec<String>,
 }
 
 impl Figures {
-    /// The loaded radius, or half of the tyre's diameter.
+    /// Loaded radius, or half of the tyre's diameter.
     pub(super) fn radius(&self) -> Option<f64> {
         self.radius.or(self.tyre_diameter.map(|d| d / 2.0))
     }
 
-    /// The distance of the wheel from the centre plane.
+    /// Distance of the wheel from the centre plane.
     pub(super) fn half_track(&self) -> Option<f64> {
         self.half_track.or(self.track.map(|track| track / 2.0))
     }
 }
 
-/// Reads the figures of a wheel. `toe_out` says that the tool gives toe outward positive.
+/// Reads the values of a wheel. `toe_out` is true if the tool counts toe-out as positive.
 pub(super) fn read(
     table: &PointTable,
     corner: Corner,
@@ -81,7 +81,7 @@ pub(super) fn read(
         if let Some((_, other, at)) = given.iter().find(|(known, ..)| *known == kind)
             && *other != value
         {
-            // The figure of its own wheel has priority over a figure without a side.
+            // A value of the wheel itself has priority over a value without a side.
             if at.marks.side.is_some() && marks.side.is_none() {
                 continue;
             }
@@ -116,7 +116,7 @@ pub(super) fn read(
     Ok(found)
 }
 
-/// An angle in degrees with the sign of studies: camber with the top outward, toe with the front inward.
+/// Angle in degrees with the sign of studies: camber positive with the top outward, toe positive with the front inward.
 fn angle(
     kind: FigureKind,
     row: &Figure,

@@ -1,5 +1,5 @@
-//! Headers of tables: which columns hold names, coordinates, wheels, axes and bodies, and the ways that the
-//! coordinates grow ("Y (right +)", "X, fwd", "lateral").
+//! Headers of tables. They show which columns hold names, coordinates, wheels, axes and bodies. They also show the directions of
+//! the coordinates, as in "Y (right +)", "X, fwd" and "lateral".
 
 use super::axes::{Coordinate, Declared, Way};
 use super::cell::{Cell, Sheet};
@@ -7,14 +7,14 @@ use super::decimals::plain_number;
 use super::names::{cut, side_of};
 use crate::model::{LengthUnit, Side};
 
-/// Three columns of coordinates.
+/// Columns of x, y and z.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Triple {
     pub columns: [u32; 3],
     pub side: Option<Side>,
 }
 
-/// The roles of a table's columns.
+/// Meanings of a table's columns.
 #[derive(Clone, Debug)]
 pub(super) struct Columns {
     pub name: u32,
@@ -25,23 +25,23 @@ pub(super) struct Columns {
     pub frame: Option<u32>,
 }
 
-/// A header with the unit and the axes that it states.
+/// A header, with the unit and the axes that it states.
 pub(super) struct Header {
     pub columns: Columns,
     pub unit: Option<LengthUnit>,
     pub declared: Declared,
 }
 
-/// A coordinate's column, by its own header.
+/// Meaning of one coordinate column, from its own header.
 struct Coordinates {
-    /// Letter of the axis, 0 for x; `None` if the header has only words.
+    /// Letter of the axis as a number, 0 for x. `None` if the header has only words.
     letter: Option<usize>,
     side: Option<Side>,
     unit: Option<LengthUnit>,
     said: Coordinate,
 }
 
-/// The unit a word names.
+/// Unit of length that a word names.
 pub fn unit_of(word: &str) -> Option<LengthUnit> {
     match word.to_ascii_lowercase().as_str() {
         "mm" | "millimetre" | "millimetres" | "millimeter" | "millimeters" => {
@@ -60,7 +60,7 @@ pub(super) fn text(cell: &Cell) -> Option<&str> {
     }
 }
 
-/// Reads a row as a header; `None` if it is not a header.
+/// Reads a row as a header. `None` if it is not a header.
 pub(super) fn header(
     sheet: &Sheet,
     row: u32,
@@ -72,7 +72,7 @@ pub(super) fn header(
             found.push((column, header));
         }
     }
-    // A header of words only must name all three axes.
+    // A header without letters x, y and z must name all three axes in words.
     if found.iter().any(|(_, header)| header.letter.is_some()) {
         found.retain(|(_, header)| header.letter.is_some());
     }
@@ -121,7 +121,7 @@ pub(super) fn header(
     }))
 }
 
-/// Side that all three headers name. A side in one header only is the direction of that coordinate.
+/// Side that all three headers name. If only one header has a side, it is the direction of that coordinate.
 fn side_of_all(three: &[(u32, Coordinates)]) -> Option<Side> {
     let first = three.first()?.1.side?;
     three
@@ -190,7 +190,7 @@ fn columns(
         !is_coordinate(column) && !marks.contains(&column) && ![body, frame].contains(&Some(column))
     };
     let names = "name names point points hardpoint hardpoints location joint";
-    // Some put "Point Name" a row above x, y and z.
+    // Some files put "Point Name" one row above x, y and z.
     let name = [Some(row), above]
         .into_iter()
         .flatten()
@@ -212,7 +212,7 @@ fn columns(
     })
 }
 
-/// The column with the most texts below a header.
+/// Column with the largest number of texts below a header.
 fn name_column(sheet: &Sheet, row: u32, free: impl Fn(u32) -> bool) -> Option<u32> {
     let below = sheet.cells.range((row + 1, 0)..);
     let mut counts: Vec<(u32, usize)> = Vec::new();
@@ -231,10 +231,10 @@ fn name_column(sheet: &Sheet, row: u32, free: impl Fn(u32) -> bool) -> Option<u3
     fullest.map(|(column, _)| column).min()
 }
 
-/// Words that may stand beside the axis in the header of a coordinate.
+/// Words that may accompany the axis in the header of a coordinate.
 const BESIDE_AXES: &str = "value coord coordinate coordinates pos position loc location axis direction positive points is";
 
-/// `x`, `X [mm]`, `y_value`, `z left (in)`, `Y (right +)`, `lateral`.
+/// Reads the header of a coordinate, such as `x`, `X [mm]`, `y_value`, `z left (in)`, `Y (right +)` or `lateral`.
 fn coordinate_header(text: &str) -> Option<Coordinates> {
     let mut letter = None;
     let (mut side, mut unit) = (None, None);
@@ -259,7 +259,7 @@ fn coordinate_header(text: &str) -> Option<Coordinates> {
             return None;
         }
     }
-    // "(right -)": a minus beside a word; that of a word is a hyphen.
+    // A sign as in "(right -)" has at most one word character beside it. Between two word characters, the minus is a hyphen.
     let chars: Vec<char> = text.chars().collect();
     let is_minus = |k: usize| {
         let beside = |k: Option<usize>| {
@@ -270,7 +270,7 @@ fn coordinate_header(text: &str) -> Option<Coordinates> {
     };
     let has_minus = (0..chars.len()).any(is_minus) && !text.contains('+');
     let said = match said {
-        // Whether the minus is a sign or a dash is not certain.
+        // It is not certain if this minus is a sign or a dash, so only the axis is used.
         Coordinate::Grows(way) if has_minus => Coordinate::Along(way.axis()),
         Coordinate::Grows(way) if is_flipped => Coordinate::Grows(way.opposite()),
         said => said,
@@ -283,7 +283,7 @@ fn coordinate_header(text: &str) -> Option<Coordinates> {
     })
 }
 
-/// The axis that a word names without a sign.
+/// Axis that a word names without a sign.
 fn along(word: &str) -> Option<usize> {
     match word {
         "longitudinal" | "long" | "lengthwise" => Some(0),
@@ -293,7 +293,7 @@ fn along(word: &str) -> Option<usize> {
     }
 }
 
-/// Rows of a name and three numbers behind it.
+/// Columns of a table without a header, whose rows have a name followed by three numbers.
 pub(super) fn without_header(sheet: &Sheet, rows: &[u32]) -> Option<Columns> {
     let fits = |row: u32| {
         let cells: Vec<(u32, &Cell)> = sheet.row(row).take(5).collect();

@@ -1,24 +1,24 @@
-//! Wheels given by the hub instead of the wheel centre, as in the geometry files of Suspension Explorer.
+//! Wheels that are given by the hub instead of the wheel centre, as in the geometry files of Suspension Explorer.
 //!
-//! Its documents (`suspension-explorer-core`, README and the schema of its geometry files) give two points of the spin
-//! axis, `axle_inboard` and `axle_outboard`; the second is the hub's mounting face. The wheel's centre lies
-//! `wheel.offset` (ET, in millimetres, positive inboard) from it along that axis. The tyre's nominal radius is half the
+//! Its documents (`suspension-explorer-core`, README and the schema of its geometry files) give two points of the spin axis,
+//! `axle_inboard` and `axle_outboard`. The second point is the mounting face of the hub. The wheel centre is at the distance
+//! `wheel.offset` (ET, in millimetres, positive inboard) from this point along the axis. The tyre's nominal radius is half the
 //! rim's diameter (inches) plus the side wall, `aspect_ratio` times `section_width` (millimetres).
 
 use super::figure_names::{FigureKind, figure};
 use super::table::{Figure, Marks, NamedPoint, PointTable};
 use crate::model::LengthUnit;
 
-/// The figures of a wheel by the ends of their names.
+/// Values of a wheel, identified by the ends of their names.
 const OFFSET: &str = "wheel offset";
 const RIM_DIAMETER: &str = "tire rim_diameter";
 const SECTION_WIDTH: &str = "tire section_width";
 const ASPECT_RATIO: &str = "tire aspect_ratio";
 
-/// Moves each hub face to the wheel centre, and adds the tyre's nominal radius, where the table speaks of them.
+/// Moves each hub face to the wheel centre, and adds the tyre's nominal radius. Does nothing if the table has no such values.
 ///
 /// # Errors
-/// Both points of the axis are the same, or the offset is none of a wheel.
+/// Both points of the axis coincide, or the offset is impossible for a wheel.
 pub(super) fn to_wheel_centres(table: &mut PointTable) -> Result<(), String> {
     let ends_with = |name: &str, end: &str| name == end || name.ends_with(&format!(" {end}"));
     let number = |end: &str| {
@@ -66,7 +66,7 @@ pub(super) fn to_wheel_centres(table: &mut PointTable) -> Result<(), String> {
     let is_radius = |given: &Figure| {
         figure(&given.read_as).is_some_and(|(kind, ..)| kind == FigureKind::WheelRadius)
     };
-    // A loaded radius that the file gives is the one.
+    // A loaded radius in the file has priority over the nominal one.
     let has_radius = table.figures.iter().any(is_radius);
     if let (Some(rim), Some(width), Some(ratio)) = tyre
         && !has_radius
@@ -91,7 +91,7 @@ pub(super) fn to_wheel_centres(table: &mut PointTable) -> Result<(), String> {
 mod tests {
     use super::*;
 
-    /// A tyre 205/55 R16: half of 16 in and a side wall of 0.55 of 205 mm, in each unit of the file.
+    /// Tyre 205/55 R16: half of 16 in, plus a side wall of 0.55 times 205 mm, in each unit of the file.
     #[test]
     fn tyres_have_their_nominal_radius() {
         for unit in LengthUnit::ALL {
@@ -134,7 +134,7 @@ mod tests {
                 (radius / length(203.2 + 112.75) - 1.0).abs() < 1e-14,
                 "{radius}"
             );
-            // 40 mm back along (0, 3, 4).
+            // The centre is 40 mm back along (0, 3, 4).
             let centre = table.points[1].position.clone().unwrap();
             let expected = [0.0, 5.0 - 0.6 * length(40.0), 5.0 - 0.8 * length(40.0)];
             for (found, expected) in centre.iter().zip(expected) {

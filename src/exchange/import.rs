@@ -1,5 +1,5 @@
-//! A study's wheel from the points of a file: who is who, which axle and wheel, which axes, which unit. Guesses are
-//! said; doubts are refused with the flag that settles them.
+//! Makes a study's wheel from the points of a file: roles of the points, axle and wheel, axes, and unit. The notes report every
+//! guess. If a guess would be doubtful, the import is refused, and the refusal names the flag that decides.
 
 use super::axes::Axes;
 use super::bushings::{self, Bushing};
@@ -16,88 +16,88 @@ use super::{optimum, unit};
 use crate::model::{AxlePosition, FrameConvention, LengthUnit, Side, Topology};
 use std::collections::BTreeMap;
 
-/// The user's options for a file.
+/// Options of the user for a file.
 #[derive(Clone, Copy)]
 pub struct ImportOptions<'a> {
-    /// The kind of suspension.
+    /// Kind of suspension.
     pub topology: &'static Topology,
-    /// The unit of length.
+    /// Unit of length.
     pub unit: Option<LengthUnit>,
-    /// The axes, as a convention.
+    /// Axes as a convention.
     pub frame: Option<FrameConvention>,
     /// Directions of x, y and z.
     pub axes: Option<Axes>,
-    /// The wheel.
+    /// Side of the wheel.
     pub side: Option<Side>,
-    /// The axle.
+    /// Axle to import.
     pub axle: Option<AxlePosition>,
-    /// The distance of the wheel centre from the centre plane, in the file's unit.
+    /// Distance of the wheel centre from the centre plane, in the file's unit.
     pub half_track: Option<f64>,
-    /// The loaded radius, in the file's unit.
+    /// Loaded radius, in the file's unit.
     pub radius: Option<f64>,
     /// True if bushings of the file are imported.
     pub bushings: bool,
-    /// Names in the file by hardpoint, for names that the table of usual names lacks.
+    /// Names in the file by hardpoint. They supplement the table of usual names.
     pub names: &'a BTreeMap<String, String>,
-    /// Bodies by hardpoint, for ends whose body the file does not give.
+    /// Bodies by hardpoint, for ends of springs and rods whose body is not in the file.
     pub bodies: &'a BTreeMap<String, String>,
 }
 
-/// A hardpoint that was found.
+/// A hardpoint found in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hardpoint {
     /// Name in studies.
     pub name: &'static str,
-    /// Coordinates, in the axes and unit of [`Imported`].
+    /// Coordinates in the axes and unit of [`Imported`].
     pub position: [f64; 3],
     /// Name in the file.
     pub called: String,
     /// Place in the file.
     pub place: String,
-    /// The body it sits on, as a column of the file says it.
+    /// Body that carries the point, according to a column of the file.
     pub body: Option<String>,
-    /// The body it sits on, as its name says it.
+    /// Body that carries the point, according to its name.
     pub named_body: Option<&'static str>,
 }
 
-/// The wheel of a file.
+/// A wheel imported from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Imported {
-    /// Topology.
+    /// Topology of the suspension.
     pub topology: &'static Topology,
-    /// Hardpoints, in the topology's order.
+    /// Hardpoints in the topology's order.
     pub hardpoints: Vec<Hardpoint>,
-    /// The wheel.
+    /// Side of the wheel.
     pub side: Side,
-    /// Axes.
+    /// Axes of the coordinates.
     pub frame: FrameConvention,
-    /// Unit.
+    /// Unit of lengths.
     pub unit: LengthUnit,
     /// Loaded radius of the wheel.
     pub wheel_radius: Option<f64>,
-    /// Camber in the design position, degrees.
+    /// Camber in the design position, in degrees.
     pub static_camber: Option<f64>,
-    /// Toe in the design position, degrees.
+    /// Toe in the design position, in degrees.
     pub static_toe: Option<f64>,
     /// Distance between the axles.
     pub wheelbase: Option<f64>,
     /// Distance between the wheels of the axle.
     pub track: Option<f64>,
-    /// The axle.
+    /// Axle of the wheel.
     pub axle: Option<AxlePosition>,
-    /// Figures for the study of a car.
+    /// Masses and other values for the study of a car.
     pub(super) figures: AxleFigures,
     /// Bushings by hardpoint.
     pub(super) bushings: Vec<Bushing>,
-    /// Bodies of ends of springs and rods.
+    /// Bodies that carry the ends of springs and rods.
     pub(super) seats: Vec<Seat>,
-    /// Notes on readings, guesses and assumptions.
+    /// Notes about guesses and assumptions.
     pub notes: Vec<String>,
-    /// Parts of the file that are not used, each with its reason.
+    /// Unused parts of the file, each with its reason.
     pub left_out: Vec<String>,
 }
 
-/// Finds the wheel in a file's points.
+/// Makes the wheel from a file's points.
 pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Imported, Refusal> {
     let mut notes = table.notes.clone();
     let mut left_out = table.left_out.clone();
@@ -136,7 +136,7 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
     if is_optimum {
         optimum::bar_axis(&named, corner, &mut picked);
     }
-    // Missing names come first: without points there is no size to tell the unit from.
+    // Missing names are reported first, because without points there is no size that shows the unit.
     let wheel: &[&str] = if is_optimum { &["wheel_centre"] } else { &[] };
     refuse_missing(table, options, &roles, &picked, wheel)?;
     let unit = unit::unit(table, options, &picked, &mut notes)?;
@@ -207,7 +207,7 @@ fn right_half(named: &[Named<'_>], corner: Corner) -> Vec<&'static str> {
     right.map(|n| n.role.hardpoint).collect()
 }
 
-/// Figures of an axle for the study of a car.
+/// Masses and other values of one axle, for the study of a car.
 fn axle_figures(table: &PointTable, axle: Option<AxlePosition>) -> AxleFigures {
     match (&table.car, axle) {
         (Some(car), Some(AxlePosition::Front)) => car.axles[0],
@@ -216,7 +216,7 @@ fn axle_figures(table: &PointTable, axle: Option<AxlePosition>) -> AxleFigures {
     }
 }
 
-/// The hardpoint that each point of the file means.
+/// Hardpoint of each point in the file.
 fn roles_of(table: &PointTable, options: &ImportOptions<'_>) -> Result<Vec<Option<Role>>, String> {
     let same = |a: &str, b: &str| a.trim().to_lowercase() == b.trim().to_lowercase();
     let is_named =
@@ -277,7 +277,7 @@ fn meanings(roles: &[Option<Role>]) -> Vec<Option<&'static str>> {
     meanings.collect()
 }
 
-/// Parts of the file that may be of no use.
+/// Parts of the file that may be unused.
 struct Unused<'a> {
     table: &'a PointTable,
     options: &'a ImportOptions<'a>,
@@ -287,7 +287,7 @@ struct Unused<'a> {
 }
 
 impl Unused<'_> {
-    /// Lists unused points with the reason.
+    /// Lists unused points, each with the reason.
     fn say(&self, hardpoints: &[Hardpoint], notes: &mut Vec<String>, left_out: &mut Vec<String>) {
         let (table, topology) = (self.table, self.options.topology);
         let meanings = meanings(self.roles);
@@ -299,7 +299,7 @@ impl Unused<'_> {
                 other.name
             ));
         }
-        // Points of a group that is left out have their reason already; the other axle is named.
+        // Points of an omitted group already have a reason, and the other axle is mentioned separately.
         let is_explained = |name: &str| {
             let at = table.points.iter().position(|point| point.name == name);
             at.is_some_and(|at| {
@@ -333,7 +333,7 @@ impl Unused<'_> {
     }
 }
 
-/// The hardpoints in the topology's order.
+/// Hardpoints in the topology's order.
 fn in_order(topology: &Topology, picked: Vec<Picked>) -> Vec<Hardpoint> {
     let mut hardpoints: Vec<Hardpoint> = picked.into_iter().map(|p| p.hardpoint).collect();
     let place = |hardpoint: &Hardpoint| {
@@ -344,8 +344,8 @@ fn in_order(topology: &Topology, picked: Vec<Picked>) -> Vec<Hardpoint> {
     hardpoints
 }
 
-/// The study's frame: the file's where a study knows it, so that coordinates stay the numbers of the file, else
-/// ISO 8855, into which coordinates change places and signs.
+/// Converts the points to the frame of the study. If studies know the file's frame, the study uses it, so that the coordinates
+/// stay equal to those of the file. Otherwise the study uses ISO 8855; coordinates only change places and signs.
 fn to_study_frame(
     placed: Placed,
     hardpoints: &mut [Hardpoint],
@@ -364,7 +364,7 @@ fn to_study_frame(
     FrameConvention::Iso8855
 }
 
-/// Says where the radius is from: the figures, the tyre's diameter, or the contact point.
+/// Loaded radius. A note names its source: the values of the file, the tyre's diameter, or the contact point.
 fn radius(
     contact: Option<(String, f64)>,
     is_optimum: bool,
@@ -396,7 +396,7 @@ fn radius(
     );
 }
 
-/// The distance of the contact point from the wheel centre, where the file has both points.
+/// Distance of the contact point from the wheel centre, if the file has both points.
 fn contact_radius(
     table: &PointTable,
     corner: Corner,
@@ -416,7 +416,7 @@ fn contact_radius(
     };
     let contact = table.points.iter().find(is_contact)?;
     let mut position = contact.position.clone().ok()?;
-    // A point for both wheels is the left one's.
+    // A point for both wheels is the point of the left wheel.
     let (across, _) = placed.axes.across();
     if position[across] * centre[across] < 0.0 {
         position[across] = -position[across];
@@ -428,7 +428,7 @@ fn contact_radius(
     ))
 }
 
-/// Camber and toe, where no point of the spin axis gives them.
+/// Sets camber and toe if no point defines the spin axis.
 fn angles(figures: &Figures, imported: &mut Imported) {
     let has_spindle = imported
         .hardpoints

@@ -1,10 +1,10 @@
-//! Points in JSON or YAML: a map from names to coordinates, nested as it likes.
+//! Points in JSON or YAML: a map from names to coordinates with any nesting.
 //!
-//! `{"LCA front": [1, 2, 3]}`, `{"lower arm": {"front": {"x": 1, "y": 2, "z": 3}}}` and
-//! `[{"name": "LCA front", "x": 1, "y": 2, "z": 3}]` are all the same point: the name is made of the keys on
-//! the way to three numbers. A key that is a wheel or an axle, `left`, `FL` or `front_axle`, marks the points below it;
-//! a key with unknown words, such as a car's name, is passed over. Lists of other lengths, texts and truth values are
-//! passed over, too; a number alone is a figure with a name. Suspensions of Project Chrono are read by [`chrono`].
+//! `{"LCA front": [1, 2, 3]}`, `{"lower arm": {"front": {"x": 1, "y": 2, "z": 3}}}` and `[{"name": "LCA front", "x": 1, "y": 2,
+//! "z": 3}]` are all the same point. Its name consists of the keys that lead to three numbers. A key that is a wheel or an axle
+//! (`left`, `FL`, `front_axle`) applies to all points below it. The reader skips keys with unknown words, such as a car's name,
+//! lists of other lengths, texts and truth values. A single number is a value with a name. [`chrono`] reads suspensions of
+//! Project Chrono.
 
 use super::axes::{Axes, Declared};
 use super::header::unit_of;
@@ -15,7 +15,7 @@ use crate::model::FrameConvention;
 use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
 use std::fmt;
 
-/// The most points of a file, as of a table.
+/// Largest number of points in a file.
 const MOST_POINTS: usize = 50_000;
 
 /// A value with its keys as written, including repeated keys.
@@ -83,20 +83,20 @@ impl<'de> Deserialize<'de> for Node {
     }
 }
 
-/// Returns true if a text is JSON.
+/// True if a text is JSON.
 pub(super) fn is_json(text: &str) -> bool {
     let text = text.trim_start_matches('\u{feff}').trim_start();
     let begins = |text: &str| text.trim_start().starts_with(['{', '[']);
     begins(text) || (text.starts_with('/') && begins(&without_comments(text)))
 }
 
-/// The map of a JSON text. Comments are read as blanks: Project Chrono writes them.
+/// Parses a JSON text. It treats comments as blanks, because Project Chrono writes comments.
 pub(super) fn of_json(text: &str) -> Result<Node, String> {
     let text = without_comments(text.trim_start_matches('\u{feff}'));
     serde_json::from_str(&text).map_err(|error| format!("not JSON: {error}"))
 }
 
-/// A JSON text with blanks in place of `// ...` and `/* ... */` outside of strings; lines keep their numbers.
+/// Replaces `// ...` and `/* ... */` outside of strings by blanks. The line numbers do not change.
 fn without_comments(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     let mut chars = text.chars().peekable();
@@ -135,7 +135,7 @@ fn without_comments(text: &str) -> String {
     plain
 }
 
-/// The points of a map; `None` where it has none.
+/// Points of a map. `None` if it has no points.
 pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
     if let Some(table) = chrono::points_of(root)? {
         return Ok(Some(table));
@@ -147,10 +147,10 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
     Ok((!table.points.is_empty()).then_some(table))
 }
 
-/// Splits the keys on the way to a value: the parts that name it, and the wheel and axle that they say. A key
-/// that names a wheel or an axle and nothing else marks all below it; so does "front" before any part that names a
-/// hardpoint. Keys with words that no table knows ("MyCar", "baja_2021") name what is around and are passed over,
-/// except for the last.
+/// Splits the keys that lead to a value into the parts of its name, and its wheel and axle.
+///
+/// A key that only names a wheel or an axle applies to everything below it. So does "front" before all parts that name a
+/// hardpoint. Keys with unknown words ("MyCar", "baja_2021") describe the surroundings and are skipped, except for the last key.
 fn meaning(keys: &[&str]) -> (String, Marks) {
     let mut marks = Marks::default();
     let mut parts: Vec<&str> = Vec::new();
@@ -161,7 +161,7 @@ fn meaning(keys: &[&str]) -> (String, Marks) {
             _ => Marks::default(),
         };
         if !only_side.is_empty() && (!is_last || !parts.is_empty()) {
-            // `{"LCA": {"R": ...}}` is left to the words.
+            // In `{"LCA": {"R": ...}}` the analysis of the words decides the meaning of "R".
             if key.len() > 1 || !is_last {
                 marks = only_side.or(marks);
                 continue;
@@ -208,7 +208,7 @@ impl Reader {
             Node::Text(text) => self.word(text, keys)?,
             Node::List(nodes) => {
                 for node in nodes {
-                    // Numbers of other lists have no names of their own.
+                    // Numbers in other lists have no names.
                     if !matches!(node, Node::Number(_)) {
                         self.visit(node, keys)?;
                     }
@@ -256,7 +256,7 @@ impl Reader {
         Ok(())
     }
 
-    /// The unit and the axes, where a text says so.
+    /// Reads the unit or the axes from a text, if it states them.
     fn word(&mut self, text: &str, keys: &[&str]) -> Result<(), String> {
         match keys.last().map(|key| key.to_ascii_lowercase()).as_deref() {
             Some("unit" | "units" | "length_unit") => {
@@ -298,7 +298,7 @@ impl Reader {
     }
 }
 
-/// Axes in the words below a key that is about them.
+/// Axes in the words below a key whose subject is the axes.
 fn in_words(text: &str) -> Declared {
     Declared::in_text(&format!("axes: {text}"))
 }
@@ -311,7 +311,7 @@ pub(super) fn place(keys: &[&str]) -> String {
     }
 }
 
-/// Three numbers, as a list or as x, y and z only.
+/// Three numbers, from a list of three or from exactly x, y and z.
 pub(super) fn position(node: &Node) -> Option<[f64; 3]> {
     match node {
         Node::List(nodes) => match nodes[..] {
@@ -323,7 +323,7 @@ pub(super) fn position(node: &Node) -> Option<[f64; 3]> {
     }
 }
 
-/// The numbers under x, y and z; each key must be there once.
+/// Numbers under x, y and z. Each key must occur exactly once.
 fn components(entries: &[(String, Node)]) -> Option<[f64; 3]> {
     let component = |axis: &str| {
         let mut found = entries

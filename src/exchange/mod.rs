@@ -1,25 +1,24 @@
-//! Other tools' files: points in, points and curves out.
+//! Import of points from other tools' files, and export of points and curves.
 //!
-//! An import goes one way, each step in files of its own:
+//! An import has these steps, each in its own files:
 //!
 //! | step | files |
 //! |---|---|
 //! | bytes to a format's own structure | `source`, `sheets`, `delimited`, `workbook`, `cell`, `decimals`, `header`, `yaml`, `map`, `adams`, `adams_bushings` |
-//! | a format to a table of named rows, with the axes, units, wheels and axles that the file says | `points`, `map`, `chrono`, `chrono_vehicle`, `assetto_in`, `assetto_axle`, `hub_face`, `source`, into `table` |
+//! | a format to a table of named rows, with the axes, units, wheels and axles that the file states | `points`, `map`, `chrono`, `chrono_vehicle`, `assetto_in`, `assetto_axle`, `hub_face`, `source`, into `table` |
 //! | names to roles | `names`, `roles` |
 //! | choice of axle and wheel | `corner` |
-//! | unit and figures | `unit`, `figure_names`, `figures` |
+//! | unit and values | `unit`, `figure_names`, `figures` |
 //! | axes and side, and the half track | `axes`, `place`, `optimum` |
 //! | completeness, bodies, bushings, parts that are left out | `complete`, `seats`, `bushings` |
 //! | a study that runs, or those of a car | `compose`, `car` |
 //!
-//! An export goes the other way: [`Outgoing`] is a study in the unit and the axes of a file (after `rounding`), from which
-//! `export` (tables), `curve_columns`, `subsystem`, `optimum_table`, `suspensions_ini`,
-//! `property_file`, `centre_lines` and `envelope` write.
+//! An export starts from [`Outgoing`], a study in the unit and the axes of a file (after `rounding`). From it `export` (tables),
+//! `curve_columns`, `subsystem`, `optimum_table`, `suspensions_ini`, `property_file`, `centre_lines` and `envelope` write files.
 //!
-//! [`read_points`] makes the table, [`import()`] the wheel, [`Imported::study`] the study. The study keeps the file's axes
-//! where studies know them, so that every coordinate is the double that was written. Else coordinates change places
-//! and signs, no more. A wheel at the origin is moved out by its half track.
+//! [`read_points`] makes the table, [`import()`] makes the wheel, and [`Imported::study`] makes the study. If studies know the
+//! file's axes, the study keeps them, so every coordinate is exactly the number in the file. Otherwise coordinates only change
+//! places and signs. A wheel at the origin is moved out by its half track.
 
 mod adams;
 mod adams_bushings;

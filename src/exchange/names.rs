@@ -1,17 +1,17 @@
-//! Words of names: splitting of a name, meaning of abbreviations, and the hardpoint of the words.
+//! Words of names: splits a name, spells out abbreviations, and finds the hardpoint for the words.
 //!
-//! A name is cut into words, abbreviations are spelt out (`LCA` is `lower arm`), and the words are compared with
-//! those of a table, in any order: `lca_front`, `Lower wishbone - front pivot` and `hpl_lca_front` are all
-//! `lower_arm_front`. Names that are not in the table stay unknown; nothing is guessed by likeness. [`super::roles`]
-//! adds the wheel, the axle and the body that a name speaks of.
+//! A name is split into words and abbreviations are spelt out (`LCA` is `lower arm`). The words are compared with those of a
+//! table, in any order. So `lca_front`, `Lower wishbone - front pivot` and `hpl_lca_front` are all `lower_arm_front`. Names that
+//! are not in the table stay unknown, because the importer never guesses from similarity. [`super::roles`] adds the wheel, the
+//! axle and the body in a name.
 
 use super::table::Marks;
 use crate::model::{AxlePosition, Side, Topology};
 
-/// A text longer than this is not a name.
+/// Longest name. A longer text is not a name.
 const LONGEST: usize = 300;
 
-/// Words of names and their meanings; empty for words without meaning.
+/// Words of names with their meanings. The meaning is empty if the word can be ignored.
 const SPELT: &[(&str, &str)] = &[
     ("lca lwishbone lwb", "lower arm"),
     ("uca uwishbone uwb", "upper arm"),
@@ -92,10 +92,11 @@ const SPELT: &[(&str, &str)] = &[
     ),
 ];
 
-/// Words that any name may carry.
+/// Words that can occur in any name.
 const ANYWHERE: &[&str] = &["mount", "end"];
 
-/// Hardpoints by the words of their names: all of them in any order, those behind `?` if present; of several patterns one.
+/// Hardpoints with the words of their names. All words must occur, in any order; words after `?` are optional. If there are
+/// several patterns, one must match.
 const PATTERNS: &[(&str, &str)] = &[
     ("lower_arm_front", "lower arm front ?inner"),
     ("lower_arm_rear", "lower arm rear ?inner"),
@@ -190,7 +191,7 @@ const PATTERNS: &[(&str, &str)] = &[
     ("anti_roll_bar_outer", "bar outer ?axis"),
 ];
 
-/// The wheel and axle that a word names.
+/// Wheel and axle that a word names.
 pub(super) fn marks_of(word: &str) -> Marks {
     use AxlePosition::{Front, Rear};
     use Side::{Left, Right};
@@ -206,12 +207,12 @@ pub(super) fn marks_of(word: &str) -> Marks {
     Marks { side, axle }
 }
 
-/// The side a word names.
+/// Side that a word names.
 pub(super) fn side_of(word: &str) -> Option<Side> {
     marks_of(word).side
 }
 
-/// The wheel and axle that a title or a cell names, if it names nothing else: "Front left", "FL", "rear axle".
+/// Wheel and axle that a title or a cell names, if it contains nothing else: "Front left", "FL", "rear axle".
 pub(super) fn marks_of_title(text: &str) -> Option<Marks> {
     const BESIDE: &str = "axle axles suspension susp corner wheel side geometry hardpoints hardpoint hp points kinematics";
     let mut marks = Marks::default();
@@ -236,12 +237,12 @@ pub(super) fn marks_of_title(text: &str) -> Option<Marks> {
     (!marks.is_empty()).then_some(marks)
 }
 
-/// The words of a text in small letters, cut where signs stand or a capital follows a small letter.
+/// Splits a text into lower-case words. A word ends at a punctuation mark, or where a capital follows a small letter.
 pub(super) fn cut(text: &str) -> Vec<String> {
     if text.len() > LONGEST {
         return Vec::new();
     }
-    // "o/b" and "i/b" are one word.
+    // "o/b" and "i/b" are single words.
     let text = &text.replace("o/b", "outboard").replace("i/b", "inboard");
     let text = &text.replace("O/B", "OUTBOARD").replace("I/B", "INBOARD");
     let mut words = vec![String::new()];
@@ -262,11 +263,11 @@ pub(super) fn cut(text: &str) -> Vec<String> {
     words
 }
 
-/// Words spelt out, in their order.
+/// Spelt-out words in their order.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Words {
     words: Vec<&'static str>,
-    /// Words that no table knows.
+    /// Number of words that are not in the table.
     pub(super) unknown: usize,
 }
 
@@ -286,17 +287,17 @@ impl Words {
         Words { words, unknown }
     }
 
-    /// Returns true if no meaningful part is left.
+    /// True if no meaningful word is left.
     pub(super) fn is_empty(&self) -> bool {
         self.words.is_empty() && self.unknown == 0
     }
 
-    /// Number of words for front or rear.
+    /// Number of words that mean front or rear.
     pub(super) fn ends(&self) -> usize {
         self.words.iter().filter(|w| end_of(w).is_some()).count()
     }
 
-    /// Takes the first "front" or "rear" away: it names the axle.
+    /// Splits off the first "front" or "rear" as the name of the axle.
     pub(super) fn without_axle(&self) -> Option<(AxlePosition, Words)> {
         let at = self.words.iter().position(|word| end_of(word).is_some())?;
         let axle = end_of(self.words[at])?;
@@ -305,7 +306,7 @@ impl Words {
         Some((axle, rest))
     }
 
-    /// Returns true if the words match one of the patterns.
+    /// True if the words match one of the patterns.
     pub(super) fn fit(&self, patterns: &str) -> bool {
         patterns.split(" | ").any(|pattern| self.fits(pattern))
     }
@@ -321,7 +322,7 @@ impl Words {
             && self.words.iter().all(|word| allowed(word))
     }
 
-    /// The hardpoint of a topology with these words.
+    /// Hardpoint of a topology with these words.
     pub(super) fn hardpoint(&self, topology: &Topology) -> Option<&'static str> {
         let mut fitting = PATTERNS
             .iter()
@@ -330,7 +331,7 @@ impl Words {
     }
 }
 
-/// The axle or end that a spelt word names.
+/// Axle or end that a spelt-out word names.
 pub(super) fn end_of(word: &str) -> Option<AxlePosition> {
     match word {
         "front" => Some(AxlePosition::Front),
@@ -339,12 +340,12 @@ pub(super) fn end_of(word: &str) -> Option<AxlePosition> {
     }
 }
 
-/// The hardpoint of a topology that a name means.
+/// Hardpoint of a topology that a name means.
 pub(super) fn hardpoint(name: &str, topology: &Topology) -> Option<&'static str> {
     super::roles::read(name, topology, super::roles::Letters::default()).map(|role| role.hardpoint)
 }
 
-/// Names of hardpoints in Adams/Car's own templates.
+/// Names of hardpoints in the templates of Adams/Car.
 const ADAMS: &[(&str, &str)] = &[
     ("lower_arm_front", "lca_front"),
     ("lower_arm_rear", "lca_rear"),
@@ -361,7 +362,7 @@ const ADAMS: &[(&str, &str)] = &[
     ("spring_lower", "lwr_strut_mount"),
 ];
 
-/// The name of a hardpoint in a subsystem of Adams/Car: that of its own templates, or ours.
+/// Name of a hardpoint in a subsystem of Adams/Car: the name in Adams' templates, or our own.
 pub(super) fn in_adams(hardpoint: &str) -> &str {
     let found = ADAMS.iter().find(|(known, _)| *known == hardpoint);
     found.map_or(hardpoint, |(_, name)| name)

@@ -1,16 +1,15 @@
-//! OptimumKinematics: what its tables say without hardpoints of their own. The layout is known from public readers of
-//! its workbooks, not from the program.
+//! OptimumKinematics: data that its tables give without a hardpoint of their own. The layout is known from public readers of its
+//! workbooks, not from the program itself.
 //!
-//! The wheel is given by half track, offsets and tyre diameter at the contact point. With the loaded radius R (half
-//! the diameter), static camber c and toe-in t, and the offsets (dx forward, dy outboard, dz up), the wheel centre of
+//! A table gives the wheel by half track, offsets and tyre diameter at the contact point. R is the loaded radius (half the
+//! diameter), c the static camber, t the toe-in, and the offsets are dx forward, dy outboard and dz up. Then the wheel centre of
 //! the left wheel is
 //!
 //! ```text
 //! (dx, half track + dy, dz) + R (sin c sin t, sin c cos t, cos c)
 //! ```
 //!
-//! The axis of the U-bar runs through `CHAS_PivPnt` of both wheels, and a rod whose end at the wheel is the higher
-//! one is a pullrod.
+//! The axis of the U-bar runs through `CHAS_PivPnt` of both wheels. A rod is a pullrod if its end at the wheel is the higher one.
 
 use super::Hardpoint;
 use super::axes::Axes;
@@ -19,7 +18,7 @@ use super::figures::Figures;
 use super::place::Placed;
 use crate::model::{Side, Topology};
 
-/// Adds the inner point of the U-bar's axis: the other wheel's pivot.
+/// Adds the inner point of the U-bar's axis, which is the pivot of the other wheel.
 pub(super) fn bar_axis(named: &[Named<'_>], corner: Corner, picked: &mut Vec<Picked>) {
     let has = |name: &str| picked.iter().any(|p| p.hardpoint.name == name);
     if !has("anti_roll_bar_outer") || has("anti_roll_bar_inner") {
@@ -43,7 +42,8 @@ pub(super) fn bar_axis(named: &[Named<'_>], corner: Corner, picked: &mut Vec<Pic
     });
 }
 
-/// Names the points of the rocker's axis front and rear as they lie, and makes a pullrod of a rod whose end at the wheel is above the one at the rocker.
+/// Assigns front and rear of the rocker's axis by the position of its points. Turns a rod into a pullrod if its end at the wheel
+/// is above its end at the rocker.
 pub(super) fn rod(topology: &Topology, axes: Axes, picked: &mut [Picked], notes: &mut Vec<String>) {
     let along = |picked: &[Picked], name: &str| {
         let found = picked.iter().find(|p| p.hardpoint.name == name)?;
@@ -81,7 +81,7 @@ pub(super) fn rod(topology: &Topology, axes: Axes, picked: &mut [Picked], notes:
     );
 }
 
-/// The wheel centre, from the contact point.
+/// Computes the wheel centre from the contact point.
 pub(super) fn wheel_centre(
     placed: Placed,
     figures: &Figures,

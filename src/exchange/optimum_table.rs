@@ -1,25 +1,25 @@
 //! Tables in the layout of OptimumKinematics.
 //!
-//! The layout is rebuilt from public descriptions and readers of such files, not from an original: a name in column B,
-//! the left wheel in C to E and the right one in G to I, one title for each group of points in column A. x points
-//! forward, y left and z up. Toe-out is positive. The half track is that of the contact point, and the tyre's diameter
-//! leads from there to the wheel centre: with a spin axis a (outboard), radius R and upward direction z
+//! The layout is based on public descriptions and readers of such files, not on an original file. The name is in column B, the
+//! left wheel in C to E, the right wheel in G to I, and a title for each group of points in column A. x points forward, y left
+//! and z up. Toe-out is positive. The half track is that of the contact point. The tyre's diameter leads from there to the wheel
+//! centre. With a spin axis a (outboard), radius R and upward direction z,
 //!
 //! ```text
 //! C = W - R (z - (z.a) a) / |z - (z.a) a|                                                        (1)
 //! ```
 //!
-//! C is (longitudinal offset, half track, vertical offset).
+//! C is (longitudinal offset, half track, vertical offset), and W is the wheel centre.
 
 use super::outgoing::Outgoing;
 use super::workbook::Value;
 use crate::model::{Body, FrameConvention, LengthUnit, PointId, Rocker, Side};
 use crate::number::Vector3;
 
-/// The rows of a table, and notes on parts of the study that have no place in it.
+/// Rows of a table, and notes about parts of the study that the layout cannot hold.
 pub type RowsAndNotes = (Vec<Vec<Value>>, Vec<String>);
 
-/// Hardpoints of a double wishbone and their names there.
+/// Hardpoints of a double wishbone with their names in OptimumKinematics.
 const ARMS: [(&str, &str); 8] = [
     ("lower_arm_front", "CHAS_LowFor"),
     ("lower_arm_rear", "CHAS_LowAft"),
@@ -31,7 +31,7 @@ const ARMS: [(&str, &str); 8] = [
     ("tie_rod_outer", "UPRI_TiePnt"),
 ];
 
-/// Hardpoints of spring and rocker; the rod's ends are `pushrod` or `pullrod`.
+/// Hardpoints of spring and rocker. The ends of the rod are `pushrod` or `pullrod`.
 const ROCKER: [(&str, &str); 6] = [
     ("ROD_outer", "NSMA_PPAttPnt_L"),
     ("spring_upper", "CHAS_AttPnt_L"),
@@ -48,11 +48,12 @@ const BAR: [(&str, &str); 3] = [
     ("anti_roll_bar_outer", "CHAS_PivPnt_L"),
 ];
 
-/// The table of a study.
+/// Makes the table of a study.
 ///
 /// # Errors
 ///
-/// The topology has no place there, or the study lacks the radius that leads from the contact point to the wheel centre.
+/// The layout does not support the topology, or the study has no wheel radius, which is needed between contact point and wheel
+/// centre.
 pub fn optimum_k_rows(outgoing: &Outgoing<'_>) -> Result<RowsAndNotes, String> {
     let topology = outgoing.study.wheel().mechanism.topology;
     if topology.name != "double_wishbone" {
@@ -84,7 +85,7 @@ pub fn optimum_k_rows(outgoing: &Outgoing<'_>) -> Result<RowsAndNotes, String> {
 struct Table<'a> {
     outgoing: &'a Outgoing<'a>,
     rows: Vec<Vec<Value>>,
-    /// Hardpoints that have a row.
+    /// Hardpoints that already have a row.
     written: Vec<String>,
     notes: Vec<String>,
 }
@@ -116,7 +117,7 @@ impl Table<'_> {
         self.row(["", "Angle", "degree", "deg"]);
     }
 
-    /// A group of points, left wheel and right wheel.
+    /// Writes a group of points for the left and the right wheel.
     fn points(&mut self, title: &str, names: &[(String, &str)]) {
         self.rows.push(Vec::new());
         self.row([title, "Point Name", "Left", "", "", "", "Right", "", ""]);
@@ -153,7 +154,7 @@ impl Table<'_> {
         }
     }
 
-    /// The bar, if a single point across the car gives its axis.
+    /// Writes the anti-roll bar, if its axis runs across the car through a single point.
     fn bar(&mut self) {
         let [Some(inner), Some(outer)] =
             ["anti_roll_bar_inner", "anti_roll_bar_outer"].map(|name| self.point(name))
@@ -198,7 +199,7 @@ impl Table<'_> {
                 Some(0.0),
                 Some(contact.z),
                 Some(camber),
-                // Toe-out is positive there.
+                // Toe-out is positive in OptimumKinematics.
                 Some(0.0 - toe),
                 Some(2.0 * radius),
                 width,
@@ -235,7 +236,7 @@ impl Table<'_> {
         Ok(())
     }
 
-    /// Parts that carry rod and drop link.
+    /// Writes the parts that carry the rod and the drop link.
     fn attachments(&mut self) {
         let mechanism = &self.outgoing.study.wheel().mechanism;
         let is_written = |name: &str| self.written.iter().any(|known| known == name);
@@ -287,7 +288,7 @@ impl Table<'_> {
     }
 }
 
-/// The direction from the contact point to the wheel centre: upward in the wheel's plane, of length 1 (equation 1).
+/// Unit vector from the contact point to the wheel centre: upward in the plane of the wheel (equation 1).
 fn upward(axis: Vector3<f64>) -> Vector3<f64> {
     let up = Vector3::new(0.0, 0.0, 1.0) - axis * axis.z;
     up * (1.0 / up.norm_squared().sqrt())

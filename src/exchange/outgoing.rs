@@ -1,4 +1,4 @@
-//! Wheels of a study for an export: points in the unit and the axes of the receiver.
+//! Wheels of a study for an export: points in the unit and the axes of the receiving tool.
 
 use super::rounding::Rounded;
 use crate::model::{Axis, Frame, FrameConvention, LengthUnit, PointId, Side, SpinAxis, Suspension};
@@ -6,23 +6,23 @@ use crate::number::Vector3;
 use crate::study::Study;
 use toml_edit::Document;
 
-/// A study in the unit and the axes in which a file is written.
+/// A study in the unit and the axes of the file to be written.
 #[derive(Clone, Debug)]
 pub struct Outgoing<'s> {
-    /// The study, at the design that is written.
+    /// Study at the design to be written.
     pub study: &'s Study,
     /// Unit of the file.
     pub unit: LengthUnit,
     /// Axes of the file.
     pub convention: FrameConvention,
-    /// Points of the study's own wheel in the kernel's frame, in the file's unit.
+    /// Points of the study's own wheel, in the kernel's frame and the file's unit.
     own: Vec<Vector3<f64>>,
-    /// Points of a right wheel that is not the mirror image, likewise.
+    /// Points of a right wheel that is not the mirror image, in the kernel's frame and the file's unit.
     right: Option<Vec<Vector3<f64>>>,
 }
 
 impl<'s> Outgoing<'s> {
-    /// Study in a unit and axes, by default its own. A coordinate keeps its bits if the unit stays.
+    /// Prepares a study in a unit and axes, by default its own. If the unit is the same, coordinates keep their exact value.
     pub fn of(
         study: &'s Study,
         unit: Option<LengthUnit>,
@@ -44,7 +44,7 @@ impl<'s> Outgoing<'s> {
         }
     }
 
-    /// Study with the rounded coordinates, exact in the unit of the grid.
+    /// Prepares a study with the rounded coordinates, which are exact in the unit of the grid.
     pub fn rounded(
         study: &'s Study,
         rounded: &Rounded,
@@ -57,7 +57,7 @@ impl<'s> Outgoing<'s> {
         outgoing
     }
 
-    /// The same in other axes.
+    /// Copy in other axes.
     pub fn in_convention(&self, convention: FrameConvention) -> Self {
         Outgoing {
             convention,
@@ -65,17 +65,17 @@ impl<'s> Outgoing<'s> {
         }
     }
 
-    /// A length of the study in the file's unit.
+    /// Converts a length of the study to the file's unit.
     pub fn length(&self, length: f64) -> f64 {
         self.unit.convert(length, self.study.wheel().length_unit)
     }
 
-    /// The axes of the file, seen from the wheel of a side.
+    /// Axes of the file as seen from a left or a right wheel.
     pub fn frame(&self, side: Side) -> Frame {
         Frame::new(self.convention, side)
     }
 
-    /// The wheels that differ: one, unless the right wheel of an axle has points or angles of its own.
+    /// Wheels with different data: one wheel, or two if the right wheel of an axle has its own points or angles.
     pub fn different_wheels(&self) -> Vec<Side> {
         match &self.right {
             Some(_) => Side::ALL.to_vec(),
@@ -91,7 +91,7 @@ impl<'s> Outgoing<'s> {
         }
     }
 
-    /// The suspension of a wheel.
+    /// Suspension of a wheel.
     pub fn suspension(&self, side: Side) -> &'s Suspension {
         match self.study.axle() {
             Some(both) => both.axle.suspension(side),
@@ -99,7 +99,7 @@ impl<'s> Outgoing<'s> {
         }
     }
 
-    /// A point of a wheel in the kernel's frame, in the file's unit.
+    /// Point of a wheel, in the kernel's frame and the file's unit.
     pub fn place(&self, side: Side, id: PointId) -> Vector3<f64> {
         match (side, &self.right) {
             (Side::Right, Some(right)) => right[id.0],
@@ -107,12 +107,12 @@ impl<'s> Outgoing<'s> {
         }
     }
 
-    /// Coordinates of a point as the file has them.
+    /// Coordinates of a point in the file.
     pub fn position(&self, side: Side, id: PointId) -> [f64; 3] {
         self.in_axes(side, self.place(side, id))
     }
 
-    /// Position or direction of the kernel's frame of a side, in the axes of the file.
+    /// Converts a position or direction from the kernel's frame of this side to the axes of the file.
     pub fn in_axes(&self, side: Side, place: Vector3<f64>) -> [f64; 3] {
         self.frame(side).vector(place).to_array().map(|x| x + 0.0)
     }
@@ -126,7 +126,7 @@ impl<'s> Outgoing<'s> {
         })
     }
 
-    /// The body that a point is mounted on, where the study may choose it.
+    /// Body that carries a point, if a study can choose the body.
     pub fn body(&self, side: Side, id: PointId) -> Option<&'static str> {
         let mechanism = &self.suspension(side).mechanism;
         let is_extra = mechanism.topology.hardpoint(mechanism.name(id)).is_none();
@@ -138,7 +138,7 @@ impl<'s> Outgoing<'s> {
         found.map(|(name, _)| *name)
     }
 
-    /// The spin axis of a wheel in the design position: outboard, in the kernel's frame, of length 1.
+    /// Spin axis of a wheel in the design position: unit vector, outboard, in the kernel's frame.
     pub fn spin_axis(&self, side: Side) -> Vector3<f64> {
         let suspension = self.suspension(side);
         match suspension.mechanism.spin_axis {
@@ -151,7 +151,7 @@ impl<'s> Outgoing<'s> {
         }
     }
 
-    /// Static camber and toe in degrees, toe-in positive: from the study's text, or of the spin axis.
+    /// Static camber and toe in degrees, toe-in positive. They come from the study's text, or else from the spin axis.
     pub fn static_angles(&self, side: Side) -> [f64; 2] {
         let suspension = self.suspension(side);
         let written = match suspension.mechanism.spin_axis {
@@ -165,7 +165,7 @@ impl<'s> Outgoing<'s> {
         })
     }
 
-    /// Angles in the study's text; a missing angle is 0, or that of the left wheel.
+    /// Angles in the study's text. A missing angle is 0, or that of the left wheel.
     fn written_angles(&self, side: Side) -> Option<[f64; 2]> {
         let document = Document::parse(self.study.text.as_str()).ok()?;
         let wheel = document.get("wheel");

@@ -1,14 +1,14 @@
-//! Axes of a file and side of its wheel: from what the user and the file say, else from the points.
+//! Axes of a file and side of its wheel. They come from the user and the file, or else from the points.
 //!
-//! | axes are said | side is said | result |
+//! | axes given | side given | result |
 //! |---|---|---|
-//! | yes | yes | the points must not contradict either |
+//! | yes | yes | the points must not contradict either of them |
 //! | yes | no | the side follows from the points, or left is assumed |
 //! | no | yes | the axes follow from the points, if they are right-handed |
-//! | no | no | the same with the left wheel assumed: its mirror image is a right wheel's in left-handed axes |
+//! | no | no | as above, with the left wheel assumed: its mirror image would be a right wheel in left-handed axes |
 //!
-//! Left-handed axes are refused unless `--axes` says them, and axes that the points do not show clearly (see
-//! [`crate::report`]'s `orientation`) are asked for.
+//! Left-handed axes are refused unless `--axes` gives them. If the points do not show the axes clearly (see [`crate::report`]'s
+//! `orientation`), the importer asks.
 
 use super::ImportOptions;
 use super::axes::{Axes, of_reading, reading_of};
@@ -18,15 +18,15 @@ use super::table::PointTable;
 use crate::model::Side;
 use crate::report::{Directions, Verdict};
 
-/// Axes and side of the points as they are written.
+/// Axes and side of the points in the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Placed {
     pub axes: Axes,
-    /// Wheel of the points that show the axes.
+    /// Side of the wheel whose points show the axes.
     pub side: Side,
 }
 
-/// Wheel of the evidence, with its points only.
+/// Wheel whose points serve as evidence, with these points only.
 fn evidence(picked: &[Picked], wanted: Option<Side>) -> (Option<Side>, Vec<(&str, [f64; 3])>) {
     let has = |side: Side| picked.iter().any(|p| p.origin == Some(side));
     let origin = match wanted {
@@ -58,7 +58,7 @@ pub(super) fn place(
     found(table, side, &directions, notes)
 }
 
-/// Axes that the user or the file says.
+/// Uses axes that the user or the file states.
 fn said(
     axes: Axes,
     by_user: bool,
@@ -125,7 +125,7 @@ fn said(
     Ok(placed)
 }
 
-/// Axes from the points, if the file does not state them.
+/// Finds the axes from the points, if the file does not state them.
 fn found(
     table: &PointTable,
     side: Option<Side>,
@@ -154,7 +154,7 @@ fn found(
         axes: of_reading(&reading, wheel),
         side: wheel,
     };
-    // A header that fits none of the points would be passed over here.
+    // Without this check, a header that contradicts the points would be ignored.
     if !declared.is_empty()
         && let Some(other) = directions.contradict(&reading)
     {
@@ -212,7 +212,7 @@ fn left_handed(reason: String, choices: Vec<(&'static str, String)>) -> Refusal 
     })
 }
 
-/// A question about axes, with the likeliest answer.
+/// Question about the axes, with the most likely answer.
 fn open_axes(reason: String, likely: Axes) -> Refusal {
     let mut choices = Vec::new();
     if likely.is_right_handed() {
@@ -228,7 +228,7 @@ fn open_axes(reason: String, likely: Axes) -> Refusal {
     })
 }
 
-/// Mirrors points of the other wheel across the car.
+/// Mirrors points of the other wheel across the centre plane of the car.
 pub(super) fn mirror(
     placed: &mut Placed,
     wanted: Option<Side>,
@@ -239,7 +239,7 @@ pub(super) fn mirror(
     let (across, _) = placed.axes.across();
     let mut names = Vec::new();
     for point in picked.iter_mut() {
-        // A point without a side belongs to the wheel of the axes.
+        // A point without a side belongs to the wheel that shows the axes.
         if point.origin.unwrap_or(placed.side) == wheel {
             continue;
         }
@@ -256,8 +256,8 @@ pub(super) fn mirror(
     }
 }
 
-/// Moves a wheel at the origin to its half track. Files with the wheel centre or the contact point at y = 0 have
-/// the body's points on the other side of the centre plane.
+/// Moves a wheel at the origin out to its half track. In files with the wheel centre or the contact point at y = 0, the points of
+/// the body are on the other side of the centre plane.
 pub(super) fn to_half_track(
     placed: Placed,
     half_track: Option<f64>,
@@ -344,8 +344,8 @@ mod tests {
         }
     }
 
-    /// Points show the side of their wheel where their arms point outward with a cosine above 0.25. Otherwise it is
-    /// assumed to be the left one.
+    /// Points show the side of their wheel if their arms point outward with a cosine above 0.25. Otherwise the left side is
+    /// assumed.
     #[test]
     fn a_side_is_shown_by_a_quarter() {
         let none = BTreeMap::new();
@@ -377,7 +377,7 @@ mod tests {
             assert_eq!(placed.side, side, "{cosine}");
             let shown = notes[0].contains("on that side of the body");
             assert_eq!(shown, is_shown, "{cosine}: {notes:?}");
-            // A side that is said contradicts a side that is shown, no other.
+            // A stated side contradicts a different side that the points show, and nothing else.
             for wheel in Side::ALL {
                 let placed = said(axes, true, Some(wheel), &directions, &options, &mut notes);
                 assert_eq!(placed.is_ok(), !is_shown || wheel == side, "{cosine}");
@@ -385,8 +385,8 @@ mod tests {
         }
     }
 
-    /// A wheel that is nearer to the centre plane than half of its reach has its origin at the wheel. It is moved out by
-    /// the half track, at either side.
+    /// If a wheel is nearer to the centre plane than half of its reach, its origin is at the wheel. The importer moves it out by
+    /// the half track, on either side.
     #[test]
     fn wheels_at_the_origin_are_moved_out() {
         let moved = |side: Side, wheel: f64, inner: f64, half_track: Option<f64>, asked: bool| {
@@ -417,7 +417,7 @@ mod tests {
                 let wrong = moved(side, 0.0, -0.5, Some(half_track), true);
                 assert!(matches!(wrong, Err(Refusal::Wrong(_))));
             }
-            // A half track that the file contradicts is refused: by more than a thousandth.
+            // A half track is refused if the file contradicts it by more than a thousandth.
             assert!(moved(side, 1000.0, 500.0, Some(1000.999), true).is_ok());
             assert!(moved(side, 1000.0, 500.0, Some(1001.0005), true).is_err());
             assert!(moved(side, 1000.0, 500.0, Some(1001.0005), false).is_ok());

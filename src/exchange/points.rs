@@ -1,4 +1,4 @@
-//! Rows of a table: named points, figures, and titles that say the wheel or axle of the rows below them.
+//! Rows of a table: named points, values, and titles that give the wheel or axle of the rows below them.
 
 use super::axes::{Axes, Declared};
 use super::cell::{Cell, Sheet};
@@ -9,7 +9,7 @@ use super::names::{cut, marks_of_title, side_of};
 use super::table::{Figure, Marks, NamedPoint, PointTable};
 use crate::model::{FrameConvention, LengthUnit};
 
-/// Reads the points of a table; `None` where it has none.
+/// Reads the points of a table. `None` if it has no points.
 pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
     let rows = sheet.rows();
     let mut table = PointTable::default();
@@ -48,7 +48,7 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
         }
         table.unit = Some(LengthUnit::Inch);
     }
-    // Each header holds for the rows below it.
+    // Each header applies to the rows below it.
     let mut reader = Rows {
         sheet,
         decimals,
@@ -60,7 +60,7 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
         if is_header[place] {
             let above = place.checked_sub(1).map(|place| rows[place]);
             reader.columns = header(sheet, *row, above)?.map(|found| found.columns);
-            // Titles above two sets of coordinates refer to these columns.
+            // Titles above two sets of coordinates belong to these columns.
             if reader.columns.as_ref().is_some_and(|c| c.triples.len() > 1) {
                 reader.section.side = None;
             }
@@ -75,12 +75,12 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
     Ok(Some(table))
 }
 
-/// Rows in their order.
+/// Reader of the rows in their order.
 struct Rows<'a> {
     sheet: &'a Sheet,
     decimals: Decimals,
     columns: Option<Columns>,
-    /// Marks of the last title, for the rows below it.
+    /// Wheel and axle of the last title. They apply to the rows below it.
     section: Marks,
     table: PointTable,
 }
@@ -114,7 +114,7 @@ impl Rows<'_> {
                 .iter()
                 .any(|word| word == "name" || word == "names")
         {
-            // A heading of figures: "Point Name | Left | | | | Right".
+            // This is a heading of values, such as "Point Name | Left | | | | Right".
             return Ok(());
         }
         if !has_number && self.attachment(&texts) {
@@ -163,7 +163,7 @@ impl Rows<'_> {
         Ok(())
     }
 
-    /// Marks of the section, for a name without a side.
+    /// Wheel and axle of the section, for a name without a side.
     fn of_section(&self, name: &str) -> Marks {
         let words = cut(name);
         let ends = [words.first(), words.last()];
@@ -178,10 +178,10 @@ impl Rows<'_> {
         }
     }
 
-    /// A row without numbers: a title, or a line that says unit or axes.
+    /// Reads a row without numbers: a title, or a line with the unit or the axes.
     fn title(&mut self, row: u32, texts: &[&str], is_above: bool) -> Result<(), String> {
         if let Some(marks) = texts.iter().find_map(|text| marks_of_title(text)) {
-            // A title of an axle begins anew.
+            // The title of an axle starts a new section.
             self.section = match marks.axle {
                 Some(_) => marks,
                 None => marks.or(self.section),
@@ -201,7 +201,7 @@ impl Rows<'_> {
         Ok(())
     }
 
-    /// A row that says on which part the point of another row is mounted, as OptimumKinematics has them.
+    /// Reads a row that names the part on which the point of another row is mounted, as in OptimumKinematics.
     fn attachment(&mut self, texts: &[&str]) -> bool {
         let mut mounted = texts.iter().filter(|text| text.starts_with("NSMA_"));
         let (Some(point), Some(part)) = (mounted.next(), texts.last()) else {
@@ -215,7 +215,7 @@ impl Rows<'_> {
         true
     }
 
-    /// Axes in a cell of a frame column.
+    /// Reads the axes in a cell of a frame column.
     fn frame(&mut self, row: u32, columns: &Columns) -> Result<(), String> {
         let Some(column) = columns.frame else {
             return Ok(());
@@ -240,7 +240,7 @@ impl Rows<'_> {
         Ok(())
     }
 
-    /// Wheel and axle of a row's own cells, and true if the row serves both wheels.
+    /// Wheel and axle in a row's own cells, and true if the row applies to both wheels.
     fn marks(&self, row: u32, columns: &Columns) -> Result<(Marks, bool), String> {
         let mut marks = Marks::default();
         let mut both = false;
@@ -288,11 +288,11 @@ impl Rows<'_> {
             };
             let value = match self.decimals.number(cell) {
                 Ok(value) => value,
-                // "Tyre: 205/55 R16" is no figure of ours.
+                // A text such as "Tyre: 205/55 R16" is not a value that the importer uses.
                 Err(_) if figure(name).is_none() => continue,
                 Err(reason) => return Err(format!("{place}: {reason}")),
             };
-            // One column of numbers for both wheels has no separate title.
+            // A single column of numbers applies to both wheels, so its title gives no side.
             let is_alone = numbers.iter().flatten().flatten().count() == 1;
             let side = triple.side.filter(|_| !is_alone);
             let marks = Marks { side, axle: None }.or(marks).or(section);
@@ -324,7 +324,7 @@ impl Rows<'_> {
     }
 }
 
-/// A cell in a message.
+/// Text of a cell for messages.
 fn shown(cell: &Cell) -> String {
     match cell {
         Cell::Text(text) => format!("{text:?}"),
@@ -333,7 +333,7 @@ fn shown(cell: &Cell) -> String {
     }
 }
 
-/// The unit in the lines above a header: `unit, mm` or "all dimensions in inches".
+/// Unit in the lines above a header: `unit, mm` or "all dimensions in inches".
 fn unit_above(texts: &[&str]) -> Option<LengthUnit> {
     if let [key, value, ..] = texts
         && cut(key)
@@ -343,7 +343,7 @@ fn unit_above(texts: &[&str]) -> Option<LengthUnit> {
         return unit_of(value.trim_matches(['[', ']', '(', ')']));
     }
     let mut words = texts.iter().flat_map(|text| cut(text));
-    // As words of a text, "in" and "m" have other meanings.
+    // In running text, "in" and "m" have other meanings.
     words.find_map(|word| unit_of(&word).filter(|_| word != "in" && word != "m"))
 }
 #[cfg(test)]

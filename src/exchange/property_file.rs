@@ -1,8 +1,8 @@
 //! A bushing of a study as a property file (`.bus`) of Adams Car.
 //!
-//! The file has a curve for each axis: force over deflection, torque over angle in rad. A curve of the study keeps its
-//! points. A law f = k d + c d^3 becomes points at equal steps h over a range -D to D. With c = 0 they lie on the law's
-//! straight line. Else the straight line between two points differs from the law by at most
+//! The file has a curve for each axis: force against deflection, or torque against angle in rad. A curve of the study keeps its
+//! points. A law f = k d + c d^3 becomes points at equal steps h over a range -D to D. If c = 0, the points lie on the straight
+//! line of the law. Otherwise the straight line between two points differs from the law by at most
 //!
 //! ```text
 //! max |f''| h^2/8 = 3 c D h^2/4                                                                   (1)
@@ -16,18 +16,18 @@ use crate::report::shortest;
 use crate::study::NamedBushing;
 use std::fmt::Write;
 
-/// Ends of the range of a law without points: in millimetres, and in radians.
+/// Half of the range for a law without points, in mm and in rad.
 const RANGE: [f64; 2] = [10.0, 0.2];
-/// Steps from the middle of the range to its end; of a straight line, and of a bent one.
+/// Number of steps from the middle of the range to its end, for a straight line and for a nonlinear law.
 const STEPS: [usize; 2] = [2, 50];
 
-/// Names of the blocks, along x, y, z and about them.
+/// Names of the blocks: along x, y and z, then about them.
 const AXES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
 
-/// Property file of the bushing at a hardpoint; without a name, of the only one.
+/// Property file of the bushing at a hardpoint. Without a name, the study's only bushing is used.
 ///
 /// # Errors
-/// The study has no such bushing, or several and no name.
+/// The study has no such bushing, or it has several and there is no name.
 pub fn property_file(outgoing: &Outgoing<'_>, hardpoint: Option<&str>) -> Result<Written, String> {
     let study = outgoing.study;
     let none = || "it has no section [bushings.NAME]".to_owned();
@@ -90,7 +90,7 @@ fn rule(name: &str) -> String {
     format!("${name:->79}\n")
 }
 
-/// Properties of a bushing that the file does not hold.
+/// Remarks about properties of a bushing that the file cannot hold.
 fn remarks(part: &NamedBushing<'_>, relaxed: Relaxed) -> Vec<String> {
     let name = part.name;
     let mut remarks = vec![
@@ -116,7 +116,7 @@ fn remarks(part: &NamedBushing<'_>, relaxed: Relaxed) -> Vec<String> {
     remarks
 }
 
-/// The file as it grows.
+/// File to which blocks are added.
 struct File<'a> {
     outgoing: &'a Outgoing<'a>,
     text: String,
@@ -142,7 +142,7 @@ impl File<'_> {
             AXES[axis]
         );
         for [d, f] in points {
-            // A torque is a force at a length.
+            // A torque is a force times a length.
             let [d, f] = match is_force {
                 true => [self.outgoing.length(d), f],
                 false => [d, self.outgoing.length(f)],
@@ -152,7 +152,7 @@ impl File<'_> {
         }
     }
 
-    /// Points of the law f = k d + c d^3 in the study's units.
+    /// Points of the law f = k d + c d^3, in the study's units.
     fn sampled(&mut self, axis: usize, rate: f64, cubic: f64) -> Vec<[f64; 2]> {
         let is_force = axis < 3;
         let own = self.outgoing.study.wheel().length_unit;

@@ -1,29 +1,29 @@
-//! Reasons why a file is not imported: something is wrong, or a question is open that a flag answers.
+//! Reasons why a file is not imported: an error, or an open question that a flag answers.
 
 use std::fmt;
 
 /// Reason why a file is not imported.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Refusal {
-    /// Something is wrong.
+    /// An error in the file or the options.
     Wrong(String),
-    /// The file leaves a question open.
+    /// A question that the file leaves open.
     Open(Question),
 }
 
 /// A question that the file leaves open, with the flags that answer it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
-    /// The question with its cause.
+    /// Text of the question, with its cause.
     pub reason: String,
-    /// Answers to choose from: flags with their values.
+    /// Possible answers: flags with their values.
     pub choices: Vec<(&'static str, String)>,
-    /// A flag whose value the user makes up, with an example.
+    /// Flag whose value the user can choose freely, with an example.
     pub free: Option<(&'static str, &'static str)>,
 }
 
 impl Question {
-    /// The same with the values of one flag.
+    /// Question whose possible answers are these values of one flag.
     pub(super) fn of(reason: String, flag: &'static str, values: &[&str]) -> Refusal {
         Refusal::Open(Question {
             reason,
@@ -58,7 +58,7 @@ impl fmt::Display for Refusal {
     }
 }
 
-/// A value as a shell takes it: as it is, or between quotation marks.
+/// Quotes a value for a shell if necessary.
 pub fn for_shell(value: &str) -> String {
     let is_plain = |c: char| c.is_alphanumeric() || "_-.,+/:=@%".contains(c);
     if !value.is_empty() && !value.starts_with('-') && value.chars().all(is_plain) {

@@ -1,36 +1,36 @@
-//! Names to roles: the hardpoint that a name means, with the wheel, the axle and the body that it speaks of.
+//! Roles of names: the hardpoint that a name means, with the wheel, the axle and the body in the name.
 //!
-//! Sides stand first or last (`hpl_lca_front`, `LCA front R`, `FL lower ball joint`). "Front" and "rear" mean the pivot
-//! where the hardpoint needs one (`lca_front`), and the axle otherwise (`front lower ball joint`); of two the first is
-//! the axle (`FUCA aft`, `F_LCA_IF`). A single `R` is the right wheel, unless the name then means no hardpoint
-//! (`LCA_R`) or the file pairs it with `F` and has no `L`.
+//! Sides are first or last in a name (`hpl_lca_front`, `LCA front R`, `FL lower ball joint`). "Front" and "rear" mean the pivot
+//! if the hardpoint needs one (`lca_front`), otherwise the axle (`front lower ball joint`). If a name has two of them, the first
+//! one is the axle (`FUCA aft`, `F_LCA_IF`). A single `R` is the right wheel, with two exceptions: the name would then mean no
+//! hardpoint (`LCA_R`), or the file also uses `F` but never `L`.
 
 use super::names::{Words, cut, marks_of};
 use super::table::{Marks, NamedPoint};
 use crate::model::{AxlePosition, Topology};
 
-/// The meaning of a name.
+/// Meaning of a name.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Role {
-    /// The hardpoint.
+    /// Hardpoint that the name means.
     pub hardpoint: &'static str,
-    /// The wheel and axle that the name says.
+    /// Wheel and axle in the name.
     pub marks: Marks,
-    /// The body that the name says, in the words of studies.
+    /// Body in the name, in the words of studies.
     pub body: Option<&'static str>,
 }
 
 /// Meaning of a single letter `R` in the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Letters {
-    /// Before a name it means the rear axle.
+    /// True if `R` before a name means the rear axle.
     first_is_rear: bool,
-    /// Behind a name it means the rear.
+    /// True if `R` after a name means the rear.
     last_is_rear: bool,
 }
 
 impl Letters {
-    /// Meaning from the names of a file: with `F` and without `L`, it is rear.
+    /// Finds the meaning from the names of a file: `R` means rear if the file uses `F` but not `L`.
     pub(super) fn of<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Self {
         let has = |wanted: &str, last: bool| {
             names.clone().any(|name| {
@@ -46,13 +46,13 @@ impl Letters {
         }
     }
 
-    /// Meaning from the names of points.
+    /// Finds the meaning from the names of points.
     pub(super) fn of_points(points: &[NamedPoint]) -> Self {
         Letters::of(points.iter().map(|point| point.read_as.as_str()))
     }
 }
 
-/// The names of OptimumKinematics, cut into words.
+/// Names of OptimumKinematics, split into words.
 const OPTIMUM: &[(&str, &str)] = &[
     ("chas low for", "lower_arm_front"),
     ("chas low aft", "lower_arm_rear"),
@@ -74,7 +74,7 @@ const OPTIMUM: &[(&str, &str)] = &[
     ("chas piv pnt", "anti_roll_bar_outer"),
 ];
 
-/// Returns true if these points have the names of OptimumKinematics.
+/// True if these points have the names of OptimumKinematics.
 pub(super) fn is_optimum(points: &[NamedPoint]) -> bool {
     points.iter().any(|point| {
         let words = cut(&point.read_as);
@@ -83,8 +83,7 @@ pub(super) fn is_optimum(points: &[NamedPoint]) -> bool {
     })
 }
 
-/// Finds the hardpoint of an OptimumKinematics name. The axle's name may precede it, and the wheel's name may follow
-/// it.
+/// Finds the hardpoint of an OptimumKinematics name. The axle may precede the name, and the wheel may follow it.
 fn optimum(words: &[String]) -> Option<(&'static str, Marks)> {
     let (words, marks) = match words {
         [rest @ .., last] if !marks_of(last).is_empty() && rest.len() > 1 => (rest, marks_of(last)),
@@ -95,7 +94,7 @@ fn optimum(words: &[String]) -> Option<(&'static str, Marks)> {
         let before = words.len().checked_sub(own.len())?;
         (words[before..] == own).then_some((before, *hardpoint))
     });
-    // The longest name: `nsma ubar att pnt` ends with `ubar att pnt`.
+    // The longest name wins, because `nsma ubar att pnt` ends with `ubar att pnt`.
     let (before, hardpoint) = fitting.min_by_key(|(before, _)| *before)?;
     let marks = words[..before].iter().fold(marks, |marks, word| {
         let axle = match word.as_str() {
@@ -108,7 +107,7 @@ fn optimum(words: &[String]) -> Option<(&'static str, Marks)> {
     Some((hardpoint, marks))
 }
 
-/// Wheel and axle that a name says in any topology.
+/// Wheel and axle that a name states for any topology.
 pub(super) fn marks(name: &str, letters: Letters) -> Marks {
     let read = Topology::ALL
         .iter()
@@ -116,7 +115,7 @@ pub(super) fn marks(name: &str, letters: Letters) -> Marks {
     read.map_or(Marks::default(), |role| role.marks)
 }
 
-/// Reads a name.
+/// Reads the role of a name.
 pub(super) fn read(name: &str, topology: &Topology, letters: Letters) -> Option<Role> {
     let words = cut(name);
     let plain = words.join("_");
@@ -138,7 +137,7 @@ pub(super) fn read(name: &str, topology: &Topology, letters: Letters) -> Option<
         });
     }
     let readings = readings(&words, letters);
-    // The topology's own names with a side, before words are read by their meaning.
+    // The topology's own names with a side have priority over the meaning of single words.
     let own = readings.iter().find_map(|(words, marks)| {
         let plain = words.join("_");
         let mut all = topology.all_hardpoints().map(|hardpoint| hardpoint.name);
@@ -157,7 +156,7 @@ pub(super) fn read(name: &str, topology: &Topology, letters: Letters) -> Option<
     })
 }
 
-/// Possible readings of sides in a name, most likely first.
+/// Possible readings of the sides in a name, most likely first.
 fn readings(words: &[String], letters: Letters) -> Vec<(Vec<String>, Marks)> {
     let is_r = |word: Option<&String>| word.is_some_and(|word| word == "r");
     let rear = |words: &[String], first: bool, last: bool| {
@@ -178,7 +177,7 @@ fn readings(words: &[String], letters: Letters) -> Vec<(Vec<String>, Marks)> {
     all
 }
 
-/// Removes sides at the start or the end.
+/// Removes sides at the start or the end, and returns them.
 fn stripped(mut words: Vec<String>) -> (Vec<String>, Marks) {
     let mut marks = Marks::default();
     for at_end in [false, true] {
@@ -227,7 +226,7 @@ fn body(name: &str, hardpoint: &str, topology: &Topology) -> Option<&'static str
     body_of(name, topology)
 }
 
-/// The body that some words name, in the words of studies.
+/// Body that some words name, in the words of studies.
 pub(super) fn body_of(text: &str, topology: &Topology) -> Option<&'static str> {
     let cut = cut(text);
     let has = |wanted: &str| cut.iter().any(|word| wanted.split(' ').any(|w| w == word));
@@ -249,7 +248,7 @@ pub(super) fn body_of(text: &str, topology: &Topology) -> Option<&'static str> {
     }
 }
 
-/// The axle that a list of marks agrees on.
+/// Axles that occur in a list of marks, each once.
 pub(super) fn axles(marks: impl Iterator<Item = Marks>) -> Vec<AxlePosition> {
     let mut axles: Vec<AxlePosition> = Vec::new();
     for axle in marks.filter_map(|marks| marks.axle) {
@@ -266,7 +265,7 @@ mod tests {
     use super::*;
     use crate::model::Side;
 
-    /// Other names of the file, a name, and its hardpoint, wheel, axle and body.
+    /// A test case: other names of the file, a name, and its hardpoint, wheel, axle and body.
     type Case<'a> = (
         &'a [&'a str],
         &'a str,

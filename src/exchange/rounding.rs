@@ -1,20 +1,23 @@
-//! Hardpoints rounded to a grid with the least loss.
+//! Rounds hardpoints to a grid with the least loss.
 //!
-//! Let r be the residuals of a study's targets, in tolerances ([`Objective`]), and J their derivatives by all
-//! coordinates. Let d be the moves that round the coordinates, in steps g of the grid. The misfit after rounding is
-//! that of
+//! Let r be the residuals of a study's targets, in tolerances ([`Objective`]), and J their derivatives by all coordinates. Let d
+//! be the moves that round the coordinates, in steps g of the grid. Then the residuals after rounding are
 //!
 //! ```text
-//! r + g J d,   d = k - x/g,   k whole numbers
+//! r + g J d,   d = k - x/g,   k integers
 //! ```
 //!
-//! so the best rounding is the lattice point g J k nearest to a given one. Only free coordinates move; the others keep
-//! their digits. *Nearest plane* (L. Babai, On Lovász' lattice reduction and the nearest lattice point problem,
-//! Combinatorica 6, 1986) takes the coordinates one after the other: with g J = Q R the last one is rounded, what it
-//! changes is handed on to the others, and so back to the first. A small spring holds coordinates that no target
-//! depends on near their places (rows s I below g J). Each coordinate goes to one of its two neighbours on the grid, so
-//! a coordinate on the grid stays. What comes out depends on the order of the coordinates; three are tried, and beside
-//! them the ordinary rounding, and the misfits of all are computed, not estimated.
+//! So the best rounding is the lattice point g J k nearest to a given point. Only free coordinates move; the others keep their
+//! digits.
+//!
+//! The method is *nearest plane* (L. Babai, On Lovász' lattice reduction and the nearest lattice point problem, Combinatorica 6,
+//! 1986). It rounds the coordinates one after the other. With g J = Q R it rounds the last coordinate, passes the resulting
+//! change on to the other coordinates, and continues back to the first one. A weak spring (rows s I below g J) holds coordinates
+//! that no target depends on near their places. Each coordinate goes to one of its two neighbours on the grid, so a coordinate on
+//! the grid stays.
+//!
+//! The result depends on the order of the coordinates. The program tries three orders and also ordinary rounding, and computes
+//! the misfit of each exactly.
 
 use crate::model::LengthUnit;
 use crate::number::Vector3;
@@ -22,41 +25,40 @@ use crate::optimise::{Linearisation, TargetLayout, evaluated};
 use crate::study::{Optimise, Study, Variable};
 use nalgebra::{DMatrix, DVector};
 
-/// The spring against moves the targets do not see, in tolerances per step.
+/// Stiffness of the spring against moves that leave the targets unchanged, in tolerances per step.
 const SPRING: f64 = 1e-3;
 
 /// A rounded design.
 #[derive(Clone, Debug)]
 pub struct Rounded {
-    /// Points, in the kernel's frame and the study's unit.
+    /// Points in the kernel's frame and the study's unit.
     pub design: Vec<Vector3<f64>>,
-    /// Points in the study's axes, as the grid's unit has them to the last digit.
+    /// Points in the study's axes, with exactly the digits of the grid's unit.
     pub coordinates: Vec<[f64; 3]>,
-    /// The grid.
+    /// Grid of the coordinates.
     pub grid: Grid,
-    /// Loss by rounding, if the study has targets.
+    /// Loss of accuracy by rounding, if the study has targets.
     pub loss: Option<Loss>,
 }
 
-/// Misfits, in tolerances; `None` where a design cannot be solved.
+/// Misfits in tolerances. `None` if a design cannot be solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loss {
     /// Misfit of the design before rounding.
     pub exact: f64,
-    /// Misfit with each coordinate rounded to its nearest multiple.
+    /// Misfit if each coordinate is rounded to its nearest multiple.
     pub ordinary: Option<f64>,
-    /// Misfit with the chosen rounding.
+    /// Misfit of the chosen rounding.
     pub best: f64,
     /// Number of coordinates that the chosen rounding does not round to the nearest multiple.
     pub otherwise: usize,
 }
 
-/// Rounds the free coordinates of a study's design to multiples of a grid. `free` has a flag for each coordinate, point
-/// by point.
+/// Rounds the free coordinates of a study's design to multiples of a grid. `free` has a flag for each coordinate, point by point.
 ///
 /// # Errors
 ///
-/// If the design cannot be solved, before or after.
+/// If the design cannot be solved before or after the rounding.
 pub fn rounded(study: &Study, grid: Grid, free: &[bool]) -> Result<Rounded, String> {
     let problem = Problem::new(study, grid, free);
     let ordinary = problem.nearest();
@@ -84,7 +86,7 @@ pub fn rounded(study: &Study, grid: Grid, free: &[bool]) -> Result<Rounded, Stri
         }
     }
     for (number, steps) in candidates.iter().enumerate() {
-        // A design beyond a limit of the motion has no misfit.
+        // A design outside the limits of the motion has no misfit.
         let moved = problem.result(steps, None).design;
         let misfit = targets.evaluated(&moved).ok();
         let misfit = misfit.map(|evaluation| evaluation.misfit());
@@ -108,17 +110,17 @@ pub fn rounded(study: &Study, grid: Grid, free: &[bool]) -> Result<Rounded, Stri
     Ok(problem.result(&steps, Some(loss)))
 }
 
-/// Multiples of a length.
+/// Grid of multiples of a length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
-    /// The length.
+    /// Length of one step.
     pub step: f64,
-    /// Unit.
+    /// Unit of the step.
     pub unit: LengthUnit,
 }
 
 impl Grid {
-    /// A length in steps.
+    /// Converts a length to steps.
     fn steps(&self, length: f64) -> f64 {
         length / self.step
     }
@@ -133,7 +135,7 @@ impl Grid {
     }
 }
 
-/// A design that is rounded.
+/// A design to be rounded.
 struct Problem<'a> {
     study: &'a Study,
     grid: Grid,
@@ -158,7 +160,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Steps of each coordinate, rounded independently.
+    /// Steps of each coordinate, each rounded to its nearest multiple.
     fn nearest(&self) -> Vec<f64> {
         let coordinates = self.before.iter().zip(self.free);
         let steps = coordinates.map(|(x, free)| match free {
@@ -168,8 +170,7 @@ impl<'a> Problem<'a> {
         steps.collect()
     }
 
-    /// Design whose coordinates are these multiples of the rounding step. A coordinate that does not move keeps its
-    /// bits.
+    /// Design whose coordinates are these multiples of the rounding step. A coordinate that does not move keeps its exact value.
     fn result(&self, steps: &[f64], loss: Option<Loss>) -> Rounded {
         let suspension = self.study.wheel();
         let own = suspension.length_unit;
@@ -179,7 +180,8 @@ impl<'a> Problem<'a> {
         for (point, before) in suspension.design.iter().enumerate() {
             let of_study = suspension.frame.vector(*before).to_array();
             let numbers = [0, 1, 2].map(|axis| 3 * point + axis);
-            // A coordinate on the grid has the grid's digits where converting it has cost the last one.
+            // A coordinate on the grid is written with the grid's digits if the units differ, because its conversion has lost the
+            // last digit.
             let keeps_digits = |n: usize| !self.free[n] || stays(n) && own == self.grid.unit;
             let written = numbers.map(|n| match keeps_digits(n) {
                 true => self.before[n],
@@ -210,7 +212,7 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// The targets of a study over all of its coordinates.
+/// Targets of a study as functions of all its coordinates.
 struct Targets<'a> {
     study: &'a Study,
     variables: Vec<Variable>,
@@ -218,7 +220,7 @@ struct Targets<'a> {
 }
 
 impl Targets<'_> {
-    /// Residuals and derivatives of a design.
+    /// Residuals of a design and their derivatives.
     fn evaluated(&self, design: &[Vector3<f64>]) -> Result<Linearisation, String> {
         let mut suspension = self.study.wheel().clone();
         suspension.design = design.to_vec();
@@ -229,7 +231,7 @@ impl Targets<'_> {
     }
 }
 
-/// The whole numbers on both sides of a number; itself twice where it is one, but for rounding.
+/// Integers on both sides of a number. An integer, within rounding errors, is both of its own neighbours.
 fn neighbours(at: f64) -> (f64, f64) {
     let nearest = at.round();
     match (at - nearest).abs() <= 1e-9 * at.abs().max(1.0) {
@@ -238,7 +240,7 @@ fn neighbours(at: f64) -> (f64, f64) {
     }
 }
 
-/// The steps of all coordinates by nearest plane; the free ones are taken in an order from its last to its first.
+/// Steps of all coordinates by nearest plane. The free coordinates are processed from the last to the first of `order`.
 fn nearest_plane(problem: &Problem<'_>, at_design: &Linearisation, order: &[usize]) -> Vec<f64> {
     let (rows, columns) = (at_design.jacobian.nrows(), order.len());
     let own = problem.study.wheel().length_unit;
@@ -256,7 +258,7 @@ fn nearest_plane(problem: &Problem<'_>, at_design: &Linearisation, order: &[usiz
     let qr = matrix.qr();
     let (r, y) = (qr.r(), qr.q().transpose() * wanted);
     let mut steps = problem.nearest();
-    // The moves d chosen so far, by their place in the order.
+    // Chosen moves d, in the order of the coordinates.
     let mut moves = vec![0.0; columns];
     for i in (0..columns).rev() {
         let handed_on: f64 = (i + 1..columns).map(|j| r[(i, j)] * moves[j]).sum();
@@ -270,7 +272,7 @@ fn nearest_plane(problem: &Problem<'_>, at_design: &Linearisation, order: &[usiz
     steps
 }
 
-/// A flag for each coordinate, point by point: true if it differs in another design.
+/// Flags for all coordinates, point by point. True if the coordinate differs in another design.
 pub fn moved_coordinates(design: &[Vector3<f64>], other: &[Vector3<f64>]) -> Vec<bool> {
     let pairs = design.iter().zip(other);
     let differs = |(a, b): (&Vector3<f64>, &Vector3<f64>)| {
@@ -280,7 +282,7 @@ pub fn moved_coordinates(design: &[Vector3<f64>], other: &[Vector3<f64>]) -> Vec
     pairs.flat_map(differs).collect()
 }
 
-/// A flag for each coordinate, point by point: true if a variable of `[optimise]` moves it.
+/// Flags for all coordinates, point by point. True if a variable of `[optimise]` moves the coordinate.
 pub fn tuned_coordinates(study: &Study) -> Vec<bool> {
     let mut tuned = vec![false; 3 * study.wheel().design.len()];
     let variables = study.optimise.iter().flat_map(|o| &o.variables);
@@ -324,7 +326,7 @@ mod tests {
         }
     }
 
-    /// A number is whole within a part of 1e-9, below 1 within 1e-9.
+    /// A number counts as an integer if it is within a relative 1e-9 of one, or within 1e-9 for numbers below 1.
     #[test]
     fn whole_numbers_have_no_neighbours() {
         for (at, expected) in [
@@ -343,7 +345,7 @@ mod tests {
         let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
         let text = std::fs::read_to_string(directory.join("macpherson_front.toml")).unwrap();
         let study = Study::from_text("front.toml", &text, &directory).unwrap();
-        // Off the grid everywhere, as a tuned design is.
+        // No coordinate is on the grid, as after a tuning.
         let design = study.wheel().design.iter().zip(1..).map(|(p, n)| {
             let off = 0.37 * f64::from(n);
             *p + Vector3::new(off.sin(), off.cos(), (2.0 * off).sin()) * 0.4
@@ -351,8 +353,9 @@ mod tests {
         study.at_design(design.collect())
     }
 
-    /// The sample's targets are met to a tenth of a tolerance and rounding to a millimetre costs several: the best
-    /// rounding must be no worse than the ordinary one, on the grid, and within a step. In any unit of the grid.
+    /// The sample's targets are met to a tenth of a tolerance, and rounding to a millimetre costs several tolerances. The best
+    /// rounding must be no worse than ordinary rounding, must be on the grid, and must be within one step. This holds in any unit
+    /// of the grid.
     #[test]
     fn nearest_plane_loses_no_more_than_ordinary_rounding() {
         let study = front();
@@ -382,7 +385,7 @@ mod tests {
                 );
                 assert_eq!(grid.length((after / step).round()), *after);
             }
-            // The curves belong to the written points.
+            // The curves belong to the points in the file.
             let own = study.wheel().length_unit;
             for (point, written) in rounded.design.iter().zip(&rounded.coordinates) {
                 let point = study.wheel().frame.vector(*point).to_array();

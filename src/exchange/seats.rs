@@ -1,26 +1,26 @@
-//! Bodies that ends of springs and rods sit on: as the user, a column or a name says, else the usual ones.
+//! Bodies that carry the ends of springs and rods. The user, a column or a name gives them; otherwise the usual body is assumed.
 
 use super::roles::body_of;
 use super::{Hardpoint, Imported};
 use crate::model::{Mechanism, PointId};
 use std::collections::BTreeMap;
 
-/// A hardpoint that may sit on several bodies.
+/// A hardpoint that may be mounted on different bodies.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Seat {
     pub hardpoint: &'static str,
-    /// The body it is mounted on unless another is named.
+    /// Usual body of this hardpoint.
     usual: &'static str,
-    /// The body it is mounted on.
+    /// Body on which it is mounted.
     pub body: &'static str,
     /// True if the body is assumed.
     is_assumed: bool,
 }
 
-/// Names the bodies of all ends.
+/// Finds the bodies of all ends.
 ///
 /// # Errors
-/// A body is named on which the end cannot sit, or it cannot be told which rod the drop link hangs on.
+/// A given body cannot carry the end, or it is not clear which rod carries the drop link.
 pub(super) fn of(
     imported: &Imported,
     named: &BTreeMap<String, String>,
@@ -66,7 +66,7 @@ pub(super) fn of(
     Ok(seats)
 }
 
-/// The body that the user, a column or the name says.
+/// Body that the user, a column or the name gives.
 fn said(
     hardpoint: &Hardpoint,
     named: &BTreeMap<String, String>,
@@ -98,10 +98,10 @@ fn said(
     Ok(meant.and_then(|meant| possible.iter().find(|body| **body == meant).copied()))
 }
 
-/// Ratio of distances below which another body is believed instead of the usual one.
+/// Ratio of distances below which a nearer body replaces the usual body.
 const NEARER: f64 = 0.5;
 
-/// The body whose members an end lies by, where the usual one is further away. `None` keeps the usual one.
+/// Finds a body whose members are much nearer to an end than the usual body. `None` keeps the usual body.
 fn nearest(
     imported: &Imported,
     mechanism: &Mechanism,
@@ -151,7 +151,7 @@ fn nearest(
     let Some((nearest, least)) = near.first().copied() else {
         return Ok(None);
     };
-    // A drop link on the wrong body gives a ratio that is wrong by a factor.
+    // With a wrong body for the drop link, the bar's ratio would be wrong by a large factor.
     let has_rocker = near.iter().any(|(body, _)| *body == "rocker");
     if name == "drop_link_outer" && has_rocker {
         if near.iter().skip(1).all(|(_, other)| least < NEARER * other) {
@@ -172,7 +172,7 @@ fn nearest(
         .then_some(nearest))
 }
 
-/// Distance of a point from the line between two others.
+/// Distance of a point from the segment between two others.
 fn to_segment(point: [f64; 3], a: [f64; 3], b: [f64; 3]) -> f64 {
     let sub = |p: [f64; 3], q: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| p[k] - q[k]) };
     let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
@@ -187,7 +187,7 @@ fn to_segment(point: [f64; 3], a: [f64; 3], b: [f64; 3]) -> f64 {
     dot(apart, apart).sqrt()
 }
 
-/// Notes on assumed bodies.
+/// Notes about assumed bodies.
 pub(super) fn notes(seats: &[Seat]) -> Option<String> {
     let assumed: Vec<String> = seats
         .iter()
@@ -214,7 +214,7 @@ pub(super) fn notes(seats: &[Seat]) -> Option<String> {
 }
 
 impl Seat {
-    /// The line of a study that says the body, where it is not the usual one.
+    /// Line of the study that names the body, if it is not the usual one.
     pub(super) fn unusual(&self) -> Option<(&'static str, &'static str)> {
         (self.body != self.usual).then_some((self.hardpoint, self.body))
     }

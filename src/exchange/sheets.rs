@@ -1,4 +1,4 @@
-//! The sheet of a workbook that has the points: the one that is named, the one of the wanted axle, or the only one.
+//! Finds the sheet of a workbook that has the points: the named sheet, the sheet of the wanted axle, or the only one.
 
 use super::names::{cut, marks_of_title};
 use super::refusal::{Question, Refusal};
@@ -7,10 +7,10 @@ use super::table::PointTable;
 use super::{points, workbook};
 use crate::model::AxlePosition;
 
-/// The points of a workbook; `wanted` names the sheet, `axle` the axle.
+/// Points of a workbook. `wanted` is the name of the sheet, `axle` the axle.
 ///
 /// # Errors
-/// No sheet has points, the sheet that is named has none, or several have points and none is named.
+/// No sheet has points, the named sheet has no points, or several sheets have points and none is named.
 pub(super) fn of_workbook(
     bytes: Vec<u8>,
     wanted: Option<&str>,
@@ -79,7 +79,7 @@ fn quoted<'n>(names: impl Iterator<Item = &'n str>) -> String {
     quoted.join(", ")
 }
 
-/// The axle that a sheet is named after.
+/// Axle in the name of a sheet.
 fn axle_of(name: &str) -> Option<AxlePosition> {
     let words = cut(name);
     let has = |wanted: &str| words.iter().any(|word| word == wanted);

@@ -1,5 +1,5 @@
-//! A file of points, whatever its format: a table of text, a workbook, a map in JSON or YAML, a subsystem of
-//! Adams/Car, a vehicle of Project Chrono or a `suspensions.ini` of Assetto Corsa.
+//! Reads a file of points in any format: a text table, a workbook, a map in JSON or YAML, a subsystem of Adams/Car, a vehicle of
+//! Project Chrono, or a `suspensions.ini` of Assetto Corsa.
 
 use super::adams::{self, Symmetry};
 use super::axes::{Axes, Declared};
@@ -10,13 +10,13 @@ use crate::model::{AxlePosition, FrameConvention, LengthUnit, Side};
 use crate::study::read_bytes;
 use std::path::Path;
 
-/// The largest file that is read, in bytes.
+/// Largest size of a file that is read, in bytes.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// The points of a file; `sheet` names one of a workbook, `axle` the one that is wanted of two.
+/// Points of a file. `sheet` names a sheet of a workbook; `axle` selects one of two axles.
 ///
 /// # Errors
-/// The file has no points that can be read, or a workbook has points in several sheets and none is named.
+/// The file has no readable points, or several sheets of a workbook have points and none is named.
 pub fn read(
     path: &Path,
     sheet: Option<&str>,
@@ -35,17 +35,17 @@ pub fn read(
     of_plain_file(path, &bytes).map_err(Refusal::Wrong)
 }
 
-/// The points of a map in JSON that is in memory.
+/// Points of a JSON map in memory.
 ///
 /// # Errors
-/// It has no points.
+/// The map has no points.
 pub fn read_map(json: &str) -> Result<PointTable, Refusal> {
     of_plain_file(Path::new("points.json"), json.as_bytes()).map_err(Refusal::Wrong)
 }
 
-/// The points of a file that is no workbook.
+/// Points of a file that is not a workbook.
 fn of_plain_file(path: &Path, bytes: &[u8]) -> Result<PointTable, String> {
-    // The container of old binary workbooks and of encrypted ones.
+    // These bytes begin old binary workbooks and encrypted ones.
     if bytes.starts_with(&[0xd0, 0xcf, 0x11, 0xe0]) {
         return Err("it is an old or an encrypted workbook; save it as .xlsx or .csv".to_owned());
     }
@@ -85,12 +85,12 @@ fn of_plain_file(path: &Path, bytes: &[u8]) -> Result<PointTable, String> {
 pub(super) const NO_POINTS: &str = "it has no table of points: a header with a column of names and the columns x, y and z, \
                          or lines of a name and three numbers, or names with three numbers in JSON or YAML";
 
-/// The bytes of a file, up to a bound. Devices and named pipes are refused.
+/// Bytes of a file up to a limit. Devices and named pipes are refused.
 pub fn bytes_of(path: &Path) -> Result<Vec<u8>, String> {
     read_bytes(path, MOST_BYTES)
 }
 
-/// Text in UTF-8, in UTF-16 with its mark as spreadsheets write it, or else a byte for each character.
+/// Decodes a text: UTF-8, or UTF-16 with a byte-order mark as spreadsheets write it, or else one byte per character.
 pub(super) fn decoded(bytes: &[u8]) -> Result<String, String> {
     let wide = |big: bool| {
         let units = bytes[2..].chunks_exact(2).map(|pair| match big {
@@ -146,7 +146,7 @@ fn of_subsystem(path: &Path, text: &str) -> Result<PointTable, String> {
         });
     }
     for parameter in subsystem.parameters {
-        // Only these two are geometry, and the same for both wheels in nearly every file.
+        // Only these two parameters are geometry. In nearly every file they are equal for both wheels.
         let is_angle = ["camber_angle", "toe_angle"].contains(&parameter.name.as_str());
         if is_angle && parameter.symmetry != Symmetry::Right {
             let degrees = match subsystem.degrees {

@@ -1,23 +1,23 @@
-//! A study's points as the hardpoints of an Adams/Car subsystem: in a new file, or in the rows of a copy of one.
+//! Writes a study's points as hardpoints of an Adams/Car subsystem: in a new file, or in the rows of a copy of an existing file.
 
 use super::adams::{self, Symmetry};
 use super::names;
 use super::outgoing::Outgoing;
 use crate::model::{FrameConvention, PointId, Side, SpinAxis, Suspension};
 
-/// A file of another tool that was written.
+/// A file written for another tool.
 #[derive(Clone, Debug)]
 pub struct Written {
-    /// The file.
+    /// Content of the file.
     pub bytes: Vec<u8>,
-    /// Notes on parts of the study that have no place in it.
+    /// Notes about parts of the study that the file cannot hold.
     pub notes: Vec<String>,
 }
 
-/// The axes of these files.
+/// Axes of these files.
 const AXES: FrameConvention = FrameConvention::XRear;
 
-/// New subsystem with a study's hardpoints. Rows for both sides give the left wheel; a right wheel that is no mirror
+/// Makes a new subsystem with a study's hardpoints. Rows for both sides give the left wheel. A right wheel that is not a mirror
 /// image has separate rows.
 pub fn subsystem(outgoing: &Outgoing<'_>) -> Written {
     let outgoing = outgoing.in_convention(AXES);
@@ -49,11 +49,11 @@ pub fn subsystem(outgoing: &Outgoing<'_>) -> Written {
     }
 }
 
-/// The file of a subsystem with a study's hardpoints in their rows; everything else stays as it is.
+/// Copy of a subsystem in which a study's hardpoints replace the coordinates in their rows. Everything else stays unchanged.
 ///
 /// # Errors
 ///
-/// The file is no subsystem, or it is not certain which of its rows is which hardpoint.
+/// The file is not a subsystem, or the hardpoint of a row is not certain.
 pub fn into_subsystem(outgoing: &Outgoing<'_>, file: &[u8]) -> Result<Written, String> {
     let suspension = outgoing.study.wheel();
     let text = adams::text_of(file);
@@ -110,7 +110,7 @@ pub fn into_subsystem(outgoing: &Outgoing<'_>, file: &[u8]) -> Result<Written, S
     })
 }
 
-/// The hardpoints that names of a file mean.
+/// Hardpoints that the names of a file mean.
 fn meanings<'f>(
     suspension: &Suspension,
     subsystem: &'f adams::Subsystem,
@@ -136,7 +136,7 @@ fn meanings<'f>(
     Ok(meanings)
 }
 
-/// Notes on parts that an Adams/Car subsystem keeps in its template.
+/// Notes about parts that an Adams/Car subsystem keeps in its template.
 fn without_bodies(suspension: &Suspension) -> Vec<String> {
     let moved = suspension.mechanism.points_on_other_bodies();
     match moved.is_empty() {

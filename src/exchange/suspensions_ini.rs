@@ -1,15 +1,15 @@
-//! `suspensions.ini` of Assetto Corsa: one axle, or both of a car.
+//! Writes `suspensions.ini` of Assetto Corsa for one axle, or for both axles of a car.
 //!
-//! Lengths are in metres. Pick-up points are relative to the wheel centre: x inboard, y up, z forward, the same for both
-//! wheels. `TRACK` is twice the distance of the wheel centre from the middle of the car; `BASEY` is the height of the wheel
-//! centre above the centre of gravity. `STATIC_CAMBER` is in degrees, positive with the top outward; it turns the wheel,
-//! not the pick-up points. `TOE_OUT` is a shift of the steering rod's body end in metres, no angle.
+//! Lengths are in metres. Pick-up points are relative to the wheel centre: x inboard, y up, z forward, equal for both wheels.
+//! `TRACK` is twice the distance of the wheel centre from the middle of the car. `BASEY` is the height of the wheel centre above
+//! the centre of gravity. `STATIC_CAMBER` is in degrees, positive with the top outward; it turns the wheel but not the pick-up
+//! points. `TOE_OUT` is not an angle but a shift of the steering rod's body end in metres.
 //!
-//! A solid axle is `TYPE=AXLE`. Its links are in a section `[AXLE]`, relative to the middle of both wheel centres: x to the
-//! left, y up, z forward. The game knows one such section, which is of the rear axle.
+//! A solid axle is `TYPE=AXLE`. Its links are in a section `[AXLE]`, relative to the middle of both wheel centres: x to the left,
+//! y up, z forward. The game reads only one such section, for the rear axle.
 //!
-//! `SPRING_RATE` is the rate at the wheel in N/m: [`WheelQuantity::WheelRate`] in the design position, without the
-//! anti-roll bar, which the game has besides.
+//! `SPRING_RATE` is the rate at the wheel in N/m: [`WheelQuantity::WheelRate`] in the design position. It excludes the anti-roll
+//! bar, because the game has a separate value for the bar.
 
 use super::assetto_in::POINTS;
 use super::outgoing::Outgoing;
@@ -22,11 +22,11 @@ use crate::report::shortest;
 use crate::study::CarStudy;
 use std::fmt::Write;
 
-/// The file of a study.
+/// File of a study.
 ///
 /// # Errors
 ///
-/// The topology has no place there, or the wheels of the axle differ.
+/// The format does not support the topology, or the wheels of the axle differ.
 pub fn suspensions_ini(outgoing: &Outgoing<'_>) -> Result<Written, String> {
     let mut ini = Ini::new(outgoing);
     ini.basic();
@@ -41,11 +41,11 @@ pub fn suspensions_ini(outgoing: &Outgoing<'_>) -> Result<Written, String> {
     })
 }
 
-/// The file of a car: both axles, with wheelbase, weight distribution and masses of the wheels.
+/// File of a car: both axles, with wheelbase, weight distribution and masses of the wheels.
 ///
 /// # Errors
 ///
-/// The topology of an axle has no place there, or its wheels differ.
+/// The format does not support the topology of an axle, or its wheels differ.
 pub fn suspensions_ini_of_car(study: &CarStudy) -> Result<Written, String> {
     let [front, rear] = study
         .axles
@@ -58,7 +58,7 @@ pub fn suspensions_ini_of_car(study: &CarStudy) -> Result<Written, String> {
     let wheelbase = front_centre.x - rear_centre.x;
     let mut ini = Ini::new(&front);
     ini.line("WHEELBASE", &shortest(metres(wheelbase)));
-    // The sprung mass and the whole mass have different centres of gravity.
+    // The sprung mass and the whole car have different centres of gravity.
     let has_whole = car.masses == Masses::Whole;
     match has_whole {
         true => {
@@ -106,7 +106,7 @@ VERSION=2
 [BASIC]
 ";
 
-/// The rate at the left wheel in the design position, or the reason why the study has none.
+/// Rate at the left wheel in the design position, or the reason why the study has none.
 fn wheel_rate(outgoing: &Outgoing<'_>) -> Result<f64, &'static str> {
     let needs = "a study with [axle], [spring] and [wheel] radius has it";
     let both = outgoing.study.axle().ok_or(needs)?;
@@ -125,7 +125,7 @@ fn wheel_rate(outgoing: &Outgoing<'_>) -> Result<f64, &'static str> {
         .ok_or("no positive rate in the design position")
 }
 
-/// The `TYPE` of a study.
+/// Value of `TYPE` for a study.
 fn kind(outgoing: &Outgoing<'_>) -> Result<&'static str, String> {
     let mechanism = &outgoing.study.wheel().mechanism;
     let kind = match mechanism.topology.name {
@@ -155,7 +155,7 @@ fn kind(outgoing: &Outgoing<'_>) -> Result<&'static str, String> {
     Ok(kind)
 }
 
-/// The file as it grows.
+/// File to which lines are added.
 struct Ini<'a> {
     outgoing: &'a Outgoing<'a>,
     side: Side,
@@ -173,7 +173,7 @@ impl<'a> Ini<'a> {
         }
     }
 
-    /// The section of an axle. `below` is the height of the wheel centre above the centre of gravity of a car, in metres.
+    /// Writes the section of an axle. `below` is the height of the wheel centre above the centre of gravity of a car, in metres.
     fn axle(&mut self, below: Option<Option<f64>>) -> Result<(), String> {
         let kind = kind(self.outgoing)?;
         self.section(kind, below);
@@ -210,7 +210,7 @@ impl<'a> Ini<'a> {
         Ok(())
     }
 
-    /// The section `[AXLE]`. Returns the ends of its links.
+    /// Writes the section `[AXLE]`. Returns the ends of its links.
     fn links(&mut self) -> Vec<PointId> {
         let mechanism = &self.outgoing.study.wheel().mechanism;
         let ends: Vec<[PointId; 2]> = mechanism
@@ -252,12 +252,12 @@ impl<'a> Ini<'a> {
         let _ = writeln!(self.file, "{key}={value}");
     }
 
-    /// A key without a value, for the user to fill in.
+    /// Writes a key without a value, for the user to complete.
     fn blank(&mut self, key: &str, why: &str) {
         let _ = writeln!(self.file, "; {key}=   ; {why}");
     }
 
-    /// A length of the study in metres.
+    /// Converts a length of the study to metres.
     fn metres(&self, length: f64) -> f64 {
         let own = self.outgoing.study.wheel().length_unit;
         LengthUnit::Metre.convert(length, own)
@@ -268,7 +268,7 @@ impl<'a> Ini<'a> {
         self.outgoing.place(self.side, id)
     }
 
-    /// A point relative to the wheel centre.
+    /// Coordinates of a point relative to the wheel centre.
     fn relative(&self, id: PointId) -> String {
         let from = self.outgoing.place(self.side, id) - self.centre();
         let metres = |length: f64| LengthUnit::Metre.convert(length, self.outgoing.unit) + 0.0;
@@ -308,7 +308,7 @@ impl<'a> Ini<'a> {
                 "height of the wheel centre above the centre of gravity",
             ),
             (None, Some(radius), Some(cg)) => {
-                // The contact point lies radius x cos(camber) below the wheel centre.
+                // The contact point is radius x cos(camber) below the wheel centre.
                 let cosine = (1.0 - self.outgoing.spin_axis(self.side).z.powi(2)).sqrt();
                 self.line("BASEY", &shortest(self.metres(radius * cosine - cg)));
             }
@@ -325,7 +325,7 @@ impl<'a> Ini<'a> {
         self.line("RIM_OFFSET", "0");
     }
 
-    /// The rate at the wheel, of an axle with springs.
+    /// Writes the rate at the wheel, for an axle with springs.
     fn spring_rate(&mut self) {
         match wheel_rate(self.outgoing) {
             Ok(rate) => {

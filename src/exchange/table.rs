@@ -1,4 +1,4 @@
-//! Named rows of a file: the result of every format's reader, and the input of all later steps.
+//! Named rows of a file. Every format's reader makes this table, and all later steps use it.
 
 use super::adams_bushings::AdamsBushing;
 use super::axes::Declared;
@@ -6,7 +6,7 @@ use super::refusal::{Question, Refusal};
 use super::roles;
 use crate::model::{AxlePosition, LengthUnit, Side, Topology};
 
-/// Wheel or axle of a part of a file, if the file states it.
+/// Wheel and axle to which a part of a file belongs, if the file states them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Marks {
     pub side: Option<Side>,
@@ -14,7 +14,7 @@ pub(super) struct Marks {
 }
 
 impl Marks {
-    /// These marks, completed by those of another part.
+    /// Fills missing marks from those of another part.
     pub(super) fn or(self, other: Marks) -> Marks {
         Marks {
             side: self.side.or(other.side),
@@ -22,26 +22,26 @@ impl Marks {
         }
     }
 
-    /// Returns true if there are no marks.
+    /// True if there are no marks.
     pub(super) fn is_empty(self) -> bool {
         self == Marks::default()
     }
 }
 
-/// A named point of a file, in the file's axes and unit.
+/// A named point of a file, in the axes and unit of the file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct NamedPoint {
-    /// Name as written, including the keys that lead to it.
+    /// Name in the file, including the keys that lead to the point.
     pub name: String,
-    /// Part of the name with its meaning.
+    /// Part of the name that carries its meaning.
     pub read_as: String,
-    /// Wheel and axle, where the file says so beside the name.
+    /// Wheel and axle, if the file gives them beside the name.
     pub marks: Marks,
-    /// True if the point gives the left wheel and, mirrored, the right one.
+    /// True if the point applies to the left wheel and, mirrored, to the right wheel.
     pub mirrored: bool,
-    /// Coordinates, or their fault.
+    /// Coordinates, or the reason why they cannot be read.
     pub position: Result<[f64; 3], String>,
-    /// The body that carries it, if the file gives one.
+    /// Body that carries the point, if the file gives one.
     pub body: Option<String>,
     /// Place in the file.
     pub place: String,
@@ -50,15 +50,15 @@ pub(super) struct NamedPoint {
 /// A single number with a name.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Figure {
-    /// Name as written.
+    /// Name in the file.
     pub name: String,
-    /// The part of the name that says what it is.
+    /// Part of the name that carries its meaning.
     pub read_as: String,
-    /// The number.
+    /// Value of the number.
     pub value: f64,
-    /// Wheel and axle, where the file says so beside the name.
+    /// Wheel and axle, if the file gives them beside the name.
     pub marks: Marks,
-    /// Remarks beside it.
+    /// Remark in the file beside the number.
     pub remark: String,
     /// Place in the file.
     pub place: String,
@@ -67,82 +67,82 @@ pub(super) struct Figure {
 /// Kind of an axle's suspension, as the file states it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Kind {
-    /// A topology, by its name in studies.
+    /// Name of a topology in studies.
     Topology(&'static str),
-    /// A topology whose points the file leaves open, with the reason. Names of `--map` settle it.
+    /// A topology whose points the file does not identify, with the reason. Names in `--map` can identify them.
     Unclear(&'static str, String),
-    /// No topology of this program, and the nearest one.
+    /// A kind that is not a topology of this program, with a message that names the nearest topology.
     Other(String),
 }
 
-/// A spring of an axle, in newtons and the unit of the file.
+/// Spring of an axle, in newtons and the unit of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SpringFigures {
-    /// Rate along the spring.
+    /// Rate along the spring's axis.
     pub rate: f64,
-    /// Force in the position of the file.
+    /// Spring force in the position of the file.
     pub force: f64,
 }
 
-/// Figures of an axle that the study of a car needs.
+/// Values of an axle that the study of a car needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct AxleFigures {
-    /// The spring, if the file has its rate and its force.
+    /// Spring, if the file has its rate and its force.
     pub spring: Option<SpringFigures>,
-    /// Mass of both wheels with their carriers, kg.
+    /// Mass of both wheels with their carriers, in kg.
     pub unsprung_mass: Option<f64>,
 }
 
-/// A mass with its centre of gravity, kg and the unit of the file.
+/// A mass with its centre of gravity, in kg and the unit of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Mass {
     /// True for the sprung mass, false for the mass of the whole car.
     pub is_sprung: bool,
-    /// The mass.
+    /// Mass in kg.
     pub mass: f64,
-    /// The centre of gravity, in the axes of the file.
+    /// Centre of gravity in the axes of the file.
     pub cg: [f64; 3],
 }
 
-/// Figures of a car with two axles.
+/// Values of a car with two axles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct CarFigures {
-    /// Place of the rear axle's origin in the axes of the front axle's points, if the file shows it.
+    /// Position of the rear axle's origin in the axes of the front axle's points, if the file shows it.
     pub rear_offset: Option<[f64; 3]>,
-    /// The mass, if the file or one beside it has it.
+    /// Mass, if this file or an accompanying file has it.
     pub mass: Option<Mass>,
-    /// Figures of the front and the rear axle.
+    /// Values of the front and the rear axle.
     pub axles: [AxleFigures; 2],
 }
 
-/// The points of a file.
+/// Points and further content of a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointTable {
-    /// The points, in the order of the file.
+    /// Points in the order of the file.
     pub(super) points: Vec<NamedPoint>,
     /// Single numbers with names.
     pub(super) figures: Vec<Figure>,
-    /// The unit of length, where the file says so.
+    /// Unit of length, if the file states it.
     pub(super) unit: Option<LengthUnit>,
     /// Axes, if the file states them.
     pub(super) declared: Declared,
-    /// Kind of suspension of each axle, if the file states it; without an axle, of all axles.
+    /// Kind of suspension of each axle, if the file states it. An entry without an axle applies to all axles.
     pub(super) kinds: Vec<(Option<AxlePosition>, Kind)>,
-    /// Figures of the car, if the file describes one.
+    /// Values of the car, if the file describes a car.
     pub(super) car: Option<CarFigures>,
     /// Bushings of an Adams/Car subsystem.
     pub(super) bushings: Vec<AdamsBushing>,
-    /// Notes for the user on the reading.
+    /// Notes for the user about the file.
     pub(super) notes: Vec<String>,
-    /// Parts that are not used, with the reason.
+    /// Unused parts of the file, with the reasons.
     pub(super) left_out: Vec<String>,
 }
 
 impl PointTable {
-    /// The topology that the file states for an axle.
+    /// Topology that the file states for an axle.
     ///
     /// # Errors
-    /// The file states none, or one for each axle and no axle is chosen.
+    /// The file states no topology. Or it states one for each axle, and no axle is chosen.
     pub fn topology(&self, axle: Option<AxlePosition>) -> Result<&'static Topology, Refusal> {
         let of_axle = |of: &Option<AxlePosition>| of.is_none() || axle.is_none() || *of == axle;
         let kinds: Vec<&Kind> = self
@@ -170,7 +170,7 @@ impl PointTable {
         }
     }
 
-    /// Returns true if the file has points of both axles.
+    /// True if the file has points of both axles.
     pub fn has_two_axles(&self) -> bool {
         let kinds = self.kinds.iter().map(|(axle, _)| Marks {
             side: None,

@@ -1,21 +1,21 @@
-//! Unit of a file's coordinates: the stated one, or the one that gives points the size of a car's suspension.
+//! Unit of a file's coordinates: the stated unit, or the unit that gives the points the size of a car's suspension.
 
 use super::ImportOptions;
 use super::corner::Picked;
 use super::table::PointTable;
 use crate::model::LengthUnit;
 
-/// Sizes of a wheel's suspension, in metres, by which a unit is recognised.
+/// Smallest and largest size of a wheel's suspension, in metres. They identify an unstated unit.
 const USUAL_SIZE: [f64; 2] = [0.15, 3.0];
 
-/// The unit of the coordinates.
+/// Finds the unit of the coordinates.
 pub(super) fn unit(
     table: &PointTable,
     options: &ImportOptions<'_>,
     picked: &[Picked],
     notes: &mut Vec<String>,
 ) -> Result<LengthUnit, String> {
-    // Any joint at the wheel will do, where the file has no wheel centre.
+    // If the file has no wheel centre, any joint at the wheel is sufficient.
     let at_wheel = ["wheel_centre", "lower_ball_joint", "lower_front_link_outer"];
     let centre = at_wheel
         .iter()

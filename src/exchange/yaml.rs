@@ -1,17 +1,17 @@
-//! YAML as a map: the input of `map`, from the events of the parser.
+//! Reads YAML as a map, the input of `map`. It uses the events of the parser.
 //!
-//! Everything of YAML 1.2 is read but aliases, whose text may stand for gigabytes: they are refused with their line. A
-//! plain scalar that is a number by the core schema's decimal forms is one; all else is text, quoted numbers too. Of
-//! several documents each is read.
+//! It reads all of YAML 1.2 except aliases. An alias could expand to gigabytes, so it is refused with its line number. A plain
+//! scalar that matches the core schema's decimal forms is a number. Every other scalar is text, also a quoted number. If a file
+//! has several documents, all are read.
 
 use super::map::Node;
 use saphyr_parser::{Event, Parser, ScalarStyle};
 use std::path::Path;
 
-/// The deepest nesting; no file of points has a tenth of it.
+/// Deepest nesting. Files of points need less than a tenth of it.
 const DEEPEST: usize = 100;
 
-/// Returns true if the file's name marks it as YAML.
+/// True if the name of the file ends like that of a YAML file.
 pub(super) fn is_named(path: &Path) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str());
     extension.is_some_and(|extension| {
@@ -19,14 +19,14 @@ pub(super) fn is_named(path: &Path) -> bool {
     })
 }
 
-/// A list or a table that is not yet complete.
+/// An incomplete list or table.
 enum Open {
     List(Vec<Node>),
     /// A table with its entries so far, and the key whose value comes next.
     Table(Vec<(String, Node)>, Option<String>),
 }
 
-/// Reads a text: a list of its documents, or the one document.
+/// Reads a text. Returns its document, or a list of its documents if there are several.
 pub(super) fn read(text: &str) -> Result<Node, String> {
     let mut documents = Vec::new();
     let mut open: Vec<Open> = Vec::new();
@@ -80,7 +80,7 @@ pub(super) fn read(text: &str) -> Result<Node, String> {
     })
 }
 
-/// A key as written; a number as its text.
+/// Text of a key. A numeric key keeps its digits as text.
 fn key_of(node: Node, line: usize) -> Result<String, String> {
     match node {
         Node::Text(text) => Ok(text),
@@ -96,7 +96,7 @@ fn scalar(text: &str, style: ScalarStyle) -> Node {
     if style != ScalarStyle::Plain {
         return Node::Text(text.to_owned());
     }
-    // Rust's reader also takes `inf` and `nan`, which are words here.
+    // The standard library also parses `inf` and `nan`, which are words here.
     let is_decimal = text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c))
         && text.ends_with(|c: char| c.is_ascii_digit() || c == '.');
     match text.parse::<f64>() {
@@ -130,7 +130,7 @@ true: yes
             "lower arm": {"front": {"x": 1, "y": 2.5, "z": -30}, "rear": [1, 2, 0.5]},
             "list": [{"name": "a", "at": [0, 1, 2]}, "1.5"], "nothing": null, "": "yes"}"#;
         assert_eq!(read(block).unwrap(), of_json(json).unwrap());
-        // What is JSON is YAML, too.
+        // JSON is valid YAML.
         assert_eq!(read(json).unwrap(), of_json(json).unwrap());
     }
 

@@ -1,15 +1,15 @@
-//! The quantity over which a curve is usually drawn.
+//! Chooses the quantity on the horizontal axis of a curve.
 
 use super::record::Record;
 
-/// Beginnings of the names of quantities that steering changes more than anything else.
+/// Name prefixes of outputs that depend on steering more than on anything else.
 const OF_STEERING: [&str; 4] = ["steer_", "mean_steer_", "ackermann", "steering_ratio"];
-/// Beginnings of the names of columns that measure the steering.
+/// Name prefixes of columns that measure the steering.
 const STEERED: [&str; 2] = ["steering_wheel_angle", "rack_"];
 
 impl Record {
-    /// Column that an output is naturally drawn over: of an axle that steers, the steering for what steering changes;
-    /// else the drive value.
+    /// Column for the horizontal axis of an output. For outputs that depend on steering, it is the steering column of a steered
+    /// axle. Otherwise it is the value of the drive.
     pub(super) fn natural_abscissa(&self, output: &str) -> &str {
         let name = output.strip_prefix("left_").unwrap_or(output);
         let name = name.strip_prefix("right_").unwrap_or(name);

@@ -1,4 +1,4 @@
-//! Remarks on curves: their conditioning, their certificate, and values that they lack.
+//! Remarks on curves: conditioning, certificates, and missing values.
 
 use super::completeness::Completeness;
 use super::figure::brief;
@@ -9,7 +9,7 @@ use crate::model::{LengthUnit, Rod, Side};
 use crate::study::Drive;
 use serde::{Deserialize, Serialize};
 
-/// Remarks on curves, a line each: on their accuracy, and on values that they lack.
+/// Remarks on curves, one per line: their accuracy, and missing values.
 pub fn remarks(curves: &Curves, length: LengthUnit) -> Vec<String> {
     let certificate = CertificateSummary::of(curves);
     let certificate = certificate.map(|c| c.remark(curves.stations.len(), length.symbol()));
@@ -23,7 +23,7 @@ pub fn remarks(curves: &Curves, length: LengthUnit) -> Vec<String> {
         .collect()
 }
 
-/// A remark on stations where nothing can carry the loads, if there are any.
+/// Remark on stations where nothing can carry the loads, if there are any.
 fn unsupported(curves: &Curves) -> Option<String> {
     let stations = curves.stations.iter().enumerate();
     let mut lacking = stations.filter(|(_, s)| s.values.contains(&Err(NoValue::Unsupported)));
@@ -36,12 +36,12 @@ fn unsupported(curves: &Curves) -> Option<String> {
     ))
 }
 
-/// Remarks on stations at which a rocker has reached a toggle: one for each rod of each wheel.
+/// Remarks on stations at which a rocker has reached a toggle, one for each rod of each wheel.
 fn toggled(curves: &Curves) -> Vec<String> {
     let is_axle = curves.motion_index(Drive::Travel.key()).is_none();
     let mut said = Vec::new();
     for side in Side::ALL {
-        // Distance from the design position: the wheel's travel, or the angle that drives it.
+        // Distance from the design position: travel of the wheel, or the angle that drives it.
         let (of, keys) = match (is_axle, side) {
             (false, _) => ("", ["arm_angle", "theta", "travel"]),
             (true, Side::Left) => ("left wheel's ", ["travel_left"; 3]),
@@ -71,7 +71,7 @@ fn toggled(curves: &Curves) -> Vec<String> {
     said
 }
 
-/// A number of stations in words.
+/// Number of stations in words.
 pub(super) fn stations_in_words(count: usize) -> String {
     match count {
         1 => "1 station".to_owned(),
@@ -79,14 +79,14 @@ pub(super) fn stations_in_words(count: usize) -> String {
     }
 }
 
-/// The conditioning along the motion.
+/// Conditioning along the motion.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct ConditionSummary {
-    /// The largest condition number; to within a factor of ten where it is below 1000.
+    /// Largest condition number. A value below 1000 is only known to within a factor of ten.
     worst: f64,
     /// Station of the largest condition number.
     at: StationLabel,
-    /// The same station in words.
+    /// Station of the largest condition number, in words.
     #[serde(skip)]
     at_words: String,
     /// Stations whose derivatives and sensitivities have fewer than six digits.
@@ -94,7 +94,7 @@ pub(super) struct ConditionSummary {
 }
 
 impl ConditionSummary {
-    /// Conditioning of curves. `None` if no station has a pose.
+    /// Summarises the conditioning of curves. `None` if no station has a pose.
     pub(super) fn of(curves: &Curves) -> Option<Self> {
         let stations = || curves.stations.iter().enumerate();
         let all = stations().filter_map(|(number, s)| Some((s.condition?, number)));
@@ -110,7 +110,7 @@ impl ConditionSummary {
         })
     }
 
-    /// A warning, if stations are ill-conditioned.
+    /// Warning, if some stations are ill-conditioned.
     fn warning(&self) -> Option<String> {
         let stations = match self.ill_conditioned.len() {
             0 => return None,
@@ -126,28 +126,28 @@ impl ConditionSummary {
     }
 }
 
-/// Summary of proofs.
+/// Summary of the proofs of poses.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct CertificateSummary {
-    /// Number of stations whose pose is proved, and that it is on the branch of the design position.
+    /// Number of stations with a proof that their pose exists and is on the branch of the design position.
     proved: usize,
-    /// Number of stations with a pose that could not be proved.
+    /// Number of stations whose pose could not be proved.
     unproved: usize,
     /// True if every station is proved, so that the whole curve is one branch.
     one_branch: bool,
-    /// The largest of the proved bounds on the position of points of the wheel carrier.
+    /// Largest proved bound on the position error of points of the wheel carrier.
     largest_position_error: Option<f64>,
     /// Station with this bound.
     at: Option<StationLabel>,
-    /// The same station in words.
+    /// Station with this bound, in words.
     #[serde(skip)]
     at_words: String,
-    /// The smallest distance within which there is proved to be no other pose.
+    /// Smallest distance within which the proof excludes any other pose.
     smallest_uniqueness: Option<f64>,
 }
 
 impl CertificateSummary {
-    /// Summary of the proofs of curves. `None` if the study does not request them.
+    /// Summarises the proofs of curves. `None` if the study does not request proofs.
     pub(super) fn of(curves: &Curves) -> Option<Self> {
         if curves.bounds.is_empty() {
             return None;
@@ -170,7 +170,7 @@ impl CertificateSummary {
                 continue;
             };
             summary.proved += 1;
-            // The last of the worst.
+            // If several stations have the largest error, the last one counts.
             if summary.largest_position_error <= Some(proof.position_error) {
                 summary.largest_position_error = Some(proof.position_error);
                 summary.at = Some(StationLabel::of(curves, number));
@@ -183,7 +183,7 @@ impl CertificateSummary {
         Some(summary)
     }
 
-    /// The summary in words.
+    /// Summary in words.
     pub(super) fn remark(&self, stations: usize, length_unit: &str) -> String {
         let mut text = format!("certificate: {} of {stations} stations proved", self.proved);
         text += &match (self.one_branch, self.unproved) {
@@ -192,7 +192,7 @@ impl CertificateSummary {
             (false, n) => format!("; {n} with a pose that could not be proved"),
         };
         if let Some(error) = self.largest_position_error {
-            // Up, so that what is shown is a bound too.
+            // The value is rounded up, so that the printed number is also a bound.
             let error = brief(error * 1.00001);
             text += &format!(
                 "; largest error of a point of the wheel carrier {error} {length_unit} (at {})",

@@ -1,4 +1,4 @@
-//! Work-precision picture for print: double logarithmic, each series with a mark and a grey level of its own.
+//! Work-precision picture for print: double logarithmic. Each series has its own mark and grey level.
 
 use super::figure::power_of_ten;
 use crate::bench::accuracy::{Accuracy, Family, Measurement};
@@ -14,7 +14,7 @@ const CAPTION: u32 = 34;
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Failed = Box<dyn std::error::Error>;
 
-/// A family, as points of a diagram.
+/// Diagram of one family of measurements.
 struct Panel {
     title: &'static str,
     across: &'static str,
@@ -23,7 +23,7 @@ struct Panel {
     legend: SeriesLabelPosition,
 }
 
-/// The picture.
+/// SVG text of the picture.
 pub(super) fn svg(accuracy: &Accuracy, caption: &str) -> String {
     let mut svg = String::new();
     draw(accuracy, caption, &mut svg).expect("a picture in memory can always be drawn");
@@ -56,7 +56,7 @@ fn panels(accuracy: &Accuracy) -> [Panel; 4] {
         let mut series: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
         for m in accuracy.measurements.iter().filter(|m| m.family == family) {
             let point = place(m);
-            // A logarithm is needed of both.
+            // Both coordinates need a logarithm.
             if !(point.0 > 0.0 && point.1 > 0.0 && point.0.is_finite() && point.1.is_finite()) {
                 continue;
             }
@@ -119,7 +119,7 @@ impl Panel {
     fn draw(&self, area: &Area<'_>) -> Result<(), Failed> {
         let points = || self.series.iter().flat_map(|(_, points)| points);
         let across = decades(points().map(|p| p.0), 0);
-        // Room for the legend.
+        // Extra decades leave space for the legend.
         let room = 1 + i32::from(self.up.contains("error"));
         let up = decades(points().map(|p| p.1), room);
         let mut chart = ChartBuilder::on(area)
@@ -147,7 +147,7 @@ impl Panel {
                 0 => chart.draw_series(LineSeries::new(line, grey.stroke_width(1)))?,
                 _ => chart.draw_series(DashedLineSeries::new(line, 5, 3, grey.stroke_width(1)))?,
             };
-            // Each mark has a type of its own.
+            // Each mark has its own type, so a macro replaces a function.
             macro_rules! marked {
                 ($mark:expr) => {
                     chart
@@ -179,7 +179,7 @@ impl Panel {
     }
 }
 
-/// Kinds of marks.
+/// Number of different marks.
 const MARKS: usize = 7;
 
 /// Grey level that distinguishes a series in addition to its mark.
@@ -192,7 +192,7 @@ fn square(style: ShapeStyle) -> Rectangle<(i32, i32)> {
     Rectangle::new([(-4, -4), (4, 4)], style)
 }
 
-/// The whole decades around some values, and some more above.
+/// Complete decades that contain these values, plus `more` decades above.
 fn decades(values: impl Iterator<Item = f64>, more: i32) -> Range<f64> {
     let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(low, high), v| {
         (low.min(v), high.max(v))
@@ -205,7 +205,7 @@ fn decades(values: impl Iterator<Item = f64>, more: i32) -> Range<f64> {
     10_f64.powi(low)..10_f64.powi(high)
 }
 
-/// A logarithmic axis with at most eight evenly spaced ticks. The crate `plotters` would place none below 1e-14.
+/// Logarithmic axis with at most eight evenly spaced ticks. The crate `plotters` would place no ticks below 1e-14.
 fn ticked(range: Range<f64>) -> WithKeyPoints<LogCoord<f64>> {
     let [low, high] = [range.start, range.end].map(|end| end.log10().round() as i32);
     let step = (high - low) / 8 + 1;
@@ -214,7 +214,7 @@ fn ticked(range: Range<f64>) -> WithKeyPoints<LogCoord<f64>> {
     range.log_scale().with_key_points(ticks)
 }
 
-/// The label of a tick.
+/// Label of a tick.
 fn label(value: &f64) -> String {
     power_of_ten(value.log10().round() as i32)
 }

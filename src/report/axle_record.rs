@@ -1,4 +1,4 @@
-//! `report.json` of an axle: data of its page that no other file of the run has.
+//! `report.json` of an axle: data for its page that no other file of the run has.
 
 use super::accuracy::remarks;
 use super::failures::FailureRange;
@@ -12,14 +12,14 @@ use crate::mechanism::{DesignFault, NoPose};
 use crate::model::Side;
 use crate::study::{Study, Target};
 
-/// Largest number of stations in the drawing, along its first coordinate and along the second.
+/// Largest number of drawn stations along the first and along the second coordinate of the motion.
 const MOST_FRAMES: [usize; 2] = [41, 9];
 
-/// A design to be recorded: label, file with its curves, the axle and the curves themselves.
+/// A design to be recorded: label, file with its curves, axle, and curves.
 pub type SolvedAxle<'a> = (&'a str, &'a str, &'a Axle, &'a Curves);
 
 impl Record {
-    /// The record of a run of an axle.
+    /// Makes the record of a run of an axle.
     pub fn of_axle(
         command: &str,
         study: &Study,
@@ -68,7 +68,8 @@ impl Record {
     }
 }
 
-/// Frames over the first coordinate that moves, for values of the second; the others have the value nearest to zero.
+/// Frames over the first coordinate that moves, for some values of the second. All other coordinates have their value nearest to
+/// zero.
 fn frames(
     axle: &Axle,
     motion: &AxleMotion,
@@ -114,7 +115,7 @@ fn frames(
     Ok(frames.map(frame).collect())
 }
 
-/// A value or a curve that is drawn beside the curves: of one column, the rest where the motion has it.
+/// Target as a value or a curve in the chart of one column. `None` if the motion cannot show it.
 fn target(target: &Target, axle: &Axle) -> Option<TargetRecord> {
     let site = target
         .site

@@ -1,29 +1,29 @@
-//! Bands of tolerances: in words, and with the share of builds that keep to them.
+//! Bands of tolerances: in words, and with the share of builds within them.
 
 use super::shortest;
 use super::tolerance_summary::ValueRecord;
 use crate::study::Band;
 use serde::{Deserialize, Serialize};
 
-/// A band.
+/// A band with its yield.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BandRecord {
-    /// In words.
+    /// Band in words.
     pub band: String,
-    /// The share of builds in it.
+    /// Share of builds within the band.
     pub kept: f64,
-    /// The share of builds in it by the first-order answer.
+    /// Share of builds within the band, by the first-order estimate.
     pub kept_linear: f64,
-    /// Column it is about.
+    /// Column of the output that the band limits.
     #[serde(default)]
     pub output: String,
-    /// Position of the motion at which it holds; none if everywhere.
+    /// Position of the motion at which the band applies. `None` if it applies everywhere.
     #[serde(default)]
     pub at: Option<f64>,
-    /// For an axle: column of the number that `at` is a value of.
+    /// For an axle: column of the motion to which `at` refers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub over: Option<String>,
-    /// Lowest and highest value, in the column's unit; `None` without a limit.
+    /// Lowest and highest value in the column's unit. `None` without a limit.
     #[serde(default)]
     pub low: Option<f64>,
     #[serde(default)]
@@ -31,7 +31,7 @@ pub struct BandRecord {
 }
 
 impl BandRecord {
-    /// The value that the band is about; of several the one whose 1 % and 99 % leave the least margin to a limit.
+    /// Value that the band limits. If there are several, the one whose 1 % or 99 % percentile has the smallest margin to a limit.
     pub fn worst_value<'v>(&self, values: &'v [ValueRecord]) -> Option<&'v ValueRecord> {
         if self.over.is_some() {
             return None;
@@ -57,10 +57,10 @@ impl BandRecord {
     }
 }
 
-/// Lowest and highest value of a band as printed; `None` without a limit.
+/// Lowest and highest printed value of a band. `None` without a limit.
 pub(super) fn limits_of(band: &Band) -> [Option<f64>; 2] {
     let printed = |v: &f64| {
-        // A limit is shown as it was written, not with the digits that degrees lose on the way to radians.
+        // A limit is shown as in the study file, without the rounding errors of the conversion to radians.
         let printed = v * band.of.factor();
         printed.is_finite().then(|| (printed * 1e9).round() / 1e9)
     };
@@ -71,12 +71,12 @@ pub(super) fn limits_of(band: &Band) -> [Option<f64>; 2] {
     }
 }
 
-/// A band as it was written.
+/// Band in the words of the study file.
 pub(super) fn in_words(band: &Band) -> String {
     let column = &band.of.column;
     let [low, high] = band.between.map(|v| {
         let printed = v * band.of.factor();
-        // A limit is shown as it was written, not with what degrees lose on the way to radians.
+        // A limit is shown as in the study file, without the rounding errors of the conversion to radians.
         (printed * 1e9).round() / 1e9
     });
     let wanted = match (low.is_finite(), high.is_finite()) {

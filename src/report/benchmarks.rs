@@ -1,4 +1,4 @@
-//! The measurements of a benchmark, as tables and as a picture.
+//! Measurements of a benchmark, as tables and as a picture.
 
 use super::accuracy_plot;
 use super::table::{Cell, Table};
@@ -7,7 +7,7 @@ use crate::bench::effects::Effects;
 use crate::bench::equilibria::Equilibria;
 use crate::bench::throughput::Throughput;
 
-/// Table of equilibria per second and of a sheet.
+/// Table of equilibria per second, and of the time of a sheet of tests.
 pub fn equilibria_table(equilibria: &Equilibria) -> Table {
     let mut table = Table::new(["job", "us_each", "spread_percent", "per_s"]);
     for m in &equilibria.measurements {
@@ -21,7 +21,7 @@ pub fn equilibria_table(equilibria: &Equilibria) -> Table {
     table
 }
 
-/// Table of poses per second, with a row for each output and method.
+/// Table of poses per second, one row for each output and method.
 pub fn throughput_table(throughput: &Throughput) -> Table {
     let mut table = Table::new([
         "asked",
@@ -83,7 +83,7 @@ pub fn effects_table(effects: &Effects) -> Table {
     table
 }
 
-/// Ten lines of the cost of accuracy: the fastest way to each number of digits, and to each kind of derivative.
+/// Short table of the cost of accuracy, about ten rows: the fastest method for each number of digits and each kind of derivative.
 pub fn accuracy_summary(accuracy: &Accuracy) -> Table {
     let mut table = Table::new([
         "measured",
@@ -128,7 +128,7 @@ pub fn accuracy_summary(accuracy: &Accuracy) -> Table {
     table
 }
 
-/// Table of the cost of a digit, with a row for each method.
+/// Table of the cost of a digit, one row per method.
 pub fn accuracy_table(accuracy: &Accuracy) -> Table {
     let mut table = Table::new([
         "family",
@@ -155,7 +155,7 @@ pub fn accuracy_table(accuracy: &Accuracy) -> Table {
     table
 }
 
-/// The cost of a digit as a picture (SVG).
+/// SVG picture of the cost of a digit.
 pub fn accuracy_picture(accuracy: &Accuracy, caption: &str) -> String {
     accuracy_plot::svg(accuracy, caption)
 }

@@ -1,4 +1,5 @@
-//! Designs that could be chosen instead of the kept one, as files and tables: the front and the price list.
+//! Designs that could replace the tuned one, as files and tables: the Pareto front, and the list of misfit against size of change
+//! ("price list").
 
 use super::figure::{brief, without_zeros};
 use super::files::csv_of;
@@ -8,17 +9,17 @@ use crate::optimise::{Choice, Front};
 use crate::study::{Optimise, Study, Variable};
 use serde::{Deserialize, Serialize};
 
-/// The most points of a front that are printed.
+/// Largest number of printed points of a front.
 const PRINTED: usize = 9;
 
-/// A variable as a column: `tie_rod_inner_dz_mm`, `upper_ball_joint+wheel_centre_turn_x_deg`.
+/// Column name of a variable: `tie_rod_inner_dz_mm`, `upper_ball_joint+wheel_centre_turn_x_deg`.
 fn column(variable: &Variable, unit: &str) -> String {
     let unit = if variable.turn.is_some() { "deg" } else { unit };
     format!("{}_{unit}", variable.label())
 }
 
-/// `front.csv`: a row for each point of the front, with the misfit of each goal in tolerances, the weights and the
-/// offsets of the variables. The last column is "yes" if the front is broken after the point.
+/// Content of `front.csv`: one row per point of the front. It has the misfit of each goal in tolerances, the weights, and the
+/// offsets of the variables. The last column is "yes" if the front has a gap after this point.
 pub fn front_csv(study: &Study, optimise: &Optimise, front: &Front) -> Vec<u8> {
     let unit = study.wheel().length_unit.symbol();
     csv_of(|writer| {
@@ -44,7 +45,7 @@ pub fn front_csv(study: &Study, optimise: &Optimise, front: &Front) -> Vec<u8> {
     })
 }
 
-/// A front for reading: some of its points, the first and the last among them.
+/// Table of a front for people: some of its points, including the first and the last.
 pub fn front_table(optimise: &Optimise, front: &Front) -> Table {
     let names: Vec<&str> = optimise
         .front
@@ -110,7 +111,7 @@ pub fn front_remarks(optimise: &Optimise, front: &Front) -> Vec<String> {
     remarks
 }
 
-/// Three digits.
+/// Formats a number with three digits.
 fn brief3(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -130,19 +131,19 @@ fn some_of(count: usize) -> Vec<usize> {
     }
 }
 
-/// A front as the page has it.
+/// A front in the form for the page.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrontRecord {
-    /// The goals.
+    /// Goals of the front.
     #[serde(rename = "wishes")]
     pub goals: Vec<String>,
-    /// The variables, as columns name them.
+    /// Variables, with the names of their columns.
     pub variables: Vec<String>,
-    /// The points.
+    /// Points of the front.
     pub points: Vec<FrontPoint>,
-    /// Points behind which it is broken.
+    /// Indices of the points after which the front has a gap.
     pub breaks: Vec<usize>,
-    /// The study of the first point, line by line.
+    /// Lines of the first point's study.
     pub study: Vec<String>,
 }
 
@@ -155,15 +156,15 @@ pub struct FrontPoint {
     pub weights: Vec<f64>,
     /// Offset of each variable, in the study's axes.
     pub offsets: Vec<f64>,
-    /// Lines of its study that differ from the study of the first point: number of the line, from 0, and the line.
+    /// Lines of this point's study that differ from the study of the first point: index of the line, from 0, and the line.
     pub lines: Vec<(usize, String)>,
-    /// Curves with six digits, for charts.
+    /// Curves with six digits for the charts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub curves: Option<CurveTable>,
 }
 
 impl FrontRecord {
-    /// The record of a front that a tuning found. `curves` solves a study.
+    /// Makes the record of a front that a tuning has found. `curves` solves a study.
     pub fn of(
         study: &Study,
         optimise: &Optimise,
@@ -202,27 +203,27 @@ impl FrontRecord {
     }
 }
 
-/// A step of the price list.
+/// One design of the price list.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PriceRecord {
-    /// The move, in ranges: the root of the sum of the squares.
+    /// Size of the change, in ranges: the root of the sum of squares.
     pub moved: f64,
-    /// The least misfit that it buys, in tolerances.
+    /// Smallest misfit with a change of this size, in tolerances.
     pub misfit: f64,
-    /// Decrease of the misfit for a further tenth of a range; `None` at the ends.
+    /// Decrease of the misfit if the change grows by a tenth of a range. `None` at the ends.
     pub gain: Option<f64>,
-    /// The variable that moves most, as a share of its range.
+    /// Variable that moves most, relative to its range.
     pub most: Option<String>,
     /// Offset of that variable.
     pub most_by: Option<f64>,
-    /// Offsets by variable.
+    /// Offset of each variable.
     pub offsets: Vec<f64>,
-    /// True if this is the design that is kept.
+    /// True if the tuning keeps this design.
     pub kept: bool,
 }
 
 impl PriceRecord {
-    /// Steps of a price list; `kept` holds the offsets of the kept design.
+    /// Records of a price list. `kept` holds the offsets of the kept design.
     pub fn all(optimise: &Optimise, list: &[Choice], kept: Option<&[f64]>) -> Vec<Self> {
         let record = |choice: &Choice| {
             let [misfit, moved] = choice.amounts[..] else {
@@ -249,7 +250,7 @@ impl PriceRecord {
         list.iter().filter_map(record).collect()
     }
 
-    /// A price list for reading.
+    /// Table of a price list for people.
     pub fn table(list: &[PriceRecord]) -> Table {
         let mut table = Table::new(["moved", "misfit", "gain", "most moved", "by", "kept"]);
         for step in list {

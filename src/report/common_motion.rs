@@ -1,28 +1,28 @@
-//! Stations that several tables of curves have in common.
+//! Finds the stations that several tables of curves have in common.
 
 use super::comparison::StationColumn;
 use super::curve_table::CurveTable;
 use crate::model::LengthUnit;
 
-/// The largest part of a column's size by which two stations may differ and be the same.
+/// Largest difference between equal stations, relative to the size of the column.
 const SAME: f64 = 1e-9;
 
-/// Columns that name a station in each of several tables.
+/// Columns of the motion that several tables share. Together they identify a station.
 pub(super) struct CommonMotion {
     /// Names of the columns.
     pub columns: Vec<String>,
-    /// Names of columns that repeat the motion, which are not compared.
+    /// Names of columns that repeat the motion. They are not compared.
     repeated: Vec<String>,
 }
 
 impl CommonMotion {
-    /// Reads the columns of the motion off the headers of tables in one unit. The curves of a wheel are over their
-    /// first column and the rack. Those of an axle are over roll and heave or over both travels, and over the
-    /// steering wheel or the rack; what follows from these is an output.
+    /// Finds the columns of the motion from the headers of tables in one unit. The curves of a wheel are over their first column
+    /// and the rack. The curves of an axle are over roll and heave, or over both travels; and over the steering wheel or the
+    /// rack. All columns that follow from these are outputs.
     ///
     /// # Errors
     ///
-    /// If curves of a wheel and of an axle meet, or two motions that are given by different numbers.
+    /// If curves of a wheel are compared with those of an axle, or if two motions are given by different columns.
     pub(super) fn of(
         tables: &[CurveTable],
         labels: &[&str],
@@ -62,7 +62,7 @@ impl CommonMotion {
             }
         } else {
             required.extend([left, in_unit("travel_right")]);
-            // Travels are outputs of a motion that heave gives.
+            // If heave gives the motion, the travels are outputs.
             if let Some(other) = tables.iter().position(|t| has(t, &heave)) {
                 return Err(format!(
                     "the motion of {} is given by {heave}, that of {} by {}: run them over the same motion",
@@ -91,13 +91,13 @@ impl CommonMotion {
         Ok(CommonMotion { columns, repeated })
     }
 
-    /// Returns true if a column says where a station is; it is no output then.
+    /// True if a column gives the position of a station. Then it is not an output.
     pub(super) fn is_input(&self, column: &str) -> bool {
         let mut inputs = self.columns.iter().chain(&self.repeated);
         inputs.any(|name| name == column)
     }
 
-    /// Station of each row. A number that a motion does not have is 0: no roll, or the rack in the middle.
+    /// Station of each row. A coordinate that a motion does not have is 0: no roll, or the rack in the middle.
     pub(super) fn places(&self, table: &CurveTable) -> Vec<Vec<f64>> {
         let columns: Vec<_> = self.columns.iter().map(|name| table.column(name)).collect();
         let value = |row: usize, column: &Option<&[Option<f64>]>| match column {
@@ -108,7 +108,7 @@ impl CommonMotion {
         (0..table.rows()).map(place).collect()
     }
 
-    /// Rows of the stations that all tables have, in the order of the first: a row of each table.
+    /// Rows of the stations that all tables have, in the order of the first table. Each entry has one row number per table.
     pub(super) fn common_rows(&self, tables: &[CurveTable]) -> Vec<Vec<usize>> {
         let places: Vec<_> = tables.iter().map(|table| self.places(table)).collect();
         let size = |k: usize| {
@@ -136,7 +136,7 @@ impl CommonMotion {
         rows.flatten().collect()
     }
 
-    /// The columns as the page shows them.
+    /// Columns of the motion in the form for the page.
     pub(super) fn described(&self, stations: &[Vec<f64>]) -> Vec<StationColumn> {
         let columns = self.columns.iter().enumerate();
         let described = columns.map(|(k, column)| StationColumn {

@@ -1,4 +1,4 @@
-//! Curves and points of several designs side by side, in the unit and the axes of the first.
+//! Curves and points of several designs side by side, in the unit and axes of the first design.
 
 use super::common_motion::CommonMotion;
 use super::curve_table::CurveTable;
@@ -12,23 +12,23 @@ use serde::Serialize;
 /// Points of a wheel by name.
 #[derive(Clone, Debug)]
 pub struct NamedPoints {
-    /// Names, and places in the kernel's frame of the wheel.
+    /// Names of the points, and their positions in the kernel's frame of the wheel.
     pub points: Vec<(String, [f64; 3])>,
-    /// Signs that lead to the study's axes.
+    /// Signs that convert to the study's axes.
     pub signs: [f64; 3],
 }
 
 /// Hardpoints of a design.
 #[derive(Clone, Debug)]
 pub enum ComparedPoints {
-    /// Points of one wheel, or of the left wheel of an axle whose right wheel is its mirror image.
+    /// Points of one wheel, or of the left wheel if the right wheel of the axle is its mirror image.
     OneWheel(NamedPoints),
-    /// Points of the left and of the right wheel.
+    /// Points of the left and the right wheel.
     BothWheels([NamedPoints; 2]),
 }
 
 impl ComparedPoints {
-    /// Points of a wheel, 0 for the left one.
+    /// Points of a wheel by its index. 0 is the left wheel.
     fn wheel(&self, number: usize) -> &NamedPoints {
         match self {
             ComparedPoints::OneWheel(points) => points,
@@ -37,39 +37,39 @@ impl ComparedPoints {
     }
 }
 
-/// A design that is compared.
+/// A design in a comparison.
 #[derive(Clone, Debug)]
 pub struct Compared {
     /// Label, unique for each design.
     pub label: String,
-    /// The topology, where it is known.
+    /// Topology, if it is known.
     pub topology: Option<String>,
-    /// Curves; lengths in `unit`.
+    /// Curves. Lengths are in `unit`.
     pub curves: CurveTable,
-    /// The unit of its lengths.
+    /// Unit of its lengths.
     pub unit: LengthUnit,
     /// Hardpoints, in `unit`.
     pub points: Option<ComparedPoints>,
-    /// Mechanism along the motion, if it is a study.
+    /// Mechanism along the motion, if the design comes from a study.
     pub mechanism: Option<Box<Record>>,
 }
 
-/// Several designs laid over each other.
+/// Comparison of several designs.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
     /// Labels of the designs.
     pub labels: Vec<String>,
-    /// Columns of the motion, which together name a station.
+    /// Columns of the motion, which together identify a station.
     pub motion: Vec<StationColumn>,
-    /// Common stations: a value for each column of the motion.
+    /// Common stations, each with a value for every column of the motion.
     pub stations: Vec<Vec<f64>>,
-    /// The curves.
+    /// Curves that all designs have.
     pub outputs: Vec<ComparedOutput>,
-    /// Stations of each design: a value for each column of the motion.
+    /// Stations of each design, with a value for every column of the motion.
     own_stations: Vec<Vec<Vec<f64>>>,
-    /// All curves, at the stations of each design: also those that not all designs have.
+    /// All curves at the stations of each design, including curves that some designs do not have.
     own_outputs: Vec<OwnOutput>,
-    /// Columns that some designs lack, with the designs that have them.
+    /// Columns that some designs do not have, with the designs that have them.
     #[serde(skip)]
     pub partial: Vec<(String, Vec<String>)>,
     #[serde(skip)]
@@ -86,37 +86,37 @@ pub struct Comparison {
 pub struct StationColumn {
     /// Name of the column, in the first design's unit.
     pub column: String,
-    /// True if it has more than one value at the common stations.
+    /// True if the column has several values at the common stations.
     pub moves: bool,
 }
 
-/// A curve of each design.
+/// An output that all designs have.
 #[derive(Clone, Debug, Serialize)]
 pub struct ComparedOutput {
     /// Name of the column, in the first design's unit.
     pub column: String,
-    /// For reading.
+    /// Readable name.
     pub title: String,
-    /// For reading.
+    /// Readable unit.
     pub unit: String,
     /// Values of each design at each station.
     pub values: Vec<Vec<Option<f64>>>,
 }
 
-/// A curve of each design with this output.
+/// An output that some of the designs have.
 #[derive(Clone, Debug, Serialize)]
 struct OwnOutput {
     column: String,
     title: String,
     unit: String,
-    /// Design by design, at its own stations; `None` if the design has no such column.
+    /// Values of each design at its own stations. `None` if the design does not have the column.
     values: Vec<Option<Vec<Option<f64>>>>,
 }
 
-/// A point whose position differs from the first design's.
+/// A point whose position differs from that in the first design.
 #[derive(Clone, Debug)]
 struct Moved {
-    /// The wheel, if the wheels of an axle differ.
+    /// Side, if the wheels of an axle differ.
     side: Option<Side>,
     point: String,
     label: String,
@@ -124,11 +124,11 @@ struct Moved {
 }
 
 impl Comparison {
-    /// Overlays designs; at least two.
+    /// Compares at least two designs.
     ///
     /// # Errors
     ///
-    /// If they have no station or no column in common.
+    /// If the designs have no common station or no common column.
     pub fn of(designs: &[Compared]) -> Result<Self, String> {
         let first = &designs[0];
         let tables: Vec<CurveTable> = designs.iter().map(|d| in_unit(d, first.unit)).collect();
@@ -197,7 +197,7 @@ impl Comparison {
         })
     }
 
-    /// Numbers of the columns of the motion that move, at least one. Curves are over the first.
+    /// Indices of the moving columns of the motion, at least one. The first one is the horizontal axis of curves.
     fn moving(&self) -> Vec<usize> {
         let mut moving: Vec<usize> = (0..self.motion.len()).collect();
         moving.retain(|k| self.motion[*k].moves);
@@ -207,14 +207,14 @@ impl Comparison {
         moving
     }
 
-    /// Columns of the motion that move, at least one.
+    /// Names of the moving columns of the motion, at least one.
     pub(super) fn moving_columns(&self) -> Vec<String> {
         let moves = |k: &usize| {
             let mut all = self.own_stations.iter();
             all.any(|stations| stations.iter().any(|at| at[*k] != stations[0][*k]))
         };
         let mut moving: Vec<usize> = (0..self.motion.len()).filter(moves).collect();
-        // The common stations decide which comes first.
+        // Columns that move at the common stations come first.
         moving.sort_by_key(|k| !self.motion[*k].moves);
         if moving.is_empty() {
             moving.push(0);
@@ -231,7 +231,8 @@ impl Comparison {
         outputs.map(|o| (o.title.as_str(), o.column.as_str(), o.unit.as_str()))
     }
 
-    /// Tables of all designs at their own stations, then of their differences from the first one at the common stations.
+    /// Tables of all designs at their own stations, then tables of their differences from the first design at the common
+    /// stations.
     pub(super) fn tables(&self) -> Vec<CurveTable> {
         let motion = |stations: &[Vec<f64>]| -> (Vec<String>, Vec<Vec<Option<f64>>>) {
             let column = |k: usize| {
@@ -276,14 +277,14 @@ impl Comparison {
         own.chain(differences).collect()
     }
 
-    /// Table with a row for each output and design: values and difference from the first design.
+    /// Table with one row for each output and design: values, and difference from the first design.
     pub fn table(&self) -> Table {
         let moving = self.moving();
         let header = ["output", "of", "at design", "min", "max"].map(str::to_owned);
         let header = header
             .into_iter()
             .chain(["largest difference", "at"].map(str::to_owned));
-        // Curves of one moving number have one column for its place.
+        // If only one column moves, one column is enough for the position.
         let further = moving[1..]
             .iter()
             .map(|k| format!("at {}", self.motion[*k].column));
@@ -323,7 +324,7 @@ impl Comparison {
         table.keyed(2)
     }
 
-    /// The difference from the first design that is largest, and its row.
+    /// Largest difference from the first design, and its row.
     fn largest_difference(&self, output: &ComparedOutput, design: usize) -> Option<(f64, usize)> {
         if design == 0 {
             return None;
@@ -339,7 +340,7 @@ impl Comparison {
         })
     }
 
-    /// Points whose positions differ from the first design's: in its axes and unit.
+    /// Table of the points that differ from the first design, in its axes and unit.
     pub fn moved_table(&self) -> Table {
         let unit = self.unit.symbol();
         let axes = ["x", "y", "z"].map(|axis| format!("d{axis} {unit}"));
@@ -359,8 +360,8 @@ impl Comparison {
         table.keyed(if sided { 3 } else { 2 })
     }
 
-    /// `comparison.csv`: a row for each station; of each output a column for each design, and one for each
-    /// difference from the first.
+    /// Content of `comparison.csv`: one row per station. Each output has a column for each design, and a column for each
+    /// difference from the first design.
     pub fn csv(&self) -> Vec<u8> {
         let motion = self.motion.iter();
         let mut header: Vec<String> = motion.map(|m| m.column.clone()).collect();
@@ -388,7 +389,7 @@ impl Comparison {
     }
 }
 
-/// The curves of a design with their lengths in another unit.
+/// Curves of a design with their lengths in another unit.
 fn in_unit(design: &Compared, unit: LengthUnit) -> CurveTable {
     let mut table = design.curves.clone();
     if design.unit == unit {
@@ -406,7 +407,7 @@ fn in_unit(design: &Compared, unit: LengthUnit) -> CurveTable {
     table
 }
 
-/// A column's name with another unit of length in it, and the power of the length.
+/// Name of a column with another unit of length, and the power of the length in its unit.
 fn converted(name: &str, from: LengthUnit, to: LengthUnit) -> (String, i32) {
     let mut power = 0;
     let mut sign = 1;
@@ -426,7 +427,7 @@ fn converted(name: &str, from: LengthUnit, to: LengthUnit) -> (String, i32) {
     (renamed, power)
 }
 
-/// A column's name before its unit, and the unit.
+/// Splits a column's name into the part before its unit, and the unit.
 fn split(name: &str) -> (&str, &str) {
     const UNITS: [&str; 11] = [
         "deg", "mm", "m", "in", "percent", "N", "lbf", "ft", "per", "rad", "kg",
@@ -445,7 +446,7 @@ fn split(name: &str) -> (&str, &str) {
     }
 }
 
-/// The points of the same name that are somewhere else: of each wheel if a design has own points of the right one.
+/// Points of equal names at different positions. If a design has separate points for the right wheel, both wheels are compared.
 fn moved(designs: &[Compared]) -> Vec<Moved> {
     let differs = |d: &Compared| matches!(d.points, Some(ComparedPoints::BothWheels(_)));
     if designs.iter().any(differs) {
@@ -456,7 +457,7 @@ fn moved(designs: &[Compared]) -> Vec<Moved> {
     moved_of(designs, 0, None)
 }
 
-/// Moved points of one wheel.
+/// Points of one wheel at different positions.
 fn moved_of(designs: &[Compared], wheel: usize, side: Option<Side>) -> Vec<Moved> {
     let first = &designs[0];
     let Some(reference) = first.points.as_ref().map(|points| points.wheel(wheel)) else {
@@ -493,7 +494,7 @@ fn moved_of(designs: &[Compared], wheel: usize, side: Option<Side>) -> Vec<Moved
     moved
 }
 
-/// One record with the drawings of all designs; `None` unless all have the same points, unit, axes and motion.
+/// Record with the drawings of all designs. `None` unless all designs have the same points, unit, axes and motion.
 fn mechanisms(designs: &[Compared]) -> Option<Record> {
     let records: Option<Vec<&Record>> = designs.iter().map(|d| d.mechanism.as_deref()).collect();
     let records = records?;
@@ -558,7 +559,7 @@ mod tests {
             ("bump_steer_deg_per_mm", "°/mm")
         );
         assert!((steer.values[1][0].unwrap() - 0.5).abs() < 1e-15);
-        // Each design keeps its own stations, and what it alone has.
+        // Each design keeps its own stations, and the outputs that no other design has.
         let own = |column: &str| {
             let mut all = comparison.own_outputs.iter();
             &all.find(|o| o.column == column).unwrap().values

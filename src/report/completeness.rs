@@ -1,8 +1,8 @@
 //! Completeness of the requested results: stations by status, and cells that are empty by definition.
 //!
-//! A cell may be empty at a solved station if the quantity is not defined there: a swing arm where the wheel does not
-//! turn. This is no failure. It is counted with its reason. A column without any value counts as a request that was
-//! not met.
+//! A cell may be empty at a solved station because the quantity is not defined there. An example is the swing arm of a
+//! wheel that does not turn. Such a cell is not a failure; it is counted with its reason. But a column without any value counts
+//! as a request that was not met.
 
 use super::table::{Cell, Table};
 use crate::curves::{Curves, Status};
@@ -14,7 +14,7 @@ pub struct Completeness {
     /// Statuses, in the order of their first occurrence.
     #[serde(default)]
     statuses: Vec<StatusCount>,
-    /// Empty columns. Neighbouring columns with as many empty stations for one reason form one entry.
+    /// Columns with empty cells. Neighbouring columns with equal numbers of empty stations and the same reason form one entry.
     #[serde(default)]
     empty: Vec<EmptyCells>,
 }
@@ -25,7 +25,7 @@ struct StatusCount {
     stations: usize,
 }
 
-/// Cells that are empty at stations that were solved.
+/// Empty cells at solved stations.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct EmptyCells {
     columns: Vec<String>,
@@ -35,7 +35,7 @@ struct EmptyCells {
     reason: String,
 }
 
-/// The columns with empty cells, each with all of its reasons.
+/// Columns with empty cells, each with all of its reasons.
 fn empty_columns(curves: &Curves) -> Vec<EmptyCells> {
     let mut found: Vec<EmptyCells> = Vec::new();
     let cells = curves.empty_cells();
@@ -57,7 +57,7 @@ fn empty_columns(curves: &Curves) -> Vec<EmptyCells> {
 }
 
 impl Completeness {
-    /// Number of stations of each status.
+    /// Table with the number of stations for each status.
     pub fn table(&self) -> Table {
         let mut table = Table::new(["status", "stations"]);
         for count in &self.statuses {
@@ -66,7 +66,7 @@ impl Completeness {
         table
     }
 
-    /// Counts stations and empty cells of curves.
+    /// Counts the stations and empty cells of curves.
     pub fn of(curves: &Curves) -> Self {
         let mut statuses: Vec<StatusCount> = Vec::new();
         for status in curves.stations.iter().map(|s| s.status.word()) {
@@ -90,7 +90,7 @@ impl Completeness {
         Completeness { statuses, empty }
     }
 
-    /// Sentence with the number of solved stations and the statuses of the others; `None` if nothing was counted.
+    /// Sentence with the number of solved stations and the statuses of the others. `None` if there are no stations.
     pub fn headline(&self) -> Option<String> {
         let all: usize = self.statuses.iter().map(|count| count.stations).sum();
         let is_solved = |count: &&StatusCount| {
@@ -105,7 +105,7 @@ impl Completeness {
         (all > 0).then(|| format!("{solved} of {all} stations solved{others}"))
     }
 
-    /// Remarks on empty cells, a line each.
+    /// Remarks on empty cells, one per line.
     pub fn remarks(&self) -> impl Iterator<Item = String> {
         self.empty.iter().map(|cells| {
             let columns = cells.columns.join(", ");

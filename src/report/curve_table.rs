@@ -1,20 +1,20 @@
-//! A CSV file of a run, read back.
+//! Reads a CSV file of a run.
 
 use serde::{Deserialize, Serialize};
 
-/// Columns of numbers, and the column `status` where there is one.
+/// Columns of numbers, and the column `status` if there is one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CurveTable {
-    /// Names of the columns of numbers.
+    /// Names of the numeric columns.
     pub header: Vec<String>,
-    /// Column by column; `None` for an empty cell.
+    /// Values of each column. `None` for an empty cell.
     pub columns: Vec<Vec<Option<f64>>>,
-    /// Row by row.
+    /// Status of each row.
     pub status: Vec<String>,
 }
 
 impl CurveTable {
-    /// Reads a CSV file as runs write them.
+    /// Reads a CSV file that a run has written.
     pub fn read(text: &[u8]) -> Result<Self, String> {
         let mut reader = csv::Reader::from_reader(text);
         let names: Vec<String> = reader
@@ -51,7 +51,7 @@ impl CurveTable {
         Ok(table)
     }
 
-    /// The same with numbers of six digits, which is more than a chart shows.
+    /// Rounds the numbers to six digits, which is more than a chart shows.
     pub fn with_six_digits(mut self) -> Self {
         for value in self.columns.iter_mut().flatten().flatten() {
             *value = format!("{value:.5e}").parse().unwrap_or(*value);
@@ -64,7 +64,7 @@ impl CurveTable {
         self.columns.first().map_or(0, Vec::len)
     }
 
-    /// The column of this name.
+    /// Column with this name.
     pub fn column(&self, name: &str) -> Option<&[Option<f64>]> {
         let place = self.header.iter().position(|n| n == name)?;
         Some(&self.columns[place])

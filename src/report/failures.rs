@@ -1,4 +1,4 @@
-//! Failed stations, gathered: neighbours that failed for one reason are one stretch.
+//! Failed stations: neighbours that failed for the same reason form one range.
 
 use super::figure::as_written;
 use super::station_label::place_in_words;
@@ -7,24 +7,23 @@ use crate::model::Suspension;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Neighbouring stations that failed for one reason.
+/// Neighbouring stations that failed for the same reason.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FailureRange {
     /// Index of the first station.
     pub first: usize,
-    /// Index of the last one.
+    /// Index of the last station.
     pub last: usize,
-    /// The word in the `status` column.
+    /// Word in the `status` column.
     pub status: String,
     /// Reason why there is no pose.
     pub reason: String,
-    /// Place on the motion, in words.
+    /// Position on the motion, in words.
     pub place: String,
 }
 
 impl FailureRange {
-    /// The failed stretches of curves, in the order of their stations. `wheel` is the wheel of a corner, or the left wheel
-    /// of an axle.
+    /// Failed ranges of curves, in the order of their stations. `wheel` is the wheel of a corner, or the left wheel of an axle.
     pub fn all(curves: &Curves, wheel: &Suspension) -> Vec<FailureRange> {
         let stations = &curves.stations;
         let mut stretches: Vec<FailureRange> = Vec::new();
@@ -68,7 +67,7 @@ impl fmt::Display for FailureRange {
     }
 }
 
-/// Index of the only number that the study gives and that differs between two stations; `None` if there are several.
+/// Index of the only given coordinate that differs between two stations. `None` if several differ.
 fn moves_on(curves: &Curves, first: usize, last: usize) -> Option<usize> {
     let [first, last] = [first, last].map(|station| &curves.stations[station].at);
     let given = (0..curves.motion.len()).filter(|k| curves.motion[*k].is_given);
@@ -78,7 +77,7 @@ fn moves_on(curves: &Curves, first: usize, last: usize) -> Option<usize> {
         .filter(|k| curves.motion[*k].key != "rack" && moving.next().is_none())
 }
 
-/// Returns the place of neighbouring stations in words.
+/// Position of neighbouring stations in words.
 fn place(curves: &Curves, first: usize, last: usize) -> String {
     let text = place_in_words(curves, first);
     let Some(k) = moves_on(curves, first, last) else {

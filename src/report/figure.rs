@@ -1,20 +1,18 @@
-//! Figures for reading: as many digits as a number deserves, and none that are rounding.
+//! Formats numbers for people: with enough digits, and without rounding errors.
 //!
-//! A value that the program has computed to be zero comes out as some 1e-16 of what it was computed from:
-//! 7e-34 degrees, 2e-15 mm. Such a figure says nothing, and is shown as 0. What it was computed from is
-//! known by its unit: coordinates of a wheel suspension are of the order of a metre, angles of a radian.
-//! Files keep every number as it is ([`shortest`]).
+//! A value that should be zero comes out as about 1e-16 of its inputs, such as 7e-34 degrees or 2e-15 mm. Such a number has no
+//! meaning, so it is shown as 0. The unit shows the size of the inputs: coordinates of a wheel suspension are about a metre,
+//! angles about a radian. Files keep every number as it is ([`shortest`]).
 
 use super::shortest;
 
-/// Digits that are shown of the largest of some figures.
+/// Number of digits shown for the largest of some numbers.
 const DIGITS: i32 = 6;
 
-/// Differences up to this are rounding, relative to the size of the numbers that a figure is computed from: rates are
-/// right to 1e-11.
+/// Differences up to this size are rounding errors, relative to the inputs of a number. Rates are accurate to 1e-11.
 const ROUNDING: f64 = 1e-11;
 
-/// Six significant digits.
+/// Formats with six significant digits.
 pub fn brief(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -29,7 +27,7 @@ pub fn brief(value: f64) -> String {
     without_zeros(&format!("{value:.decimals$}")).to_owned()
 }
 
-/// Six significant digits, or 0 for a rounding error in this unit (named as in columns: `deg_per_mm`).
+/// Formats with six significant digits. A rounding error in this unit (named as in columns: `deg_per_mm`) becomes 0.
 pub fn figure(value: f64, unit: &str) -> String {
     match value.abs() < resolution(unit) {
         true => "0".to_owned(),
@@ -37,8 +35,8 @@ pub fn figure(value: f64, unit: &str) -> String {
     }
 }
 
-/// Values side by side, with the decimals of the largest. A value that would have fewer than two digits gets its own
-/// decimals. An unknown value is empty.
+/// Formats values side by side, with the decimals of the largest value. A value that would have fewer than two digits gets its
+/// own decimals. An unknown value is empty.
 pub fn figures<const N: usize>(values: [Option<f64>; N], unit: &str) -> [String; N] {
     let largest = values
         .iter()
@@ -67,7 +65,7 @@ pub fn figures<const N: usize>(values: [Option<f64>; N], unit: &str) -> [String;
     texts
 }
 
-/// A power of ten: `10⁻³`.
+/// Text of a power of ten: `10⁻³`.
 pub(super) fn power_of_ten(power: i32) -> String {
     let raised = |c: char| match c {
         '-' => '⁻',
@@ -80,7 +78,7 @@ pub(super) fn power_of_ten(power: i32) -> String {
     "10".chars().chain(digits.chars().map(raised)).collect()
 }
 
-/// A figure with this number of decimals, without a negative zero.
+/// Formats with this number of decimals, without a negative zero.
 pub fn with_decimals(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
@@ -89,13 +87,13 @@ pub fn with_decimals(value: f64, decimals: usize) -> String {
     }
 }
 
-/// A number that a user wrote, as written but for a trailing ".0".
+/// Formats a number as the user wrote it, but without a trailing ".0".
 pub fn as_written(value: f64) -> String {
     let text = shortest(value);
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
 }
 
-/// Size of a rounding error in a unit, which is part of column names: `deg`, `deg_per_mm2`, `N_mm`.
+/// Size of a rounding error in a unit. The unit is named as in columns: `deg`, `deg_per_mm2`, `N_mm`.
 pub fn resolution(unit: &str) -> f64 {
     let (above, below) = match unit.strip_prefix("per_") {
         Some(below) => ("", below),
@@ -105,7 +103,7 @@ pub fn resolution(unit: &str) -> f64 {
     ROUNDING * product(above) / product(below)
 }
 
-/// Typical size of a quantity in a unit.
+/// Typical size of the inputs of a quantity in this unit.
 fn size(unit: &str) -> f64 {
     let (unit, power) = match unit.strip_suffix('2') {
         Some(unit) => (unit, 2),
@@ -123,12 +121,12 @@ fn size(unit: &str) -> f64 {
     size.powi(power)
 }
 
-/// The power of ten of the first digit.
+/// Power of ten of the first digit.
 fn magnitude(value: f64) -> i32 {
     value.abs().log10().floor() as i32
 }
 
-/// A decimal without zeros at its end.
+/// Removes trailing zeros of a decimal number.
 pub(super) fn without_zeros(text: &str) -> &str {
     match text.contains('.') {
         true => text.trim_end_matches('0').trim_end_matches('.'),
@@ -161,7 +159,7 @@ mod tests {
         assert_eq!(figure(-7.26471e-34, "deg"), "0");
         assert_eq!(figure(1.98588e-15, "mm"), "0");
         assert_eq!(figure(3e-15, "per_mm"), "0");
-        // Show values that differ from zero.
+        // Values that really differ from zero are shown.
         assert_eq!(figure(1e-6, "deg"), "1e-6");
         assert_eq!(figure(2.5e-9, "deg_per_mm2"), "2.5e-9");
         assert_eq!(figure(2e-15, "deg_per_mm"), "0");

@@ -1,37 +1,37 @@
-//! The CSV files of a run.
+//! CSV files of a run.
 
 use super::{optional, shortest};
 use crate::curves::{Curves, MotionColumn, Station};
 use crate::optimise::Multistart;
 use crate::study::Study;
 
-/// A CSV file in memory.
+/// Makes a CSV file in memory.
 pub(super) fn csv_of(write: impl FnOnce(&mut csv::Writer<Vec<u8>>) -> csv::Result<()>) -> Vec<u8> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    // Writing to memory cannot fail, and every record is written with its header's length.
+    // Writing to memory cannot fail, and every record has the length of its header.
     write(&mut writer).expect("records of one length");
     writer.into_inner().expect("memory takes everything")
 }
 
-/// A CSV file of given rows.
+/// Makes a CSV file from rows.
 pub(super) fn csv_of_rows(mut rows: impl Iterator<Item = Vec<String>>) -> Vec<u8> {
     csv_of(|writer| rows.try_for_each(|row| writer.write_record(row)))
 }
 
-/// Names of the motion's columns that files have.
+/// Names of the motion's columns in files.
 fn motion_names(curves: &Curves) -> Vec<String> {
     let written = curves.motion.iter().filter(|column| column.is_written);
     written.map(MotionColumn::name).collect()
 }
 
-/// Values of the motion's columns that files have, at a station.
+/// Values of the motion's columns in files, at one station.
 fn motion_values(curves: &Curves, station: &Station) -> Vec<String> {
     let all = curves.motion.iter().zip(&station.at);
     let written = all.filter(|(column, _)| column.is_written);
     written.map(|(_, value)| optional(*value)).collect()
 }
 
-/// `curves.csv`: a row for each station, `status` last; a value that does not exist is an empty cell.
+/// Content of `curves.csv`: one row per station, with `status` as the last column. A missing value is an empty cell.
 pub fn curves_csv(curves: &Curves) -> Vec<u8> {
     csv_of(|writer| {
         let mut header = motion_names(curves);
@@ -51,8 +51,8 @@ pub fn curves_csv(curves: &Curves) -> Vec<u8> {
     })
 }
 
-/// `sensitivities.csv`: a row for each station, output, hardpoint and axis. Those of a corner have a column for the order
-/// of the derivative, those of an axle one for the side whose hardpoint moves.
+/// Content of `sensitivities.csv`: one row for each station, output, hardpoint and axis. For a corner there is a column with the
+/// order of the derivative. For an axle there is a column with the side whose hardpoint moves.
 pub fn sensitivities_csv(study: &Study, curves: &Curves) -> Vec<u8> {
     let (wheel, is_axle) = (study.wheel(), study.axle().is_some());
     csv_of(|writer| {
@@ -83,7 +83,7 @@ pub fn sensitivities_csv(study: &Study, curves: &Curves) -> Vec<u8> {
     })
 }
 
-/// `history.csv`: a row for each iteration of each start.
+/// Content of `history.csv`: one row for each iteration of each start.
 pub fn history_csv(starts: &Multistart) -> Vec<u8> {
     csv_of(|writer| {
         writer.write_record([

@@ -1,4 +1,4 @@
-//! Reads back the results of a directory, whichever command wrote them.
+//! Reads the results in a directory, from any command.
 
 use super::car::{CAR_FORM, CarRecord};
 use super::run::Run;
@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-/// A run that has ended.
+/// A finished run.
 #[derive(Clone, Debug)]
 pub enum FinishedRun {
     /// Curves of one or two designs.
@@ -18,13 +18,13 @@ pub enum FinishedRun {
     Car(Box<CarRecord>),
 }
 
-/// Reason why a directory does not hold the expected run.
+/// Reason why a directory does not contain the expected run.
 #[derive(Debug, thiserror::Error)]
 #[error("{path}: {reason}")]
 pub struct NotARun {
-    /// The directory or the file in it.
+    /// Directory, or file in it.
     pub path: PathBuf,
-    /// Fault of the file.
+    /// Error in the file.
     pub reason: String,
 }
 
@@ -37,13 +37,13 @@ impl NotARun {
     }
 }
 
-/// Record of a run of a `kind`, if its format can be read.
+/// Reads the record of a run of a `kind`, if this version can read its format.
 pub(super) fn in_form<T: DeserializeOwned>(
     text: &[u8],
     form: u32,
     [writer, kind]: [&str; 2],
 ) -> Result<T, String> {
-    /// The part that every form has.
+    /// Part that all formats have in common.
     #[derive(serde::Deserialize)]
     struct Form {
         form: u32,
@@ -61,7 +61,7 @@ pub(super) fn in_form<T: DeserializeOwned>(
 }
 
 impl FinishedRun {
-    /// Reads the directory of a solve, an optimisation or a sweep. If several wrote there, it reads the last run.
+    /// Reads the directory of a solve, an optimisation or a sweep. If several commands wrote there, it reads the last run.
     pub fn read(directory: &Path) -> Result<Self, NotARun> {
         if is_sweep(directory) {
             return Ok(FinishedRun::Sweep(Box::new(SweepRun::read(directory)?)));
@@ -74,7 +74,7 @@ impl FinishedRun {
 }
 
 impl CarRecord {
-    /// Reads the record of a car's run back; `None` if the directory has none.
+    /// Reads the record of a car's run. `None` if the directory has none.
     pub(super) fn read(directory: &Path) -> Result<Option<Self>, NotARun> {
         #[derive(serde::Deserialize)]
         struct Kind {
@@ -95,7 +95,8 @@ impl CarRecord {
     }
 }
 
-/// A run writes `summary.json` last, with its command. A sweep removes it at its start.
+/// True if the last run was a sweep. Each run writes `summary.json` last, with its command. A sweep removes this file at its
+/// start.
 fn is_sweep(directory: &Path) -> bool {
     #[derive(serde::Deserialize)]
     struct Summary {

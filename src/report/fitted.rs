@@ -5,34 +5,34 @@ use super::table::{Cell, Column};
 use crate::optimise::ConfidenceInterval;
 use serde::{Deserialize, Serialize};
 
-/// The 95 % interval of the offset of a fitted variable, as `summary.json` has it.
+/// 95 % confidence interval of the offset of a fitted variable, as in `summary.json`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "confidence", rename_all = "snake_case")]
 pub enum FittedOffset {
-    /// Between both ends. One of them may be the end of the range.
+    /// The offset is between two ends. One of them may be the end of the range.
     TwoSided {
         /// Lowest offset.
         offset_lower: f64,
         /// Highest offset.
         offset_upper: f64,
     },
-    /// The variable is at its lower bound, and no larger than this.
+    /// The variable is at its lower bound, and at most this large.
     AtMost {
         /// Highest offset.
         offset_upper: f64,
     },
-    /// The variable is at its upper bound, and no smaller than this.
+    /// The variable is at its upper bound, and at least this large.
     AtLeast {
         /// Lowest offset.
         offset_lower: f64,
     },
-    /// Anywhere in the range.
+    /// The offset can be anywhere in the range.
     NotDetermined,
 }
 
 impl From<ConfidenceInterval> for FittedOffset {
     fn from(interval: ConfidenceInterval) -> Self {
-        // No negative zeros in files.
+        // Adding 0.0 avoids negative zeros in files.
         match interval {
             ConfidenceInterval::TwoSided { lower, upper } => FittedOffset::TwoSided {
                 offset_lower: lower + 0.0,
@@ -50,7 +50,7 @@ impl From<ConfidenceInterval> for FittedOffset {
 }
 
 impl FittedOffset {
-    /// The word for programs: `two_sided`, `at_most`, `at_least` or `not_determined`.
+    /// Word for programs: `two_sided`, `at_most`, `at_least` or `not_determined`.
     pub fn word(&self) -> &'static str {
         match self {
             FittedOffset::TwoSided { .. } => "two_sided",
@@ -60,7 +60,7 @@ impl FittedOffset {
         }
     }
 
-    /// Lowest and highest offset, where the interval says one.
+    /// Lowest and highest offset, if the interval has them.
     pub fn ends(&self) -> [Option<f64>; 2] {
         match *self {
             FittedOffset::TwoSided {
@@ -81,7 +81,7 @@ impl FittedOffset {
         }
     }
 
-    /// Decimals that the offset deserves: two digits of a quarter of the interval. `None` where nothing limits it.
+    /// Number of useful decimals of the offset: two digits of a quarter of the interval. `None` if the interval has no limit.
     pub(super) fn decimals(&self, offset: Option<f64>) -> Option<usize> {
         let width = match (self.ends(), offset) {
             ([Some(lower), Some(upper)], _) => upper - lower,
@@ -92,7 +92,7 @@ impl FittedOffset {
         (error > 0.0).then(|| (1.0 - error.log10().floor()).clamp(0.0, 12.0) as usize)
     }
 
-    /// The interval for reading, with this many decimals.
+    /// Interval in words, with this number of decimals.
     fn in_words(&self, decimals: Option<usize>) -> String {
         let show = |value: f64| {
             let text = decimals.map_or_else(|| brief(value), |d| with_decimals(value, d));
@@ -111,7 +111,7 @@ impl FittedOffset {
         }
     }
 
-    /// Columns of the interval, where the fit has intervals.
+    /// Table columns of the interval, for fits that have intervals.
     pub(super) fn columns() -> [Column; 4] {
         [
             Column::for_readers("moved, 95 %"),
@@ -121,7 +121,7 @@ impl FittedOffset {
         ]
     }
 
-    /// The cells of [`FittedOffset::columns`].
+    /// Table cells in the columns of [`FittedOffset::columns`].
     pub(super) fn cells(&self, decimals: Option<usize>) -> [Cell; 4] {
         let half = match self {
             FittedOffset::NotDetermined => Cell::from("not determined"),

@@ -1,23 +1,23 @@
-//! Columns for the numbers that the motion of an axle gives, in tables that have a row for a position.
+//! Columns for the coordinates that the motion of an axle gives, in tables with one row per position.
 
 use crate::axle::{Axle, AxlePlan, Coordinate, Placement};
 use crate::model::Axis;
 
-/// Names and values of the numbers that an axle's motion gives.
+/// Names and values of the coordinates that an axle's motion gives.
 pub(super) struct GivenColumns<'a> {
     pub plan: &'a AxlePlan,
     pub axle: &'a Axle,
 }
 
 impl GivenColumns<'_> {
-    /// The names of the numbers that the motion gives.
+    /// Names of the coordinates that the motion gives.
     pub(super) fn names(&self) -> Vec<String> {
         let length = self.axle.left.length_unit;
         let given = self.coordinates().into_iter();
         given.map(|c| c.column(length)).collect()
     }
 
-    /// These numbers at a station, as the study writes them.
+    /// Values of these coordinates at a station of the motion, as in the study.
     pub(super) fn values(&self, number: usize, placement: &Placement) -> Vec<f64> {
         let value = |coordinate: Coordinate| match coordinate {
             Coordinate::Roll => degrees(placement.along(coordinate)),
@@ -31,7 +31,7 @@ impl GivenColumns<'_> {
         self.coordinates().into_iter().map(value).collect()
     }
 
-    /// The same of a position that need not be one of the motion's.
+    /// Values of these coordinates at a position that may be outside the motion.
     pub(super) fn values_anywhere(&self, placement: &Placement) -> Vec<f64> {
         let value = |coordinate: Coordinate| match coordinate {
             Coordinate::SteeringWheel | Coordinate::Roll => {

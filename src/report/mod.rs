@@ -1,7 +1,7 @@
 //! Results as files, tables, pictures and a page.
 //!
-//! A run writes its files and a [`Record`] of what they mean; [`Run`] reads them back, and [`page()`] and
-//! [`pictures`] are made of that alone.
+//! A run writes its files, and a [`Record`] that explains them. [`Run`] reads them back. [`page()`] and [`pictures`] use only a
+//! [`Run`].
 
 mod abscissa;
 mod accuracy;
@@ -101,13 +101,12 @@ pub use tolerance_summary::{RankingRecord, RejectRecord, ToleranceSummary, Value
 pub use tuning_summary::{TuningSummary, misfit_in_words};
 pub use yields::YieldRecord;
 
-/// A number as results write it: the shortest decimal that reads back to the same bits, and no
-/// negative zero.
+/// Formats a number for files: the shortest decimal that reads back to the same bits, without a negative zero.
 pub fn shortest(value: f64) -> String {
     format!("{:?}", value + 0.0)
 }
 
-/// The same of a value that may not be there or be none: an empty cell.
+/// Formats a value for files. A missing or undefined value is an empty cell.
 fn optional(value: impl Into<Option<f64>>) -> String {
     let value = value.into().filter(|v| v.is_finite());
     value.map_or_else(String::new, shortest)

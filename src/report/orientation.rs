@@ -1,24 +1,24 @@
 //! Directions of the axes of points, derived from the points of a suspension.
 //!
-//! A suspension gives three directions, each as a sum of differences of points, so that long ones have the largest
-//! weight:
+//! A suspension shows three directions. Each direction is a sum of differences between points, so long differences have the
+//! largest weight:
 //!
 //! | direction | differences |
 //! |---|---|
-//! | forward | front pivot less rear pivot of an arm, front less rear link; pivots of a trailing arm less wheel centre |
-//! | outboard | joint at the wheel carrier less joint at the body; wheel centre less a point of the spin axis |
-//! | up | upper joint less lower joint; the spring's upper end less its lower end, if no rocker is between them |
+//! | forward | front pivot minus rear pivot of an arm, front minus rear link; pivots of a trailing arm minus wheel centre |
+//! | outboard | joint at the wheel carrier minus joint at the body; wheel centre minus a point of the spin axis |
+//! | up | upper joint minus lower joint; the spring's upper end minus its lower end, if no rocker is between them |
 //!
-//! A [`Reading`] names a coordinate and a sign for each direction. There are 48. Its score is the sum of the three
-//! cosines between the directions and the coordinates it names. The best reading is believed only if it leads the
-//! second by [`LEAD`] and each of its cosines is at least [`LEAST_COSINE`]; otherwise the points do not decide.
+//! A [`Reading`] assigns a coordinate and a sign to each direction. There are 48 readings. The score of a reading is the sum of
+//! the three cosines between the directions and their coordinates. The best reading is accepted under two conditions: its score
+//! exceeds the second best by [`LEAD`], and each of its cosines is at least [`LEAST_COSINE`]. Otherwise the points do not decide.
 
-/// Least lead of the best reading's score over the second; a right angle of one direction loses 1.
+/// Smallest lead of the best reading's score over the second best. An error of 90 degrees in one direction costs 1.
 pub(crate) const LEAD: f64 = 0.5;
 /// Smallest cosine of the angle between a direction and its coordinate.
 pub(crate) const LEAST_COSINE: f64 = 0.6;
 
-/// Pairs of hardpoints, the first above the second in a suspension.
+/// Pairs of hardpoints: in a suspension, the first point is above the second.
 const ABOVE: &[(&str, &str)] = &[
     ("upper_ball_joint", "lower_ball_joint"),
     ("strut_top", "lower_ball_joint"),
@@ -29,7 +29,7 @@ const ABOVE: &[(&str, &str)] = &[
     ("upper_rear_link_inner", "lower_rear_link_inner"),
     ("upper_arm_front", "lower_arm_front"),
     ("upper_arm_rear", "lower_arm_rear"),
-    // A link above an arm, a link, or the lower links of a solid axle.
+    // The upper link is above an arm, another link, or the lower links of a solid axle.
     ("upper_link_outer", "lower_ball_joint"),
     ("upper_link_outer", "lower_joint_front"),
     ("upper_link_outer", "lower_joint_rear"),
@@ -42,7 +42,7 @@ const ABOVE: &[(&str, &str)] = &[
     ("upper_link_chassis", "lower_link_chassis"),
 ];
 
-/// Pairs of hardpoints, the first before the second.
+/// Pairs of hardpoints: in a suspension, the first point is forward of the second.
 const BEFORE: &[(&str, &str)] = &[
     ("lower_arm_front", "lower_arm_rear"),
     ("upper_arm_front", "upper_arm_rear"),
@@ -51,14 +51,14 @@ const BEFORE: &[(&str, &str)] = &[
     ("lower_front_link_outer", "lower_rear_link_outer"),
     ("upper_front_link_outer", "upper_rear_link_outer"),
     ("lower_joint_front", "lower_joint_rear"),
-    // A trailing arm trails.
+    // The wheel of a trailing arm is behind its pivots.
     ("arm_pivot", "wheel_centre"),
     ("mount", "wheel_centre"),
     ("arm_pivot_inner", "wheel_centre"),
     ("arm_pivot_outer", "wheel_centre"),
 ];
 
-/// Pairs of hardpoints, the first outboard of the second.
+/// Pairs of hardpoints: in a suspension, the first point is outboard of the second.
 const OUTBOARD: &[(&str, &str)] = &[
     ("lower_ball_joint", "lower_arm_front"),
     ("lower_ball_joint", "lower_arm_rear"),
@@ -83,10 +83,10 @@ const OUTBOARD: &[(&str, &str)] = &[
     ("wheel_centre", "shear_centre"),
 ];
 
-/// A coordinate and the sign of its growth.
+/// Index of a coordinate, and the sign with which it grows.
 pub(crate) type Signed = (usize, f64);
 
-/// Coordinates for forward, outboard and up.
+/// Coordinates that point forward, outboard and up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Reading {
     pub(crate) forward: Signed,
@@ -95,7 +95,7 @@ pub(crate) struct Reading {
 }
 
 impl Reading {
-    /// All 48.
+    /// All 48 readings.
     pub(crate) fn all() -> impl Iterator<Item = Reading> {
         const ORDERS: [[usize; 3]; 6] = [
             [0, 1, 2],
@@ -116,7 +116,7 @@ impl Reading {
     }
 }
 
-/// Directions that the points of a suspension show, as unit vectors in the points' own coordinates.
+/// Directions that the points of a suspension show, as unit vectors in the coordinates of the points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Directions {
     forward: Option<[f64; 3]>,
@@ -124,19 +124,19 @@ pub(crate) struct Directions {
     up: Option<[f64; 3]>,
 }
 
-/// Verdict on the readings that are allowed.
+/// Verdict about the allowed readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Verdict {
     /// The points show this reading.
     Clear(Reading),
-    /// The points do not tell this reading from another one.
+    /// The points cannot distinguish this reading from another one.
     Unclear(Reading),
     /// No reading is allowed.
     None,
 }
 
 impl Directions {
-    /// Reads the directions from named points.
+    /// Computes the directions from named points.
     pub(crate) fn of(points: &[(&str, [f64; 3])]) -> Self {
         let at = |name: &str| {
             let found = points.iter().find(|(known, _)| *known == name);
@@ -151,7 +151,7 @@ impl Directions {
             });
             unit(total)
         };
-        // A rocker can turn the spring either way round.
+        // A rocker can put the spring in either orientation.
         let springs: &[(&str, &str)] = match at("rocker_pivot_front").is_none() {
             true => &[("spring_upper", "spring_lower")],
             false => &[],
@@ -163,7 +163,7 @@ impl Directions {
         }
     }
 
-    /// Cosine of each direction with the coordinate of a reading; `None` where the points show none.
+    /// Cosine of each direction with its coordinate in a reading. `None` if the points do not show the direction.
     fn cosines(&self, reading: &Reading) -> [Option<f64>; 3] {
         let along = |direction: Option<[f64; 3]>, (axis, sign): Signed| {
             direction.map(|direction| sign * direction[axis])
@@ -180,7 +180,7 @@ impl Directions {
         self.cosines(reading).into_iter().flatten().sum()
     }
 
-    /// Judges the readings that a test allows.
+    /// Judges the readings that satisfy `allowed`.
     pub(crate) fn judge(&self, allowed: impl Fn(&Reading) -> bool) -> Verdict {
         let mut ranked: Vec<(f64, Reading)> = Reading::all()
             .filter(|reading| allowed(reading))
@@ -204,11 +204,11 @@ impl Directions {
         }
     }
 
-    /// Returns the reading that clearly leads the given one, if the points show that the given one is wrong.
+    /// Returns a reading that is clearly better, if the points show that the given reading is wrong.
     pub(crate) fn contradict(&self, reading: &Reading) -> Option<Reading> {
         match self.judge(|_| true) {
             Verdict::Clear(other) if other != *reading => Some(other),
-            // One direction may be unknown; the others may still point the wrong way.
+            // If one direction is unknown, the other directions may still contradict the reading.
             _ => Reading::all()
                 .max_by(|a, b| self.score(a).total_cmp(&self.score(b)))
                 .filter(|best| {
@@ -219,7 +219,7 @@ impl Directions {
         }
     }
 
-    /// The reading in words, as in "x points forward, y outboard, z up".
+    /// Reading in words, as in "x points forward, y outboard, z up".
     pub(crate) fn describe(&self, reading: &Reading) -> String {
         let known = [self.forward, self.outboard, self.up];
         let mut words: Vec<(usize, &str)> = [
@@ -252,7 +252,7 @@ mod tests {
     use crate::study::Study;
     use std::path::Path;
 
-    /// Every template under all 48 signed orders of its coordinates.
+    /// Tests every template in all 48 signed permutations of its coordinates.
     #[test]
     fn the_axes_of_every_template_are_recognised() {
         // Only single wheels are imported.

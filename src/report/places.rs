@@ -1,5 +1,4 @@
-//! Shapes inside or outside of which constraints keep points, and members that they keep apart, as the drawing shows
-//! them.
+//! Regions in which constraints keep points, or which points must avoid, and members that must stay apart, for the drawing.
 
 use crate::characteristics::{Measure, Quantity};
 use crate::model::{Axis, Frame};
@@ -7,52 +6,52 @@ use crate::number::Vector3;
 use crate::study::{Constraint, Limited, Study};
 use serde::{Deserialize, Serialize};
 
-/// Corners of a circle.
+/// Number of corners of a circle.
 const ROUND: usize = 36;
 
-/// Regions of constraints in the study's axes, as limits for the point itself, clearances included.
+/// Regions of constraints in the study's axes. They are limits for the point itself, so they include the clearances.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Places {
     /// Boxes, spheres, cylinders and planes.
     pub shapes: Vec<Shape>,
-    /// Insides of rims.
+    /// Inner spaces of rims.
     pub rims: Vec<Rim>,
-    /// Members that stay apart.
+    /// Pairs of members that must stay apart.
     pub clearances: Vec<Clearance>,
 }
 
-/// A shape that stays where it is.
+/// A shape that does not move.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shape {
-    /// The constraint.
+    /// Name of the constraint.
     pub name: String,
-    /// The point that it is about.
+    /// Index of the point that the constraint limits.
     pub point: usize,
-    /// Outline.
+    /// Lines of the outline.
     pub lines: Vec<Vec<[f64; 3]>>,
 }
 
-/// The inside of a rim, about the spin axis.
+/// Inner space of a rim, about the spin axis.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Rim {
-    /// The constraint.
+    /// Name of the constraint.
     pub name: String,
-    /// The point that it is about.
+    /// Index of the point that the constraint limits.
     pub point: usize,
-    /// Radius.
+    /// Radius of the space.
     pub radius: f64,
-    /// Distances outboard of the wheel centre at which it begins and ends.
+    /// Start and end of the space, as distances outboard of the wheel centre.
     pub ends: [f64; 2],
 }
 
-/// Two members that stay apart.
+/// Two members that must stay apart.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Clearance {
-    /// The constraint.
+    /// Name of the constraint.
     pub name: String,
-    /// The points at the ends of each.
+    /// Indices of the two end points of each member.
     pub members: [[usize; 2]; 2],
-    /// The least distance of their centre lines.
+    /// Smallest allowed distance between their centre lines.
     pub least: f64,
 }
 
@@ -143,7 +142,7 @@ impl Places {
                 over,
                 normal,
             } => {
-                // A square of the border near the point.
+                // A square part of the plane near the point.
                 let place = design[point.0];
                 let off = first.lower.or(first.upper).unwrap_or(0.0);
                 let foot = place - *normal * ((place - *over).dot(*normal) - off);
@@ -161,7 +160,7 @@ impl Places {
     }
 }
 
-/// Middle and half edges of the box that three coordinates stay in.
+/// Middle and half edges of the box that limits three coordinates.
 fn inner_box(parts: &[Limited]) -> Option<(Vector3<f64>, Vector3<f64>)> {
     let mut limits = [None; 3];
     for part in parts {
@@ -178,7 +177,7 @@ fn inner_box(parts: &[Limited]) -> Option<(Vector3<f64>, Vector3<f64>)> {
 
 type Lines = Vec<Vec<Vector3<f64>>>;
 
-/// Once around the corners of a square.
+/// Path around the corners of a square.
 const AROUND: [[f64; 2]; 5] = [
     [-1.0, -1.0],
     [1.0, -1.0],
@@ -195,7 +194,7 @@ fn box_lines(middle: Vector3<f64>, half: Vector3<f64>) -> Lines {
     [ring(-1.0), ring(1.0)].into_iter().chain(posts).collect()
 }
 
-/// Two unit vectors at right angles to a direction and to one another.
+/// Two unit vectors that are perpendicular to a direction and to each other.
 fn across(along: Vector3<f64>) -> [Vector3<f64>; 2] {
     let entries = along.to_array().map(f64::abs);
     let least = Axis::ALL.into_iter().min_by(|a, b| {

@@ -1,5 +1,5 @@
-//! Doubts about a suspension: points that may be swapped, a sign or a unit that may be wrong. A suspension may well be
-//! so, if seldom, so that doubts are only reported.
+//! Doubts about a suspension: points may be swapped, or a sign or unit may be wrong. Unusual suspensions exist, so doubts are
+//! only reported.
 
 use super::figure::{brief, with_decimals};
 use super::station_label::place_in_words;
@@ -19,12 +19,12 @@ use crate::number::{Jet, Vector3};
 use crate::solve::Solver;
 use crate::study::{AxleStudy, Designs, Move, Study};
 
-/// The largest camber, toe, and inclination of a steering axis that are believed (degrees).
+/// Largest plausible camber, toe and inclination of a steering axis (degrees).
 const WHEEL_ANGLE: f64 = 15.0;
 const STEERING_AXIS_ANGLE: f64 = 30.0;
-/// Believable motion ratios of a spring.
+/// Plausible range of the motion ratio of a spring.
 const MOTION_RATIO: [f64; 2] = [0.1, 2.0];
-/// Believable lengths, in metres: from a model car to a haul truck.
+/// Plausible ranges of lengths in metres, from a model car to a haul truck.
 const WHEEL_RADIUS: [f64; 2] = [0.02, 2.5];
 const TYRE_WIDTH: [f64; 2] = [0.005, 2.0];
 const WHEELBASE: [f64; 2] = [0.1, 20.0];
@@ -52,8 +52,8 @@ pub fn plausibility(suspension: &Suspension) -> Result<Vec<String>, DesignFault>
     Ok(remarks.found)
 }
 
-/// Doubts about an axle, one line each: about its curves, and about both wheels in the design position. For a right
-/// wheel with hardpoints of its own, only those that the left wheel does not have.
+/// Doubts about an axle, one per line: about its curves, and about both wheels in the design position. For a right wheel with its
+/// own hardpoints, only doubts that the left wheel does not have.
 pub fn both_wheels_plausibility(
     axle: &Axle,
     plan: &AxlePlan,
@@ -76,9 +76,9 @@ pub fn both_wheels_plausibility(
     Ok(found)
 }
 
-/// A spring of an axle in inches that is as soft as one whose rate is in pounds-force per inch.
+/// Doubt about a soft spring of an axle in inches. Its rate may be in pounds-force per inch.
 fn soft_spring(axle: &Axle) -> Option<String> {
-    // 7 N/mm, below the springs of cars.
+    // 7 N/mm is softer than the springs of cars.
     const LEAST: f64 = 40.0 * 4.448_221_615_260_5;
     let Law::Linear { rate, .. } = &axle.setup.springs.as_ref()?[0].spring else {
         return None;
@@ -91,7 +91,7 @@ fn soft_spring(axle: &Axle) -> Option<String> {
     })
 }
 
-/// Doubts about the curves of an axle, a line each.
+/// Doubts about the curves of an axle, one per line.
 pub fn axle_plausibility(
     axle: &Axle,
     plan: &AxlePlan,
@@ -118,7 +118,7 @@ pub fn axle_plausibility(
     remarks
 }
 
-/// A warning of the station with the least wheel load, if it is below 0.
+/// Warning about the station with the smallest wheel load, if the load is below 0.
 fn lifted(plan: &AxlePlan, found: &AxleCurves) -> Option<String> {
     let curves = &found.curves;
     let loads = plan
@@ -145,7 +145,7 @@ fn lifted(plan: &AxlePlan, found: &AxleCurves) -> Option<String> {
     })
 }
 
-/// A doubt about a spring or bump stop that is beyond an end of its force curve.
+/// Doubt about a spring or bump stop that leaves the range of its force curve.
 fn beyond_curve(axle: &Axle, beyond: &BeyondCurve) -> String {
     let unit = axle.left.length_unit.symbol();
     let [value, end, travel] = [beyond.value, beyond.end, beyond.travel].map(brief);
@@ -160,8 +160,8 @@ fn beyond_curve(axle: &Axle, beyond: &BeyondCurve) -> String {
     )
 }
 
-/// Hardpoints of a right wheel that stand where the left wheel has them, well off the centre plane: as if their y had not
-/// changed its sign. Designs are each in the kernel's frame of a wheel at its own side.
+/// Doubt about hardpoints of a right wheel on the side of the left wheel, well away from the centre plane. Probably their y has
+/// the wrong sign. Each design is in the kernel's frame of a wheel on its own side.
 fn across(left: &Suspension, right: &Suspension) -> Option<String> {
     let centre = |of: &Suspension| of.design[of.mechanism.wheel_centre.0].y.abs();
     let off = 0.1 * centre(left);
@@ -170,7 +170,7 @@ fn across(left: &Suspension, right: &Suspension) -> Option<String> {
         .points
         .iter()
         .zip(left.design.iter().zip(&right.design));
-    // A single point of a rigid axle is the same for both wheels.
+    // A single point of a rigid axle belongs to both wheels.
     let rigid = left.mechanism.rigid_axle.as_ref();
     let is_single = |number: usize| rigid.is_some_and(|r| r.singles.contains(&PointId(number)));
     let across = points.enumerate().filter(|(number, (_, (left, right)))| {
@@ -188,7 +188,7 @@ fn across(left: &Suspension, right: &Suspension) -> Option<String> {
     })
 }
 
-/// Doubts about a study, a line each: about its wheel, or its axle over the motion, and about its variables.
+/// Doubts about a study, one per line: about its wheel, or its axle over the motion, and about its variables.
 pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
     let mut found = match study.axle() {
         None => plausibility(study.wheel()).map_err(|fault| (Side::Left, fault))?,
@@ -202,7 +202,8 @@ pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
     Ok(found)
 }
 
-/// A rack that a study moves where nothing of the suspension is on it: its curves are the same at every displacement.
+/// Doubt about a rack that moves although no part of the suspension is attached to it. The curves are then equal at every
+/// displacement.
 pub fn rack_doubt(study: &Study) -> Option<String> {
     let mechanism = &study.wheel().mechanism;
     let has_rack = mechanism
@@ -226,8 +227,8 @@ pub fn rack_doubt(study: &Study) -> Option<String> {
     })
 }
 
-/// Doubts about the variables of a study, a line each: coordinates given where offsets are expected, and
-/// the other way round.
+/// Doubts about the variables of a study, one per line: coordinates where the key expects offsets, or offsets where it expects
+/// coordinates.
 pub fn variable_plausibility(study: &Study) -> Vec<String> {
     let mut remarks = PlausibilityRemarks {
         suspension: study.wheel(),
@@ -262,7 +263,7 @@ impl<'a> PlausibilityRemarks<'a> {
         self.suspension.mechanism.name(id)
     }
 
-    /// The points show other axes than the study has: columns that stood in another order, or a wrong sign.
+    /// Doubt if the points show different axes than the study states. Columns may be in another order, or a sign may be wrong.
     fn axes(&mut self) {
         let points = self.suspension.mechanism.points.iter();
         let points: Vec<(&str, [f64; 3])> = points
@@ -278,7 +279,7 @@ impl<'a> PlausibilityRemarks<'a> {
         let Some(other) = directions.contradict(&own) else {
             return;
         };
-        // A front pivot behind a rear one has a separate doubt with the likely cause.
+        // A front pivot behind a rear pivot has its own doubt, which names the likely cause.
         if other.forward.0 == 0 && other.outboard.0 == 1 && other.up.0 == 2 {
             return;
         }
@@ -289,7 +290,8 @@ impl<'a> PlausibilityRemarks<'a> {
         ));
     }
 
-    /// A wheel centre at the centre plane, with the body's points beyond it: the origin was at the wheel.
+    /// Doubt about a wheel centre at the centre plane with the points of the body beyond it. Probably the file's origin is at the
+    /// wheel.
     fn wheel_at_the_centre_plane(&mut self) {
         let mechanism = &self.suspension.mechanism;
         let wheel = self.at(mechanism.wheel_centre).y;
@@ -313,11 +315,12 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Rods lead outboard from the body to the wheel carrier, and inboard from there to a rocker.
+    /// Doubts about the direction of rods. They lead outboard from the body to the wheel carrier, and inboard from the wheel
+    /// carrier to a rocker.
     fn rods(&mut self) {
         let mechanism = &self.suspension.mechanism;
         if mechanism.rigid_axle.is_some() {
-            // Links of a solid axle may lead either way.
+            // Links of a solid axle may lead in either direction.
             return;
         }
         // The end of a link on an arm may be anywhere.
@@ -336,8 +339,8 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Bodies that the study does not name: of a drop link beside a rocker, and of points that are clearly nearer to
-    /// another body.
+    /// Doubts about bodies that the study does not name: the body of a drop link beside a rocker, and bodies of points that are
+    /// clearly nearer to another body.
     fn seats(&mut self) {
         let Suspension {
             mechanism,
@@ -347,7 +350,7 @@ impl<'a> PlausibilityRemarks<'a> {
         } = self.suspension;
         let away = |seat: &Seat| {
             let (body, unit) = (seat.name.replace('_', " "), length_unit.symbol());
-            // Two digits tell which body is meant.
+            // Two digits are enough to show which body is meant.
             let decimals = (1.0 - seat.distance.log10().floor()).clamp(0.0, 12.0) as usize;
             format!(
                 "{body} ({} {unit} away)",
@@ -382,7 +385,7 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Doubts a rear point that is further forward than its front point. Equal positions are fine, as on a transverse
+    /// Doubt about a rear point that is further forward than its front point. Equal positions are allowed, as for a transverse
     /// axis.
     fn front_and_rear(&mut self) {
         let mechanism = &self.suspension.mechanism;
@@ -403,7 +406,8 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Coordinates are where the design is; offsets are about zero, and small beside a coordinate.
+    /// Doubt about the range of a variable. A range of coordinates must be near the design; a range of offsets must contain small
+    /// numbers around zero.
     fn range(&mut self, moves: &[Move], absolute: bool, [low, high]: [f64; 2]) {
         let [Move { point, axis, .. }] = *moves else {
             return;
@@ -484,7 +488,7 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Camber, toe and motion ratio.
+    /// Doubts about camber, toe and motion ratio.
     fn angles(&mut self) -> Result<(), DesignFault> {
         let Suspension {
             mechanism, design, ..
@@ -496,7 +500,7 @@ impl<'a> PlausibilityRemarks<'a> {
             value: Jet::variable(0.0),
             rack: Jet::constant(0.0),
         };
-        // A design position that is a fold has no rates; the solver says so elsewhere.
+        // A design position at a fold has no rates. The solver reports it elsewhere.
         let Ok(at) = solver.configuration_series(&design_series, &solver.design_pose(), &motion)
         else {
             return Ok(());

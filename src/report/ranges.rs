@@ -1,16 +1,16 @@
-//! Least and greatest values of columns over a motion.
+//! Smallest and largest values of columns over a motion.
 
 use super::table::{Cell, Column, Table};
 use serde::{Deserialize, Serialize};
 
-/// The range of a column over the motion.
+/// Range of a column over the motion.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Range {
     output: String,
-    /// Empty for a plain number.
+    /// Unit of the column. Empty for a dimensionless number.
     #[serde(default)]
     unit: String,
-    /// Value in the design position, if that is known.
+    /// Value in the design position, if it is known.
     at_design: Option<f64>,
     min: Option<f64>,
     max: Option<f64>,
@@ -32,7 +32,7 @@ impl Range {
         }
     }
 
-    /// The ranges as a table for reading.
+    /// Table of the ranges for people.
     pub(super) fn table(ranges: &[Range]) -> Table {
         let unit = Column::for_programs("unit");
         let columns = ["output", "at design", "min", "max"].map(Column::from);

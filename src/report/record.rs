@@ -1,4 +1,4 @@
-//! `report.json`: data of the report that no other file of the run has.
+//! `report.json`: data for the page that no other file of the run has.
 
 use super::accuracy::remarks;
 use super::bands::limits_of;
@@ -11,15 +11,15 @@ use crate::plan::Plan;
 use crate::study::{Band, Drive, Site, Study, Target, Wanted};
 use serde::{Deserialize, Serialize};
 
-/// The form of the file. A reader takes no other.
+/// Version of the file's format. A reader accepts no other version.
 pub(super) const FORM: u32 = 2;
 
-/// The data that the report needs beyond the other files of a run.
+/// Data that the page needs in addition to the other files of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// `FORM`.
+    /// Equal to `FORM`.
     pub form: u32,
-    /// `solve` or `optimise`.
+    /// Name of the command, such as `solve` or `optimise`.
     pub command: String,
     /// Version of the program.
     pub version: String,
@@ -31,30 +31,30 @@ pub struct Record {
     pub length_unit: String,
     /// Column of the drive value.
     pub drive: String,
-    /// Other columns for the horizontal axis of a curve.
+    /// Other columns that can be on the horizontal axis.
     pub abscissae: Vec<String>,
-    /// Column of the rack displacement, where it moves.
+    /// Column of the rack displacement, if the rack moves.
     pub rack: Option<String>,
     /// Columns of the other coordinates that move, for an axle.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub further: Vec<String>,
     /// Descriptions of the columns of the curves.
     pub outputs: Vec<OutputRecord>,
-    /// The targets that were wanted.
+    /// Targets of the tuning.
     pub targets: Vec<TargetRecord>,
-    /// Bands that were wanted.
+    /// Target bands.
     #[serde(default)]
     pub bands: Vec<BandCurve>,
     /// Regions of the constraints, for the drawing.
     #[serde(default)]
     pub places: Places,
-    /// The designs, the tuned one last.
+    /// Designs of the run, the tuned one last.
     pub designs: Vec<DesignRecord>,
-    /// The drawing.
+    /// Parts of the drawing that do not move.
     pub scene: Scene,
-    /// Influences of the last design.
+    /// Influence of each coordinate on the last design.
     pub influences: Vec<Influence>,
-    /// Designs that could be chosen instead of the last one.
+    /// Pareto front: designs that could replace the last one.
     #[serde(default)]
     pub front: Option<FrontRecord>,
 }
@@ -64,24 +64,24 @@ pub struct Record {
 pub struct OutputRecord {
     /// Name in the CSV files.
     pub column: String,
-    /// Title for reading: `camber`, `camber, 1st derivative`.
+    /// Readable title: `camber`, `camber, 1st derivative`.
     pub title: String,
-    /// Unit for reading: `deg/mm`; empty for a plain number.
+    /// Readable unit: `deg/mm`. Empty for a dimensionless number.
     pub unit: String,
     /// Meaning of a positive value.
     pub positive: Option<String>,
 }
 
-/// A target, at the stations where it is compared.
+/// A target, at the stations of its comparison.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TargetRecord {
-    /// The column it is about.
+    /// Column of the target.
     pub column: String,
-    /// Tolerance, in the column's unit.
+    /// Tolerance in the column's unit.
     pub tolerance: f64,
-    /// Drive values and wanted values, in the units of the CSV files.
+    /// Drive values and target values, in the units of the CSV files.
     pub points: Vec<[f64; 2]>,
-    /// For an axle: the column that takes the place of the drive value in `points`.
+    /// For an axle: column that replaces the drive value in `points`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub over: Option<String>,
 }
@@ -89,11 +89,11 @@ pub struct TargetRecord {
 /// A target band, at its stations.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BandCurve {
-    /// The column it is about.
+    /// Column of the band.
     pub column: String,
-    /// Drive value, lower and upper limit, in the units of the CSV files; `None` if there is no limit.
+    /// Drive value, lower limit and upper limit, in the units of the CSV files. `None` without a limit.
     pub limits: Vec<(f64, Option<f64>, Option<f64>)>,
-    /// Tolerance, in the column's unit.
+    /// Tolerance in the column's unit.
     #[serde(default)]
     pub tolerance: f64,
 }
@@ -103,16 +103,16 @@ pub struct BandCurve {
 pub struct DesignRecord {
     /// `design`, `before` or `after`.
     pub label: String,
-    /// The file with its curves.
+    /// Name of the file with its curves.
     pub curves: String,
     /// Number of stations.
     pub stations: usize,
-    /// Remarks on the accuracy.
+    /// Remarks on the accuracy of the curves.
     #[serde(default)]
     pub remarks: Vec<String>,
-    /// The stations that failed.
+    /// Failed stations.
     pub failures: Vec<FailureRange>,
-    /// Drawings of some stations; empty if they equal those of the last design.
+    /// Poses at some stations. Empty if they equal those of the last design.
     pub frames: Vec<Frame>,
 }
 
@@ -120,16 +120,16 @@ pub struct DesignRecord {
 pub struct DrawnDesign<'a> {
     /// Name of the design.
     pub label: &'a str,
-    /// The file with its curves.
+    /// Name of the file with its curves.
     pub file: &'a str,
-    /// The curves themselves.
+    /// Curves of the design.
     pub curves: &'a Curves,
-    /// The mechanism along its motion; empty where it is that of the last design.
+    /// Poses along its motion. Empty if the mechanism equals that of the last design.
     pub frames: Vec<Frame>,
 }
 
 impl Record {
-    /// Record of a run: its designs, and the effect of each coordinate in the last of them.
+    /// Makes the record of a run: its designs, and the effect of each coordinate in the last design.
     pub fn with(
         command: &str,
         study: &Study,
@@ -176,7 +176,7 @@ impl Record {
     }
 }
 
-/// The targets that can be drawn beside the curves: values and curves in the study's own motion.
+/// Targets that charts can show beside the curves: values and curves in the study's own motion.
 fn targets(study: &Study) -> Vec<TargetRecord> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     let record = |target: &Target| {
@@ -189,7 +189,7 @@ fn targets(study: &Study) -> Vec<TargetRecord> {
 }
 
 impl BandCurve {
-    /// The band of a tolerance, over the drive values of a motion.
+    /// Curve of a tolerance band over the drive values of a motion.
     pub fn of_tolerance(band: &Band, drives: &[f64]) -> Self {
         let [low, high] = limits_of(band);
         let ends = [drives.first(), drives.last()].into_iter().flatten();
@@ -206,7 +206,7 @@ impl BandCurve {
 }
 
 impl TargetRecord {
-    /// The record of a target that is compared at these stations; `printed` turns their drive values into printed ones.
+    /// Record of a target at these stations. `printed` converts their drive values to printed ones.
     pub(super) fn of(target: &Target, stations: &[f64], printed: impl Fn(f64) -> f64) -> Self {
         let factor = target.of.factor();
         let points = target.wanted.at_stations(stations).into_iter();
@@ -222,7 +222,7 @@ impl TargetRecord {
     }
 }
 
-/// The bands that can be drawn beside the curves: of columns in the study's own motion.
+/// Bands that charts can show beside the curves: those of columns in the study's own motion.
 fn bands(study: &Study) -> Vec<BandCurve> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     let bands = targets.filter(|target| {
@@ -240,8 +240,8 @@ fn bands(study: &Study) -> Vec<BandCurve> {
     bands.map(record).collect()
 }
 
-/// Limits of a target at stations: drive value, lower and upper limit, as printed, by rising drive value; `None` if
-/// there is no limit.
+/// Printed limits of a target at stations: drive value, lower limit and upper limit, sorted by drive value. `None` without a
+/// limit.
 pub(crate) fn wanted_between(
     target: &Target,
     stations: &[f64],
@@ -251,7 +251,7 @@ pub(crate) fn wanted_between(
     let printed = |limit: f64| limit.is_finite().then_some(limit * factor);
     let samples = target.wanted.samples(stations).into_iter();
     let limits = samples.map(|sample| {
-        // If the study's axis points the other way, the limits swap.
+        // If the study's axis points in the other direction, the limits swap.
         let [low, high] = match factor < 0.0 {
             true => [sample.high, sample.low],
             false => [sample.low, sample.high],
@@ -282,7 +282,7 @@ impl OutputRecord {
     }
 }
 
-/// `deg_per_mm2` -> `deg/mm²`.
+/// Readable unit: `deg_per_mm2` -> `deg/mm²`.
 pub(crate) fn readable_unit(unit: &str) -> String {
     let unit = unit.replace("N_m", "N m").replace("lbf_ft", "lbf ft");
     let unit = match unit.strip_prefix("per_") {

@@ -1,4 +1,4 @@
-//! A finished run, read back from its directory or from its files in memory.
+//! A finished run, read from its directory or from its files in memory.
 
 use super::curve_table::CurveTable;
 use super::finished::{NotARun, in_form};
@@ -14,34 +14,34 @@ use std::path::Path;
 /// A finished run.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// Record of the run and its drawing.
+    /// Record of the run, with its drawing.
     pub record: Record,
-    /// The curves of each design of the record.
+    /// Curves of each design in the record.
     pub curves: Vec<CurveTable>,
     /// Summary of the run.
     pub summary: Summary,
-    /// True if a signal ended the run early, so that it has only finished results.
+    /// True if a signal ended the run early. Then it has only the finished results.
     pub interrupted: bool,
-    /// The convergence history, of an optimisation.
+    /// Convergence history of an optimisation.
     pub history: Option<CurveTable>,
-    /// The files there are, by name.
+    /// Names of the existing files.
     pub files: Vec<String>,
 }
 
-/// Summary of a run: `summary.json`.
+/// Summary of a run, from `summary.json`.
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 pub enum Summary {
-    /// A solve.
+    /// Summary of a solve.
     Solve(Box<SolveSummary>),
-    /// An optimisation.
+    /// Summary of an optimisation.
     Optimise(Box<TuningSummary>),
-    /// Builds.
+    /// Summary of a tolerance analysis.
     Tolerance(Box<ToleranceSummary>),
 }
 
 impl Summary {
-    /// The outcome in a line.
+    /// Result of the run in one line.
     pub fn headline(&self) -> String {
         match self {
             Summary::Solve(solve) => solve.headline(),
@@ -50,8 +50,7 @@ impl Summary {
         }
     }
 
-    /// Tables of a solve: ranges of columns, numbers of stations by status, and the stations that failed. `None` for
-    /// another command.
+    /// Tables of a solve: ranges of columns, number of stations for each status, and failed stations. `None` for another command.
     pub fn tables(&self) -> Option<[Table; 3]> {
         match self {
             Summary::Solve(s) => Some([s.table(), s.stations_table(), s.failures_table()]),
@@ -61,7 +60,7 @@ impl Summary {
 }
 
 impl Run {
-    /// Reads a run's directory.
+    /// Reads the directory of a run.
     pub fn read(directory: &Path) -> Result<Run, NotARun> {
         let folder = Folder::Directory(directory);
         if !directory.is_dir() {
@@ -70,7 +69,7 @@ impl Run {
         Run::of_folder(&folder)
     }
 
-    /// Reads the files of a run that are in memory, by name.
+    /// Reads a run from files in memory, by their names.
     pub fn of_files(files: &BTreeMap<String, Vec<u8>>) -> Result<Run, NotARun> {
         Run::of_folder(&Folder::Memory(files))
     }
@@ -113,7 +112,7 @@ impl Run {
         }
         let optimised = record.command == "optimise";
         let state: State = folder.json("summary.json")?;
-        // A run that ended between two writes has no results of its own.
+        // A run that ended between two writes has no results.
         if state.interrupted && !state.has_results() {
             let message = "a signal ended the run before it had results; run the study again";
             return Err(folder.error(Some("summary.json"), message));
@@ -150,7 +149,7 @@ impl Run {
     }
 }
 
-/// End of a run as its summary states it, and the rest of the summary.
+/// Part of the summary that tells how the run ended, and the rest of the summary.
 #[derive(Deserialize)]
 struct State {
     #[serde(default)]
@@ -166,7 +165,7 @@ impl State {
     }
 }
 
-/// Files of a run.
+/// Place of a run's files: a directory or memory.
 enum Folder<'a> {
     Directory(&'a Path),
     Memory(&'a BTreeMap<String, Vec<u8>>),
@@ -190,7 +189,7 @@ impl Folder<'_> {
     }
 
     fn bytes(&self, name: &str) -> Result<Cow<'_, [u8]>, NotARun> {
-        // The names come from a file: they must not lead out of the directory.
+        // The names come from a file, so they could lead out of the directory.
         if Path::new(name).file_name() != Some(name.as_ref()) {
             return Err(self.error(
                 Some("report.json"),

@@ -1,4 +1,4 @@
-//! The mechanism as a drawing: connections of points by name.
+//! The mechanism as a drawing: points by name, and the lines between them.
 //!
 //! Positions along the motion come from [`crate::curves::frames`].
 
@@ -8,7 +8,7 @@ use crate::model::{
 };
 use serde::{Deserialize, Serialize};
 
-/// The parts of the drawing that stay the same while the mechanism moves.
+/// Parts of the drawing that do not change while the mechanism moves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scene {
     /// Name of each point.
@@ -17,11 +17,11 @@ pub struct Scene {
     pub bodies: Vec<SceneBody>,
     /// Index of the wheel's centre.
     pub wheel_centre: usize,
-    /// Loaded radius of the wheel, where it is known.
+    /// Loaded radius of the wheel, if it is known.
     pub wheel_radius: Option<f64>,
     /// Signs of the study's axes: forward, outboard and up.
     pub signs: [f64; 3],
-    /// For an axle: index of the right wheel's centre; the right wheel's points and bodies follow the left wheel's.
+    /// For an axle: index of the right wheel's centre. The points and bodies of the right wheel follow those of the left wheel.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub right_wheel_centre: Option<usize>,
 }
@@ -29,11 +29,11 @@ pub struct Scene {
 /// A body of the drawing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SceneBody {
-    /// `lower arm`, `tie rod`, `wheel carrier`.
+    /// Name of the body: `lower arm`, `tie rod`, `wheel carrier`.
     pub name: String,
     /// Kind of the body.
     pub kind: BodyKind,
-    /// Lines, at least one: indices of the points each runs through.
+    /// Lines of the body, at least one. Each line has the indices of the points through which it runs.
     pub lines: Vec<Vec<usize>>,
 }
 
@@ -47,7 +47,7 @@ pub enum BodyKind {
     Link,
     /// A strut.
     Strut,
-    /// A spring that is not the strut.
+    /// A spring outside of a strut.
     Spring,
     /// A rocker, or the lever of an anti-roll bar.
     Rocker,
@@ -56,7 +56,7 @@ pub enum BodyKind {
 }
 
 impl Scene {
-    /// The drawing of a suspension.
+    /// Drawing of a suspension.
     pub fn of(suspension: &Suspension) -> Scene {
         let mechanism = &suspension.mechanism;
         let sign = |axis| suspension.frame.sign(axis);
@@ -70,7 +70,7 @@ impl Scene {
         }
     }
 
-    /// The drawing of an axle.
+    /// Drawing of an axle.
     pub fn of_axle(axle: &Axle) -> Scene {
         let mut scene = Scene::of(&axle.left);
         let right = Scene::of(axle.suspension(Side::Right));
@@ -90,7 +90,7 @@ impl Scene {
     }
 }
 
-/// The half of a twist beam that a wheel is on: arm, half of the cross member and spring.
+/// Half of a twist beam that carries one wheel: arm, half of the cross member, and spring.
 fn half_beam(mechanism: &Mechanism, beam: &TwistBeam) -> Vec<SceneBody> {
     let body = |name: &str, kind, line: &[PointId]| SceneBody {
         name: name.to_owned(),
@@ -112,7 +112,7 @@ fn half_beam(mechanism: &Mechanism, beam: &TwistBeam) -> Vec<SceneBody> {
     bodies
 }
 
-/// The bodies of a mechanism, from its constraints and arms.
+/// Bodies of a mechanism, from its constraints and arms.
 fn bodies(mechanism: &Mechanism) -> Vec<SceneBody> {
     let rigid = mechanism.rigid_axle.as_ref();
     if let Some(beam) = rigid.and_then(|rigid| rigid.twist_beam.as_ref()) {
@@ -162,7 +162,7 @@ fn bodies(mechanism: &Mechanism) -> Vec<SceneBody> {
                 joints.push(lower);
             }
             Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => joints.push(at),
-            // With a hinge the knuckle is the arm itself.
+            // In a hinged mechanism, the arm itself is the knuckle.
             Constraint::Mount { .. }
             | Constraint::Revolute { .. }
             | Constraint::AxleTravel { .. } => {}
@@ -205,7 +205,7 @@ fn bodies(mechanism: &Mechanism) -> Vec<SceneBody> {
     bodies
 }
 
-/// `lower_arm_front` is on the `lower arm`, `tie_rod_inner` on the `tie rod`.
+/// Name of the body of a point: `lower_arm_front` is on the `lower arm`, `tie_rod_inner` on the `tie rod`.
 fn body_name(point: &str) -> String {
     let ends = ["_front", "_rear", "_inner", "_outer", "_pivot"];
     let mut name = point;

@@ -10,20 +10,20 @@ use crate::model::{Axis, LengthUnit};
 use crate::study::{Adjustment, Increment, Setup, Study};
 use serde::Serialize;
 
-/// Wheels of an axle that share a set-up.
+/// Wheels of an axle to which a set-up applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum SetUpSide {
-    /// Both, one as the mirror image of the other.
+    /// Both wheels, one as the mirror image of the other.
     Both,
     /// The left wheel.
     Left,
-    /// The right wheel. Amounts along y count as those of its mirror image on the left.
+    /// Right wheel. Amounts along y are those of its mirror image on the left.
     Right,
 }
 
 impl SetUpSide {
-    /// Name in tables.
+    /// Name of the side in tables.
     pub fn name(self) -> &'static str {
         match self {
             SetUpSide::Both => "both",
@@ -32,7 +32,7 @@ impl SetUpSide {
         }
     }
 
-    /// The wheels in words.
+    /// Wheels in words.
     pub fn wheels(self) -> &'static str {
         match self {
             SetUpSide::Both => "both wheels",
@@ -42,45 +42,45 @@ impl SetUpSide {
     }
 }
 
-/// A set-up in numbers.
+/// Results of a set-up.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SetUpSummary {
     /// Name of the study.
     pub study: String,
-    /// The wheels that are set up, in the study of an axle.
+    /// Wheels that are set up, if the study describes an axle.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub side: Option<SetUpSide>,
-    /// True if every aim is met, with the computed and with the rounded amounts, apart from half steps.
+    /// True if every target is met, both with the computed and with the rounded amounts. Errors up to half a step do not count.
     pub met: bool,
     /// Static values.
     pub statics: Vec<StaticRecord>,
-    /// Adjustments in the order a mechanic does them.
+    /// Adjustments in the order of the mechanic's work.
     pub adjustments: Vec<AdjustmentRecord>,
     unit: String,
 }
 
-/// A static value.
+/// A static value with its target and results.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StaticRecord {
     /// Name with unit.
     pub column: String,
-    /// Value of the design.
+    /// Value of the nominal design.
     pub drawn: Option<f64>,
     /// Value with the computed amounts.
     pub set: Option<f64>,
-    /// Wanted value, if there is one.
+    /// Target value, if there is one.
     pub wanted: Option<f64>,
-    /// True if the study has no target here and the set-up keeps the design's value, which then is `wanted`.
+    /// True if the study has no target here, so the set-up keeps the nominal value. Then `wanted` is the nominal value.
     pub kept: bool,
-    /// Computed value minus the wanted one.
+    /// Computed value minus target value.
     pub miss: Option<f64>,
-    /// Error that half steps of shims may cause: up to it `miss` counts as met.
+    /// Possible error from half steps of shims. Up to this size, `miss` counts as met.
     pub allowed: f64,
     /// Value with the rounded amounts.
     pub set_rounded: Option<f64>,
-    /// This value minus the wanted one.
+    /// Rounded value minus target value.
     pub miss_rounded: Option<f64>,
-    /// Error that half steps of shims and half sixteenths of turns may leave: up to it `miss_rounded` counts as met.
+    /// Possible error from half steps of shims and half sixteenths of turns. Up to this size, `miss_rounded` counts as met.
     pub allowed_rounded: f64,
     /// True if `miss` counts as met.
     pub met: bool,
@@ -88,33 +88,33 @@ pub struct StaticRecord {
     pub met_rounded: bool,
 }
 
-/// An adjustment.
+/// An adjustment with its amounts and effects.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AdjustmentRecord {
-    /// Name.
+    /// Name of the adjustment.
     pub adjustment: String,
-    /// Instruction for a mechanic, by the rounded amount: "shorten 1/16 turn".
+    /// Instruction for a mechanic with the rounded amount, such as "shorten 1/16 turn".
     pub instruction: String,
-    /// Computed amount, in length units.
+    /// Computed amount, in the length unit.
     pub amount: f64,
-    /// The same amount in turns, if it is made by a thread.
+    /// Computed amount in turns, for a thread.
     pub turns: Option<f64>,
-    /// Number of shims: more than 0 to add, less than 0 to remove.
+    /// Number of shims. Positive: add; negative: remove.
     pub shims: Option<f64>,
-    /// Amount that a mechanic can make, in length units.
+    /// Amount that a mechanic can set, in the length unit.
     pub amount_rounded: f64,
-    /// The same in turns.
+    /// Amount that a mechanic can set, in turns.
     pub turns_rounded: Option<f64>,
-    /// Change of each static value by a length unit of it, about the design.
+    /// Change of each static value per length unit of this adjustment, about the nominal design.
     pub by_length: Vec<Option<f64>>,
-    /// Change of each static value by a turn of it.
+    /// Change of each static value per turn of this adjustment.
     pub by_turn: Option<Vec<Option<f64>>>,
-    /// Static values after this step, with computed amounts.
+    /// Static values after this step, with the computed amounts.
     pub after: Vec<Option<f64>>,
 }
 
 impl SetUpSummary {
-    /// Summary of the set-up that was found for a study.
+    /// Summarises the set-up that was found for a study.
     pub fn of(study: &Study, setup: &Setup, side: Option<SetUpSide>, found: &SetUp) -> Self {
         let length = study.wheel().length_unit;
         let (misses, rounded) = (found.misses(), found.misses_rounded());
@@ -152,7 +152,7 @@ impl SetUpSummary {
         }
     }
 
-    /// Effects of a length unit and of a turn of each adjustment: a row for each adjustment, for programs.
+    /// Table of effects for programs: one row per adjustment, with its effects per length unit and per turn.
     pub fn effects_table(&self) -> Table {
         let columns = ["adjustment", "per"].map(str::to_owned);
         let statics = self.statics.iter().map(|s| s.column.clone());
@@ -171,7 +171,7 @@ impl SetUpSummary {
         table.keyed(2)
     }
 
-    /// The same for a reader: a row for each static value of each adjustment, so that no name is ever broken.
+    /// Table of effects for people: one row per static value of each adjustment, so that no name needs a line break.
     pub fn effects_for_readers(&self) -> Table {
         let has_turns = self.adjustments.iter().any(|a| a.by_turn.is_some());
         let mut header = vec!["adjustment".to_owned(), "static value".to_owned()];
@@ -199,7 +199,7 @@ impl SetUpSummary {
         table.keyed(2)
     }
 
-    /// Adjustments to make, step by step, with the static values after each, for programs.
+    /// Table of steps for programs: the adjustments in order, with the static values after each.
     pub fn steps_table(&self) -> Table {
         let amount = format!("amount {}", self.unit);
         let columns = ["step".to_owned(), amount, "turns".into(), "shims".into()];
@@ -232,7 +232,7 @@ impl SetUpSummary {
         table
     }
 
-    /// Instructions for a mechanic, one row for each place.
+    /// Table of instructions for a mechanic, one row per adjusted place.
     pub fn instructions(&self) -> Table {
         let amount = format!("computed {}", self.unit);
         let has_turns = self.adjustments.iter().any(|a| a.turns.is_some());
@@ -253,8 +253,8 @@ impl SetUpSummary {
         table
     }
 
-    /// Static values of the design and after each step, with computed amounts: tables of a few steps, narrow enough not to
-    /// break a name.
+    /// Static values of the nominal design and after each step, with the computed amounts. Each table has only a few steps, so
+    /// that no name needs a line break.
     pub fn values_after_steps(&self) -> Vec<Table> {
         const MOST: usize = 5;
         let drawn = self.statics.iter().map(|s| s.drawn).collect();
@@ -275,7 +275,7 @@ impl SetUpSummary {
         tables.collect()
     }
 
-    /// Wanted values with their results, a row with the computed and one with the rounded amounts.
+    /// Table of target values and results. Each value has a row with the computed and a row with the rounded amounts.
     pub fn results(&self) -> Table {
         let header = [
             "static value",
@@ -310,7 +310,7 @@ impl SetUpSummary {
         table.keyed(2)
     }
 
-    /// Static values that miss their aims by more than half steps.
+    /// Static values that miss their targets by more than half steps.
     pub fn not_met(&self) -> impl Iterator<Item = &StaticRecord> {
         self.statics.iter().filter(|s| !(s.met && s.met_rounded))
     }
@@ -351,7 +351,7 @@ fn adjustment_record(
     }
 }
 
-/// Instruction for a mechanic: "shorten 1 3/16 turns", "add 3 shims: 1.5 mm towards +y".
+/// Instruction for a mechanic, such as "shorten 1 3/16 turns" or "add 3 shims: 1.5 mm towards +y".
 fn instruction(
     adjustment: &Adjustment,
     side: Option<SetUpSide>,
@@ -359,7 +359,7 @@ fn instruction(
     length: LengthUnit,
 ) -> String {
     let size = |amount: f64| {
-        // A multiple of a decimal step: without the digits of rounding.
+        // The amount is a multiple of a decimal step, so digits from rounding errors are removed.
         let text = format!("{:.6}", amount.abs());
         let text = text.trim_end_matches('0').trim_end_matches('.');
         format!("{text} {}", length.symbol())
@@ -394,7 +394,7 @@ fn instruction(
     }
 }
 
-/// The direction in which a point moves, in the study's axes. y of a right wheel is mirrored.
+/// Direction in which a point moves, in the study's axes. For a right wheel, y is mirrored.
 fn towards(axis: Axis, side: Option<SetUpSide>, amount: f64) -> String {
     let (sign, mirrored) = if amount > 0.0 { ("+", "-") } else { ("-", "+") };
     match (axis, side) {
@@ -404,7 +404,7 @@ fn towards(axis: Axis, side: Option<SetUpSide>, amount: f64) -> String {
     }
 }
 
-/// A number of turns in sixteenths: "1/16 turn", "1 turn", "2 3/8 turns".
+/// Number of turns in sixteenths: "1/16 turn", "1 turn", "2 3/8 turns".
 fn turns(turns: f64) -> String {
     let mut parts = (turns * PARTS_OF_A_TURN).round() as u64;
     let mut of = PARTS_OF_A_TURN as u64;
@@ -425,7 +425,7 @@ fn turns(turns: f64) -> String {
     }
 }
 
-/// The name of a static value, with its unit.
+/// Name of a static value with its unit.
 pub fn static_column(value: Static, length: LengthUnit) -> String {
     match value {
         Static::Characteristic(c) => c.column(length),
@@ -433,7 +433,7 @@ pub fn static_column(value: Static, length: LengthUnit) -> String {
     }
 }
 
-/// A number with a few digits to a reader; rounding is shown as 0.
+/// Number with a few digits for people. A rounding error becomes 0.
 fn figure(value: Option<f64>) -> Cell {
     Cell::by(value, |value| {
         if value.abs() < 1e-9 {
@@ -444,7 +444,7 @@ fn figure(value: Option<f64>) -> Cell {
     })
 }
 
-/// Describes why there is no set-up.
+/// Reason in words why there is no set-up.
 pub fn set_up_refusal(study: &Study, setup: &Setup, none: &SetUpError) -> String {
     let length = study.wheel().length_unit;
     match none {

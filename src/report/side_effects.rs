@@ -5,12 +5,12 @@ use super::table::{Cell, Column, Table};
 use super::text::counted;
 use crate::{PlaceCoordinate, SideEffect};
 
-/// Digits of an output without a tolerance.
+/// Significant digits for an output without a tolerance.
 const DIGITS: f64 = 3.0;
-/// Most rows on the terminal, unless more are flagged.
+/// Largest number of rows on the terminal, unless more are flagged.
 const MOST_ROWS: usize = 10;
 
-/// Decimals of the values of a side effect: one more than its tolerance needs.
+/// Decimals for the values of a side effect: one more than its tolerance needs.
 fn decimals(effect: &SideEffect) -> usize {
     let ends = [
         effect.before_min,
@@ -30,7 +30,7 @@ fn decimals(effect: &SideEffect) -> usize {
     decimals.clamp(0.0, 9.0) as usize
 }
 
-/// The largest change with its sign.
+/// Largest change with its sign.
 fn change(effect: &SideEffect) -> Option<String> {
     let change = effect.largest_change?;
     let text = with_decimals(change, decimals(effect));
@@ -42,13 +42,13 @@ fn change(effect: &SideEffect) -> Option<String> {
     })
 }
 
-/// Returns true if a reader sees a change.
+/// True if the printed values show a change.
 pub(super) fn is_visible(effect: &SideEffect) -> bool {
     let shown = change(effect).unwrap_or_default();
     effect.flagged || shown.contains(|c: char| ('1'..='9').contains(&c))
 }
 
-/// The station of the largest change: `roll 3 deg, heave -40 mm, left wheel`, or `skid_pad, front left wheel`.
+/// Station of the largest change, such as `roll 3 deg, heave -40 mm, left wheel` or `skid_pad, front left wheel`.
 fn place(effect: &SideEffect) -> String {
     let coordinate = |c: &PlaceCoordinate| {
         let name = c.name.replace('_', " ");
@@ -61,7 +61,7 @@ fn place(effect: &SideEffect) -> String {
     coordinates.chain(wheel).collect::<Vec<_>>().join(", ")
 }
 
-/// The same, as short as a reader needs it: without the name of a single coordinate, else without those that are 0.
+/// Station of the largest change in a short form: without the name of a single coordinate, or without coordinates that are 0.
 fn short_place(effect: &SideEffect) -> String {
     match (effect.at.as_slice(), &effect.wheel) {
         ([only], None) => format!("{} {}", as_written(only.value), only.unit),
@@ -79,7 +79,7 @@ fn short_place(effect: &SideEffect) -> String {
     }
 }
 
-/// A row for each side effect. `side_effects.csv` is this table.
+/// Table with one row per side effect. `side_effects.csv` contains this table.
 pub fn side_effects_table(effects: &[SideEffect]) -> Table {
     let columns = [
         Column::for_readers("side effect"),
@@ -147,8 +147,7 @@ pub fn side_effects_table(effects: &[SideEffect]) -> Table {
     table
 }
 
-/// The side effects that a reader is shown: the flagged ones, then others that change visibly, and how many more of
-/// these there are.
+/// Side effects for people: the flagged ones, then others that change visibly. Also returns the number of further visible ones.
 pub fn shown_side_effects(effects: &[SideEffect]) -> (Vec<SideEffect>, usize) {
     let changed: Vec<SideEffect> = effects.iter().filter(|e| is_visible(e)).cloned().collect();
     let flagged = changed.iter().filter(|e| e.flagged).count();
@@ -157,7 +156,7 @@ pub fn shown_side_effects(effects: &[SideEffect]) -> (Vec<SideEffect>, usize) {
     (changed.into_iter().take(shown).collect(), more)
 }
 
-/// The number of side effects beyond their tolerance, in words; `None` if no output was compared.
+/// Number of side effects beyond their tolerance, in words. `None` if no output was compared.
 pub fn side_effects_in_words(effects: &[SideEffect]) -> Option<String> {
     if effects.is_empty() {
         return None;
@@ -170,7 +169,7 @@ pub fn side_effects_in_words(effects: &[SideEffect]) -> Option<String> {
     })
 }
 
-/// Names of the outputs that do not change visibly, in words; `None` without one.
+/// Names of the outputs without a visible change, in words. `None` if there is none.
 pub fn unchanged_in_words(effects: &[SideEffect]) -> Option<String> {
     let unchanged = effects.iter().filter(|e| !is_visible(e));
     let names: Vec<String> = unchanged.map(SideEffect::column).collect();

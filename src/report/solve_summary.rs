@@ -13,14 +13,14 @@ use crate::model::Side;
 use crate::study::Study;
 use serde::{Deserialize, Serialize};
 
-/// `summary.json` of a solve.
+/// Content of `summary.json` of a solve.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SolveSummary {
     command: String,
     version: String,
     study: String,
     topology: String,
-    /// For an axle, the right wheel's own entries: "mirrored" if it has none.
+    /// For an axle, the parts in which the right wheel differs: "mirrored" if there are none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     axle: Option<String>,
     stations: usize,
@@ -37,15 +37,15 @@ pub struct SolveSummary {
     /// Certificate, if the study requests one.
     #[serde(default)]
     certificate: Option<CertificateSummary>,
-    /// Counts of the work; none are counted for an axle.
+    /// Counts of the computing work. `None` for an axle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     work: Option<Work>,
-    /// Why the tracker left stations to the continuation.
+    /// Reasons why the tracker passed stations to the continuation.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     left_to_continuation: Vec<Left>,
 }
 
-/// Stations that the tracker left to the continuation for one reason.
+/// Number of stations that the tracker passed to the continuation for one reason.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Left {
     reason: String,
@@ -57,10 +57,10 @@ struct Left {
 struct FailedStation {
     #[serde(default)]
     station: usize,
-    /// Place in words.
+    /// Position in words.
     #[serde(default)]
     at: String,
-    /// Numbers of a corner's station.
+    /// Coordinates of the station, for a corner.
     #[serde(flatten)]
     place: Option<StationLabel>,
     status: String,
@@ -68,8 +68,8 @@ struct FailedStation {
 }
 
 impl SolveSummary {
-    /// The summary of curves. `design` are the curves of the design position alone; without them the design position is
-    /// looked for among the stations.
+    /// Summarises curves. `design` has the curves of the design position alone. Without them, the design position is taken from
+    /// the stations, if it is one of them.
     pub fn of(study: &Study, curves: &Curves, design: Option<&Curves>) -> Self {
         let wheel = study.wheel();
         let stations = curves.stations.iter().enumerate();
@@ -83,7 +83,7 @@ impl SolveSummary {
             }),
             _ => None,
         });
-        // In the design position there are no derivatives by time, so columns are found by their names.
+        // The design position has no time derivatives, so columns are found by their names.
         let at_design = |column: usize| match design {
             Some(design) => {
                 let name = &curves.columns[column].name;
@@ -122,12 +122,12 @@ impl SolveSummary {
         }
     }
 
-    /// The range of every output.
+    /// Table with the range of every output.
     pub fn table(&self) -> Table {
         Range::table(&self.outputs)
     }
 
-    /// Values at the first station, for curves of the design position only.
+    /// Table of the values at the first station, for curves of the design position only.
     pub fn design_table(design: &Curves) -> Table {
         let unit = Column::for_programs("unit");
         let columns = ["output", "at design"].map(Column::from);
@@ -141,7 +141,7 @@ impl SolveSummary {
         table
     }
 
-    /// For programs: the stations without a pose.
+    /// Table of the stations without a pose, for programs.
     pub fn failures_table(&self) -> Table {
         let mut columns = vec!["station", "at"];
         if self.axle.is_none() {
@@ -158,19 +158,19 @@ impl SolveSummary {
         table
     }
 
-    /// Number of stations of each status, for programs.
+    /// Table with the number of stations for each status, for programs.
     pub fn stations_table(&self) -> Table {
         self.completeness.table()
     }
 
-    /// The outcome in a line.
+    /// Result of the solve in one line.
     pub fn headline(&self) -> String {
         let stations = self.completeness.headline().unwrap_or_else(|| {
             let solved = self.stations - self.failed.len();
             format!("{solved} of {} stations solved", self.stations)
         });
         match &self.axle {
-            // A solid axle has the word in its name.
+            // The topology name of a solid axle already contains the word "axle".
             Some(axle) if self.topology.ends_with("axle") => {
                 format!("{}: {}, {axle}; {stations}", self.study, self.topology)
             }
@@ -180,14 +180,14 @@ impl SolveSummary {
     }
 }
 
-/// Returns true if every number that the motion gives is 0 at a station. A motion over time has no design position.
+/// True if all given coordinates are 0 at a station. A motion over time has no design position.
 fn is_design(curves: &Curves, station: &Station) -> bool {
     let all = || curves.motion.iter().zip(&station.at);
     let is_zero = all().all(|(column, value)| !column.is_given || *value == Some(0.0));
     is_zero && all().all(|(column, _)| column.key != "time")
 }
 
-/// Parts in which the right wheel is not the mirror image of the left one.
+/// Parts in which the right wheel is not the mirror image of the left wheel.
 fn right_wheel(axle: &Axle) -> String {
     let (left, right) = (&axle.left, axle.suspension(Side::Right));
     let springs = axle.setup.springs.as_ref();

@@ -1,4 +1,4 @@
-//! Labels of stations: their place on the motion.
+//! Labels of stations: their position on the motion.
 
 use super::figure::as_written;
 use super::table::Cell;
@@ -6,11 +6,11 @@ use crate::curves::{Curves, MotionColumn};
 use crate::study::Drive;
 use serde::{Deserialize, Serialize};
 
-/// Place of a station on the motion: numbers for a corner, words for an axle.
+/// Position of a station on the motion: numbers for a corner, words for an axle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub(super) enum StationLabel {
-    /// A station of a corner. An angle is `None` unless it drives.
+    /// A station of a corner. An angle is `None` unless it is the drive.
     Corner {
         travel: Option<f64>,
         arm_angle_deg: Option<f64>,
@@ -36,12 +36,12 @@ impl StationLabel {
         }
     }
 
-    /// Returns true if the label is of a corner.
+    /// True if the label belongs to a corner.
     pub(super) fn is_of_corner(&self) -> bool {
         matches!(self, StationLabel::Corner { .. })
     }
 
-    /// Travel, arm angle, theta and rack of a corner, as cells of a table.
+    /// Travel, arm angle, theta and rack of a corner, as table cells.
     pub(super) fn cells(&self) -> Option<[Cell; 4]> {
         match *self {
             StationLabel::Corner {
@@ -55,7 +55,7 @@ impl StationLabel {
     }
 }
 
-/// The given numbers of a station in words, as in `roll 2 deg, heave 0 mm`. A rack at 0 is left out.
+/// Coordinates of a station in words, as in `roll 2 deg, heave 0 mm`. A rack at 0 is left out.
 pub(super) fn place_in_words(curves: &Curves, station: usize) -> String {
     let at = &curves.stations[station].at;
     let part = |(column, value): (&MotionColumn, &Option<f64>)| {

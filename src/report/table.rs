@@ -1,8 +1,7 @@
-//! Tables for the terminal, and the same as CSV or JSON.
+//! Tables for the terminal, also as CSV or JSON.
 //!
-//! A cell has two sides: what a reader sees, with the digits it deserves, and what a program gets: the
-//! number itself. A column may be for one of them alone, as a range is one column to a reader and two numbers
-//! to a program.
+//! A cell has two forms. People see a text with a sensible number of digits; programs get the exact number. A column may be for
+//! only one of them. For example, people see a range in one column, but programs get two numbers.
 
 use super::figure::{brief, figure, figures, with_decimals};
 use super::shortest;
@@ -12,11 +11,11 @@ use serde_json::{Map, Value};
 /// Format of printed tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// Aligned columns for reading.
+    /// Aligned columns for people.
     Text,
     /// Comma-separated values.
     Csv,
-    /// An object with a list of objects for each table.
+    /// JSON object with a list of objects for each table.
     Json,
 }
 
@@ -31,7 +30,7 @@ pub struct Column {
 }
 
 impl Column {
-    /// A column that only a reader sees.
+    /// Column for people only.
     pub fn for_readers(title: impl Into<String>) -> Self {
         Column {
             programs: false,
@@ -39,7 +38,7 @@ impl Column {
         }
     }
 
-    /// A column that only a program gets.
+    /// Column for programs only.
     pub fn for_programs(title: impl Into<String>) -> Self {
         Column {
             readers: false,
@@ -47,7 +46,7 @@ impl Column {
         }
     }
 
-    /// A column that programs know by another name than its title.
+    /// Column whose name for programs differs from its title.
     pub fn named(title: impl Into<String>, name: &'static str) -> Self {
         Column {
             name: Some(name),
@@ -55,7 +54,7 @@ impl Column {
         }
     }
 
-    /// Name for programs: `at design` is `at_design`.
+    /// Name for programs: `at design` becomes `at_design`.
     fn key(&self) -> String {
         self.name.unwrap_or(&self.title).replace([' ', '-'], "_")
     }
@@ -86,12 +85,12 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// A number, with six digits for a reader; rounding in this unit is 0 to a reader.
+    /// Cell with a number. People see six digits, and 0 for a rounding error in this unit.
     pub fn figure(value: f64, unit: &str) -> Self {
         Cell::shown(value, figure(value, unit))
     }
 
-    /// Numbers that are read side by side.
+    /// Cells with numbers that people compare side by side.
     pub fn figures<const N: usize>(
         values: [Option<f64>; N],
         unit: &str,
@@ -100,7 +99,7 @@ impl Cell {
         cells.map(|(value, text)| Cell::by(value, |_| text))
     }
 
-    /// A number, shown so to a reader.
+    /// Cell with a number for programs and this text for people.
     pub fn shown(value: f64, text: impl Into<String>) -> Self {
         Cell {
             shown: text.into(),
@@ -108,13 +107,13 @@ impl Cell {
         }
     }
 
-    /// A number, shown to a reader by `show`; empty without a value.
+    /// Cell with a number for programs. `show` makes the text for people. Empty without a value.
     pub fn by<T: Into<String>>(value: impl Into<Option<f64>>, show: impl FnOnce(f64) -> T) -> Self {
         let value = value.into();
         value.map(|value| Cell::shown(value, show(value))).into()
     }
 
-    /// A text that a reader has seen in the row above.
+    /// Cell whose text people see only in the row above.
     pub fn repeated(text: &str) -> Self {
         Cell {
             shown: String::new(),
@@ -122,7 +121,7 @@ impl Cell {
         }
     }
 
-    /// A cell with `data` for programs and words for readers.
+    /// Cell with `data` for programs and words for people.
     pub fn in_words(data: impl Into<Value>, words: &str) -> Self {
         Cell {
             shown: words.to_owned(),
@@ -130,23 +129,23 @@ impl Cell {
         }
     }
 
-    /// A measurement: a number with this number of decimals, for readers and programs alike.
+    /// Cell with a measured number. People and programs get the same number of decimals.
     pub fn rounded(value: f64, decimals: usize) -> Self {
         let text = with_decimals(value, decimals);
         Cell::shown(text.parse().unwrap_or(value), text)
     }
 
-    /// Text for readers.
+    /// Text for people.
     pub fn text(&self) -> &str {
         &self.shown
     }
 
-    /// The number, if the cell holds one.
+    /// Number in the cell, if it has one.
     pub fn number(&self) -> Option<f64> {
         self.data.as_f64()
     }
 
-    /// Returns true if the cell is aligned like a number.
+    /// True if the cell is aligned like a number.
     pub fn is_number(&self) -> bool {
         self.data.is_number()
             || self
@@ -223,17 +222,17 @@ impl<T: Into<Cell>> From<Option<T>> for Cell {
 pub struct Table {
     columns: Vec<Column>,
     rows: Vec<Vec<Cell>>,
-    /// Number of leading reader columns that identify a row.
+    /// Number of leading columns for people that identify a row.
     keys: usize,
 }
 
 impl Table {
-    /// An empty table.
+    /// Makes an empty table.
     pub fn new<const N: usize>(header: [&str; N]) -> Self {
         Table::with_columns(header)
     }
 
-    /// An empty table whose columns depend on its content, or on its reader.
+    /// Makes an empty table whose columns depend on its content or its format.
     pub fn with_columns(columns: impl IntoIterator<Item: Into<Column>>) -> Self {
         Table {
             columns: columns.into_iter().map(Into::into).collect(),
@@ -242,26 +241,26 @@ impl Table {
         }
     }
 
-    /// The same where so many of the first columns that a reader sees say together what a row is of.
+    /// Sets the number of leading columns for people that together identify a row.
     pub fn keyed(mut self, keys: usize) -> Self {
         self.keys = keys;
         self
     }
 
-    /// Adds a row, which has a cell for each column.
+    /// Adds a row with one cell per column.
     pub fn push_row(&mut self, row: impl IntoIterator<Item: Into<Cell>>) {
         let row: Vec<Cell> = row.into_iter().map(Into::into).collect();
         assert_eq!(row.len(), self.columns.len());
         self.rows.push(row);
     }
 
-    /// Adds a row, which has a cell for each column.
+    /// Adds a row with one cell per column.
     pub fn push<const N: usize>(&mut self, row: [impl Into<Cell>; N]) {
         self.push_row(row);
     }
 
-    /// Tables of the same columns one below the other; a first column of this name says of which a row is. Tables
-    /// without a name stay as they are, and there is then one of them.
+    /// Joins tables with equal columns below each other. A first column `name` states the table of each row. If the table has no
+    /// name, there must be only one table, and it stays unchanged.
     pub fn stacked<'n>(
         name: &str,
         tables: impl IntoIterator<Item = (Option<&'n str>, Table)>,
@@ -284,25 +283,25 @@ impl Table {
         stacked
     }
 
-    /// Returns true if it has no rows.
+    /// True if the table has no rows.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
 
-    /// First rows, and how many more there are.
+    /// Keeps the first rows, and returns the number of omitted rows.
     pub fn first(mut self, most: usize) -> (Self, usize) {
         let more = self.rows.len().saturating_sub(most);
         self.rows.truncate(most);
         (self, more)
     }
 
-    /// Names of the columns that a reader sees.
+    /// Names of the columns for people.
     pub fn header(&self) -> Vec<&str> {
         let columns = self.columns.iter().filter(|c| c.readers);
         columns.map(|c| c.title.as_str()).collect()
     }
 
-    /// Cells that a reader sees, row by row.
+    /// Cells for people, row by row.
     pub fn rows(&self) -> impl Iterator<Item = Vec<&Cell>> {
         self.rows.iter().map(|row| {
             let cells = row.iter().zip(&self.columns);
@@ -313,7 +312,7 @@ impl Table {
         })
     }
 
-    /// The table as CSV, ending in a line break; with `name`, in a first column `table` of every row.
+    /// Table as CSV that ends with a line break. With `name`, a first column `table` contains the name in every row.
     pub fn csv(&self, name: Option<&str>) -> String {
         let for_programs = |of: &Vec<String>| -> Vec<String> {
             let cells = of.iter().zip(&self.columns).filter(|(_, c)| c.programs);
@@ -334,7 +333,7 @@ impl Table {
         String::from_utf8(bytes).expect("cells are text")
     }
 
-    /// The table as a list of objects.
+    /// Table as a JSON list of objects.
     pub fn json(&self) -> Value {
         let object = |row: &Vec<Cell>| {
             let cells = row.iter().zip(&self.columns).filter(|(_, c)| c.programs);
@@ -344,9 +343,9 @@ impl Table {
         Value::from(self.rows.iter().map(object).collect::<Vec<Value>>())
     }
 
-    /// The table for reading, its lines no longer than `width` where its numbers allow it: first text and
-    /// headings are broken, then the columns stand in several tables, each with those that say what a row
-    /// is of ([`Table::keyed`]). The first column stands to the left, numbers to the right.
+    /// Table for people, with lines of at most `width` characters if its numbers allow it. First it breaks texts and headings. If
+    /// that is not enough, it splits the columns into several tables. Each of them repeats the columns that identify a row
+    /// ([`Table::keyed`]). The first column is aligned to the left, numbers to the right.
     pub fn text(&self, width: usize) -> String {
         let header = self.header();
         let rows: Vec<Vec<&Cell>> = self.rows().collect();
@@ -358,14 +357,14 @@ impl Table {
         let room = |widths: &[usize]| widths.iter().map(|w| w + 2).sum::<usize>();
         while room(&widths) > width {
             let wider = (0..widths.len()).filter(|k| widths[*k] > layout[*k].least);
-            // Sentences first: a name is read more easily whole.
+            // Sentences are broken before names, because names are easier to read without a break.
             let Some(widest) = wider.max_by_key(|k| (layout[*k].prose, widths[*k])) else {
                 break;
             };
             widths[widest] -= 1;
         }
         if room(&widths) > width {
-            // In several tables headings need not be broken.
+            // After the split into several tables, headings need no break.
             let first = natural[0].min((width / 2).max(layout[0].least));
             let most = width.saturating_sub(first + 4);
             let fitting =
@@ -397,11 +396,11 @@ struct Layout {
     /// True if some cell has several words.
     prose: bool,
     natural: usize,
-    /// Numbers are not broken, nor names up to half of the line's width.
+    /// Smallest width. Numbers and short names are never broken; names longer than half of the line may be.
     least: usize,
 }
 
-/// The least width of text.
+/// Smallest width of a text column.
 const LEAST: usize = 14;
 
 impl Layout {
@@ -439,8 +438,8 @@ impl Layout {
     }
 }
 
-/// Columns that fit side by side, each time with the first ones: so many of them, or where there is no room for another
-/// beside these, the first alone.
+/// Splits columns into groups that fit side by side. Each group begins with the first `keys` columns, or with the first column
+/// alone if the space is too small.
 fn pieces(widths: &[usize], width: usize, keys: usize) -> Vec<Vec<usize>> {
     let taken = |keys: usize| widths[..keys].iter().map(|w| w + 2).sum::<usize>();
     let widest = widths.iter().skip(keys).max().unwrap_or(&0);
@@ -463,7 +462,7 @@ fn pieces(widths: &[usize], width: usize, keys: usize) -> Vec<Vec<usize>> {
     pieces
 }
 
-/// A row, of as many lines as its cells need.
+/// Writes a row with as many lines as its cells need.
 fn line<'a>(text: &mut String, cells: impl Iterator<Item = (&'a str, usize, &'a Layout)>) {
     let cells: Vec<_> = cells
         .map(|(cell, width, l)| (broken(cell, width), width, l))
@@ -489,7 +488,7 @@ fn line<'a>(text: &mut String, cells: impl Iterator<Item = (&'a str, usize, &'a 
     }
 }
 
-/// The tables of a command, in the order they are shown, under the names that programs know them by.
+/// Tables of a command in order, with their names for programs.
 #[derive(Clone, Debug, Default)]
 pub struct Tables(Vec<(&'static str, Table)>);
 
@@ -499,8 +498,8 @@ impl Tables {
         self.0.push((name, table));
     }
 
-    /// All of them. As CSV they are separated by empty lines, and the first column of each, `table`, has
-    /// its name, so that one without rows beside others is left out; as JSON they are lists in one object.
+    /// Text of all tables. In CSV, empty lines separate them, and the first column `table` contains their name; empty tables are
+    /// left out if there are others. In JSON, they are lists in one object.
     pub fn render(&self, format: Format, width: usize) -> String {
         let is_nameless = |table: &Table| format == Format::Csv && table.rows.is_empty();
         let has_rows = self.0.iter().any(|(_, table)| !table.rows.is_empty());
@@ -592,7 +591,7 @@ mod tests {
                 "{text}"
             );
         }
-        // Where there is no room for it, the first column alone.
+        // If the space is too small, only the first column is repeated.
         let names = [Cell::from("n".repeat(14)), "m".repeat(14).into()];
         let mut table = Table::new(["a", "b", "c", "d"]).keyed(2);
         table.push_row(names.into_iter().chain([-0.123456e-10; 2].map(Cell::from)));
@@ -662,7 +661,7 @@ mod tests {
                 let text = table.text(width);
                 let longest = text.lines().map(|l| l.chars().count()).max().unwrap();
                 assert!(longest <= width, "{longest} of {width}:\n{text}");
-                // Nothing is left out.
+                // No text is lost.
                 let letters = |text: &str| text.chars().filter(|c| !c.is_whitespace()).count();
                 assert!(letters(&text) >= letters(&table.text(10_000)), "{text}");
             }

@@ -1,8 +1,8 @@
-//! Text within a width, and without characters that a terminal would obey.
+//! Fits text to a width, and replaces control characters of the terminal.
 
 use std::fmt::Display;
 
-/// A number of things: `1 design`, `5 designs`.
+/// Number with a noun: `1 design`, `5 designs`.
 pub fn counted<N: Display + PartialEq + From<u8>>(number: N, thing: &str) -> String {
     match number == N::from(1) {
         true => format!("{number} {thing}"),
@@ -10,11 +10,11 @@ pub fn counted<N: Display + PartialEq + From<u8>>(number: N, thing: &str) -> Str
     }
 }
 
-/// Characters after which a word may be broken.
+/// Characters after which a line may break within a word.
 const JOINTS: [char; 4] = ['_', '/', ',', '.'];
 
-/// The lines of a text of at most `width` characters each: broken at spaces, or after an underscore, slash,
-/// comma or dot, or where nothing else helps within a word. At least one line.
+/// Splits a text into lines of at most `width` characters, at least one line. Lines break at spaces; or after an underscore,
+/// slash, comma or dot; or, if necessary, anywhere in a word.
 pub(super) fn broken(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split(' ') {
@@ -44,7 +44,7 @@ fn last(lines: &[String]) -> usize {
     lines.last().map_or(0, |line| line.chars().count())
 }
 
-/// Length of the longest part of a text that is not broken.
+/// Length of the longest unbreakable part of a text.
 pub(super) fn widest(text: &str) -> usize {
     let parts = text
         .split(' ')
@@ -52,8 +52,8 @@ pub(super) fn widest(text: &str) -> usize {
     parts.map(|part| part.chars().count()).max().unwrap_or(0)
 }
 
-/// A text whose lines are at most `width` characters long; what is broken goes on two spaces further in
-/// than it began. Lines that are short enough stay as they are.
+/// Wraps the lines of a text to at most `width` characters. Continued lines are indented by two more spaces. Short lines stay
+/// unchanged.
 pub fn wrapped(text: &str, width: usize) -> String {
     let mut wrapped = String::with_capacity(text.len());
     for line in text.split_inclusive('\n') {
@@ -80,7 +80,7 @@ pub fn wrapped(text: &str, width: usize) -> String {
     wrapped
 }
 
-/// The lines of a text broken at spaces alone, so that paths and names stay whole.
+/// Lines of a text that breaks only at spaces, so that paths and names stay whole.
 fn words_within(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split(' ') {
@@ -95,8 +95,8 @@ fn words_within(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// A text without characters that a terminal would obey or that turn the direction of reading: they are
-/// shown as escapes (`\u{1b}`). Line breaks and tabs stay.
+/// Replaces characters that control a terminal or change the direction of reading by escapes (`\u{1b}`). Line breaks and tabs
+/// stay.
 pub fn printable(text: &str) -> String {
     let mut printable = String::with_capacity(text.len());
     for c in text.chars() {
@@ -109,7 +109,8 @@ pub fn printable(text: &str) -> String {
     printable
 }
 
-/// JSON that says the same without characters that a terminal would obey; within JSON they stand in strings alone.
+/// Replaces characters that control a terminal by JSON escapes. In JSON they only occur within strings, so the meaning stays the
+/// same.
 pub(super) fn printable_json(json: &str) -> String {
     let mut printable = String::with_capacity(json.len());
     for c in json.chars() {
@@ -122,13 +123,13 @@ pub(super) fn printable_json(json: &str) -> String {
     printable
 }
 
-/// Returns true if a text has nothing that [`printable`] changes.
+/// True if [`printable`] would not change a text.
 pub fn is_printable(text: &str) -> bool {
     text.chars()
         .all(|c| "\n\t".contains(c) || !(c.is_control() || turns(c)))
 }
 
-/// Marks, embeddings, overrides and isolates of bidirectional text, and the separators of lines.
+/// True for marks, embeddings, overrides and isolates of bidirectional text, and for line separators.
 fn turns(c: char) -> bool {
     matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }

@@ -1,4 +1,4 @@
-//! The results of scatter, in tables and files.
+//! Results of scatter, as tables and files.
 
 use super::bands::{BandRecord, in_words, limits_of};
 use super::figure::with_decimals;
@@ -13,50 +13,50 @@ use crate::study::AxleStudy;
 use crate::tolerance::{Expansion, HOLDS, MonteCarlo, PERCENTILES, Problem, Yields};
 use serde::{Deserialize, Serialize};
 
-/// The results of `hardpoint tolerance`.
+/// Results of `hardpoint tolerance`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ToleranceSummary {
     /// Name of the study.
     pub study: String,
     /// Number of builds.
     pub builds: u64,
-    /// Seed they were drawn from.
+    /// Seed of the random builds.
     pub seed: u32,
     /// True if toe and camber were set again after assembly.
     pub aligned: bool,
-    /// Builds that could not be assembled.
+    /// Number of builds that could not be assembled.
     pub rejected: u64,
-    /// Number of rejected builds for each reason, with the first of each.
+    /// Number of rejected builds for each reason, with the first build of each.
     pub rejects: Vec<RejectRecord>,
-    /// Builds without a pose somewhere in the motion.
+    /// Number of builds that have no pose somewhere in the motion.
     pub incomplete: u64,
-    /// Number of the first of these.
+    /// Number of the first such build.
     pub first_incomplete: Option<u64>,
-    /// For an axle: columns of the numbers that say at which position of the motion a value is.
+    /// For an axle: columns of the coordinates that give the position of a value on the motion.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub places: Vec<String>,
-    /// Every value that was looked at.
+    /// All evaluated values.
     pub values: Vec<ValueRecord>,
-    /// The bands.
+    /// Bands of the values.
     pub bands: Vec<BandRecord>,
-    /// The share of builds in all bands; none without bands.
+    /// Share of builds within all bands. `None` without bands.
     pub yield_of_all: Option<f64>,
-    /// The share of builds in all bands by the first-order answer.
+    /// Share of builds within all bands, by the first-order estimate.
     pub yield_of_all_linear: Option<f64>,
-    /// Contributors, the one first whose halving gains most.
+    /// Contributors, sorted by the yield gained by halving their tolerance.
     pub ranking: Vec<RankingRecord>,
 }
 
-/// A kind of reject.
+/// A reason for rejected builds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RejectRecord {
     /// Short name of the reason.
     pub reason: String,
-    /// Number of builds that were rejected for it.
+    /// Number of builds rejected for this reason.
     pub builds: u64,
-    /// Number of the first of these builds.
+    /// Number of the first such build.
     pub first: u64,
-    /// Reason for the first rejection, in words.
+    /// Explanation of the first rejection, in words.
     pub what: String,
 }
 
@@ -65,18 +65,18 @@ pub struct RejectRecord {
 pub struct ValueRecord {
     /// Name with unit.
     pub output: String,
-    /// Travel, of one wheel.
+    /// Wheel travel, in a study of one wheel.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub travel: Option<f64>,
-    /// Rack displacement, in the study's axes, of one wheel.
+    /// Rack displacement in the study's axes, in a study of one wheel.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rack: Option<f64>,
-    /// For an axle: the numbers of [`ToleranceSummary::places`].
+    /// For an axle: values of the coordinates [`ToleranceSummary::places`].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub place: Vec<f64>,
     /// Number of builds that have the value.
     pub builds: u64,
-    /// Value of the drawn design.
+    /// Value of the nominal design.
     pub drawn: Option<f64>,
     /// Mean over the builds.
     pub mean: Option<f64>,
@@ -88,35 +88,35 @@ pub struct ValueRecord {
     pub sigma_error: Option<f64>,
     /// First-order standard deviation.
     pub sigma_linear: Option<f64>,
-    /// Second-order term as a part of the first-order variance.
+    /// Second-order term, as a fraction of the first-order variance.
     pub second_order: Option<f64>,
-    /// True if the linear answer holds; `None` if that is unknown.
+    /// True if the first-order estimate holds. `None` if this is unknown.
     pub linear_holds: Option<bool>,
-    /// See [`PERCENTILES`].
+    /// Percentiles of the builds, see [`PERCENTILES`].
     pub percentiles: [Option<f64>; PERCENTILES.len()],
-    /// The least and the greatest.
+    /// Smallest and largest value.
     pub range: [Option<f64>; 2],
-    /// Histogram of a value that is drawn with its band.
+    /// Histogram, for a value that the page shows with its band.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub histogram: Option<HistogramRecord>,
     /// First-order share of each contributor in the variance, in the order of the study.
     pub shares: Vec<Option<f64>>,
-    /// Part of the builds' variance beyond first order: curvature and interaction.
+    /// Fraction of the builds' variance that is not first order: curvature and interaction.
     pub remainder: Option<f64>,
     /// Standard error of the remainder.
     pub remainder_error: Option<f64>,
-    /// The same part by second order.
+    /// Second-order estimate of this fraction.
     pub remainder_second_order: Option<f64>,
-    /// True at the nominal position.
+    /// True for a value at the design position.
     at_rest: bool,
-    /// Unit of the values.
+    /// Unit of the value.
     unit: String,
 }
 
-/// Histogram of a value, as printed. Its bins have equal widths.
+/// Histogram of a value, as printed numbers. Its bins have equal widths.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HistogramRecord {
-    /// The least and the greatest value.
+    /// Smallest and largest value.
     pub range: [f64; 2],
     /// Number of builds in each bin.
     pub counts: Vec<u32>,
@@ -125,15 +125,15 @@ pub struct HistogramRecord {
 /// Effect of a contributor on the yield.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RankingRecord {
-    /// Name.
+    /// Name of the contributor.
     pub contributor: String,
-    /// Largest share of the variance of a banded value.
+    /// Largest share in the variance of a value with a band.
     pub share: f64,
-    /// Predicted yield with half its tolerance.
+    /// Predicted yield with half of its tolerance.
     pub yield_halved: f64,
     /// Predicted yield with twice its tolerance.
     pub yield_doubled: f64,
-    /// True if doubling it costs almost no yield.
+    /// True if the tolerance can be relaxed: doubling it costs almost no yield.
     pub may_be_looser: bool,
 }
 
@@ -141,7 +141,7 @@ fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value + 0.0)
 }
 
-/// Reason for a rejected build, with the wheel in an axle.
+/// Reason for a rejected build. For an axle it names the wheel.
 pub fn rejected(side: Option<Side>, why: &AssemblyError) -> String {
     match side {
         None => why.to_string(),
@@ -150,20 +150,20 @@ pub fn rejected(side: Option<Side>, why: &AssemblyError) -> String {
 }
 
 impl ValueRecord {
-    /// The numbers that say where the value is, as columns of a table.
+    /// Coordinates that give the position of the value, as table columns.
     fn place(&self) -> impl Iterator<Item = String> + '_ {
         let of_wheel = self.travel.into_iter().chain(self.rack);
         of_wheel.chain(self.place.iter().copied()).map(shortest)
     }
 
-    /// The part of the builds' variance that a contributor is responsible for by first order.
+    /// Fraction of the builds' variance that a contributor causes in first order.
     fn share_of_builds(&self, contributor: usize) -> Option<f64> {
         Some(self.shares[contributor]? * (1.0 - self.remainder?))
     }
 }
 
 impl ToleranceSummary {
-    /// Summary of the first-order answer, the Monte Carlo and the yields; `drawn` has the values of the drawn design.
+    /// Summarises the first-order estimate, the Monte Carlo builds and the yields. `drawn` has the values of the nominal design.
     pub fn of(
         problem: &Problem,
         drawn: &[f64],
@@ -227,7 +227,7 @@ impl ToleranceSummary {
         summary
     }
 
-    /// Keeps the histograms of the values that are drawn with their bands.
+    /// Removes the histograms of values that the page does not show with a band.
     fn keep_drawn_histograms(&mut self) {
         let bands = self.bands.iter();
         let drawn: Vec<ValueRecord> = bands
@@ -240,12 +240,12 @@ impl ToleranceSummary {
         }
     }
 
-    /// The share of builds in all bands, where there are bands.
+    /// Share of builds within all bands, in words. `None` without bands.
     pub fn kept_in_words(&self) -> Option<String> {
         self.yield_of_all.map(percent)
     }
 
-    /// One line on the run.
+    /// Line that describes the run.
     pub fn headline(&self) -> String {
         let aligned = if self.aligned {
             ", aligned"
@@ -259,7 +259,7 @@ impl ToleranceSummary {
         line
     }
 
-    /// Sentences on builds that were rejected or have no pose at some station.
+    /// Sentences about builds that were rejected or have no pose at some station.
     pub fn failures(&self) -> Vec<String> {
         let mut lines: Vec<String> = self
             .rejects
@@ -284,7 +284,7 @@ impl ToleranceSummary {
         lines
     }
 
-    /// Every value in the drawn position, and where it scatters most.
+    /// Table of every value at the design position, and at the position with the largest scatter.
     pub fn values_table(&self) -> Table {
         let rack_moves = self.values.iter().any(|v| v.rack != self.values[0].rack);
         let of_wheel = self.places.is_empty();
@@ -328,7 +328,7 @@ impl ToleranceSummary {
                     Some(true) => "",
                     _ => words,
                 };
-                // Digits of sampled numbers end where those of sigma are chance.
+                // Sampled numbers are cut at the digit where sigma becomes uncertain.
                 let digits = value
                     .sigma_error
                     .filter(|error| *error > 0.0 && words != "does not scatter");
@@ -359,7 +359,7 @@ impl ToleranceSummary {
         table
     }
 
-    /// The columns that say where a value is.
+    /// Names of the columns with the position of a value.
     fn place_columns(&self, length: &str) -> Vec<String> {
         match self.places.is_empty() {
             true => vec![format!("travel_{length}"), format!("rack_{length}")],
@@ -367,7 +367,7 @@ impl ToleranceSummary {
         }
     }
 
-    /// The bands and who keeps to them.
+    /// Table of the bands with their yields.
     pub fn bands_table(&self) -> Table {
         let mut table = Table::new(["band", "yield", "linear"]);
         let mut push = |band: &str, kept: f64, linear: f64| {
@@ -409,7 +409,8 @@ impl ToleranceSummary {
         table
     }
 
-    /// Shares of the builds' variance in the drawn position, and what they leave, where there are no bands to rank by.
+    /// Table of the shares of the builds' variance at the design position, with the remainder. It is used if there are no bands
+    /// for a ranking.
     pub fn shares_table(&self, contributors: &[String]) -> Table {
         let rest: Vec<&ValueRecord> = self.values.iter().filter(|v| v.at_rest).collect();
         let outputs = rest.iter().map(|v| v.output.clone());
@@ -429,7 +430,7 @@ impl ToleranceSummary {
         table
     }
 
-    /// `tolerance.csv`: a row for each value.
+    /// Content of `tolerance.csv`: one row per value.
     pub fn csv(&self, length: &str) -> Vec<u8> {
         let mut header = vec!["output".to_owned()];
         header.extend(self.place_columns(length));
@@ -469,8 +470,8 @@ impl ToleranceSummary {
         csv_of_rows(std::iter::once(header).chain(rows))
     }
 
-    /// `contributors.csv`: the share of each contributor in the first-order variance of each value and in the
-    /// variance of the builds, and the remainder.
+    /// Content of `contributors.csv`: share of each contributor in the first-order variance of each value and in the variance of
+    /// the builds, and the remainder.
     pub fn contributors_csv(&self, contributors: &[String], length: &str) -> Vec<u8> {
         let mut header = vec!["output".to_owned()];
         header.extend(self.place_columns(length));
@@ -491,7 +492,7 @@ impl ToleranceSummary {
     }
 }
 
-/// A share with three digits, never rounded up to 100 %.
+/// Share in percent with three digits. It is never rounded up to 100 %.
 pub(super) fn percent(share: f64) -> String {
     match share {
         s if s >= 1.0 => "100 %".to_owned(),
@@ -501,7 +502,7 @@ pub(super) fn percent(share: f64) -> String {
     }
 }
 
-/// Columns that say at which position of the motion an axle's values are; empty for a study of one wheel.
+/// Columns with the position of an axle's values. Empty for a study of one wheel.
 fn places(problem: &Problem) -> Vec<String> {
     let both = problem.study.axle();
     both.map_or_else(Vec::new, |AxleStudy { axle, plan, .. }| {
@@ -528,14 +529,14 @@ fn values(
             let travel = stations.values()[stations.value_of(station)];
             let rack = stations.racks[stations.rack_of(station)];
             let deviation = expansion.variance[cell].sqrt();
-            // What is aligned away is rounding, and rounding has no shares.
+            // After alignment, only rounding errors are left of an aligned value, and these have no shares.
             let scatters = deviation > 1e-12 * drawn[cell].abs().max(1.0);
             let variance = if scatters {
                 deviation * deviation
             } else {
                 f64::NAN
             };
-            // Where the second order is small but a higher one, or the rejects, are not, the builds tell.
+            // If the second order is small but a higher order or the rejected builds matter, the builds show it.
             let apart = (spread.sigma - deviation).abs();
             let differs = scatters && apart > HOLDS * deviation + 4.0 * spread.sigma_error;
             let remainder = expansion.remainder(cell, spread);
@@ -559,7 +560,7 @@ fn values(
                 sigma_linear: scaled(deviation),
                 second_order: finite(expansion.bend(cell)).filter(|_| scatters),
                 linear_holds: match differs {
-                    // Of no builds nothing holds.
+                    // Without builds, the estimate cannot be confirmed.
                     _ if spread.count == 0 => None,
                     true => Some(false),
                     false => expansion.holds(cell).filter(|_| scatters),

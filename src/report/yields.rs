@@ -1,4 +1,4 @@
-//! Shares of builds within the bands, before and after a robust tuning.
+//! Yields before and after a robust tuning: shares of builds within the bands.
 
 use super::bands::in_words;
 use super::table::{Cell, Column, Table};
@@ -9,51 +9,51 @@ use crate::study::Tolerance;
 use crate::tolerance::MonteCarlo;
 use serde::{Deserialize, Serialize};
 
-/// Shares of builds before and after.
+/// Yields before and after a tuning.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct YieldRecord {
     /// Number of builds.
     pub builds: u64,
-    /// The share that keeps to every band: of the design given and of the tuned one; none where it cannot be built.
+    /// Share of builds within all bands: for the design before, and for the tuned design. `None` if the design cannot be built.
     pub all: [Option<f64>; 2],
-    /// The same share of the optimum without scatter.
+    /// Share of builds within all bands, at the optimum without scatter.
     #[serde(default)]
     pub plain: Option<f64>,
-    /// Band by band.
+    /// Yields of the single bands.
     pub bands: Vec<BandShares>,
-    /// For a tuning towards the yield, the builds that it raised the surrogate over, and the surrogate at its end.
+    /// For a tuning towards the yield: final value of its surrogate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surrogate: Option<Surrogate>,
 }
 
-/// The smooth surrogate of a yield at the tuned design.
+/// Smooth surrogate of a yield at the tuned design.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Surrogate {
-    /// Number of builds that it is a mean over.
+    /// Number of builds in its mean.
     pub builds: usize,
-    /// The surrogate.
+    /// Value of the surrogate.
     pub value: f64,
-    /// The surrogate minus the yield of builds that the tuning has not seen.
+    /// Surrogate minus the yield of builds that the tuning has not used.
     pub error: Option<f64>,
-    /// True if no design found has a larger yield than the optimum without scatter. That optimum is then the result.
+    /// True if no design has a larger yield than the optimum without scatter. Then that optimum is the result.
     pub keeps_plain: bool,
 }
 
-/// A band, and the shares of builds that keep to it.
+/// A band with its yields.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BandShares {
-    /// The band in words.
+    /// Band in words.
     pub band: String,
-    /// Before and after.
+    /// Share of builds within the band, before and after.
     pub shares: [Option<f64>; 2],
-    /// Share of the builds within all bands, at the optimum without scatter.
+    /// Share of builds within the band, at the optimum without scatter.
     #[serde(default)]
     pub plain: Option<f64>,
 }
 
 impl YieldRecord {
-    /// Compares the builds of the given design, `before`, with those of the optimum without scatter, `plain`, and of the
-    /// tuned design, `after`.
+    /// Compares the builds of three designs: `before` is the given one, `plain` the optimum without scatter, and `after` the
+    /// tuned one.
     pub fn of(
         tolerance: &Tolerance,
         before: Option<MonteCarlo>,
@@ -92,13 +92,13 @@ impl YieldRecord {
         }
     }
 
-    /// The shares of builds that keep to every band, for reading.
+    /// Yields of all bands in percent, for people.
     pub fn percentages(&self) -> [String; 2] {
         let share = |share: Option<f64>| share.map_or("unknown".to_owned(), percent);
         self.all.map(share)
     }
 
-    /// The outcome in a sentence.
+    /// Result in a sentence.
     pub fn headline(&self) -> String {
         let [before, after] = self.percentages();
         let plain = self.plain.map_or(String::new(), |share| {
@@ -110,7 +110,7 @@ impl YieldRecord {
         )
     }
 
-    /// The surrogate and its error in a sentence, and whether the search found anything; for a tuning towards the yield.
+    /// Surrogate with its error in a sentence, and the result of the search. `None` unless the tuning was towards the yield.
     pub fn surrogate_in_words(&self) -> Option<String> {
         let surrogate = self.surrogate.as_ref()?;
         let error = surrogate.error.map_or(String::new(), |error| {
@@ -129,7 +129,7 @@ impl YieldRecord {
         ))
     }
 
-    /// A remark if the optimum without scatter has a higher yield, by more than chance allows.
+    /// Remark if the optimum without scatter has a yield that is higher by more than chance.
     pub fn remark(&self) -> Option<String> {
         if self.surrogate.is_some() {
             return None;
@@ -149,7 +149,7 @@ impl YieldRecord {
         })
     }
 
-    /// Band by band.
+    /// Table of the yields of the single bands.
     pub fn table(&self) -> Table {
         let columns = ["band", "before", "without scatter", "after"].map(Column::from);
         let mut table = Table::with_columns(columns);

@@ -1,48 +1,48 @@
-//! The claim of a run on a directory: permissions to replace files.
+//! Claim of a run on a directory. It decides if the run may replace files.
 
 use super::manifest::{self, Manifest, RunRecord, matches};
 use super::{Refusal, TEMPORARY};
 use std::path::{Path, PathBuf};
 
-/// Permission for other runs to write in the directory at the same time.
+/// Tells if other runs may write to the directory at the same time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sharing {
-    /// This run alone.
+    /// Only this run may write.
     #[default]
     Alone,
-    /// Runs of the same command with the same study, as the shards of a sweep.
+    /// Runs of the same command with the same study may write, such as the shards of a sweep.
     Together,
 }
 
-/// The claim of a run on a directory.
+/// Request of a run to write to a directory.
 #[derive(Clone, Debug, Default)]
 pub struct Claim<'a> {
-    /// The command, as in `solve`.
+    /// Name of the command, as in `solve`.
     pub command: &'a str,
-    /// The name of the study.
+    /// Name of the study.
     pub study: &'a str,
-    /// SHA-256 of all that the study says.
+    /// SHA-256 of the whole content of the study.
     pub digest: String,
-    /// The digest of a run of the same command whose results this one takes over: of the same sweep with fewer
-    /// samples.
+    /// Digest of an earlier run of the same command whose results this run continues: the same sweep with fewer samples.
     pub former: Option<String>,
-    /// The files it will write, as far as they are known. A star stands for digits.
+    /// Files that this run will write, if they are known in advance. A star represents digits.
     pub files: &'a [&'a str],
-    /// The files it has read.
+    /// Files that this run has read.
     pub inputs: &'a [PathBuf],
-    /// True if existing results may be replaced, whichever command wrote them.
+    /// True if this run may replace existing results of any command.
     pub force: bool,
-    /// True if an unfinished run of the same command and study is continued.
+    /// True if this run continues an unfinished run of the same command and study.
     pub resume: bool,
-    /// True if the results of other runs may be moved aside, because the user has not chosen this directory.
+    /// True if this run may move the results of other runs aside. This is allowed in a default directory, which the user has not
+    /// chosen.
     pub set_aside: bool,
-    /// Permission for others to write there at the same time.
+    /// Permission for other runs to write at the same time.
     pub sharing: Sharing,
-    /// True if the files derive from the results of a finished run, whose state stays as it is.
+    /// True if this run makes files from the results of a finished run, and does not change the state of that run.
     pub reopens: bool,
 }
 
-/// The record of the runs in a directory, if this run may write there.
+/// Returns the record of the runs in a directory, or refuses the claim.
 pub(super) fn examine(path: &Path, claim: &Claim<'_>) -> Result<Manifest, Refusal> {
     let shown = |name: &str| path.join(name).display().to_string();
     let entries = names(path);
@@ -104,7 +104,7 @@ pub(super) fn examine(path: &Path, claim: &Claim<'_>) -> Result<Manifest, Refusa
     taken.map_or(Ok(manifest), Err)
 }
 
-/// Returns true if a directory holds only files of finished runs, and no input of the present run.
+/// True if a directory contains only files of finished runs, and no input of this run.
 pub(super) fn may_be_moved(path: &Path, claim: &Claim<'_>) -> bool {
     let Ok(manifest) = Manifest::read(path) else {
         return false;
@@ -120,7 +120,7 @@ pub(super) fn may_be_moved(path: &Path, claim: &Claim<'_>) -> bool {
     !manifest.runs.iter().any(unfinished) && names(path).iter().all(is_ours)
 }
 
-/// Returns true if a run will write a file of this name, or files of these names.
+/// True if a run will write a file with this name, or files that match it.
 pub(super) fn is_wanted(claim: &Claim<'_>, name: &str) -> bool {
     let mut files = claim.files.iter();
     files.any(|file| *file == name || matches(file, name))

@@ -1,5 +1,4 @@
-//! A file that says "being written": locked by the operating system, so that a process that dies holds
-//! nothing.
+//! Lock file of a directory that is being written. The operating system holds the lock, so a process that dies releases it.
 
 use super::Owner;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -9,45 +8,46 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Time that a run waits for another one that may be about to end.
+/// Time that a run waits for another run that may end soon.
 const ALONE: Duration = Duration::from_millis(300);
 
-/// Time that a shard waits while another one prepares the directory.
+/// Time that a shard waits while another shard prepares the directory.
 const TOGETHER: Duration = Duration::from_secs(10);
 
-/// The locks of this process by their numbers, so that a signal that ends it leaves no file behind.
+/// Locks of this process with their numbers. A signal that ends the process uses this list to remove the lock files.
 static HELD: Mutex<Vec<(u64, PathBuf, File)>> = Mutex::new(Vec::new());
 
 /// Number of the next lock.
 static NEXT: AtomicU64 = AtomicU64::new(0);
 
 fn held() -> MutexGuard<'static, Vec<(u64, PathBuf, File)>> {
-    // A thread that panicked has left a list that is whole.
+    // The list is complete even after a panic in a thread, so a poisoned lock is harmless.
     HELD.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Lets go of every lock of this process, which is about to end.
+/// Releases all locks of this process before it ends.
 pub(super) fn release_all() {
     for (_, path, file) in held().drain(..) {
         release(&path, &file);
     }
 }
 
-/// Lets go of a lock. Of those who share it the last one removes the file: it alone gets it for itself.
+/// Releases a lock. If several processes share it, the last one removes the file: only that process can lock the file
+/// exclusively.
 fn release(path: &Path, file: &File) {
     if file.unlock().is_ok() && file.try_lock().is_ok() {
         remove(path, file);
     }
 }
 
-/// Removes the file of a lock, if it is still at its place.
+/// Removes a lock file, if it is still in its place.
 fn remove(path: &Path, file: &File) {
     if is_at(file, path) {
         let _ = std::fs::remove_file(path);
     }
 }
 
-/// A lock that is held until it is dropped. Its file goes with it.
+/// A lock that is held until it is dropped. Dropping it also removes its file.
 #[derive(Debug)]
 pub struct Lock {
     number: u64,
@@ -55,32 +55,32 @@ pub struct Lock {
     file: File,
 }
 
-/// Reason why there is no lock.
+/// Reason why a lock cannot be taken.
 #[derive(Debug)]
 pub enum NotLocked {
-    /// Someone else has it; who, where it could be read.
+    /// Another process holds the lock. Its owner is given if it could be read.
     Held(Option<Owner>),
-    /// The file cannot be made or locked.
+    /// The lock file cannot be created or locked.
     Failed(io::Error),
 }
 
 impl Lock {
-    /// Takes the lock alone, waiting for a moment if need be.
+    /// Takes the lock exclusively. Waits for a moment if necessary.
     pub fn exclusive(path: &Path, owner: &Owner) -> Result<Self, NotLocked> {
         Lock::patiently(path, owner, ALONE, |file| file.try_lock())
     }
 
-    /// Takes the lock together with others that take it so.
+    /// Takes the lock together with other processes that share it.
     pub fn shared(path: &Path, owner: &Owner) -> Result<Self, NotLocked> {
         Lock::patiently(path, owner, TOGETHER, |file| file.try_lock_shared())
     }
 
-    /// Takes the lock alone, or not at all.
+    /// Takes the lock exclusively, without waiting.
     pub fn at_once(path: &Path, owner: &Owner) -> Result<Self, NotLocked> {
         Lock::try_once(path, owner, &|file| file.try_lock())
     }
 
-    /// Lets others have the lock, too.
+    /// Turns an exclusive lock into a shared one.
     pub fn share(self, owner: &Owner) -> Result<Self, NotLocked> {
         let path = self.path.clone();
         drop(self);
@@ -110,14 +110,14 @@ impl Lock {
         take: &impl Fn(&File) -> Result<(), TryLockError>,
     ) -> Result<Self, NotLocked> {
         loop {
-            // The lock must be a plain file: a link of another program leads elsewhere, where a lock holds nothing
-            // here.
+            // The lock must be a plain file. A symbolic link made by another program would lock a different file, which protects
+            // nothing here.
             if std::fs::symlink_metadata(path).is_ok_and(|there| there.is_symlink()) {
                 return Err(NotLocked::Failed(io::Error::other(
                     "it is a symbolic link that no run created: remove it",
                 )));
             }
-            // A signal that ends the process waits until the lock is on the list.
+            // While this list is locked, a signal cannot end the process before the new lock is on the list.
             let mut held = held();
             let file = OpenOptions::new()
                 .read(true)
@@ -137,7 +137,7 @@ impl Lock {
                 Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
                 Err(TryLockError::Error(error)) => return Err(NotLocked::Failed(error)),
             }
-            // Whoever held it before may have removed the file between the two steps.
+            // The previous holder may have removed the file between opening and locking it.
             if is_at(&file, path) {
                 let same = file.try_clone().map_err(NotLocked::Failed)?;
                 let number = NEXT.fetch_add(1, Ordering::Relaxed);
@@ -161,7 +161,7 @@ impl Lock {
         self.file.write_all(text.as_bytes())
     }
 
-    /// Removes the file before the lock is let go, for a directory that is to be moved.
+    /// Removes the lock file before the lock is released, for a directory that will be moved.
     pub fn remove_file(&self) {
         remove(&self.path, &self.file);
     }
@@ -180,7 +180,7 @@ fn holder(mut file: File) -> Option<Owner> {
     serde_json::from_str(&text).ok()
 }
 
-/// Returns true if a path still leads to an open file.
+/// True if a path still leads to an open file.
 #[cfg(unix)]
 pub(super) fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
@@ -189,7 +189,7 @@ pub(super) fn is_at(file: &File, path: &Path) -> bool {
     open.ok().map(identity) == there.ok().map(identity)
 }
 
-/// Returns true if a path still leads to an open file. On other systems than Unix an open file cannot be removed.
+/// Always true: on systems other than Unix, an open file cannot be removed.
 #[cfg(not(unix))]
 pub(super) fn is_at(_: &File, path: &Path) -> bool {
     path.exists()
@@ -232,7 +232,8 @@ mod tests {
         assert!(!path.exists());
     }
 
-    /// A link, whether it leads to a file or to nothing, is named, and neither waited for nor followed.
+    /// A symbolic link at the place of the lock file is reported. The lock neither waits for it nor follows it, even if its
+    /// target does not exist.
     #[cfg(unix)]
     #[test]
     fn a_link_is_no_lock() {

@@ -1,39 +1,39 @@
-//! `run.json`: which run wrote which files of a directory.
+//! `run.json`: record of the runs that wrote the files of a directory.
 
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Name.
+/// Name of the file.
 pub(super) const NAME: &str = "run.json";
 
-/// The form of the file. A reader takes no other.
+/// Version of the file's format. A reader accepts no other version.
 const FORM: u32 = 1;
 
 /// Record of the runs that wrote the files of a directory.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     form: u32,
-    /// The runs; no file belongs to two of them.
+    /// Runs of the directory. No file belongs to two runs.
     pub runs: Vec<RunRecord>,
 }
 
-/// A run and its files.
+/// A run with its files.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
-    /// The command, as in `solve`.
+    /// Name of the command, as in `solve`.
     pub command: String,
-    /// The name of the study.
+    /// Name of the study.
     pub study: String,
-    /// SHA-256 of all that the study says.
+    /// SHA-256 of the whole content of the study.
     pub digest: String,
-    /// The version of the program.
+    /// Version of the program.
     pub version: String,
-    /// True if the run has ended with all of its results.
+    /// True if the run ended with all of its results.
     pub finished: bool,
-    /// True if a signal ended the run before that.
+    /// True if a signal ended the run.
     #[serde(default)]
     pub interrupted: bool,
-    /// Names of the files. A star stands for digits.
+    /// Names of the files. A star represents digits.
     pub files: Vec<String>,
 }
 
@@ -47,7 +47,7 @@ impl Default for Manifest {
 }
 
 impl Manifest {
-    /// Reads that of a directory: an empty one if it does not exist.
+    /// Reads the record of a directory. Empty if the file does not exist.
     pub fn read(directory: &Path) -> Result<Self, String> {
         let bytes = match std::fs::read(directory.join(NAME)) {
             Ok(bytes) => bytes,
@@ -63,37 +63,37 @@ impl Manifest {
         }
     }
 
-    /// The text of the file.
+    /// Text of the file.
     pub fn text(&self) -> String {
         serde_json::to_string_pretty(self).expect("a manifest is plain data") + "\n"
     }
 
-    /// The run that wrote a file.
+    /// Run that wrote a file.
     pub fn author(&self, name: &str) -> Option<&RunRecord> {
         self.runs.iter().find(|run| run.wrote(name))
     }
 }
 
 impl RunRecord {
-    /// Returns true if the run has this command and this study.
+    /// True if the run has this command and this study.
     pub fn is_of(&self, command: &str, digest: &str) -> bool {
         self.command == command && self.digest == digest
     }
 
-    /// Returns true if its digest is comparable with that of this command: a sweep has a digest of its designs.
+    /// True if the run's digest can be compared with digests of this command. Sweeps use a separate digest of their designs.
     pub fn digests_as(&self, command: &str) -> bool {
         let is_of_designs = |command| ["sweep", "merge"].contains(&command);
         is_of_designs(&self.command) == is_of_designs(command)
     }
 
-    /// Returns true if a file is one of its files.
+    /// True if the run wrote a file with this name.
     pub fn wrote(&self, name: &str) -> bool {
         let mut files = self.files.iter();
         files.any(|pattern| pattern == name || matches(pattern, name))
     }
 }
 
-/// Returns true if a name matches the pattern, in which a star stands for digits.
+/// True if a name matches the pattern, in which a star represents digits.
 pub(super) fn matches(pattern: &str, name: &str) -> bool {
     let Some((before, after)) = pattern.split_once('*') else {
         return pattern == name;

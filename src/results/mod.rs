@@ -1,16 +1,16 @@
-//! The directories that hold the results of runs, and the rules by which one run may replace the files of another.
+//! Directories with results of runs, and the rules by which a run may replace the files of another run.
 //!
-//! A run records in `run.json` who wrote which files: the command, the digest of the study and the version
-//! of the program ([`RunRecord`]). From then on
+//! A run records in `run.json` which files it wrote, with the command, the digest of the study and the version of the program
+//! ([`RunRecord`]). From then on:
 //!
-//! 1. a file may be replaced by the same command with the same study, by nothing else;
-//! 2. a file that no run has recorded belongs to someone else and is never touched, nor is an input;
-//! 3. an unfinished sweep is continued or, on request, started anew;
-//! 4. files appear whole or not at all: they are written under another name and renamed;
-//! 5. while a run writes it holds a [`Lock`], which the operating system takes from it when it dies;
-//! 6. the next run removes the temporary files of a run that died.
+//! 1. Only the same command with the same study may replace a file.
+//! 2. A file that no run has recorded belongs to the user and is never touched. The same is true for every input.
+//! 3. An unfinished sweep is continued or, on request, started again.
+//! 4. A file appears completely or not at all, because the program writes it under another name and then renames it.
+//! 5. While a run writes, it holds a [`Lock`]. If the run dies, the operating system releases the lock.
+//! 6. The next run removes the temporary files of a run that died.
 //!
-//! `--force` lifts the first three.
+//! `--force` cancels the first three rules.
 
 mod claim;
 mod lock;
@@ -31,13 +31,13 @@ pub use run_directory::{RunDirectory, temporary, temporary_of};
 use crate::study::{Designs, Study};
 use std::path::Path;
 
-/// Beginning of the names of all temporary files.
+/// Prefix of the names of all temporary files.
 pub const TEMPORARY: &str = ".hardpoint-";
 
-/// The file in which a run records its results.
+/// File in which a run records its results.
 pub const SUMMARY: &str = "summary.json";
 
-/// A `summary.json` with its first two keys, which say whether the run has finished and whether a signal ended it.
+/// Sets the first two keys of a `summary.json`: did the run finish, and did a signal end it.
 fn restated(text: &str, finished: bool, interrupted: bool) -> String {
     let head = |finished: bool, interrupted: bool| {
         format!("\n  \"finished\": {finished},\n  \"interrupted\": {interrupted},")
@@ -51,13 +51,13 @@ fn restated(text: &str, finished: bool, interrupted: bool) -> String {
     format!("{{{}{body}", head(finished, interrupted))
 }
 
-/// SHA-256 of the whole content of a study: its text, with the changes by `--set` and the curves from files in it,
-/// and the file of its designs.
+/// SHA-256 of the whole content of a study: its text with the changes of `--set` and with curves from files, and the file of its
+/// designs.
 pub fn study_digest(study: &Study) -> String {
     let mut hash = hmac_sha256::Hash::new();
     hash.update(study.text.as_bytes());
     match study.sweep.as_ref().map(|sweep| &sweep.designs) {
-        // A file that cannot be read is an error of the sweep; other commands do without.
+        // An unreadable file is an error of the sweep only, because other commands do not need it.
         Some(Designs::File(path)) => hash.update(std::fs::read(path).unwrap_or_default()),
         Some(Designs::Given(table)) => hash.update(table.digest),
         Some(Designs::Sampled(_)) | None => {}
@@ -65,11 +65,11 @@ pub fn study_digest(study: &Study) -> String {
     hex(&hash.finalize())
 }
 
-/// The digest of several texts that a run is made from.
+/// Digest of several texts from which a run is made.
 pub fn digest_of_texts(texts: &[&str]) -> String {
     let mut hash = hmac_sha256::Hash::new();
     for text in texts {
-        // The length keeps texts apart.
+        // The length separates the texts, so that different texts never give the same input.
         hash.update(text.len().to_le_bytes());
         hash.update(text.as_bytes());
     }
@@ -81,7 +81,7 @@ pub fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Makes a write error of an I/O error at a path.
+/// Converts an I/O error at a path to a write error.
 pub fn unwritten(path: &Path) -> impl FnOnce(std::io::Error) -> WriteError + '_ {
     move |source| WriteError {
         path: path.to_owned(),

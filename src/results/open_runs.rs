@@ -1,4 +1,4 @@
-//! The runs that this process writes now. When a signal ends the process, their directories say so.
+//! Runs that this process is writing. If a signal ends the process, their directories record it.
 
 use super::manifest::{Manifest, NAME, RunRecord};
 use super::{SUMMARY, TEMPORARY, restated, temporary};
@@ -6,13 +6,13 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// A run under way.
+/// A run in progress.
 #[derive(Debug)]
 pub(super) struct OpenRun {
     pub(super) path: PathBuf,
     pub(super) command: String,
     pub(super) digest: String,
-    /// True if it computes results, false if it makes files from a finished run.
+    /// True if the run computes results. False if it makes files from a finished run.
     pub(super) computes: bool,
     /// True if the command writes `summary.json`.
     pub(super) has_summary: bool,
@@ -20,41 +20,40 @@ pub(super) struct OpenRun {
     pub(super) is_alone: bool,
 }
 
-/// Lock that permits its holder to write results. A signal takes it before it ends the process, so that no write is
-/// cut.
+/// Lock whose holder may write results. A signal takes this lock before it ends the process, so that no write is cut.
 static OPEN: Mutex<Vec<OpenRun>> = Mutex::new(Vec::new());
 
 fn open() -> MutexGuard<'static, Vec<OpenRun>> {
-    // A thread that panicked has left a list that is whole.
+    // The list is complete even after a panic in a thread, so a poisoned lock is harmless.
     OPEN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Does a write that no signal cuts short.
+/// Executes a write that no signal can cut.
 pub fn undivided<T>(write: impl FnOnce() -> T) -> T {
     let _open = open();
     write()
 }
 
-/// Begins a run with its first write, or ends it with its last: a signal comes before or after both.
+/// Registers a run together with its first write. A signal comes before or after both.
 pub(super) fn begin<T>(run: OpenRun, first: impl FnOnce() -> T) -> T {
     let mut open = open();
     open.push(run);
     first()
 }
 
-/// See [`begin`].
+/// Removes a run together with its last write. A signal comes before or after both.
 pub(super) fn end<T>(path: &Path, last: impl FnOnce() -> T) -> T {
     let mut open = open();
     open.retain(|run| run.path != path);
     last()
 }
 
-/// Records every run under way as interrupted, then ends the process: nothing is written in between.
+/// Records every run in progress as interrupted, and ends the process. No other write happens in between.
 pub fn exit_interrupted(code: i32) -> ! {
     let mut open = open();
     for run in open.drain(..) {
         if run.computes {
-            // Where the disk does not take it, run.json says that the run has not finished, which is true.
+            // If the disk refuses this, `run.json` still states that the run has not finished, which is true.
             let _ = run.record_interruption();
         }
         if run.is_alone {
@@ -101,7 +100,7 @@ impl OpenRun {
     }
 }
 
-/// Removes temporary files and the lock: they are this process's.
+/// Removes temporary files and the lock, which belong to this process.
 fn clear(directory: &Path) {
     for entry in std::fs::read_dir(directory).into_iter().flatten().flatten() {
         let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
@@ -111,7 +110,7 @@ fn clear(directory: &Path) {
     }
 }
 
-/// Writes a file beside its place, then moves it there. Within [`undivided`] no signal cuts it short.
+/// Writes a file under a temporary name, then renames it. Within [`undivided`] no signal can cut it.
 pub fn put(path: &Path, contents: &[u8]) -> io::Result<()> {
     let directory = path
         .parent()

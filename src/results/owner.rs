@@ -1,21 +1,21 @@
-//! Owner of a lock, named to others that want it.
+//! Owner of a lock. Other processes that want the lock can show its name.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// A process that writes somewhere.
+/// Process that writes to a directory.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Owner {
-    /// Number.
+    /// Process number.
     pub process: u32,
-    /// The machine it runs on.
+    /// Name of the machine.
     pub host: String,
     /// Command line of the owner, as in `hardpoint sweep front`.
     pub command: String,
 }
 
 impl Owner {
-    /// This process.
+    /// Describes this process.
     pub fn here(command: &str) -> Self {
         Owner {
             process: std::process::id(),
@@ -27,7 +27,7 @@ impl Owner {
 
 impl fmt::Display for Owner {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // What a file says reaches a terminal: no control characters.
+        // The text of a file reaches a terminal, so control characters are replaced.
         let plain = |text: &str| -> String {
             let visible = text.chars().map(|c| if c.is_control() { '?' } else { c });
             visible.take(200).collect()
@@ -42,7 +42,7 @@ impl fmt::Display for Owner {
     }
 }
 
-/// The name of this machine; the standard library does not know it.
+/// Name of this machine. The standard library cannot read it.
 fn host() -> String {
     let from_kernel = std::fs::read_to_string("/proc/sys/kernel/hostname").ok();
     let from_shell = || {

@@ -1,4 +1,4 @@
-//! Refusals of a directory for the results of a run.
+//! Reasons why a run may not write to a directory.
 
 use super::Owner;
 use std::path::PathBuf;
@@ -7,48 +7,48 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {path}: {source}")]
 pub struct WriteError {
-    /// The file that was to be written.
+    /// File that was to be written.
     pub path: PathBuf,
-    /// Error of the system.
+    /// Error of the operating system.
     pub source: std::io::Error,
 }
 
-/// Refusal of a directory for the results of a run. Each names the file and a remedy.
+/// Reason why a run may not write to a directory. Each message names the file and a remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum Refusal {
     /// The directory cannot be written to.
     #[error(transparent)]
     Unwritable(#[from] WriteError),
-    /// Another run writes there now.
+    /// Another run is writing to the directory.
     #[error(
         "{directory} is being written by {who}: wait for it, or give another directory with --out",
         who = owner.as_ref().map_or_else(|| "another run".to_owned(), Owner::to_string)
     )]
     Busy {
-        /// The directory.
+        /// Path of the directory.
         directory: String,
-        /// Process that writes, if known.
+        /// Process that is writing, if it is known.
         owner: Option<Owner>,
     },
-    /// The directory holds an input of the run under the name of a result.
+    /// An input of the run has the name of a result in this directory.
     #[error(
         "{file} is an input of this run, and the results would overwrite it: give another directory \
          with --out"
     )]
     Input {
-        /// The input.
+        /// Path of the input.
         file: String,
     },
-    /// The directory holds files that no run has written.
+    /// The directory contains files that no run has written.
     #[error(
         "{file} exists already and is not from a run recorded in run.json: give another \
          directory with --out, or overwrite it with --force"
     )]
     Foreign {
-        /// One of them.
+        /// One of these files.
         file: String,
     },
-    /// The directory holds the results of another run.
+    /// The directory contains the results of another run.
     #[error(
         "{directory} holds the {unfinished}results of `hardpoint {command}` {of} ({file}), which would be lost: \
          give another directory with --out, or replace them with --force",
@@ -60,26 +60,26 @@ pub enum Refusal {
         }
     )]
     Taken {
-        /// The directory.
+        /// Path of the directory.
         directory: String,
         /// Command that wrote the results.
         command: String,
-        /// The name of their study.
+        /// Name of their study.
         study: String,
-        /// True for the same study, if known: sweeps and other commands use different digests.
+        /// True for the same study. `None` if unknown, because sweeps and other commands use different digests.
         same_study: Option<bool>,
         /// True if that run has ended.
         is_finished: bool,
-        /// One of its files.
+        /// One file of that run.
         file: String,
     },
-    /// The directory holds a sweep that has not ended.
+    /// The directory contains an unfinished sweep.
     #[error(
         "{directory} holds an unfinished sweep of this study: continue it with --resume, or restart it \
          with --force"
     )]
     Unfinished {
-        /// The directory.
+        /// Path of the directory.
         directory: String,
     },
     /// The record of the runs in the directory cannot be read.
@@ -88,15 +88,15 @@ pub enum Refusal {
          give another directory with --out, or write there with --force"
     )]
     Unreadable {
-        /// The record.
+        /// Path of the record.
         file: String,
-        /// Fault of the file.
+        /// Error in the file.
         reason: String,
     },
 }
 
 impl Refusal {
-    /// Message for a directory that another option than `--out` gives.
+    /// Message for a directory from another option than `--out`.
     pub fn with_option(&self, option: &str) -> String {
         let advice = |option| format!("give another directory with {option}");
         self.to_string().replace(&advice("--out"), &advice(option))

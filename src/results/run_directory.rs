@@ -1,4 +1,4 @@
-//! The directory a run writes to.
+//! Directory to which a run writes.
 
 use super::claim::{Claim, Sharing, examine, is_wanted, may_be_moved, names, resolved};
 use super::lock::NotLocked;
@@ -10,7 +10,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard};
 
-/// A directory that is a run's to write to, until it is dropped.
+/// Directory that belongs to a run until this value is dropped.
 #[derive(Debug)]
 pub struct RunDirectory {
     path: PathBuf,
@@ -19,7 +19,7 @@ pub struct RunDirectory {
     digest: String,
     force: bool,
     set_aside: Option<PathBuf>,
-    /// The files it has read, by their real paths: they stay, whoever has written them.
+    /// Canonical paths of the files that the run has read. They are never replaced, even if a run wrote them.
     inputs: Vec<PathBuf>,
     lock: Mutex<Option<Lock>>,
 }
@@ -27,16 +27,16 @@ pub struct RunDirectory {
 #[derive(Debug)]
 struct RunState {
     manifest: Manifest,
-    /// The runs whose results this one replaces.
+    /// Earlier runs whose results this run replaces.
     replaced: Vec<RunRecord>,
-    /// The names this run has written.
+    /// Names of the files that this run has written.
     written: BTreeSet<String>,
     /// True if a signal stopped the work before its end.
     interrupted: bool,
 }
 
 impl RunDirectory {
-    /// Claims a directory before any computation, and creates it if it does not exist.
+    /// Claims a directory before any computation. Creates it if it does not exist.
     pub fn claim(path: &Path, claim: &Claim<'_>) -> Result<Self, Refusal> {
         let failed = |error| Refusal::Unwritable(unwritten(path)(error));
         std::fs::create_dir_all(path).map_err(failed)?;
@@ -53,13 +53,13 @@ impl RunDirectory {
         };
         let (mut lock, is_alone) = match claim.sharing {
             Sharing::Alone => (locked(Lock::exclusive(&lock_path, &owner))?, true),
-            // Whoever is there alone puts the directory in order; the others find it so.
+            // A shard that is alone prepares the directory; the other shards find it prepared.
             Sharing::Together => match Lock::at_once(&lock_path, &owner) {
                 Ok(lock) => (lock, true),
                 Err(_) => (locked(Lock::shared(&lock_path, &owner))?, false),
             },
         };
-        // Whether it can be written is known before the work is done.
+        // This checks write access before the work starts.
         temporary(path).map_err(failed)?;
         let mut set_aside = None;
         let manifest = match examine(path, claim) {
@@ -67,7 +67,7 @@ impl RunDirectory {
             Err(Refusal::Taken { .. })
                 if claim.set_aside && is_alone && may_be_moved(path, claim) =>
             {
-                // A lock file is no result, and must not be in the way of the next run.
+                // A lock file is not a result and must not disturb the next run.
                 lock.remove_file();
                 set_aside = Some(move_aside(path).map_err(failed)?);
                 std::fs::create_dir_all(path).map_err(failed)?;
@@ -83,7 +83,7 @@ impl RunDirectory {
         };
         let replaced: Vec<RunRecord> = manifest.runs.iter().filter(is_replaced).cloned().collect();
         if !is_alone && !replaced.is_empty() {
-            // Others of that run are at work there.
+            // Other shards of that run are still working there.
             return Err(Refusal::Busy {
                 directory: path.display().to_string(),
                 owner: None,
@@ -111,9 +111,9 @@ impl RunDirectory {
         Ok(directory)
     }
 
-    /// Finds out whether a directory could be claimed, and leaves nothing there.
+    /// Checks that a directory could be claimed, and leaves no trace.
     pub fn check(path: &Path, claim: &Claim<'_>) -> Result<(), Refusal> {
-        // Where there is none, it would be made in the nearest directory above it.
+        // A missing directory would be created in its nearest existing parent.
         let there = path
             .ancestors()
             .find(|above| above.symlink_metadata().is_ok());
@@ -127,7 +127,7 @@ impl RunDirectory {
         examine(path, claim).map(drop)
     }
 
-    /// Claims the directory of a finished run for files that are made of its results.
+    /// Claims the directory of a finished run for files made from its results.
     pub fn reopen(path: &Path, files: &[&str], force: bool) -> Result<Self, Refusal> {
         let manifest = Manifest::read(path).unwrap_or_default();
         let main = manifest.author("summary.json");
@@ -144,7 +144,7 @@ impl RunDirectory {
         RunDirectory::claim(path, &claim)
     }
 
-    /// Lets other runs of the same command and study write there, too.
+    /// Allows other runs of the same command and study to write there, too.
     pub fn share(&self) -> Result<(), WriteError> {
         let mut held = self.lock.lock().unwrap_or_else(|e| e.into_inner());
         let Some(lock) = held.take() else {
@@ -162,7 +162,7 @@ impl RunDirectory {
         Ok(())
     }
 
-    /// Records the run as begun.
+    /// Records that the run has begun.
     fn begin(&self, claim: &Claim<'_>) -> Result<(), WriteError> {
         let mut state = self.state();
         let mut runs = state.manifest.runs.clone();
@@ -192,7 +192,7 @@ impl RunDirectory {
             self.put_undivided(manifest::NAME, &state.manifest.text())
         });
         written?;
-        // Results of an earlier run stand there until they are written anew.
+        // The summary of an earlier run stays until it is replaced, so it is marked as unfinished.
         let former = std::fs::read_to_string(self.path.join(SUMMARY));
         match former {
             Ok(text) if self.wrote(&state.manifest, SUMMARY) && text.starts_with('{') => {
@@ -202,7 +202,7 @@ impl RunDirectory {
         }
     }
 
-    /// The run as a signal has to know it.
+    /// Data of the run that a signal needs.
     fn open_run(&self, claim: &Claim<'_>) -> OpenRun {
         OpenRun {
             path: self.path.clone(),
@@ -215,7 +215,7 @@ impl RunDirectory {
     }
 
     fn state(&self) -> MutexGuard<'_, RunState> {
-        // A thread that panicked has left nothing half done here.
+        // The state is complete even after a panic in a thread, so a poisoned lock is harmless.
         self.state.lock().unwrap_or_else(|e| e.into_inner())
     }
 
@@ -223,7 +223,7 @@ impl RunDirectory {
         run.is_of(&self.command, &self.digest)
     }
 
-    /// Returns true if a file is recorded as this run's own.
+    /// True if a file is recorded as written by this run.
     fn wrote(&self, manifest: &Manifest, name: &str) -> bool {
         manifest.author(name).is_some_and(|run| self.is_own(run))
     }
@@ -237,18 +237,18 @@ impl RunDirectory {
         &self.path
     }
 
-    /// Directory to which earlier results were moved, if they were in the way.
+    /// Directory to which earlier results were moved, if any.
     pub fn set_aside(&self) -> Option<&Path> {
         self.set_aside.as_deref()
     }
 
-    /// Makes files, or names with a star for digits, this run's own. A file of someone else is refused.
+    /// Records files, or names with a star for digits, as written by this run. An existing file of someone else is refused.
     pub fn record(&self, names: &[&str]) -> Result<(), WriteError> {
         let mut state = self.state();
         let before = state.manifest.clone();
         for name in names {
             if !self.force && self.path.join(name).symlink_metadata().is_ok() {
-                // Another shard of the same sweep may have recorded it meanwhile.
+                // Another shard of the same sweep may have recorded it in the meantime.
                 if !self.wrote(&state.manifest, name)
                     && let Ok(present) = Manifest::read(&self.path)
                 {
@@ -277,8 +277,8 @@ impl RunDirectory {
         }
     }
 
-    /// Writes a file, which becomes this run's own. A summary says whether the run is interrupted, and not that it has
-    /// finished: [`RunDirectory::finish`] says that.
+    /// Writes a file and records it as written by this run. A summary states that the run is interrupted if it is. Only
+    /// [`RunDirectory::finish`] states that the run has finished.
     pub fn write(&self, name: &str, contents: &[u8]) -> Result<(), WriteError> {
         self.record(&[name])?;
         if name != SUMMARY {
@@ -289,30 +289,30 @@ impl RunDirectory {
         self.put(name, restated(&text, false, interrupted).as_bytes())
     }
 
-    /// Notes that a signal has ended the work: summaries written from now on say so, and so does [`RunDirectory::finish`].
+    /// Records that a signal has ended the work. Later summaries and [`RunDirectory::finish`] state it.
     pub fn mark_interrupted(&self) {
         self.state().interrupted = true;
     }
 
-    /// Writes a file: beside its place first, then moved there.
+    /// Writes a file under a temporary name, then renames it.
     fn put(&self, name: &str, contents: &[u8]) -> Result<(), WriteError> {
         let path = self.path.join(name);
         undivided(|| open_runs::put(&path, contents)).map_err(unwritten(&path))
     }
 
-    /// The same inside a step that no signal cuts.
+    /// Writes a file within a step that no signal can cut.
     fn put_undivided(&self, name: &str, text: &str) -> Result<(), WriteError> {
         let path = self.path.join(name);
         open_runs::put(&path, text.as_bytes()).map_err(unwritten(&path))
     }
 
-    /// Stores the record of a run that ends here.
+    /// Stores the record of a run that ends now.
     fn store_last(&self, state: &RunState) -> Result<(), WriteError> {
         let text = state.manifest.text();
         open_runs::end(&self.path, || self.put_undivided(manifest::NAME, &text))
     }
 
-    /// Records in `summary.json`, if this run has written one, how the run ended.
+    /// Updates `summary.json`, if this run has written one, with the end of the run.
     fn restate_summary(&self, state: &RunState) -> Result<(), WriteError> {
         if !state.written.contains(SUMMARY) {
             return Ok(());
@@ -323,7 +323,7 @@ impl RunDirectory {
         self.put(SUMMARY, text.as_bytes())
     }
 
-    /// Records an interrupted run that a later one continues: all of its files stay.
+    /// Records an interrupted run that a later run continues. All of its files stay.
     pub fn leave_unfinished(&self) -> Result<(), WriteError> {
         let mut state = self.state();
         let interrupted = state.interrupted;
@@ -338,7 +338,7 @@ impl RunDirectory {
         self.store_last(&state)
     }
 
-    /// Removes a file of this run, if there is one: beside new results it would speak of others.
+    /// Removes a file of this run, if it exists, because it would contradict the new results.
     pub fn remove(&self, name: &str) -> Result<(), WriteError> {
         let is_own = {
             let mut state = self.state();
@@ -354,7 +354,7 @@ impl RunDirectory {
         }
     }
 
-    /// Removes the files with names like these, which must be this run's to replace. A star stands for digits.
+    /// Removes the files that match these patterns and that this run may replace. A star represents digits.
     pub fn remove_all(&self, patterns: &[&str]) -> Result<(), WriteError> {
         let state = self.state();
         for name in names(&self.path) {
@@ -367,8 +367,8 @@ impl RunDirectory {
         Ok(())
     }
 
-    /// Ends the run. Removes files of earlier runs that this run replaces and did not write again. Records it as
-    /// finished, or as interrupted if [`RunDirectory::mark_interrupted`] was called.
+    /// Ends the run. Removes the files of replaced runs that this run did not write again. Records the run as finished, or as
+    /// interrupted after [`RunDirectory::mark_interrupted`].
     pub fn finish(&self) -> Result<(), WriteError> {
         let mut state = self.state();
         self.restate_summary(&state)?;
@@ -431,7 +431,7 @@ impl Drop for RunDirectory {
     }
 }
 
-/// Renames a directory to the first free of `name.1`, `name.2` and so on.
+/// Renames a directory to the first free name of `name.1`, `name.2` and so on.
 fn move_aside(path: &Path) -> io::Result<PathBuf> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let free = (1_u64..)
@@ -442,12 +442,12 @@ fn move_aside(path: &Path) -> io::Result<PathBuf> {
     Ok(place)
 }
 
-/// A file beside the place it will take when it is whole.
+/// Makes a temporary file in the directory of the final file.
 pub fn temporary(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
     temporary_of(directory, "file")
 }
 
-/// The same, with its owner in its name, so that those of dead runs can be told from those of living ones.
+/// Makes a temporary file whose name contains its owner, to distinguish files of dead and of living runs.
 pub fn temporary_of(directory: &Path, stem: &str) -> io::Result<tempfile::NamedTempFile> {
     tempfile::Builder::new()
         .prefix(&format!("{TEMPORARY}{stem}-"))
@@ -455,7 +455,7 @@ pub fn temporary_of(directory: &Path, stem: &str) -> io::Result<tempfile::NamedT
         .tempfile_in(directory)
 }
 
-/// Ordinary permissions: a temporary file would be the owner's alone.
+/// Usual permissions. A temporary file would be readable by its owner only.
 #[cfg(unix)]
 fn readable() -> std::fs::Permissions {
     std::os::unix::fs::PermissionsExt::from_mode(0o644)
@@ -463,8 +463,8 @@ fn readable() -> std::fs::Permissions {
 
 #[cfg(not(unix))]
 fn readable() -> std::fs::Permissions {
-    // Elsewhere permissions are inherited from the directory; there is nothing to set, but the type
-    // has no constructor of its own.
+    // On other systems, permissions come from the directory. This value has no effect, but the type has no constructor of its
+    // own.
     std::fs::metadata(".")
         .map(|m| m.permissions())
         .expect("the current directory exists")

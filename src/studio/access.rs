@@ -1,19 +1,19 @@
-//! Access to the server.
+//! Access control of the server.
 //!
-//! Any page in any browser on this machine, and any program, can reach a loopback port. The token keeps out programs and
-//! pages that do not know the address. `Host` keeps out names that others made to point at this machine (DNS rebinding).
-//! `Origin` keeps out pages that guess the address.
+//! Every page in every browser on this machine, and every program, can reach a loopback port. Three checks protect the server.
+//! The token keeps out programs and pages that do not know the address. `Host` keeps out foreign host names that resolve to this
+//! machine (DNS rebinding). `Origin` keeps out pages that guess the address.
 
 use std::net::SocketAddr;
 
-/// Requirements for a request to be answered.
+/// Values that a request must have.
 pub(super) struct Access {
     token: String,
     hosts: [String; 2],
 }
 
 impl Access {
-    /// For a server at an address, with a new token from the operating system.
+    /// Makes the access control of a server at an address, with a new random token from the operating system.
     pub(super) fn new(address: SocketAddr) -> std::io::Result<Self> {
         let mut bytes = [0; 16];
         getrandom::fill(&mut bytes).map_err(std::io::Error::other)?;
@@ -24,30 +24,30 @@ impl Access {
         })
     }
 
-    /// The address of the page.
+    /// Address of the page.
     pub(super) fn address(&self) -> String {
         format!("http://{}/{}/", self.hosts[0], self.token)
     }
 
-    /// The rest of a path after the token, if that is the right one.
+    /// Rest of a path after the token, if the token is correct.
     pub(super) fn rest<'p>(&self, path: &'p str) -> Option<&'p str> {
         let (token, rest) = path.strip_prefix('/')?.split_once('/')?;
         is_same(token.as_bytes(), self.token.as_bytes()).then_some(rest)
     }
 
-    /// Returns true if a `Host` is this server's.
+    /// True if a `Host` is that of this server.
     pub(super) fn is_host(&self, host: &str) -> bool {
         self.hosts.iter().any(|own| own.eq_ignore_ascii_case(host))
     }
 
-    /// Returns true if an `Origin` is this server's page.
+    /// True if an `Origin` is the page of this server.
     pub(super) fn is_origin(&self, origin: &str) -> bool {
         let host = origin.strip_prefix("http://");
         host.is_some_and(|host| self.is_host(host))
     }
 }
 
-/// Compares in a time that does not tell where texts differ.
+/// Compares texts in a time that does not reveal where they differ.
 fn is_same(given: &[u8], own: &[u8]) -> bool {
     let differences = given.iter().zip(own).fold(0, |sum, (a, b)| sum | (a ^ b));
     given.len() == own.len() && differences == 0

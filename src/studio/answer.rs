@@ -1,4 +1,4 @@
-//! The answer to a dragged point: the design, solved.
+//! Answer to a dragged point: the solved design.
 
 use super::groups::Groups;
 use super::message::{ColumnValues, Designed, Drawn, SolveRequest, SolvedAnswer};
@@ -17,7 +17,7 @@ use crate::solved::Solved;
 use crate::study::{Drive, Study, Vehicle, WheelStudy};
 use std::time::Instant;
 
-/// The study with these characteristics asked for, and nothing that takes long: proofs are for `solve`.
+/// Copy of the study that requests these characteristics. Proofs are switched off, because they take too long here.
 pub(super) fn asking_for(own: &WheelStudy, names: &[String]) -> Result<WheelStudy, String> {
     let mut asked = own.clone();
     asked.outputs.certify = false;
@@ -43,10 +43,10 @@ pub(super) fn asking_for(own: &WheelStudy, names: &[String]) -> Result<WheelStud
     Ok(asked)
 }
 
-/// The most stations that are drawn while a point is dragged.
+/// Largest number of stations that are solved while a point is dragged.
 const MOST_STATIONS: usize = 2000;
 
-/// Answers a dragged point. An error names the fault of the design or the request.
+/// Solves the design after a point was dragged. An error names the fault of the design or the request.
 pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<SolvedAnswer, String> {
     let moved = opened.moved(&request.of.design)?;
     match &moved.vehicle {
@@ -75,7 +75,7 @@ fn solved_wheel(
         plan.racks = vec![rack];
     }
     let all = plan.stations();
-    // Over time each station has its own moment.
+    // A motion over time is not thinned, because each station has its own time.
     if all > MOST_STATIONS && plan.time.is_none() {
         plan = plan.thinned(MOST_STATIONS, 9);
     }
@@ -127,7 +127,7 @@ fn solved_wheel(
     })
 }
 
-/// Stations in groups, and of each the value that curves are drawn over.
+/// Groups of stations, and the horizontal-axis value of each station.
 fn grouped(found: &Curves, plan: &Plan, request: &SolveRequest) -> (Groups, Vec<Option<f64>>) {
     let along = plan.station_order.values().len().max(1);
     let stations = found.stations.len();
@@ -137,7 +137,7 @@ fn grouped(found: &Curves, plan: &Plan, request: &SolveRequest) -> (Groups, Vec<
         return (groups, drives.collect());
     }
     let rack_of = |station: usize| plan.racks[station / along];
-    // Stations without a pose have no drive: they are in a group that is not drawn.
+    // A station without a pose has no drive value, so it goes to a group that is not drawn.
     let place =
         |(station, drive): (usize, Option<f64>)| vec![drive.unwrap_or(f64::NAN), rack_of(station)];
     let places: Vec<Vec<f64>> = drives.enumerate().map(place).collect();
@@ -150,13 +150,13 @@ pub(super) fn csv(opened: &Opened, of: &Designed) -> Result<Vec<u8>, String> {
     Ok(Solved::of(&opened.moved(&of.design)?)?.csv())
 }
 
-/// The hardpoints of a design as a table.
+/// Hardpoints of a design as a table.
 pub(super) fn points(opened: &Opened, of: &Designed) -> Result<Vec<u8>, String> {
     let study = opened.moved(&of.design)?;
     Ok(csv_of_rows(&point_rows(&Outgoing::of(&study, None, None))))
 }
 
-/// The hardpoints and centre lines of a design, for CAD.
+/// Hardpoints and centre lines of a design, for CAD.
 pub(super) fn drawing(opened: &Opened, of: &Designed) -> Result<Vec<u8>, String> {
     let study = opened.moved(&of.design)?;
     Ok(exchange::drawing(&Outgoing::of(&study, None, None)))
@@ -171,7 +171,7 @@ pub(super) fn columns(found: &Curves) -> Vec<ColumnValues> {
     columns.map(column).collect()
 }
 
-/// A drive value as it is printed, in the kernel's unit.
+/// Converts a printed drive value to the kernel's unit.
 fn in_kernel(drive: Drive, printed: f64) -> f64 {
     match drive.is_angle() {
         true => printed.to_radians(),

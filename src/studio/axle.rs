@@ -1,7 +1,7 @@
-//! Both wheels: the sliders of an axle, its curves, and the positions of its wheels.
+//! An axle on the live page: its sliders, its curves, and the positions of its wheels.
 //!
-//! The points that move are the left wheel's. Where the right one has hardpoints of its own they go the mirrored
-//! way, as they do with a variable of a tuning.
+//! The page moves points of the left wheel. If the right wheel has its own hardpoints, they move as mirror images, as with a
+//! variable of a tuning.
 
 use super::answer::columns;
 use super::groups::Groups;
@@ -27,7 +27,7 @@ use crate::study::{AxleStudy, Study, WheelStudy};
 use std::borrow::Cow;
 use std::time::Instant;
 
-/// The numbers a motion has, each with a value where it is held at nothing.
+/// Coordinates of a motion. A coordinate without values is held at 0.
 fn coordinates(motion: &AxleMotion) -> Vec<Coordinate> {
     let mut found = match motion.wheels {
         WheelMotion::Heave(_) => vec![Coordinate::Heave],
@@ -38,14 +38,14 @@ fn coordinates(motion: &AxleMotion) -> Vec<Coordinate> {
     found
 }
 
-/// The number that curves are drawn over: the first that moves.
+/// Coordinate for the horizontal axis of curves: the first one that moves.
 fn main(motion: &AxleMotion) -> Coordinate {
     let all = coordinates(motion);
     let moves = |c: &&Coordinate| motion.clone().along(**c).is_some_and(|v| v.len() > 1);
     *all.iter().find(moves).unwrap_or(&all[0])
 }
 
-/// Values of a number over a motion, as they are printed.
+/// Printed values of a coordinate over a motion.
 fn values(motion: &AxleMotion, coordinate: Coordinate, axle: &Axle) -> Vec<f64> {
     let mut motion = motion.clone();
     let values = motion.along(coordinate).into_iter().flatten();
@@ -58,12 +58,12 @@ fn printed(coordinate: Coordinate, value: f64, axle: &Axle) -> f64 {
     coordinate.written(value, axle) + 0.0
 }
 
-/// Number of the slider of a coordinate, if the motion has one.
+/// Index of the slider of a coordinate, if the motion has one.
 pub(super) fn slider_of(motion: &AxleMotion, coordinate: Coordinate) -> Option<usize> {
     coordinates(motion).iter().position(|c| *c == coordinate)
 }
 
-/// Sliders, and the number of the main one.
+/// Sliders, and the index of the main one.
 pub(super) fn sliders(both: &AxleStudy) -> (Vec<Slider>, usize) {
     let (motion, axle) = (&both.plan.motion, &both.axle);
     let left = &axle.left;
@@ -84,7 +84,7 @@ pub(super) fn sliders(both: &AxleStudy) -> (Vec<Slider>, usize) {
                 Slider::over(other.key(), name, length.symbol(), 0.0, &values)
             }
         };
-        // What the study holds may be tried all the same.
+        // A coordinate that the study holds also gets a slider, so that the user can try it.
         if values.len() < 2 {
             let is_roll = *coordinate == Coordinate::Roll;
             let reach = if is_roll { 3.0 } else { far };
@@ -96,12 +96,12 @@ pub(super) fn sliders(both: &AxleStudy) -> (Vec<Slider>, usize) {
     (all.iter().map(slider).collect(), number)
 }
 
-/// The name of a quantity's column.
+/// Name of a quantity's column.
 pub(super) fn column(quantity: Quantity, length: LengthUnit) -> String {
     with_unit(quantity.name(), &quantity.info().unit.suffix(length))
 }
 
-/// The quantities that a study may ask for, of its axle.
+/// Quantities that the study of an axle can request.
 pub(super) fn catalogue(study: &Study, both: &AxleStudy) -> Vec<CharacteristicOverview> {
     let axle = &both.axle;
     let targets = study.optimise.as_ref().map_or(&[][..], |o| &o.targets);
@@ -123,7 +123,7 @@ pub(super) fn catalogue(study: &Study, both: &AxleStudy) -> Vec<CharacteristicOv
         .collect()
 }
 
-/// The plan with these quantities.
+/// Plan that computes these quantities.
 fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan, String> {
     let mut quantities: Vec<Quantity> = Vec::new();
     for name in names {
@@ -136,7 +136,7 @@ fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan
     }
     let has_derivative =
         |q: &Quantity| axle.elastic.is_none() || not_in_equilibrium(*q, true).is_none();
-    // Any quantity may be looked at, and not of all are second derivatives known.
+    // The page may request any quantity, but some have no second derivatives.
     let derivatives = match quantities.iter().all(has_derivative) {
         true => plan.derivatives.min(1),
         false => 0,
@@ -148,7 +148,7 @@ fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan
     })
 }
 
-/// Answers a dragged point of an axle.
+/// Solves an axle after a point was dragged.
 pub(super) fn solved(
     opened: &Opened,
     study: &Study,
@@ -213,7 +213,7 @@ pub(super) fn solved(
     })
 }
 
-/// A wheel where the sliders are, or why it is not there.
+/// Pose of a wheel at the positions of the sliders, or the reason why there is none.
 fn frame(axle: &Axle, plan: &AxlePlan, at: &[f64], side: Side) -> Option<Frame> {
     let mut motion = plan.motion.clone();
     motion.steering_wheel = None;
@@ -226,7 +226,7 @@ fn frame(axle: &Axle, plan: &AxlePlan, at: &[f64], side: Side) -> Option<Frame> 
         ..plan.quantities_alone()
     };
     let is_elastic = axle.elastic.is_some();
-    // The mechanism is drawn as a rigid one.
+    // The mechanism is drawn as rigid.
     let mut axle = Cow::Borrowed(axle);
     if is_elastic {
         axle.to_mut().elastic = None;
@@ -265,13 +265,13 @@ fn frame(axle: &Axle, plan: &AxlePlan, at: &[f64], side: Side) -> Option<Frame> 
     }
     let mut frame = frames.pop()?;
     if let Ok(placement) = &mut frame.pose {
-        // That of one wheel is not the axle's.
+        // The roll centre of a single wheel is not that of the axle.
         placement.roll_centre = None;
     }
     Some(frame)
 }
 
-/// The influence of a coordinate of both wheels on each column.
+/// Influence of a coordinate of both wheels on each column.
 pub(super) fn influence(
     AxleStudy { axle, plan, .. }: &AxleStudy,
     names: &[String],

@@ -1,19 +1,19 @@
-//! Places for connections: a few for strangers, more for those who have shown the token.
+//! Limits for connections: a few for connections without the token, more for those that have shown it.
 //!
-//! Any program on this machine can connect, and may then send nothing. Such strangers share [`MOST_STRANGERS`] places.
-//! When these are taken, a new connection takes the place of the stranger who has waited longest, so that idle
-//! connections never keep the owner out. A connection that shows the token moves to the places of the owner.
+//! Every program on this machine can connect and then send nothing. Such connections share [`MOST_STRANGERS`] places. If all are
+//! taken, a new connection replaces the oldest one, so idle connections never keep the owner out. A connection that shows the
+//! token moves to the owner's places.
 
 use std::collections::VecDeque;
 use std::net::{Shutdown, TcpStream};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Maximum number of connections that have not shown the token.
+/// Largest number of connections that have not shown the token.
 const MOST_STRANGERS: usize = 64;
-/// Maximum number of connections that have; a tab holds up to six.
+/// Largest number of connections that have shown the token. A browser tab uses up to six.
 const MOST_ADMITTED: usize = 64;
 
-/// The open connections.
+/// Open connections.
 #[derive(Default)]
 pub(super) struct Connections {
     open: Mutex<Open>,
@@ -27,7 +27,7 @@ struct Open {
     admitted: usize,
 }
 
-/// A place of one connection; given back however its thread ends.
+/// Place of one connection. It becomes free again, however the connection's thread ends.
 pub(super) struct Place {
     connections: Arc<Connections>,
     number: u64,
@@ -35,7 +35,7 @@ pub(super) struct Place {
 }
 
 impl Connections {
-    /// Gives a new connection a place among the strangers and closes the oldest of them if all places are taken.
+    /// Gives a new connection a place among those without the token. If all places are taken, it closes the oldest connection.
     ///
     /// # Errors
     /// If the system cannot duplicate the connection.
@@ -45,7 +45,7 @@ impl Connections {
         if open.strangers.len() >= MOST_STRANGERS
             && let Some((_, oldest)) = open.strangers.pop_front()
         {
-            // It may be closed already. Its thread sees the end of the stream.
+            // The connection may be closed already. Its thread notices the end of the stream.
             let _ = oldest.shutdown(Shutdown::Both);
         }
         open.latest += 1;
@@ -64,7 +64,7 @@ impl Connections {
 }
 
 impl Place {
-    /// Moves a connection that has shown the token to the places of the owner. Returns false if these are taken.
+    /// Moves a connection that has shown the token to the owner's places. Returns false if all of them are taken.
     pub(super) fn admit(&mut self) -> bool {
         if self.is_admitted {
             return true;

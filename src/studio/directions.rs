@@ -1,4 +1,4 @@
-//! The freedom that is left: moves that the targets do not see, and how far the mechanism goes.
+//! Remaining freedom of a design: moves that leave the targets unchanged, and the limits of the mechanism.
 
 use super::message::{Designed, DirectionsAnswer, FreeDirection, LimitEnd, LimitsAnswer};
 use super::study_file::Opened;
@@ -8,12 +8,12 @@ use crate::optimise::{Bounds, Identifiability, assessed};
 use crate::solve::Solver;
 use crate::study::Variable;
 
-/// A move across the whole range that changes the misfit by less than this (in tolerances) is not seen.
+/// Largest change of the misfit, in tolerances, by a move across the whole range that counts as no change.
 const UNSEEN: f64 = 0.01;
-/// The most directions that are offered.
+/// Largest number of directions.
 const MOST: usize = 8;
 
-/// Combinations of the study's variables along which the targets do not change, to first order.
+/// Combinations of the study's variables that leave the targets unchanged, to first order.
 pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAnswer, String> {
     let (Some(optimise), Some(layout)) = (&opened.study.optimise, &opened.layout) else {
         return Ok(DirectionsAnswer {
@@ -22,7 +22,7 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
     };
     let moved = opened.moved(&of.design)?;
     let suspension = moved.wheel();
-    // Directions of turns are no straight lines, and rates move no point.
+    // A turn moves points along arcs, not straight lines, and a rate moves no point.
     let is_straight = |v: &&Variable| v.turn.is_none() && v.rate.is_none();
     let straight = optimise.variables.iter().filter(is_straight);
     let variables: Vec<_> = straight.cloned().collect();

@@ -1,17 +1,17 @@
-//! Stations that lie on one curve.
+//! Groups of stations that belong to the same curve.
 
-/// Stations in groups: those of a group differ in the number that curves are drawn over, and in no other.
+/// Groups of stations. Stations of one group differ only in the slider on the horizontal axis.
 pub(super) struct Groups {
     /// Group of each station.
     pub of_stations: Vec<usize>,
     /// Values of all sliders at the first station of each group.
     pub places: Vec<Vec<f64>>,
-    /// Group nearest to the sliders.
+    /// Index of the group nearest to the sliders.
     pub shown: usize,
 }
 
 impl Groups {
-    /// Groups of stations at `places`, curves being drawn over the slider `over`, and the one nearest to `at`.
+    /// Groups the stations at `places`. `over` is the slider on the horizontal axis; `at` has the present values of the sliders.
     pub(super) fn of(places: &[Vec<f64>], over: usize, at: &[f64]) -> Self {
         let others = |k: &usize| *k != over;
         let mut found: Vec<Vec<f64>> = Vec::new();
@@ -41,13 +41,13 @@ impl Groups {
         }
     }
 
-    /// A group for each rack of a wheel's motion, which has `along` stations for each.
+    /// Makes one group for each rack displacement of a wheel's motion. Each displacement has `along` stations.
     pub(super) fn by_rack(racks: &[f64], stations: usize, along: usize, rack: f64) -> Self {
         let far = |number: &usize| (racks[*number] - rack).abs();
         let shown = (0..racks.len()).min_by(|a, b| far(a).total_cmp(&far(b)));
         Groups {
             of_stations: (0..stations).map(|station| station / along).collect(),
-            // The drive differs within a group.
+            // Within a group only the drive differs, so it has no common value.
             places: racks.iter().map(|rack| vec![f64::NAN, *rack]).collect(),
             shown: shown.unwrap_or(0),
         }

@@ -1,23 +1,23 @@
-//! The part of HTTP/1.1 that one page needs: requests with a length, answers with a length, connections that are kept
-//! (RFC 9112). `httparse` reads the heads.
+//! The part of HTTP/1.1 that the page needs: requests and answers with a stated length, and persistent connections (RFC 9112).
+//! `httparse` parses the heads.
 
 use std::borrow::Cow;
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-/// The longest head of a request, in bytes, and the most headers in it.
+/// Longest head of a request, in bytes. The next constant is the largest number of headers.
 const LONGEST_HEAD: usize = 16 << 10;
 const MOST_HEADERS: usize = 64;
-/// The longest body: a design of a thousand points has a tenth of it.
+/// Longest body of a request, in bytes. A design with a thousand points needs a tenth of it.
 pub(super) const LONGEST_BODY: usize = 1 << 20;
-/// Time for a request without the token so far, from connecting to its complete head.
+/// Time limit for a request without the token, from the connection to its complete head.
 const STRANGER_PATIENCE: Duration = Duration::from_secs(5);
-/// Time for the rest of a request that has begun, and for the next request of a connection that has shown the token.
+/// Time limit for the rest of a request, and for the next request of a connection that has shown the token.
 const PATIENCE: Duration = Duration::from_secs(10);
 const IDLE: Duration = Duration::from_secs(120);
 
-/// The head of a request.
+/// Head of a request.
 pub(super) struct Head {
     pub method: String,
     /// Path without the query.
@@ -29,18 +29,18 @@ pub(super) struct Head {
     length: usize,
 }
 
-/// Reason why there is no request.
+/// Reason why no request could be read.
 pub(super) enum Unread {
-    /// The other side has gone, or kept silent.
+    /// The client has closed the connection or sent nothing.
     Gone,
-    /// The request can only be answered with this status.
+    /// The request is refused with this status.
     Refused(u16, &'static str),
 }
 
-/// A connection: requests come out of it one after the other.
+/// A connection that delivers requests one after the other.
 pub(super) struct Connection {
     stream: TcpStream,
-    /// Read, and not used yet.
+    /// Bytes that were read but not yet used.
     ahead: Vec<u8>,
     /// True if an earlier request has shown the token.
     is_admitted: bool,
@@ -48,7 +48,7 @@ pub(super) struct Connection {
 
 impl Connection {
     pub(super) fn new(stream: TcpStream) -> std::io::Result<Self> {
-        // Answers are written in one piece: waiting for more would only be late.
+        // Answers are written in one piece, so waiting for more data would only cause a delay.
         stream.set_nodelay(true)?;
         stream.set_write_timeout(Some(PATIENCE))?;
         Ok(Connection {
@@ -58,12 +58,12 @@ impl Connection {
         })
     }
 
-    /// Grants the time that connections have which have shown the token.
+    /// Switches to the longer time limit of connections that have shown the token.
     pub(super) fn admit(&mut self) {
         self.is_admitted = true;
     }
 
-    /// The head of the next request.
+    /// Reads the head of the next request.
     pub(super) fn head(&mut self) -> Result<Head, Unread> {
         let mut begun = !self.is_admitted;
         let first = if begun { STRANGER_PATIENCE } else { IDLE };
@@ -86,7 +86,7 @@ impl Connection {
         }
     }
 
-    /// The body that belongs to a head.
+    /// Reads the body that belongs to a head.
     pub(super) fn body(&mut self, head: &Head) -> Result<Vec<u8>, Unread> {
         let deadline = Instant::now() + PATIENCE;
         while self.ahead.len() < head.length {
@@ -120,7 +120,7 @@ impl Connection {
     }
 }
 
-/// The head at the beginning of some bytes and its length, if all of it is there.
+/// Parses the head at the start of some bytes. Returns it with its length, if it is complete.
 fn parsed(bytes: &[u8]) -> Result<Option<(Head, usize)>, Unread> {
     let mut headers = [httparse::EMPTY_HEADER; MOST_HEADERS];
     let mut request = httparse::Request::new(&mut headers);
@@ -182,16 +182,16 @@ fn parsed(bytes: &[u8]) -> Result<Option<(Head, usize)>, Unread> {
     Ok(Some((head, used)))
 }
 
-/// An answer.
+/// An answer to a request.
 pub(super) struct Response {
     pub status: u16,
     pub content_type: &'static str,
     pub body: Cow<'static, [u8]>,
-    /// The content security policy.
+    /// Content security policy.
     pub policy: Cow<'static, str>,
 }
 
-/// The page loads its own files and speaks to its own server; pictures it saves are made of data.
+/// The page loads only its own files and connects only to its own server. Pictures that it saves come from data in the page.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; \
      connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
@@ -209,7 +209,7 @@ impl Response {
         }
     }
 
-    /// A refusal, in words.
+    /// Refusal with a text.
     pub(super) fn refusal(status: u16, why: &str) -> Self {
         Response::new(
             status,

@@ -1,14 +1,14 @@
-//! A file that leads a browser to the page.
+//! File that leads a browser to the page.
 //!
-//! Every user of a machine can read the arguments of its programs. The address with its token must therefore not be
-//! one. The browser is given the path of a file instead, which only its owner can read and which leads to the address.
+//! Every user of a machine can read the arguments of its programs. So the address with its token must not be an argument. Instead
+//! the browser gets the path of a file that only its owner can read. This file leads to the address.
 
 use std::fs::OpenOptions;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// A file that leads to an address; deleted when it is dropped.
+/// File that leads to an address. It is deleted when this value is dropped.
 pub struct Invitation {
     _folder: TempDir,
     path: PathBuf,

@@ -1,4 +1,4 @@
-//! A tuning under way.
+//! A tuning that runs in the background.
 
 use super::message::{JobState, Proposal, SideEffectRows, TuneRequest};
 use super::overview::coordinates;
@@ -87,7 +87,7 @@ pub(super) struct Job {
     interrupt: AtomicBool,
     iterations: AtomicU64,
     starts: AtomicUsize,
-    /// The least misfit so far.
+    /// Smallest misfit so far.
     misfit: Mutex<Option<f64>>,
     ended: Mutex<Option<Result<Proposal, String>>>,
 }
@@ -194,7 +194,7 @@ impl Job {
         self.number
     }
 
-    /// Asks it to end after the iteration under way, with its present result.
+    /// Requests the end of the tuning after the present iteration, with its present result.
     pub(super) fn cancel(&self) {
         self.interrupt.store(true, Ordering::SeqCst);
     }

@@ -1,5 +1,5 @@
-//! The messages between page and server, as JSON. Designs are coordinates in the study's axes, in the order of the
-//! points; numbers are printed so that they read back as the same.
+//! Messages between page and server, as JSON. Designs are coordinates in the study's axes, in the order of the points. Numbers
+//! are written so that they read back exactly.
 
 use crate::SideEffect;
 use crate::curves::Frame;
@@ -10,10 +10,10 @@ use crate::report::{
 use crate::study::ValueEdit;
 use serde::{Deserialize, Serialize};
 
-/// Coordinates of every point, in the study's axes.
+/// Coordinates of all points, in the study's axes.
 pub(super) type Coordinates = Vec<[f64; 3]>;
 
-/// A design of a text that the server has read.
+/// A design that belongs to a study text of the server.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Designed {
@@ -22,7 +22,7 @@ pub(super) struct Designed {
     pub design: Coordinates,
 }
 
-/// Changes of a text that the server has read.
+/// Changes of a study text that the server has read.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct EditRequest {
@@ -31,14 +31,14 @@ pub(super) struct EditRequest {
     pub edits: Vec<ValueEdit>,
 }
 
-/// A study to begin with.
+/// Request for a new study.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct StartRequest {
     pub topology: String,
-    /// A plain file name in the folder in which the studio was started.
+    /// File name, without folders, in the folder in which the studio was started.
     pub name: String,
-    /// Points as text, as a sheet copies them; empty for those of the template.
+    /// Points as text copied from a spreadsheet. Empty for the points of the template.
     pub points: String,
     pub unit: Option<String>,
     pub axes: Option<String>,
@@ -53,13 +53,13 @@ pub(super) struct StartRequest {
 #[serde(deny_unknown_fields)]
 pub(super) struct SolveRequest {
     pub of: Designed,
-    /// Names of the characteristics wanted.
+    /// Names of the requested characteristics.
     pub characteristics: Vec<String>,
-    /// The position in which the mechanism is drawn: a value for each slider.
+    /// Position of the drawn mechanism: one value per slider.
     pub at: Vec<f64>,
-    /// Rack displacement of the curves; `None` for the study's own displacements.
+    /// Rack displacement of the curves. `None` for the displacements of the study.
     pub curves_rack: Option<f64>,
-    /// Number of the slider that curves are drawn over.
+    /// Index of the slider on the horizontal axis of curves.
     pub over: usize,
 }
 
@@ -76,7 +76,7 @@ pub(super) struct InfluenceRequest {
 #[serde(deny_unknown_fields)]
 pub(super) struct TuneRequest {
     pub of: Designed,
-    /// `[point][axis]`: whether the coordinate must stay as it is.
+    /// `[point][axis]`: true if the coordinate must not move.
     pub locked: Vec<[bool; 3]>,
 }
 
@@ -97,13 +97,13 @@ pub(super) struct JobRequest {
 #[serde(deny_unknown_fields)]
 pub(super) struct SaveRequest {
     pub of: Designed,
-    /// A plain file name beside the study; the study itself without it.
+    /// File name, without folders, beside the study. `None` for the study itself.
     pub name: Option<String>,
-    /// True to write the moved coordinates to a file that changed meanwhile, or to replace a file of that name.
+    /// True to write the moved coordinates although the file has changed, or to replace an existing file of that name.
     pub anyway: bool,
 }
 
-/// The study, as far as it stays while points move.
+/// Data of the study that do not change while points move.
 #[derive(Serialize)]
 pub(super) struct Overview {
     pub name: String,
@@ -113,9 +113,9 @@ pub(super) struct Overview {
     /// Path of the file, so that a browser does not confuse its stored data of one study with another's.
     pub place: String,
     pub digest: String,
-    /// SHA-256 of the file's text before changes that are not saved.
+    /// SHA-256 of the file's text without unsaved changes.
     pub base: String,
-    /// Sections of the study as they are written, for forms.
+    /// Sections of the study as in the file, for forms.
     pub written: serde_json::Value,
     pub topology: String,
     pub unit: String,
@@ -129,7 +129,7 @@ pub(super) struct Overview {
     pub is_car: bool,
     /// A slider for each number that moves.
     pub sliders: Vec<Slider>,
-    /// Number of the slider that curves are drawn over at first.
+    /// Index of the slider that is on the horizontal axis of curves at first.
     pub main: usize,
     pub targets: Vec<TargetOverview>,
     pub variables: Vec<VariableOverview>,
@@ -138,7 +138,7 @@ pub(super) struct Overview {
     pub starts: usize,
 }
 
-/// A number that says where the mechanism is.
+/// A coordinate of the motion that the user can set.
 #[derive(Serialize)]
 pub(super) struct Slider {
     pub key: &'static str,
@@ -192,24 +192,24 @@ pub(super) struct CharacteristicOverview {
     pub name: String,
     pub unit: String,
     pub positive: &'static str,
-    /// True if the study asks for it, by itself or through a target.
+    /// True if the study requests it, directly or by a target.
     pub asked: bool,
-    /// True if the study has the inputs that it needs.
+    /// True if the study has all inputs of the characteristic.
     pub available: bool,
 }
 
-/// A target as it is drawn.
+/// A target in the form for drawing.
 #[derive(Serialize)]
 pub(super) struct TargetOverview {
     pub column: String,
-    /// Columns of curves it is about.
+    /// Columns of the curves that the target limits.
     pub columns: Vec<String>,
     pub tolerance: f64,
-    /// Drive value, lowest and highest wanted value; none where there is no limit.
+    /// Drive value, lowest and highest target value. `None` without a limit.
     pub points: Vec<(f64, Option<f64>, Option<f64>)>,
-    /// Number of the slider that its points are over; none if it has a motion of its own.
+    /// Index of the slider to which the points refer. `None` if the target has its own motion.
     pub over: Option<usize>,
-    /// Rack displacements it is for; empty for all.
+    /// Rack displacements to which the target applies. Empty for all.
     pub racks: Vec<f64>,
     pub is_band: bool,
 }
@@ -217,24 +217,24 @@ pub(super) struct TargetOverview {
 #[derive(Serialize)]
 pub(super) struct VariableOverview {
     pub name: String,
-    /// Point, axis, and displacement per unit.
+    /// Point, axis, and displacement per unit of the variable.
     pub moves: Vec<(usize, usize, f64)>,
-    /// True if it turns points about an axis, so that its moves are no straight lines.
+    /// True if the variable turns points about an axis, so that they do not move on straight lines.
     pub is_turn: bool,
     pub range: [f64; 2],
 }
 
-/// The answer to a design that was solved.
+/// Answer for a solved design.
 #[derive(Serialize)]
 pub(super) struct SolvedAnswer {
     pub columns: Vec<ColumnValues>,
-    /// Value of the number that curves are drawn over, station by station.
+    /// Horizontal-axis value of each station.
     pub drive: Vec<Option<f64>>,
-    /// Stations that differ in that alone are a group.
+    /// Group of each station. Stations of one group differ only in the horizontal-axis value.
     pub groups: Vec<usize>,
     /// Values of all sliders at the first station of each group.
     pub group_places: Vec<Vec<f64>>,
-    /// The group nearest to the sliders, and the rack's displacement in it.
+    /// Index of the group nearest to the sliders. The next field is its rack displacement.
     pub shown: usize,
     pub rack: f64,
     pub status: Vec<&'static str>,
@@ -246,7 +246,7 @@ pub(super) struct SolvedAnswer {
     pub opened: Option<Drawn>,
     pub misfit: Option<Misfit>,
     pub remarks: Vec<String>,
-    /// Time that the server took.
+    /// Computing time of the server.
     pub milliseconds: f64,
 }
 
@@ -302,11 +302,11 @@ impl ColumnValues {
     }
 }
 
-/// The misfit in tolerances, with its derivatives by every coordinate.
+/// Misfit in tolerances, with its derivatives by every coordinate.
 #[derive(Serialize)]
 pub(super) struct Misfit {
     pub value: Option<f64>,
-    /// Reason for its absence.
+    /// Reason why there is no misfit.
     pub reason: Option<String>,
     pub gradient: Coordinates,
     pub targets: Vec<TargetMisfit>,
@@ -328,13 +328,13 @@ pub(super) struct TargetMisfit {
 #[derive(Serialize)]
 pub(super) struct ConstraintRoom {
     pub name: String,
-    /// Margin to the nearest limit in `unit`; negative if it is violated.
+    /// Margin to the nearest limit in `unit`. Negative if the constraint is violated.
     pub room: f64,
     pub unit: String,
     pub is_violated: bool,
 }
 
-/// The influence of a coordinate on each column: derivatives, station by station.
+/// Influence of a coordinate on each column: derivatives at each station.
 #[derive(Serialize)]
 pub(super) struct InfluenceAnswer {
     pub columns: Vec<InfluenceColumn>,
@@ -346,7 +346,7 @@ pub(super) struct InfluenceColumn {
     pub slopes: Vec<Option<f64>>,
 }
 
-/// Moves that the targets do not see.
+/// Moves that leave the targets unchanged.
 #[derive(Serialize)]
 pub(super) struct DirectionsAnswer {
     pub directions: Vec<FreeDirection>,
@@ -354,11 +354,11 @@ pub(super) struct DirectionsAnswer {
 
 #[derive(Serialize)]
 pub(super) struct FreeDirection {
-    /// The variables and their amounts, in words.
+    /// Variables and their amounts, in words.
     pub name: String,
     /// Displacement of each point.
     pub change: Coordinates,
-    /// Free amount, downward and upward.
+    /// Possible amount, downward and upward.
     pub free: [f64; 2],
 }
 
@@ -390,9 +390,9 @@ pub(super) struct JobState {
 #[derive(Clone, Serialize)]
 pub(super) struct Proposal {
     pub design: Coordinates,
-    /// Changes of the rates of elastic parts.
+    /// Changes of the text that set the tuned rates of elastic parts.
     pub edits: Vec<ValueEdit>,
-    /// The same in words: part, rate now, tuned rate.
+    /// Changed rates in words: part, present rate, tuned rate.
     pub rates: Vec<[String; 3]>,
     pub headline: String,
     pub side_effects: SideEffectRows,
@@ -400,7 +400,7 @@ pub(super) struct Proposal {
     pub interrupted: bool,
 }
 
-/// Changes that no target asks for, as a table.
+/// Table of the changes that no target asks for.
 #[derive(Clone, Serialize)]
 pub(super) struct SideEffectRows {
     pub header: Vec<String>,

@@ -6,13 +6,13 @@
 //! dM/dx = r . J / (m M)                                                     (1)
 //! ```
 //!
-//! For one target, whose n residuals are s times its deviations in tolerances, the gradient is
+//! For one target, the n residuals are its deviations in tolerances times s. Its gradient is
 //!
 //! ```text
 //! d rms/dx = r . J / (s^2 n rms),    over its own rows.                     (2)
 //! ```
 //!
-//! A misfit of zero has no gradient. Zero is reported, since its square is at its minimum there.
+//! A misfit of zero has no gradient. Zero is reported, because the square of the misfit has its minimum there.
 
 use super::message::{ConstraintRoom, Coordinates, Misfit, TargetMisfit};
 use super::study_file::Opened;
@@ -24,13 +24,13 @@ use nalgebra::{DMatrix, DVector};
 /// Constraints violated by less than this, in visible units such as a millimetre, are kept.
 pub(super) const VIOLATED: f64 = 1e-6;
 
-/// The misfit of a design, if its study has targets.
+/// Misfit of a design, if its study has targets.
 pub(super) fn misfit(opened: &Opened, study: &Study) -> Result<Option<Misfit>, DesignFault> {
     let (Some(optimise), Some(layout)) = (&study.optimise, &opened.layout) else {
         return Ok(None);
     };
     let suspension = study.wheel();
-    // The layout holds the right wheel.
+    // The layout contains the coordinates of the right wheel, so it must be made again if that wheel has its own points.
     let has_own = study.axle().is_some_and(|both| both.axle.right.is_some());
     let own = has_own.then(|| TargetLayout::of(optimise, &study.vehicle));
     let found = assessed(suspension, &opened.every, own.as_ref().unwrap_or(layout))?;
@@ -89,7 +89,7 @@ pub(super) fn of_assessment(
     }
 }
 
-/// r . J over some rows, divided, point by point: (1), (2).
+/// r . J over some rows, divided by a factor, for each point: (1), (2).
 fn gradient(
     residuals: &DVector<f64>,
     jacobian: &DMatrix<f64>,
@@ -111,7 +111,7 @@ fn gradient(
         .collect()
 }
 
-/// The least margin of each constraint over all stations at which it is checked.
+/// Smallest margin of each constraint over all stations at which it is checked.
 fn rooms(optimise: &Optimise, layout: &TargetLayout, rows: &DVector<f64>) -> Vec<ConstraintRoom> {
     let constraints = optimise.constraints.iter().enumerate();
     let room = |number: usize| {

@@ -1,15 +1,15 @@
-//! The live page: a server on this machine that follows dragged points.
+//! The live page: a server on this machine that computes the results of dragged points.
 //!
-//! A [`Studio`] serves one study to a browser on the same machine. The page sends a design, the server answers
-//! with what the library makes of it: curves as `hardpoint solve` writes them, the mechanism in one position,
-//! the misfit with its exact gradient by every coordinate. Nothing is computed in the page.
+//! A [`Studio`] serves one study to a browser on the same machine. The page sends a design. The server answers with curves as
+//! `hardpoint solve` writes them, the mechanism in one position, and the misfit with its exact gradient by every coordinate. The
+//! page itself computes nothing.
 //!
-//! The server remembers texts it has read and a tuning under way; the design being worked on is the page's
-//! own, so that several tabs do not disturb each other and a server that was stopped loses nothing.
+//! The server stores the texts that it has read, and a running tuning. The page keeps the design in progress. So several tabs do
+//! not disturb each other, and a stopped server loses nothing.
 //!
-//! Who may speak to it: requests to a loopback address whose path begins with a token of 128 random bits, whose
-//! `Host` is the address that was printed and, for everything but the page itself, whose `Origin` is too
-//! (`access.rs`). What may be written: the study, the studies of a car's axles, and plain file names beside it (`study_file.rs`).
+//! The server accepts requests to a loopback address whose path begins with a token of 128 random bits. `Host` must be the
+//! printed address. `Origin` must be it, too, except for the page itself (`access.rs`). The server only writes the study, and
+//! files with plain names in the same folder (`study_file.rs`).
 
 mod access;
 mod answer;

@@ -1,4 +1,4 @@
-//! The study, as far as it stays while points move.
+//! Data of the study that do not change while points move.
 
 use super::message::{
     CharacteristicOverview, Coordinates, Overview, PointOverview, Slider, TargetOverview,
@@ -118,13 +118,13 @@ pub(super) fn sections(text: &str, shown: &[&str]) -> serde_json::Value {
     serde_json::to_value(toml::Table::from_iter(sections)).unwrap_or_default()
 }
 
-/// A design of the kernel's, in the study's axes.
+/// Coordinates of a design in the study's axes, from the kernel's frame.
 pub(super) fn coordinates(suspension: &Suspension, design: &[Vector3<f64>]) -> Coordinates {
     let outside = |p: &Vector3<f64>| suspension.frame.vector(*p).to_array().map(|c| c + 0.0);
     design.iter().map(outside).collect()
 }
 
-/// The drive value in the design position, as it is printed.
+/// Printed drive value in the design position.
 fn home(study: &Study) -> f64 {
     let suspension = study.wheel();
     let paper = || PaperTheta::of(&suspension.mechanism, &suspension.design).ok();
@@ -136,7 +136,7 @@ fn home(study: &Study) -> f64 {
     }
 }
 
-/// The characteristics of a wheel, and which of them outputs and targets ask for.
+/// Characteristics of a wheel, each marked if outputs or targets request it.
 fn catalogue(own: &WheelStudy, optimise: Option<&Optimise>) -> Vec<CharacteristicOverview> {
     let suspension = &own.suspension;
     let wanted = Plan::with_targets(own, optimise);
@@ -162,7 +162,7 @@ fn catalogue(own: &WheelStudy, optimise: Option<&Optimise>) -> Vec<Characteristi
     all.chain(figures).collect()
 }
 
-/// Sliders of one wheel, and the number of the main one.
+/// Sliders of one wheel, and the index of the main one.
 fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
     let Suspension {
         mechanism,
@@ -182,7 +182,7 @@ fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
     let values: Vec<f64> = printed.collect();
     let home = home(study);
     let drive = Slider::over(key, name, unit, home, &values);
-    // Where the study holds the rack, that is its home.
+    // If the study holds the rack, the held value is the home position of the slider.
     let rack_home = match motion.rack_moves {
         true => 0.0,
         false => motion.rack[0],
@@ -195,7 +195,7 @@ fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
     (sliders, 0)
 }
 
-/// The slider of the rack: over the range of the motion, or of an ordinary rack.
+/// Slider of the rack. Its range is that of the motion, or of a usual rack.
 pub(super) fn rack_slider(suspension: &Suspension, home: f64, racks: &[f64]) -> Slider {
     let unit = suspension.length_unit;
     let mut slider = Slider::over("rack", "rack", unit.symbol(), home, racks);
@@ -206,7 +206,7 @@ pub(super) fn rack_slider(suspension: &Suspension, home: f64, racks: &[f64]) -> 
 }
 
 impl Slider {
-    /// Over some values.
+    /// Makes a slider over some values.
     pub(super) fn over(
         key: &'static str,
         name: &'static str,

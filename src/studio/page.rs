@@ -1,8 +1,8 @@
-//! The files of the page.
+//! Files of the page.
 
 use super::http::Response;
 
-/// A file of the page, by its name in the address.
+/// Returns a file of the page by its name in the address.
 pub(super) fn file(name: &str) -> Option<Response> {
     const SCRIPT: &str = "text/javascript; charset=utf-8";
     let (content_type, text) = match name {

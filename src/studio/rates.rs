@@ -4,10 +4,10 @@ use crate::report::brief;
 use crate::study::{PathStep, Study, ValueEdit};
 use serde_json::Value;
 
-/// Words for the axes of a bushing.
+/// Names of the axes of a bushing.
 const AXES: [&str; 6] = ["x", "y", "z", "about x", "about y", "about z"];
 
-/// The changes that give a text of a study the rates of the tuned one, and the same in words: part, rate now, tuned rate.
+/// Changes that set the tuned rates in a study's text. Also describes each change in words: part, present rate, tuned rate.
 pub(super) fn rate_edits(
     study: &Study,
     text: &str,
@@ -40,7 +40,7 @@ pub(super) fn rate_edits(
     (edits, words)
 }
 
-/// The numbers of a key that differ, each with its name.
+/// Numbers of a key that differ, each with its name, old value and new value.
 fn differences(name: &str, old: &Value, new: &Value) -> Vec<[String; 3]> {
     let shown = |value: &Value| value.as_f64().map_or_else(String::new, brief);
     let Some(list) = new.as_array() else {

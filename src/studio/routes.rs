@@ -1,4 +1,4 @@
-//! The requests, and the functions that answer them.
+//! Requests of the page, and the functions that answer them.
 
 use super::access::Access;
 use super::connections::Place;
@@ -18,21 +18,20 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// Number of texts of the study that are remembered, so that tabs opened before a save keep working and changes can
-/// be undone.
+/// Number of study texts that the server stores. With them, tabs opened before a save keep working, and changes can be undone.
 const TEXTS: usize = 40;
 /// Media types of exported files.
 const CSV: &str = "text/csv; charset=utf-8";
 const DXF: &str = "image/vnd.dxf";
-/// Number of report pages that are remembered.
+/// Number of report pages that the server stores.
 const REPORTS: usize = 3;
 
-/// The state of the server.
+/// State of the server.
 pub(super) struct ServerState {
     pub access: Access,
     /// True after the first request with the token.
     pub visited: AtomicBool,
-    /// Folder in which a new study is written.
+    /// Folder for a new study.
     directory: PathBuf,
     /// The study; without one the page asks for it.
     file: OnceLock<Files>,
@@ -41,15 +40,15 @@ pub(super) struct ServerState {
     job: Mutex<Option<Arc<Job>>>,
     /// Report pages with their numbers, the latest last.
     reports: Mutex<VecDeque<(u64, Arc<str>)>>,
-    /// One at a time.
+    /// Lock that allows only one save at a time.
     saving: Mutex<()>,
 }
 
-/// A refusal: status and words.
+/// Refusal: status and text.
 type Refused = (u16, String);
 
 impl ServerState {
-    /// State of a server whose study is chosen in the page and written into a folder.
+    /// State of a server whose study will be chosen on the page and written to a folder.
     pub(super) fn new(access: Access, directory: PathBuf) -> Self {
         ServerState {
             access,
@@ -83,7 +82,7 @@ impl ServerState {
                 Err(Unread::Gone) => return,
                 Err(Unread::Refused(status, why)) => (Response::refusal(status, why), false),
                 Ok(head) => match self.admitted(&head) {
-                    // The body of a stranger is not read.
+                    // The body of a request without the token is not read.
                     Err((status, why)) => (refused_page(&head, status, &why), false),
                     Ok(_) if !place.admit() => {
                         let why = "too many connections: close other tabs of this page";
@@ -105,7 +104,7 @@ impl ServerState {
         }
     }
 
-    /// The path after the token, of a request that may be answered.
+    /// Checks that a request may be answered. Returns the path after the token.
     fn admitted<'h>(&self, head: &'h Head) -> Result<&'h str, Refused> {
         let refused = |why: &str| Err((403, why.to_owned()));
         if !head.host.as_deref().is_some_and(|h| self.access.is_host(h)) {
@@ -190,7 +189,7 @@ impl ServerState {
         opened
     }
 
-    /// The study as the file has it now.
+    /// Overview of the study as it is in the file now.
     fn study(&self, body: &[u8]) -> Result<Response, Refused> {
         let () = message(body)?;
         let opened = self.file()?.read().map_err(|why| (422, why))?;
@@ -198,7 +197,7 @@ impl ServerState {
         json(&opened.overview())
     }
 
-    /// The SHA-256 of the file's text as it is now.
+    /// SHA-256 of the file's text as it is now.
     fn digest(&self, body: &[u8]) -> Result<Response, Refused> {
         let () = message(body)?;
         json(&self.file()?.digest().map_err(|why| (422, why))?)
@@ -224,7 +223,7 @@ impl ServerState {
         json(&saved)
     }
 
-    /// Overview of a text with changed values. Nothing is written to the file.
+    /// Overview of a text with changed values. The file does not change.
     fn edit(&self, body: &[u8]) -> Result<Response, Refused> {
         let request: EditRequest = message(body)?;
         let opened = self.text(&request.digest)?;
@@ -245,7 +244,7 @@ impl ServerState {
         json(&answer(&*opened, &request).map_err(|why| (422, why))?)
     }
 
-    /// A file of a design, of this media type.
+    /// Answers with an exported file of a design, of this media type.
     fn file_of(
         &self,
         body: &[u8],
@@ -312,7 +311,7 @@ impl ServerState {
         json(&saved)
     }
 
-    /// Makes the report page of a design; its place in the address.
+    /// Makes the report page of a design. Answers with its path.
     fn make_report(&self, body: &[u8]) -> Result<Response, Refused> {
         let of: Designed = message(body)?;
         let opened = self.text(&of.digest)?;
@@ -332,14 +331,14 @@ impl ServerState {
         let (_, html) = reports.iter().find(|(n, _)| *n == number)?;
         let body = html.as_bytes().to_vec();
         Some(Response {
-            // The report names its own scripts in its head; it loads and reaches nothing.
+            // The report contains its own policy for scripts. It loads nothing and connects to nothing.
             policy: "frame-ancestors 'none'".into(),
             ..Response::new(200, "text/html; charset=utf-8", body)
         })
     }
 }
 
-/// A refusal: a short page where a person may have opened an address, else plain text.
+/// Refusal: a short page if a person may have opened the address, else plain text.
 fn refused_page(head: &Head, status: u16, why: &str) -> Response {
     if head.method != "GET" || head.origin.is_some() || status != 403 {
         return Response::refusal(status, why);
@@ -349,7 +348,7 @@ fn refused_page(head: &Head, status: u16, why: &str) -> Response {
 }
 
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // What is kept is whole at every moment, also where a thread died.
+    // The stored data are complete even after a panic in a thread, so a poisoned lock is harmless.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -362,8 +361,8 @@ fn json(answer: &impl Serialize) -> Result<Response, Refused> {
     Ok(Response::new(200, "application/json", text))
 }
 
-/// Response to a refused request, with a status. A design that cannot be solved or a file that has changed is an
-/// ordinary answer, because browsers write refusals to the console as errors.
+/// Response to a refused request, with a status. A design that cannot be solved and a changed file are usual cases. They get
+/// status 200, because browsers write refusals to the console as errors.
 fn refusal((status, why): Refused) -> Response {
     match status {
         409 | 422 => {

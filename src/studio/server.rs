@@ -1,4 +1,4 @@
-//! The server: a listener on the loopback interface, a thread for each connection.
+//! The server: a listener on the loopback interface, and one thread per connection.
 
 use super::access::Access;
 use super::connections::Connections;
@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use thiserror::Error;
 
-/// Default port: the same every time, so that a browser finds its data of an earlier session.
+/// Default port. It is always the same, so that a browser finds its data of earlier sessions.
 const USUAL_PORT: u16 = 7353;
 /// Interval between checks for a request to stop.
 const LOOK: Duration = Duration::from_millis(100);
@@ -21,30 +21,30 @@ const LOOK: Duration = Duration::from_millis(100);
 /// Reason why a study is not served.
 #[derive(Debug, Error)]
 pub enum NotServed {
-    /// The study is wrong; in words.
+    /// The study contains errors, described in words.
     #[error("{0}")]
     Study(String),
-    /// There is no such port to be had.
+    /// The port is not available.
     #[error("cannot listen on port {port} of this machine: {source}")]
     Port {
-        /// The requested port.
+        /// Requested port.
         port: u16,
-        /// Error of the system.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// The system refuses a resource that the server needs.
+    /// The operating system refuses a resource that the server needs.
     #[error("cannot serve: {0}")]
     System(#[from] std::io::Error),
 }
 
-/// A study served to a browser on this machine.
+/// Server of a study for a browser on this machine.
 pub struct Studio {
     listener: TcpListener,
     server: Arc<ServerState>,
 }
 
 impl Studio {
-    /// Reads a study and listens on a port of 127.0.0.1; without a port on the usual one, or any that is free.
+    /// Reads a study, and listens on a port of 127.0.0.1. Without `port` it takes the default port, or any free port.
     ///
     /// # Errors
     /// If the study is wrong or the port is taken.
@@ -59,7 +59,7 @@ impl Studio {
         Ok(studio)
     }
 
-    /// Listens without a study: the page asks for a topology and writes a new study into a folder.
+    /// Listens without a study. The page asks for a topology, and writes a new study into a folder.
     ///
     /// # Errors
     /// If the port is taken.
@@ -76,12 +76,12 @@ impl Studio {
         })
     }
 
-    /// The address of the page, which nobody else knows.
+    /// Address of the page. It contains the secret token.
     pub fn address(&self) -> String {
         self.server.access.address()
     }
 
-    /// Serves until told to stop. The invitation is deleted when the page has been asked for, or at the end.
+    /// Serves until `stop` is set. The invitation is deleted after the first request of the page, or at the end.
     ///
     /// # Errors
     /// If the thread that waits for connections cannot be started.
@@ -113,7 +113,7 @@ impl Studio {
     }
 }
 
-/// Takes connections, each on a thread of its own, until `closes` is set.
+/// Accepts connections, each on its own thread, until `closes` is set.
 fn accept(listener: &TcpListener, server: &Arc<ServerState>, closes: &AtomicBool) {
     let connections = Arc::new(Connections::default());
     for stream in listener.incoming() {
@@ -121,7 +121,7 @@ fn accept(listener: &TcpListener, server: &Arc<ServerState>, closes: &AtomicBool
             return;
         }
         let Ok(stream) = stream else {
-            // No more files, say: others have to be closed first.
+            // For example, there may be too many open files. Then other connections must close first.
             std::thread::sleep(LOOK);
             continue;
         };

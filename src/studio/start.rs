@@ -1,4 +1,4 @@
-//! A new study, chosen in the page: a topology, and points of a sheet if there are any.
+//! Writes a new study that the user chooses on the page: a topology, and optionally points from a spreadsheet.
 
 use super::message::{Coordinates, StartRequest};
 use super::overview::coordinates;
@@ -13,18 +13,18 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// A kind of suspension to start from, with its picture.
+/// A topology to start from, with its picture.
 #[derive(Serialize)]
 pub(super) struct Choice {
     name: &'static str,
     summary: &'static str,
-    /// Names of its hardpoints, and true for those that a study must give.
+    /// Names of its hardpoints. The flag is true for hardpoints that a study must give.
     hardpoints: Vec<(&'static str, bool)>,
     scene: Scene,
     design: Coordinates,
 }
 
-/// The kinds of suspension.
+/// All topologies.
 pub(super) fn choices() -> Vec<Choice> {
     let choice = |topology: &&'static Topology| {
         let topology: &'static Topology = topology;
@@ -45,7 +45,7 @@ pub(super) fn choices() -> Vec<Choice> {
     Topology::ALL.iter().filter_map(choice).collect()
 }
 
-/// Writes a new study into a directory. An existing file is left alone.
+/// Writes a new study into a directory. It does not change an existing file.
 ///
 /// # Errors
 /// The reason in words: the name, the points or the disk.
@@ -62,7 +62,7 @@ pub(super) fn start(directory: &Path, request: &StartRequest) -> Result<PathBuf,
             .study(&request.name, "points pasted into the studio")
             .map_err(|why| format!("the points do not form a valid suspension\n{why}"))?,
     };
-    // No file is written that no command would read.
+    // A text that no command could read is not written.
     Study::elastic_from_text(&request.name, &text, directory)
         .map_err(|errors| errors.render(false))?;
     let path = directory.join(&request.name);
@@ -80,7 +80,7 @@ pub(super) fn start(directory: &Path, request: &StartRequest) -> Result<PathBuf,
     Ok(path)
 }
 
-/// Points of a pasted sheet, read as `hardpoint import` reads a file.
+/// Imports points from a pasted spreadsheet, as `hardpoint import` does from a file.
 fn imported(
     topology: &'static Topology,
     points: &str,
@@ -118,7 +118,7 @@ fn imported(
     import(&table, &options).map_err(|refusal| in_form(&refusal))
 }
 
-/// A refusal in the words of the form: its fields instead of flags.
+/// Text of a refusal that names the fields of the form instead of flags.
 fn in_form(refusal: &crate::exchange::Refusal) -> String {
     let words = refusal.to_string();
     let fields = [
@@ -131,7 +131,7 @@ fn in_form(refusal: &crate::exchange::Refusal) -> String {
     let words = fields
         .iter()
         .fold(words, |words, (flag, field)| words.replace(flag, field));
-    // The form has no file of names: points are renamed where they were pasted.
+    // The form has no file of names. The user can rename points in the pasted text.
     match words.split_once("say so in a file for --map, as in") {
         Some((before, example)) => {
             let hardpoint = example.split('=').next().unwrap_or_default().trim();

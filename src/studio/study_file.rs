@@ -1,4 +1,4 @@
-//! The study file: read, and written back with its comments.
+//! The study file. It is read, and written back with its comments.
 
 use super::message::{Coordinates, TextChange};
 use crate::model::{Axis, Frame, Suspension};
@@ -15,30 +15,30 @@ use std::io;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// A text of the study that was read, and its meaning.
+/// A study text that was read, and its meaning.
 pub(super) struct Opened {
     /// Place of the study.
     pub file: StudyFile,
     /// SHA-256 of the study text.
     pub digest: String,
-    /// SHA-256 of the file's text that `edits` lead from.
+    /// SHA-256 of the file's text to which `edits` apply.
     pub base: String,
     /// Changes that are not in the file.
     pub edits: Vec<ValueEdit>,
-    /// The text as it is in the file, with `edits` in it.
+    /// Text of the file with `edits` applied.
     pub text: String,
     pub study: Study,
-    /// Every coordinate as something that can move.
+    /// A variable for every coordinate.
     pub every: Vec<Variable>,
-    /// The stations at which targets are looked at, if there are any.
+    /// Stations at which targets are evaluated, if there are targets.
     pub layout: Option<TargetLayout>,
 }
 
 /// Reason why a file was not saved.
 pub(super) enum NotSaved {
-    /// The file has been changed since it was opened, or there is another file of that name.
+    /// The file has changed since it was opened, or another file of that name exists.
     Changed(String),
-    /// The name, the design or the disk does not allow it.
+    /// The name, the design or the disk prevents it.
     Refused(String),
 }
 
@@ -63,7 +63,7 @@ impl Opened {
         })
     }
 
-    /// The study with a design that came from the page.
+    /// Study with a design from the page.
     pub(super) fn moved(&self, coordinates: &Coordinates) -> Result<Study, String> {
         Ok(self.study.at_design(self.design(coordinates)?))
     }
@@ -108,7 +108,7 @@ pub(super) struct StudyFile {
 }
 
 impl StudyFile {
-    /// Follows a link now, so that later writes go to the file it led to.
+    /// Resolves a symbolic link now, so that later writes go to the same file.
     pub(super) fn at(path: &Path) -> io::Result<Self> {
         Ok(StudyFile {
             path: fs::canonicalize(path)?,
@@ -119,19 +119,19 @@ impl StudyFile {
         &self.path
     }
 
-    /// The name alone.
+    /// File name without folders.
     pub(super) fn name(&self) -> String {
         name_of(&self.path)
     }
 
-    /// Reads it as it is now, or returns its fault in words.
+    /// Reads the file as it is now, or returns its fault in words.
     pub(super) fn read(&self) -> Result<Opened, String> {
-        // Read once, so that the digest is of what was understood.
+        // The file is read only once, so that the digest belongs to the text that was parsed.
         let text = self.text()?;
         Opened::of(&self.path, text).map_err(|errors| errors.render(false))
     }
 
-    /// The SHA-256 of the text as it is now.
+    /// SHA-256 of the file's text as it is now.
     pub(super) fn digest(&self) -> Result<String, String> {
         Ok(digest(&self.text()?))
     }
@@ -140,7 +140,7 @@ impl StudyFile {
         text_of(&self.path)
     }
 
-    /// A text that was read, with further changes of its values.
+    /// Text that was read, with further changes of its values.
     pub(super) fn edited(&self, opened: &Opened, edits: &[ValueEdit]) -> Result<Opened, String> {
         let text = edited_text(&opened.text, edits)?;
         let edited = Opened::of(&self.path, text).map_err(|errors| errors.render(false))?;
@@ -151,7 +151,7 @@ impl StudyFile {
         })
     }
 
-    /// The text of the file now, and the text that saving a design would write.
+    /// Present text of the file, and the text that saving a design would write.
     pub(super) fn texts(
         &self,
         opened: &Opened,
@@ -164,8 +164,8 @@ impl StudyFile {
         }])
     }
 
-    /// Writes a design into the study. If the file no longer has the text that was opened, it stays as it is. With
-    /// `anyway` it gets the coordinates that differ from the opened text.
+    /// Writes a design into the study. If the file's text has changed since it was opened, the file stays unchanged. With
+    /// `anyway`, the coordinates that differ from the opened text are written into the changed file.
     pub(super) fn save(
         &self,
         opened: &Opened,
@@ -192,8 +192,8 @@ impl StudyFile {
         Ok(edited)
     }
 
-    /// Writes the opened text with a design beside the study. An existing file of that name is left alone, or
-    /// replaced `anyway`.
+    /// Writes the opened text with a design to another file in the same folder. An existing file of that name is only replaced
+    /// with `anyway`.
     pub(super) fn save_as(
         &self,
         opened: &Opened,
@@ -212,7 +212,7 @@ impl StudyFile {
         Ok(name.to_owned())
     }
 
-    /// Resolves a text before it is saved: nothing is written that no command would read.
+    /// Parses a text before it is saved. A text that no command could read is not written.
     fn understood(&self, path: &Path, text: String) -> Result<Opened, NotSaved> {
         Opened::of(path, text).map_err(|errors| not_understood(&errors))
     }
@@ -326,8 +326,8 @@ fn temporary_beside(path: &Path, text: &str) -> io::Result<NamedTempFile> {
     Ok(file)
 }
 
-/// Puts a whole file in its place. Where the place has several names (hard links), its content is replaced instead, so
-/// that all of them have the new text; if that fails halfway, the new text stays under its temporary name.
+/// Moves a complete file to its final place. If the target has several names (hard links), its content is replaced instead, so
+/// that all names have the new text. If that fails halfway, the new text stays in the temporary file.
 fn replace(temporary: NamedTempFile, path: &Path, text: &str) -> io::Result<()> {
     if !has_other_names(path) {
         return temporary.persist(path).map(drop).map_err(|e| e.error);
@@ -349,14 +349,14 @@ fn replace(temporary: NamedTempFile, path: &Path, text: &str) -> io::Result<()> 
     })
 }
 
-/// Returns true if a file has further names.
+/// True if a file has further names.
 #[cfg(unix)]
 fn has_other_names(path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
     fs::symlink_metadata(path).is_ok_and(|there| there.is_file() && there.nlink() > 1)
 }
 
-/// Elsewhere the standard library cannot tell.
+/// On other systems the standard library has no way to find out.
 #[cfg(not(unix))]
 fn has_other_names(_: &Path) -> bool {
     false
@@ -397,7 +397,7 @@ pub(super) fn moved_in(
     Ok(merged)
 }
 
-/// Checks that a name is valid on every system for a study in the folder itself.
+/// Checks that a name is valid on every operating system, for a study in the folder itself.
 pub(super) fn check_name(name: &str) -> Result<(), String> {
     let is_plain = |c: char| !c.is_control() && !"/\\:*?\"<>|".contains(c);
     let is_name = Path::new(name).file_name() == Some(name.as_ref());
@@ -421,7 +421,7 @@ pub(super) fn check_name(name: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Returns true if Windows takes a name for a device, whatever follows its first dot.
+/// True if Windows interprets a name as a device. The part after the first dot does not matter.
 fn is_reserved(name: &str) -> bool {
     let stem = name.split('.').next().unwrap_or("").trim_end();
     let stem = stem.to_ascii_uppercase();
@@ -436,7 +436,7 @@ fn is_reserved(name: &str) -> bool {
     devices.contains(&stem.as_str()) || is_port("COM") || is_port("LPT")
 }
 
-/// The SHA-256 of a text.
+/// SHA-256 of a text.
 fn digest(text: &str) -> String {
     let bytes = hmac_sha256::Hash::hash(text.as_bytes());
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()

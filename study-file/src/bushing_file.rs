@@ -1,4 +1,4 @@
-//! Bushing property files (`.bus`): six curves of force over deflection and torque over angle, in blocks of text.
+//! Bushing property files (`.bus`): six curves of force against deflection and torque against angle, in blocks of text.
 //!
 //! ```text
 //! [UNITS]
@@ -11,36 +11,36 @@
 //!  1.0   1500.0
 //! ```
 //!
-//! Damping and the header say nothing about equilibria and are passed over.
+//! The reader skips damping and the header, because they do not affect equilibria.
 
 use crate::error::{Source, StudyError, StudyErrors};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Names of the blocks with curves: along x, y, z, then about them.
+/// Names of the blocks with curves: along x, y and z, then about them.
 const CURVES: [&str; 6] = [
     "FX_CURVE", "FY_CURVE", "FZ_CURVE", "TX_CURVE", "TY_CURVE", "TZ_CURVE",
 ];
 
-/// A point of a curve, with its place in the file.
+/// A point of a curve, with its position in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CurvePoint {
     /// Deflection in metres, or angle in radians.
     pub deflection: f64,
     /// Force in newtons, or torque in newton metres.
     pub force: f64,
-    /// Place of its line.
+    /// Byte range of its line.
     pub place: Range<usize>,
 }
 
-/// The curves of a file, in metres, radians, newtons and newton metres.
+/// Curves of a file, in metres, radians, newtons and newton metres.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BushingFile {
-    /// Points of each curve, along x, y, z and about them.
+    /// Points of each curve: along x, y and z, then about them.
     pub curves: [Vec<CurvePoint>; 6],
 }
 
-/// Units of a file, in SI units.
+/// Units of a file, as multiples of SI units.
 struct Units {
     length: f64,
     angle: f64,
@@ -76,7 +76,7 @@ fn force(word: &str) -> Option<f64> {
     })
 }
 
-/// A line of a file without its comment, with its place.
+/// Lines of a file without comments, with their byte ranges.
 fn lines(text: &str) -> impl Iterator<Item = (&str, Range<usize>)> {
     let mut start = 0;
     text.split_inclusive('\n').map(move |whole| {
@@ -141,7 +141,7 @@ pub fn read(source: &Arc<Source>) -> Result<BushingFile, StudyErrors> {
     Ok(BushingFile { curves })
 }
 
-/// The name of a block, in capitals.
+/// Name of a block, in capitals.
 fn block_name(line: &str) -> Option<String> {
     let name = line.strip_prefix('[')?.strip_suffix(']')?;
     Some(name.trim().to_ascii_uppercase())

@@ -1,11 +1,11 @@
-//! The study of a car as written: its sections and keys. Unknown ones are refused.
+//! The study of a car as written in the file: its sections and keys. Unknown keys are refused.
 
 use crate::file::{self, Coordinates};
 use crate::value::{MemberName, Number, OneOrMore, Text, Whole};
 use serde::Deserialize;
 use toml::Spanned;
 
-/// The whole file of a car.
+/// Complete study file of a car.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CarFile {
@@ -35,31 +35,31 @@ pub struct Car {
     pub front: Text,
     /// Path of the rear axle's study.
     pub rear: Text,
-    /// Distance of the mean wheel centres,
+    /// Distance between the mean wheel centres of both axles. An alternative is `rear_offset`.
     pub wheelbase: Option<Number>,
-    /// or place of the rear study's origin.
+    /// Position of the rear study's origin. An alternative to `wheelbase`.
     pub rear_offset: Option<Coordinates>,
     /// Unit of masses.
     pub mass_unit: Option<Text>,
-    /// Mass of the whole car,
+    /// Mass of the whole car. An alternative is `sprung_mass`.
     pub mass: Option<Number>,
-    /// with its centre of gravity;
+    /// Centre of gravity of the whole car.
     pub cg: Option<Coordinates>,
-    /// or the sprung mass,
+    /// Sprung mass. An alternative to `mass`.
     pub sprung_mass: Option<Number>,
-    /// with its centre of gravity.
+    /// Centre of gravity of the sprung mass.
     pub sprung_cg: Option<Coordinates>,
-    /// Front share of braking.
+    /// Share of the braking force at the front axle.
     pub brake_share_front: Option<Number>,
-    /// Front share of drive.
+    /// Share of the drive force at the front axle.
     pub drive_share_front: Option<Number>,
     /// Yaw inertia, kg m2.
     pub yaw_inertia: Option<Number>,
     /// Pitch inertia, kg m2.
     pub pitch_inertia: Option<Number>,
-    /// Point of the body for the front ride height.
+    /// Point of the body at which the front ride height is measured.
     pub ride_height_point_front: Option<Coordinates>,
-    /// Point of the body for the rear ride height.
+    /// Point of the body at which the rear ride height is measured.
     pub ride_height_point_rear: Option<Coordinates>,
     /// `elastic` or `rigid`.
     pub tyres: Option<Text>,
@@ -71,7 +71,7 @@ pub struct Car {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Aero {
-    /// Density of the air, kg/m3.
+    /// Air density, kg/m3.
     pub density: Option<Number>,
     /// Downforce near the front axle.
     pub front: Option<Spanned<Downforce>>,
@@ -85,9 +85,9 @@ pub struct Aero {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Downforce {
-    /// Point of the body where it acts.
+    /// Point of the body on which the force acts.
     pub point: Coordinates,
-    /// Coefficient times area: factors of 1, hf, hr, hf2, hf hr, hr2.
+    /// Coefficient times area, as a polynomial in the ride heights: factors of 1, hf, hr, hf2, hf hr, hr2.
     pub downforce: Spanned<Vec<Number>>,
 }
 
@@ -95,7 +95,7 @@ pub struct Downforce {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Drag {
-    /// Point of the body where it acts.
+    /// Point of the body on which the force acts.
     pub point: Coordinates,
     /// Coefficient times area, m2.
     pub drag_area: Number,
@@ -105,21 +105,21 @@ pub struct Drag {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
-    /// Its name.
+    /// Name of the load case.
     pub name: Text,
-    /// Acceleration forward, g.
+    /// Forward acceleration, g.
     pub ax: Option<Number>,
     /// Acceleration to the left, g.
     pub ay: Option<Number>,
-    /// Acceleration upward, g.
+    /// Upward acceleration, g.
     pub az: Option<Number>,
     /// Speed, m/s.
     pub speed: Option<Number>,
     /// Yaw acceleration to the left, rad/s2.
     pub yaw_acceleration: Option<Number>,
-    /// Displacement of the front rack along +y,
+    /// Displacement of the front rack along +y. An alternative is `steering_wheel_angle`.
     pub rack: Option<Number>,
-    /// or angle of the steering wheel, degrees.
+    /// Angle of the steering wheel, degrees. An alternative to `rack`.
     pub steering_wheel_angle: Option<Number>,
     /// Displacement of the rear rack along +y.
     pub rack_rear: Option<Number>,
@@ -127,7 +127,7 @@ pub struct Case {
     pub longitudinal: Option<Text>,
     /// `by_load` or `equal`.
     pub lateral_shares: Option<Text>,
-    /// The left wheels' shares of their axles' lateral forces.
+    /// Share of each left wheel in the lateral force of its axle.
     pub lateral_share_left: Option<Spanned<Vec<Number>>>,
     /// `by_load` or `equal`.
     pub longitudinal_shares: Option<Text>,
@@ -141,11 +141,11 @@ pub struct Case {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GgMap {
-    /// Accelerations forward, g.
+    /// Forward accelerations, g.
     pub ax: Spanned<Steps>,
     /// Accelerations to the left, g.
     pub ay: Spanned<Steps>,
-    /// Acceleration upward, g.
+    /// Upward acceleration, g.
     pub az: Option<Number>,
     /// Speed, m/s.
     pub speed: Option<Number>,
@@ -197,32 +197,32 @@ pub struct Sweep {
     pub format: Option<Text>,
 }
 
-/// Defines a kind of variable: the keys that name a part of the car and its range, and further keys.
+/// Defines a kind of variable. It has the keys that name a part of the car and its range, and further keys.
 macro_rules! variable {
     ($(#[$about:meta])* $name:ident { $($further:tt)* }) => {
         $(#[$about])*
         #[derive(Debug, Deserialize)]
         #[serde(deny_unknown_fields)]
         pub struct $name {
-            /// `front`, `rear`, or both in a list.
+            /// Axle of the part: `front`, `rear`, or both in a list.
             pub axle: Option<Spanned<OneOrMore>>,
-            /// Name of the axle's hardpoint,
+            /// Name of the hardpoint that moves.
             pub hardpoint: Option<Text>,
-            /// or names of several that move together,
+            /// Names of several hardpoints that move together.
             pub hardpoints: Option<Spanned<Vec<Text>>>,
-            /// with the displacement of each per unit of the variable,
+            /// Displacement of each hardpoint per unit of the variable.
             pub factors: Option<Spanned<Vec<Number>>>,
-            /// and `x`, `y` or `z`,
+            /// Direction of the move: `x`, `y` or `z`.
             pub axis: Option<Text>,
-            /// or any direction;
+            /// Direction of the move as a vector. An alternative to `axis`.
             pub direction: Option<Coordinates>,
-            /// or a rate of the axle;
+            /// Name of a rate of the axle.
             pub rate: Option<Text>,
-            /// or a figure of the car.
+            /// Name of a value of the car.
             pub car: Option<Text>,
-            /// Lowest and highest offset of a hardpoint, else lowest and highest value.
+            /// For a hardpoint, lowest and highest offset. Otherwise lowest and highest value.
             pub range: Option<Spanned<Vec<Number>>>,
-            /// Largest change, percent of the study's value.
+            /// Largest change, in percent of the study's value.
             pub percent: Option<Number>,
             $($further)*
         }
@@ -264,25 +264,25 @@ pub struct Tolerance {
 pub struct Scatter {
     /// `front` or `rear`.
     pub axle: Option<Text>,
-    /// A hardpoint of the axle,
+    /// Name of a hardpoint of the axle.
     pub hardpoint: Option<Text>,
-    /// or several, each on its own,
+    /// Names of several hardpoints that scatter independently.
     pub hardpoints: Option<Spanned<Vec<Text>>>,
-    /// or a member,
+    /// Name of a member whose length scatters.
     pub length: Option<Spanned<MemberName>>,
-    /// or hardpoints that are moved together,
+    /// Names of hardpoints that a jig moves together.
     pub jig: Option<Spanned<Vec<Text>>>,
-    /// or a rate of the axle,
+    /// Name of a rate of the axle.
     pub rate: Option<Text>,
-    /// or a figure of the car.
+    /// Name of a value of the car.
     pub car: Option<Text>,
-    /// The only wheel whose parts scatter.
+    /// Side of the only wheel whose parts scatter.
     pub side: Option<Text>,
-    /// The only coordinate that scatters.
+    /// Only coordinate that scatters.
     pub axis: Option<Text>,
     /// Standard deviation of a normal scatter.
     pub sigma: Option<Number>,
-    /// Standard deviation of a rate or a figure, percent of its value.
+    /// Standard deviation of a rate or a value, in percent.
     pub percent: Option<Number>,
     /// Ends of a uniform scatter.
     pub limits: Option<Spanned<Vec<Number>>>,
@@ -293,7 +293,7 @@ pub struct Scatter {
 }
 
 impl Scatter {
-    /// The entry as the study of the axle would have it.
+    /// Entry in the form that the study of an axle would have.
     pub fn of_axle(&self) -> file::Scatter {
         let own = self.clone();
         file::Scatter {
@@ -321,13 +321,13 @@ impl Scatter {
 pub struct Band {
     /// Name of the result.
     pub characteristic: Text,
-    /// Name of the case.
+    /// Name of the load case.
     pub case: Text,
-    /// Lowest and highest value,
+    /// Lowest and highest value.
     pub between: Option<Spanned<Vec<Number>>>,
-    /// or the lowest alone,
+    /// Lowest value, if there is no highest value.
     pub at_least: Option<Number>,
-    /// or the highest alone.
+    /// Highest value, if there is no lowest value.
     pub at_most: Option<Number>,
 }
 
@@ -335,7 +335,7 @@ pub struct Band {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Optimise {
-    /// Cap on iterations.
+    /// Largest number of iterations.
     pub max_iterations: Option<Whole>,
     /// Number of starts.
     pub starts: Option<Whole>,
@@ -345,9 +345,9 @@ pub struct Optimise {
     pub side_effects: Option<Spanned<bool>>,
     /// Design variables.
     pub variables: Spanned<Vec<Spanned<Variable>>>,
-    /// Targets of cases, and of axles by themselves.
+    /// Targets of load cases, and of single axles.
     pub targets: Spanned<Vec<Spanned<file::Target>>>,
-    /// Constraints of cases, and of axles by themselves.
+    /// Constraints of load cases, and of single axles.
     #[serde(default)]
     pub constraints: Vec<Spanned<file::Constraint>>,
 }

@@ -1,20 +1,20 @@
-//! Mistakes in a study, with their place and remedy.
+//! Errors in a study, with their place and remedy.
 
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A text that was read, by the name it goes by in messages.
+/// A text that was read, with its name for messages.
 #[derive(Debug, PartialEq)]
 pub struct Source {
-    /// The file's path as the user wrote it.
+    /// Path of the file as the user wrote it.
     pub name: String,
     /// Content of the file.
     pub text: String,
 }
 
-/// One mistake in a study.
+/// One error in a study.
 #[derive(Clone, Debug)]
 pub struct StudyError {
     source: Arc<Source>,
@@ -26,7 +26,7 @@ pub struct StudyError {
 }
 
 impl StudyError {
-    /// A mistake in the file as a whole.
+    /// Makes an error about the file as a whole.
     pub fn of_file(name: impl Into<String>, message: impl Into<String>) -> Self {
         let source = Source {
             name: name.into(),
@@ -35,7 +35,7 @@ impl StudyError {
         Self::new(Arc::new(source), None, message)
     }
 
-    /// A mistake at a place, or in the source as a whole.
+    /// Makes an error at a place, or about the source as a whole.
     pub fn new(
         source: Arc<Source>,
         span: Option<Range<usize>>,
@@ -51,7 +51,7 @@ impl StudyError {
         }
     }
 
-    /// Names the key the mistake is in.
+    /// Sets the key that contains the error.
     pub fn key_named(&mut self, key: Option<String>) -> &mut Self {
         self.key = key;
         self
@@ -63,19 +63,19 @@ impl StudyError {
         self
     }
 
-    /// Shows another place that has to do with it.
+    /// Adds another place that is related to the error.
     pub fn related(&mut self, span: Range<usize>, label: impl Into<String>) -> &mut Self {
         let span = within_line(&self.source.text, span);
         self.related.push((span, label.into()));
         self
     }
 
-    /// The file it is in, as the user wrote its name.
+    /// Name of the file, as the user wrote it.
     pub fn file(&self) -> &str {
         &self.source.name
     }
 
-    /// Line and column, both from 1, the column in characters; `None` if the mistake concerns the file as a whole.
+    /// Line and column. Both count from 1; the column counts characters. `None` if the error concerns the file as a whole.
     pub fn position(&self) -> Option<(usize, usize)> {
         let before = self.source.text.get(..self.span.as_ref()?.start)?;
         let line_start = before.rfind('\n').map_or(0, |at| at + 1);
@@ -85,22 +85,23 @@ impl StudyError {
         ))
     }
 
-    /// The key it is in, like `optimise.variables[0].range`.
+    /// Path of the key that contains the error, such as `optimise.variables[0].range`.
     pub fn path(&self) -> Option<&str> {
         self.key.as_deref()
     }
 
-    /// The mistake and the expected value.
+    /// Text of the error, with the expected value.
     pub fn message(&self) -> &str {
         &self.message
     }
 
-    /// The remedy.
+    /// Remedy for the error.
     pub fn suggestion(&self) -> Option<&str> {
         self.help.as_deref()
     }
 
-    /// The message with file, line, the line itself and the faulty part underlined; in colour for a terminal.
+    /// Message with the file, the line number, the line itself, and a mark under the faulty part. With `colour` it has colours
+    /// for a terminal.
     pub fn render(&self, colour: bool) -> String {
         let title = match &self.key {
             Some(key) => format!("{key}: {}", self.message),
@@ -137,7 +138,7 @@ impl StudyError {
     }
 }
 
-/// The part of a span that is on its first line, on character boundaries: excerpts stay short.
+/// Part of a span within its first line, at character boundaries, so that excerpts stay short.
 fn within_line(text: &str, span: Range<usize>) -> Range<usize> {
     let boundary = |mut at: usize| {
         at = at.min(text.len());
@@ -153,18 +154,18 @@ fn within_line(text: &str, span: Range<usize>) -> Range<usize> {
     start..boundary(span.end).clamp(start, line_end)
 }
 
-/// Everything that is wrong with a study; at least one mistake, in the order of the file.
+/// All errors of a study, at least one, in the order of the file.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{}", self.render(false))]
 pub struct StudyErrors(Vec<StudyError>);
 
 impl StudyErrors {
-    /// The mistakes.
+    /// All errors.
     pub fn all(&self) -> &[StudyError] {
         &self.0
     }
 
-    /// All of them, rendered; see [`StudyError::render`].
+    /// Text of all errors; see [`StudyError::render`].
     pub fn render(&self, colour: bool) -> String {
         let rendered: Vec<String> = self.0.iter().map(|e| e.render(colour)).collect();
         rendered.join("\n\n")
@@ -185,14 +186,14 @@ impl fmt::Display for StudyError {
 
 impl std::error::Error for StudyError {}
 
-/// The mistakes found so far in one study.
+/// Errors found so far in one study.
 pub struct Problems {
     source: Arc<Source>,
     errors: Vec<StudyError>,
 }
 
 impl Problems {
-    /// An empty list of mistakes.
+    /// Makes an empty list of errors.
     pub fn new(source: Arc<Source>) -> Self {
         Problems {
             source,
@@ -200,7 +201,7 @@ impl Problems {
         }
     }
 
-    /// Records a mistake at a place of the study file.
+    /// Records an error at a place of the study file.
     pub fn add(&mut self, span: Range<usize>, message: impl Into<String>) -> &mut StudyError {
         let key = crate::parse::key_at(&self.source.text, span.start);
         let mut error = StudyError::new(self.source.clone(), Some(span), message);
@@ -209,18 +210,18 @@ impl Problems {
         self.errors.last_mut().expect("just pushed")
     }
 
-    /// Records a mistake at a place of the study file and returns no value.
+    /// Records an error at a place of the study file. Returns `None` as the missing value.
     pub fn refuse<T>(&mut self, span: Range<usize>, message: impl Into<String>) -> Option<T> {
         self.add(span, message);
         None
     }
 
-    /// Records mistakes found in another file.
+    /// Records errors found in another file.
     pub fn append(&mut self, errors: StudyErrors) {
         self.errors.extend(errors.0);
     }
 
-    /// Returns the result if there is no mistake.
+    /// Returns the result if there is no error.
     pub fn finish<T>(mut self, result: Option<T>) -> Result<T, StudyErrors> {
         match result {
             Some(result) if self.errors.is_empty() => Ok(result),

@@ -1,7 +1,7 @@
-//! The study file as written: its sections and keys. Unknown ones are refused.
+//! The study file as written: its sections and keys. Unknown keys are refused.
 //!
-//! Names are still text, and numbers are in the file's units and axes. A value that may be faulty carries its place.
-//! `flatten` and tagged enums are avoided, because they lose places.
+//! Names are still texts, and numbers are in the file's units and axes. Each value that may be faulty has its place in the file.
+//! `flatten` and tagged enums are not used, because they lose these places.
 
 use crate::value::{
     LimitText, MemberName, Number, Numbers, RightWheel, Selection, Text, Values, Whole,
@@ -11,10 +11,10 @@ use serde::de::IgnoredAny;
 use std::collections::BTreeMap;
 use toml::Spanned;
 
-/// Coordinates, three if they are right.
+/// Coordinates. The reader accepts any number of values; three are valid.
 pub type Coordinates = Spanned<Vec<Number>>;
 
-/// The whole file.
+/// Complete study file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct File {
@@ -96,12 +96,12 @@ pub struct Suspension {
     pub frame: Option<Text>,
     /// `[suspension.hardpoints]`
     pub hardpoints: Spanned<BTreeMap<Text, Coordinates>>,
-    /// Links that a solid axle has once, with true y.
+    /// Links of a solid axle that exist only once and have their true y coordinate.
     pub single: Option<Spanned<Vec<Text>>>,
     /// `[suspension.bodies]`: bodies on which ends of springs and rods are mounted.
     #[serde(default)]
     pub bodies: BTreeMap<Text, Text>,
-    /// `[suspension.studs]`: directions of the studs of ball joints.
+    /// `[suspension.studs]`: directions of the studs in ball joints.
     #[serde(default)]
     pub studs: BTreeMap<Text, Coordinates>,
     /// `[suspension.extra_points]`
@@ -113,7 +113,7 @@ pub struct Suspension {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ExtraPoint {
-    /// The body it moves with.
+    /// Body with which the point moves.
     pub body: Text,
     /// Design position.
     pub position: Coordinates,
@@ -147,7 +147,7 @@ pub struct Vehicle {
     pub brake_share_front: Option<Number>,
     /// Share of the drive force at the front axle.
     pub drive_share_front: Option<Number>,
-    /// `front` or `rear`: which axle this is.
+    /// Position of this axle: `front` or `rear`.
     pub position: Option<Text>,
     /// `outboard` or `inboard`.
     pub brakes: Option<Text>,
@@ -163,7 +163,7 @@ pub struct Vehicle {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Axle {
-    /// `"mirrored"`, or the differences from the mirror image. Defaults to the mirror image.
+    /// `"mirrored"`, or the differences from the mirror image. The default is the mirror image.
     pub right: Option<Spanned<RightWheel>>,
 }
 
@@ -171,15 +171,15 @@ pub struct Axle {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OwnRight {
-    /// Hardpoints that are not the mirror image of the left ones.
+    /// Hardpoints that are not the mirror images of the left ones.
     #[serde(default)]
     pub hardpoints: BTreeMap<Text, Coordinates>,
     /// Bodies on which ends of springs and rods are mounted, if they differ from the left wheel's.
     #[serde(default)]
     pub bodies: BTreeMap<Text, Text>,
-    /// Camber and toe.
+    /// Camber and toe of the right wheel.
     pub wheel: Option<Spanned<OwnAngles>>,
-    /// The spring.
+    /// Spring of the right wheel.
     pub spring: Option<Spanned<Spring>>,
     /// Rates of bushings that differ from the left wheel's.
     #[serde(default)]
@@ -193,9 +193,9 @@ pub struct OwnRight {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OwnBushing {
-    /// Stiffness along and about its axes, six numbers if they are right.
+    /// Stiffness along and about its axes. Six numbers are valid.
     pub stiffness: Option<Spanned<Vec<Number>>>,
-    /// Factors of the laws, six numbers if they are right.
+    /// Factors of the force and torque laws. Six numbers are valid.
     pub scale: Option<Spanned<Vec<Number>>>,
 }
 
@@ -215,9 +215,9 @@ pub struct OwnAngles {
 pub struct Steering {
     /// Rack displacement along +y per turn of the steering wheel to the left.
     pub c_factor: Option<Number>,
-    /// Force per length between the commanded rack and the rack.
+    /// Stiffness between commanded and actual rack position, as force per length.
     pub rack_stiffness: Option<Number>,
-    /// Torque per angle at the pinion; needs `c_factor`.
+    /// Torque per angle at the pinion. It requires `c_factor`.
     pub column_stiffness: Option<Number>,
 }
 
@@ -237,9 +237,10 @@ pub struct Spring {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BumpStop {
-    /// Shortening of the spring from the design position until the stop is met; lengthening for a rebound stop.
+    /// Travel along the spring from the design position to the contact of the stop: shortening for a bump stop, lengthening for a
+    /// rebound stop.
     pub gap: Number,
-    /// Pairs of compression of the stop and force.
+    /// Pairs of stop compression and force.
     pub force_curve: Spanned<Vec<Spanned<Vec<Number>>>>,
 }
 
@@ -249,7 +250,7 @@ pub struct BumpStop {
 pub struct Tyre {
     /// Force per length.
     pub rate: Number,
-    /// Load at which `[wheel] radius` holds, for a car.
+    /// Wheel load at which the tyre has `[wheel] radius`, for a car.
     pub load: Option<Number>,
 }
 
@@ -285,7 +286,7 @@ pub struct Rate {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TwistBeam {
-    /// Torque per angle between both arms.
+    /// Torque per angle between the two arms.
     pub torsional_rate: Number,
 }
 
@@ -305,9 +306,9 @@ pub struct Compliance {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ComplianceTest {
-    /// Name of the test load or of the motion.
+    /// Name of the test load or of the test motion.
     pub load: Text,
-    /// Distance of a side force behind the contact point.
+    /// Distance from the contact point back to the side force.
     pub trail: Option<Number>,
     /// `wheel_height` or `wheel_load`.
     pub hold: Option<Text>,
@@ -317,11 +318,11 @@ pub struct ComplianceTest {
     pub levels: Option<Whole>,
     /// `all` or `nearest`.
     pub stations: Option<Text>,
-    /// `parallel`, `opposed` or `single`, of an axle.
+    /// For an axle: `parallel`, `opposed` or `single`.
     pub mode: Option<Text>,
-    /// `locked_wheel` or `locked_rack`, of an axle.
+    /// For an axle: `locked_wheel` or `locked_rack`.
     pub steering: Option<Text>,
-    /// `connected` or `disconnected`, of an axle.
+    /// For an axle: `connected` or `disconnected`.
     pub anti_roll_bar: Option<Text>,
 }
 
@@ -332,31 +333,31 @@ pub type BushingCurve = Option<Spanned<Vec<Spanned<Vec<Number>>>>>;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bushing {
-    /// Stiffness along and about its axes, six numbers if they are right.
+    /// Stiffness along and about its axes. Six numbers are valid.
     pub stiffness: Option<Spanned<Vec<Number>>>,
-    /// Coefficients of the cubed deflection, six numbers if they are right.
+    /// Coefficients of the cubed deflection. Six numbers are valid.
     pub cubic: Option<Spanned<Vec<Number>>>,
-    /// Force along x over deflection.
+    /// Force along x against deflection.
     pub fx: BushingCurve,
-    /// Force along y over deflection.
+    /// Force along y against deflection.
     pub fy: BushingCurve,
-    /// Force along z over deflection.
+    /// Force along z against deflection.
     pub fz: BushingCurve,
-    /// Torque about x over angle, rad.
+    /// Torque about x against angle (rad).
     pub tx: BushingCurve,
-    /// Torque about y over angle, rad.
+    /// Torque about y against angle (rad).
     pub ty: BushingCurve,
-    /// Torque about z over angle, rad.
+    /// Torque about z against angle (rad).
     pub tz: BushingCurve,
     /// Direction of the x axis.
     pub x_axis: Option<Coordinates>,
-    /// Direction whose part normal to the x axis is the z axis.
+    /// Direction whose component normal to the x axis is the z axis.
     pub z_axis: Option<Coordinates>,
-    /// Constant forces and torques, six numbers if they are right.
+    /// Constant forces and torques. Six numbers are valid.
     pub preload: Option<Spanned<Vec<Number>>>,
-    /// Factors of the laws, six numbers if they are right.
+    /// Factors of the force and torque laws. Six numbers are valid.
     pub scale: Option<Spanned<Vec<Number>>>,
-    /// A bushing property file with the laws.
+    /// Path of a bushing property file with the laws.
     pub file: Option<Text>,
 }
 
@@ -364,9 +365,9 @@ pub struct Bushing {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Subframe {
-    /// Hardpoints on it.
+    /// Hardpoints on the subframe.
     pub carries: Spanned<Vec<Text>>,
-    /// Places of its left mounts by their names.
+    /// Positions of its left mounts by name.
     pub mounts: BTreeMap<Text, Coordinates>,
 }
 
@@ -374,11 +375,11 @@ pub struct Subframe {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LinkStiffness {
-    /// Force per length.
+    /// Axial stiffness, as force per length. An alternative is `modulus` with `area`.
     pub axial_stiffness: Option<Number>,
-    /// Force per area and strain,
+    /// Elastic modulus, as force per area and strain.
     pub modulus: Option<Number>,
-    /// with the area of the section.
+    /// Area of the cross-section.
     pub area: Option<Number>,
 }
 
@@ -412,7 +413,7 @@ pub struct Motion {
     pub ground: Option<Text>,
     /// `mean_travel` or `load`.
     pub hold: Option<Text>,
-    /// The drive as a function of time.
+    /// Drive as a function of time.
     pub time: Option<Spanned<Time>>,
 }
 
@@ -454,7 +455,7 @@ pub struct Outputs {
     pub knuckle: Option<Spanned<bool>>,
     /// `position`, `velocity` or `acceleration`.
     pub order: Option<Text>,
-    /// Hardpoints whose coordinates derivatives refer to.
+    /// Hardpoints by whose coordinates the outputs are differentiated.
     pub sensitivities: Option<Selection>,
     /// True if each pose is to be proved.
     pub certify: Option<Spanned<bool>>,
@@ -466,15 +467,15 @@ pub struct Outputs {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Load {
-    /// Beginning of the names of its columns.
+    /// First part of the names of its columns.
     pub name: Text,
     /// `contact_point` or `wheel_centre`.
     pub at: Text,
-    /// For an axle, the wheel. Defaults to both wheels.
+    /// For an axle, the loaded wheel. The default is both wheels.
     pub side: Option<Text>,
-    /// Three components, if they are right.
+    /// Force. Three components are valid.
     pub force: Option<Coordinates>,
-    /// Three components, if they are right.
+    /// Moment. Three components are valid.
     pub moment: Option<Coordinates>,
 }
 
@@ -490,7 +491,7 @@ pub struct Sweep {
     pub seed: Option<Whole>,
     /// Variables of the sweep.
     pub variables: Option<Spanned<Vec<Spanned<SweepVariable>>>>,
-    /// A CSV file with the designs instead.
+    /// Path of a CSV file with the designs. An alternative to `variables`.
     pub designs: Option<Text>,
     /// True if the curves of every design are kept.
     pub curves: Option<bool>,
@@ -502,23 +503,23 @@ pub struct Sweep {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SweepVariable {
-    /// Name of the hardpoint,
+    /// Name of the hardpoint that moves.
     pub hardpoint: Option<Text>,
-    /// or names of several that move together.
+    /// Names of several hardpoints that move together.
     pub hardpoints: Option<Spanned<Vec<Text>>>,
     /// Displacement of each coordinate per unit of the variable.
     pub factors: Option<Spanned<Vec<Number>>>,
-    /// or name of a bushing,
+    /// Name of a bushing whose stiffness varies.
     pub bushing: Option<Text>,
-    /// with the axis of its stiffness, `x`, `y`, `z`, `tx`, `ty` or `tz`,
+    /// Axis of the bushing's stiffness: `x`, `y`, `z`, `tx`, `ty` or `tz`.
     pub stiffness: Option<Text>,
-    /// or name of a link with axial stiffness.
+    /// Name of a link with axial stiffness.
     pub link: Option<Text>,
     /// True if the values of a rate are factors.
     pub relative: Option<Spanned<bool>>,
     /// `x`, `y` or `z`.
     pub axis: Option<Text>,
-    /// Lowest and highest value, two numbers if they are right.
+    /// Lowest and highest value. Two numbers are valid.
     pub range: Spanned<Vec<Number>>,
     /// Number of values in a grid.
     pub steps: Option<Whole>,
@@ -538,9 +539,9 @@ pub struct Optimise {
     pub starts: Option<Whole>,
     /// Seed of the starts.
     pub seed: Option<Whole>,
-    /// Cap on iterations.
+    /// Largest number of iterations.
     pub max_iterations: Option<Whole>,
-    /// The misfit below which no design is better than another.
+    /// Misfit that is good enough. Below it, the tuning prefers the nearer design.
     pub good_enough: Option<Number>,
     /// True if the targets are measurements.
     pub fit: Option<Spanned<bool>>,
@@ -565,27 +566,27 @@ pub struct Optimise {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Variable {
-    /// Name of the hardpoint,
+    /// Name of the hardpoint that moves.
     pub hardpoint: Option<Text>,
-    /// or names of several that move together,
+    /// Names of several hardpoints that move together.
     pub hardpoints: Option<Spanned<Vec<Text>>>,
-    /// or of several that are one body,
+    /// Names of several hardpoints that move as one rigid body.
     pub rigid: Option<Spanned<Vec<Text>>>,
-    /// or name of a bushing,
+    /// Name of a bushing whose stiffness varies.
     pub bushing: Option<Text>,
-    /// with the axis of its stiffness, `x`, `y`, `z`, `tx`, `ty` or `tz`,
+    /// Axis of the bushing's stiffness: `x`, `y`, `z`, `tx`, `ty` or `tz`.
     pub stiffness: Option<Text>,
-    /// or name of a link with axial stiffness.
+    /// Name of a link with axial stiffness.
     pub link: Option<Text>,
     /// True if the range of a rate is in factors.
     pub relative: Option<Spanned<bool>>,
     /// Displacement of each coordinate per unit of the variable.
     pub factors: Option<Spanned<Vec<Number>>>,
-    /// `x`, `y` or `z`,
+    /// Direction of the move: `x`, `y` or `z`.
     pub axis: Option<Text>,
-    /// or any direction.
+    /// Direction of the move as a vector. An alternative to `axis`.
     pub direction: Option<Coordinates>,
-    /// Lowest and highest offset, two numbers if they are right.
+    /// Lowest and highest offset. Two numbers are valid.
     pub range: Option<Spanned<Vec<Number>>>,
     /// Largest shift of a body along each axis, in both directions.
     pub shift: Option<Number>,
@@ -599,59 +600,59 @@ pub struct Variable {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Target {
-    /// In the study of a car, the load case,
+    /// In the study of a car, the load case of the target.
     pub case: Option<Text>,
-    /// or the axle whose own motion it is about.
+    /// In the study of a car, the axle over whose own motion the target applies.
     pub axle: Option<Text>,
-    /// Name of the characteristic,
+    /// Name of the characteristic.
     pub characteristic: Option<Text>,
-    /// or of a point,
+    /// Name of a point.
     pub point: Option<Text>,
-    /// with its coordinate,
+    /// Coordinate of the point.
     pub axis: Option<Text>,
-    /// or a length,
+    /// Name or ends of a member whose length is the target.
     pub length: Option<Spanned<MemberName>>,
-    /// or a force under a load,
+    /// Name of a force under a load.
     pub load: Option<Text>,
-    /// or a figure of a test of the elastic parts.
+    /// Name of a result of a `kc` test.
     pub figure: Option<Text>,
-    /// A curve: pairs of drive value and wanted value.
+    /// Curve: pairs of drive value and target value.
     pub points: Option<Spanned<Vec<Spanned<Vec<Number>>>>>,
-    /// A curve in a CSV file.
+    /// Path of a CSV file with a curve.
     pub file: Option<Text>,
-    /// The file's column of values.
+    /// Column of the values in this file.
     pub column: Option<Text>,
-    /// A single drive value,
+    /// Single drive value.
     pub at: Option<Number>,
-    /// and the wanted value there.
+    /// Target value at the single drive value.
     pub value: Option<Number>,
-    /// Two limits.
+    /// Lower and upper limit.
     pub between: Option<Spanned<Vec<LimitText>>>,
-    /// A lower limit.
+    /// Lower limit.
     pub at_least: Option<Spanned<LimitText>>,
-    /// An upper limit.
+    /// Upper limit.
     pub at_most: Option<Spanned<LimitText>>,
-    /// For an axle, the coordinate of the motion that the curve runs over,
+    /// For an axle, the coordinate of the motion over which the curve runs.
     pub over: Option<Text>,
-    /// which wheel,
+    /// For an axle, the wheel to which the target applies.
     pub side: Option<Text>,
-    /// and where the rest is: roll angle, or several,
+    /// For an axle, the roll angle at which the target applies, or several.
     pub roll: Option<Spanned<Numbers>>,
-    /// heave,
+    /// For an axle, the heave at which the target applies, or several.
     pub heave: Option<Spanned<Numbers>>,
-    /// travel of the left wheel,
+    /// For an axle, the travel of the left wheel at which the target applies, or several.
     pub travel_left: Option<Spanned<Numbers>>,
-    /// travel of the right wheel,
+    /// For an axle, the travel of the right wheel at which the target applies, or several.
     pub travel_right: Option<Spanned<Numbers>>,
-    /// angle of the steering wheel.
+    /// For an axle, the angle of the steering wheel at which the target applies, or several.
     pub steering_wheel_angle: Option<Spanned<Numbers>>,
-    /// Rack displacement, or several.
+    /// Rack displacement at which the target applies, or several.
     pub rack: Option<Spanned<Numbers>>,
     /// Name of a motion.
     pub motion: Option<Text>,
-    /// The deviation that still is acceptable.
+    /// Deviation that is still acceptable.
     pub tolerance: Number,
-    /// Weight against the other targets.
+    /// Weight relative to the other targets.
     pub weight: Option<Number>,
     /// `linear` or `monotone_cubic`.
     pub interpolation: Option<Text>,
@@ -663,11 +664,11 @@ pub struct Target {
 pub struct Setup {
     /// Adjustments.
     pub adjust: Spanned<Vec<Spanned<Adjustment>>>,
-    /// Wanted static values by characteristic.
+    /// Target static values by characteristic.
     pub want: Option<BTreeMap<Text, Number>>,
-    /// Wanted change of the ride height, positive where the car becomes higher,
+    /// Target change of the ride height, positive if the car becomes higher. An alternative is `travel`.
     pub ride_height_change: Option<Number>,
-    /// or the wheel travel of the new resting position, its negative.
+    /// Wheel travel of the new static position, the negative of `ride_height_change`. An alternative to it.
     pub travel: Option<Number>,
 }
 
@@ -675,13 +676,13 @@ pub struct Setup {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Adjustment {
-    /// Member with an adjustable length,
+    /// Member with an adjustable length. An alternative is `shim`.
     pub length: Option<Spanned<MemberName>>,
-    /// or the hardpoint under which shims lie,
+    /// Hardpoint that shims move. An alternative to `length`.
     pub shim: Option<Text>,
-    /// and the way they move it.
+    /// Direction in which shims move the hardpoint.
     pub axis: Option<Text>,
-    /// Lengthening per turn, both threads together.
+    /// Change of length per turn, of both threads together.
     pub per_turn: Option<Number>,
     /// Thickness of the thinnest shim.
     pub step: Option<Number>,
@@ -697,9 +698,9 @@ pub struct Tolerance {
     pub seed: Option<Whole>,
     /// True if toe and camber are set again after assembly.
     pub aligned: Option<Spanned<bool>>,
-    /// Scattering dimensions.
+    /// Dimensions that scatter.
     pub scatter: Spanned<Vec<Spanned<Scatter>>>,
-    /// Bands for the builds.
+    /// Limits for the builds.
     pub bands: Option<Vec<Spanned<Band>>>,
 }
 
@@ -707,21 +708,21 @@ pub struct Tolerance {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scatter {
-    /// A hardpoint,
+    /// Name of a hardpoint.
     pub hardpoint: Option<Text>,
-    /// or several, each on its own,
+    /// Names of several hardpoints that scatter independently.
     pub hardpoints: Option<Spanned<Vec<Text>>>,
-    /// or a member,
+    /// Name of a member whose length scatters.
     pub length: Option<Spanned<MemberName>>,
-    /// or hardpoints that are moved together,
+    /// Names of hardpoints that a jig moves together.
     pub jig: Option<Spanned<Vec<Text>>>,
-    /// or a bushing,
+    /// Name of a bushing whose stiffness scatters.
     pub bushing: Option<Text>,
-    /// with the axis of its stiffness, `x`, `y`, `z`, `tx`, `ty` or `tz`,
+    /// Axis of the bushing's stiffness: `x`, `y`, `z`, `tx`, `ty` or `tz`.
     pub stiffness: Option<Text>,
-    /// or a link with axial stiffness.
+    /// Name of a link with axial stiffness.
     pub link: Option<Text>,
-    /// True if the scatter of a rate is a part of the rate.
+    /// True if the scatter of a rate is relative to the rate.
     pub relative: Option<Spanned<bool>>,
     /// For an axle, the only wheel whose parts scatter.
     pub side: Option<Text>,
@@ -743,29 +744,29 @@ pub struct Scatter {
 pub struct Band {
     /// Name of the characteristic.
     pub characteristic: Text,
-    /// Place of the band in the motion. Defaults to the whole motion.
+    /// Position in the motion at which the band applies. The default is the whole motion.
     pub at: Option<Number>,
-    /// For an axle, the coordinate of the motion that `at` refers to,
+    /// For an axle, the coordinate of the motion to which `at` refers.
     pub over: Option<Text>,
-    /// which wheel,
+    /// For an axle, the wheel to which the band applies.
     pub side: Option<Text>,
-    /// and where the rest is: roll angle, or several,
+    /// For an axle, the roll angle at which the band applies, or several.
     pub roll: Option<Spanned<Numbers>>,
-    /// heave,
+    /// For an axle, the heave at which the band applies, or several.
     pub heave: Option<Spanned<Numbers>>,
-    /// travel of the left wheel,
+    /// For an axle, the travel of the left wheel at which the band applies, or several.
     pub travel_left: Option<Spanned<Numbers>>,
-    /// travel of the right wheel,
+    /// For an axle, the travel of the right wheel at which the band applies, or several.
     pub travel_right: Option<Spanned<Numbers>>,
-    /// angle of the steering wheel,
+    /// For an axle, the angle of the steering wheel at which the band applies, or several.
     pub steering_wheel_angle: Option<Spanned<Numbers>>,
-    /// displacement of the rack.
+    /// Rack displacement at which the band applies, or several.
     pub rack: Option<Spanned<Numbers>>,
-    /// Lowest and highest value,
+    /// Lowest and highest value.
     pub between: Option<Spanned<Vec<Number>>>,
-    /// or the lowest alone,
+    /// Lowest value, if there is no highest value.
     pub at_least: Option<Number>,
-    /// or the highest alone.
+    /// Highest value, if there is no lowest value.
     pub at_most: Option<Number>,
 }
 
@@ -773,74 +774,74 @@ pub struct Band {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Constraint {
-    /// In the study of a car, the load case,
+    /// In the study of a car, the load case of the constraint.
     pub case: Option<Text>,
-    /// or the axle that it is about.
+    /// In the study of a car, the axle to which the constraint applies.
     pub axle: Option<Text>,
     /// Name of the constraint.
     pub name: Option<Text>,
-    /// A length: of a member, or between two points.
+    /// Length of a member, or distance between two points.
     pub length: Option<Spanned<MemberName>>,
-    /// A point.
+    /// Name of a point.
     pub point: Option<Text>,
-    /// Two members that stay apart, or members that stay inside of the rim.
+    /// Two members that must stay apart, or members that must stay inside of the rim.
     pub members: Option<Spanned<Vec<Text>>>,
-    /// A joint.
+    /// Name of a joint whose angle is limited.
     pub articulation: Option<Text>,
-    /// A length that changes along the motion: of a member, or between two points.
+    /// Length that may change along the motion: of a member, or between two points.
     pub plunge: Option<Spanned<MemberName>>,
-    /// A characteristic.
+    /// Name of a characteristic.
     pub characteristic: Option<Text>,
-    /// A force under a load.
+    /// Name of a force under a load.
     pub load: Option<Text>,
-    /// Points of one plane.
+    /// Points that must lie in one plane.
     pub coplanar: Option<Spanned<Vec<Text>>>,
-    /// Points of one line.
+    /// Points that must lie on one line.
     pub line: Option<Spanned<Vec<Text>>>,
-    /// Two limits.
+    /// Lower and upper limit.
     pub between: Option<Spanned<Vec<Number>>>,
-    /// A lower limit.
+    /// Lower limit.
     pub at_least: Option<Number>,
-    /// An upper limit.
+    /// Upper limit.
     pub at_most: Option<Number>,
-    /// True if a length keeps its design value.
+    /// True if a length must keep its design value.
     pub kept: Option<Spanned<bool>>,
-    /// Region in which a point stays.
+    /// Region in which a point must stay.
     pub inside: Option<Spanned<Region>>,
-    /// Region that a point does not enter.
+    /// Region that a point must not enter.
     pub outside: Option<Spanned<Region>>,
-    /// Least distance.
+    /// Smallest distance.
     pub clearance: Option<Number>,
     /// Radii of the members.
     pub radii: Option<Spanned<Vec<Number>>>,
-    /// `design` for the design position alone.
+    /// `design` if the constraint applies to the design position only.
     pub at: Option<Text>,
-    /// Rack displacement, or several.
+    /// Rack displacement at which the constraint applies, or several.
     pub rack: Option<Spanned<Numbers>>,
     /// Name of a motion.
     pub motion: Option<Text>,
-    /// For a motion of an axle, the only wheel for which the constraint holds.
+    /// For the motion of an axle, the only wheel to which the constraint applies.
     pub side: Option<Text>,
 }
 
-/// A place, one of these.
+/// A region. It has one of these shapes.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Region {
-    /// Two opposite corners.
+    /// Box with two opposite corners.
     #[serde(rename = "box")]
     pub corners: Option<Spanned<Vec<Coordinates>>>,
-    /// Region on the side to which a normal points.
+    /// Half-space on the side to which a normal points.
     pub half_space: Option<HalfSpace>,
-    /// A ball.
+    /// Sphere.
     pub sphere: Option<Sphere>,
-    /// A tube with closed ends.
+    /// Cylinder with closed ends.
     pub cylinder: Option<Cylinder>,
-    /// The radius of the rim's inside, about the spin axis,
+    /// Radius of the inner space of the rim, about the spin axis.
     pub rim: Option<Number>,
-    /// from so far outboard of the wheel centre
+    /// Start of the rim's space, as distance outboard of the wheel centre.
     pub from: Option<Number>,
-    /// to so far.
+    /// End of the rim's space, as distance outboard of the wheel centre.
     pub to: Option<Number>,
 }
 
@@ -848,9 +849,9 @@ pub struct Region {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HalfSpace {
-    /// A point of its border.
+    /// Point on the boundary plane.
     pub point: Coordinates,
-    /// Into it.
+    /// Normal of the plane. It points into the region.
     pub normal: Coordinates,
 }
 
@@ -860,7 +861,7 @@ pub struct HalfSpace {
 pub struct Sphere {
     /// Centre of the sphere.
     pub centre: Coordinates,
-    /// Radius.
+    /// Radius of the sphere.
     pub radius: Number,
 }
 
@@ -872,6 +873,6 @@ pub struct Cylinder {
     pub from: Coordinates,
     /// Second end of the axis.
     pub to: Coordinates,
-    /// Radius.
+    /// Radius of the cylinder.
     pub radius: Number,
 }

@@ -1,19 +1,19 @@
-//! Study files of `hardpoint` as written: sections, keys, values with their places, and mistakes shown in their lines.
+//! Study files of `hardpoint` as written: sections, keys, values with their places, and errors with the lines that contain them.
 //!
-//! A file becomes a [`file::File`] here and a study in `hardpoint-engine`, which knows what names mean and what fits
-//! together; both say what is wrong by way of [`error`]. Nothing here knows of suspensions, so a changed formula leaves
-//! it as it is: what serde makes of a hundred keys is compiled once.
+//! This crate makes a [`file::File`] from a text. `hardpoint-engine` makes a study from that file: it knows the meaning of names
+//! and which values are compatible. Both report errors with [`error`]. This crate knows nothing about suspensions, so a changed
+//! formula does not change it. serde's code for a hundred keys is therefore compiled only once.
 //!
-//! | module | what |
+//! | module | content |
 //! |---|---|
 //! | [`bushing_file`] | property files of bushings |
-//! | [`mod@file`], [`value`] | the sections and keys, and what may stand there |
-//! | [`parse`] | from text to the file, the parser's messages in plain words |
+//! | [`mod@file`], [`value`] | sections and keys, and their possible values |
+//! | [`parse`] | from text to the file, with the parser's messages in plain words |
 //! | [`overrides`] | `--set path=value` |
-//! | [`error`] | mistakes with file, line, key and help |
+//! | [`error`] | errors with file, line, key and help |
 //! | [`names`] | look-up of names, and suggestions for misspelt ones |
 //! | [`source`] | texts from disk |
-//! | [`schema`] | the JSON schema of studies, found by asking the reader |
+//! | [`schema`] | JSON schema of studies, derived from the reader itself |
 
 // This crate prints nothing; only commands print.
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]

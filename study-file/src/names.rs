@@ -1,9 +1,9 @@
-//! Names: look-up and suggestions.
+//! Look-up of names, and suggestions for unknown names.
 
 use crate::error::Problems;
 use crate::value::Text;
 
-/// Usual names that resemble none of ours, and ours.
+/// Usual names that do not resemble our names, with our names.
 const SYNONYMS: [(&str, &str); 24] = [
     ("kpi", "kingpin_inclination"),
     ("sai", "kingpin_inclination"),
@@ -31,7 +31,7 @@ const SYNONYMS: [(&str, &str); 24] = [
     ("beam_axle", "solid_axle"),
 ];
 
-/// The candidate that `name` probably meant.
+/// Candidate that `name` probably means.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let candidates: Vec<&str> = candidates.into_iter().collect();
     nearest_of(name, &candidates)
@@ -53,7 +53,7 @@ fn nearest_of<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
             let target = plain(candidate);
             let distance = strsim::damerau_levenshtein(&name, &target);
             let close = 3 * distance <= length.max(target.chars().count());
-            // An abbreviation or one part of the name: "kingpin", "ball_joint".
+            // An abbreviation, or one part of the name: "kingpin", "ball_joint".
             let part = length >= 3 && target.contains(&name);
             (close || part).then_some((!close, distance, candidate))
         })
@@ -61,7 +61,7 @@ fn nearest_of<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
     if let Some((.., candidate)) = near {
         return Some(candidate);
     }
-    // The same words in another order, or most of them.
+    // All or most of the same words, in another order.
     let words: Vec<&str> = name.split('_').collect();
     let shared = |candidate: &str| {
         let own: Vec<&str> = candidate.split('_').collect();
@@ -74,7 +74,7 @@ fn nearest_of<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
         .map(|(_, candidate)| candidate)
 }
 
-/// "a", "a or b", "a, b or c", each in quotes.
+/// List of names in quotes: "a", "a or b", "a, b or c".
 pub fn alternatives<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let names: Vec<String> = names.into_iter().map(|n| format!("\"{n}\"")).collect();
     match names.as_slice() {
@@ -84,7 +84,7 @@ pub fn alternatives<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     }
 }
 
-/// The option with this name, or an error that lists all options.
+/// Returns the option with this name, or records an error that lists all options.
 pub fn choose<T: Clone>(
     text: &Text,
     what: &str,
@@ -96,8 +96,8 @@ pub fn choose<T: Clone>(
     Some(options[chosen].1.clone())
 }
 
-/// Place of this name among the options, or an error that lists them. It does not depend on the options' type, so it is
-/// compiled once.
+/// Returns the index of this name among the options, or records an error that lists them. It does not depend on the type of the
+/// options, so it is compiled only once.
 fn place_of(text: &Text, what: &str, names: &[&str], problems: &mut Problems) -> Option<usize> {
     let name = text.get_ref();
     if let Some(found) = names.iter().position(|option| option == name) {
@@ -117,7 +117,7 @@ fn place_of(text: &Text, what: &str, names: &[&str], problems: &mut Problems) ->
     None
 }
 
-/// The option with this name, or the default without a name; `None` if the name is unknown.
+/// Returns the option with this name, or the default if there is no name. `None` if the name is unknown.
 pub fn choose_or<T: Clone>(
     text: &Option<Text>,
     default: T,
@@ -146,7 +146,7 @@ mod tests {
             "toe_by_lateral_force_trail_30_opposed",
         ];
         for (written, meant) in [
-            // The same words, and one of another program.
+            // Names with the same words, and one name from another program.
             (
                 "lateral_toe_compliance_trail_30",
                 Some("toe_by_lateral_force_trail_30"),
@@ -158,7 +158,7 @@ mod tests {
             ("wheel_center", Some("wheel_centre")),
             ("kingpin", Some("kingpin_inclination")),
             ("KPI", Some("kingpin_inclination")),
-            // Only a name that is among the candidates is suggested.
+            // Only names of candidates are suggested.
             ("trailing_arm", None),
             ("roll_centre_height", None),
             ("x", None),

@@ -1,10 +1,10 @@
-//! `--set path=value`: edits of a study's text before it is read.
+//! `--set path=value`: changes a study's text before it is read.
 
 use crate::error::{StudyError, StudyErrors};
 use toml_edit::{DocumentMut, Item, Key, Table, TableLike, Value};
 
-/// The text with the overrides applied in order. A text that is not TOML stays unchanged; reading it later reports the
-/// mistake.
+/// Applies overrides to a text, in order. A text that is not TOML stays unchanged, because the reader will report its error
+/// later.
 pub fn apply(name: &str, text: &str, overrides: &[String]) -> Result<String, StudyErrors> {
     let Ok(mut document) = text.parse::<DocumentMut>() else {
         return Ok(text.to_owned());
@@ -78,7 +78,7 @@ impl<'a> KeyPath<'a> {
         }
     }
 
-    /// Puts a value at a key or index, keeping the comments around the one it replaces.
+    /// Sets the value of a key or index. Keeps the comments around the old value.
     fn put(self, key: &Key, mut value: Value) -> Result<(), String> {
         let table: &mut dyn TableLike = match self {
             KeyPath::Item(Item::Value(inner)) => return KeyPath::Value(inner).put(key, value),

@@ -1,4 +1,4 @@
-//! Parsing of a text into the file as written, with the parser's messages in plain words.
+//! Parses a text into the file as written. Messages of the parser are turned into plain words.
 
 use crate::car_file::CarFile;
 use crate::error::{Source, StudyError, StudyErrors};
@@ -15,20 +15,20 @@ pub fn parse(source: &Arc<Source>) -> Result<File, StudyErrors> {
     parse_as(source)
 }
 
-/// Reads the text of a study of a car. Here and not where it is needed, so that the many small functions behind it are
-/// compiled without optimisation.
+/// Reads the text of a car's study. This function is in this crate, so that the many small functions that it uses are compiled
+/// without optimisation.
 pub fn parse_car(source: &Arc<Source>) -> Result<CarFile, StudyErrors> {
     parse_as(source)
 }
 
-/// Place of `[car]` in a text that is the study of a car.
+/// Place of `[car]` in a text, if the text is the study of a car.
 pub fn car_section(text: &str) -> Option<std::ops::Range<usize>> {
     let root = DeTable::parse(text).ok()?;
     let (key, _) = root.get_ref().get_key_value("car")?;
     Some(key.span())
 }
 
-/// Reads the text of a study whose root is of this type.
+/// Reads the text of a study with this root type.
 fn parse_as<T: DeserializeOwned>(source: &Arc<Source>) -> Result<T, StudyErrors> {
     let text = &source.text;
     if text.trim_start_matches('\u{feff}').trim().is_empty() {
@@ -39,7 +39,7 @@ fn parse_as<T: DeserializeOwned>(source: &Arc<Source>) -> Result<T, StudyErrors>
         StudyError::new(source.clone(), error.span(), message)
     })?;
     let file = toml::from_str(text).map_err(|error| {
-        // A section that is missing altogether has no place.
+        // A section that is completely missing has no place.
         let span = error.span().filter(|span| *span != root.span());
         let place = span.clone().and_then(|span| text.get(span)).unwrap_or("");
         let key = span.as_ref().and_then(|span| key_at(text, span.start));
@@ -58,7 +58,7 @@ fn parse_as<T: DeserializeOwned>(source: &Arc<Source>) -> Result<T, StudyErrors>
     Ok(file)
 }
 
-/// Explains a key that an earlier version had and that another one replaces.
+/// Explains a key of an earlier version that another key replaces.
 fn replaced_key(root: &DeTable, text: &str, key: Option<&str>, message: &str) -> Option<String> {
     if root.get("car").is_some() && message.starts_with("unknown field `relative`") {
         return Some(
@@ -73,7 +73,7 @@ fn replaced_key(root: &DeTable, text: &str, key: Option<&str>, message: &str) ->
         return None;
     };
     let written = text.get(section.get("ride_height")?.span())?;
-    // With its underscores, as in 1_000.0, it is a number of TOML alone.
+    // Underscores in numbers, as in 1_000.0, are valid in TOML only.
     let number = Number::parsed(&written.replace('_', "")).ok();
     Some(match number {
         Some(travel) => format!(
@@ -87,7 +87,7 @@ fn replaced_key(root: &DeTable, text: &str, key: Option<&str>, message: &str) ->
     })
 }
 
-/// Path of the key whose name or value is at this byte, like `optimise.variables[0].range`.
+/// Path of the key whose name or value is at this byte, such as `optimise.variables[0].range`.
 pub fn key_at(text: &str, at: usize) -> Option<String> {
     let root = DeTable::parse(text).ok()?;
     key_in_table(root.get_ref(), at, "")
@@ -104,7 +104,7 @@ fn key_in_table(table: &DeTable, at: usize, path: &str) -> Option<String> {
 fn key_in_value(value: &Spanned<DeValue>, at: usize, path: &str) -> Option<String> {
     let inner = match value.get_ref() {
         DeValue::Table(table) => key_in_table(table, at, path),
-        // Numbers of a list are told apart by the excerpt; tables in a list by their place.
+        // The excerpt shows which number of a list is meant. Tables in a list are identified by their index.
         DeValue::Array(array) => array.iter().enumerate().find_map(|(i, element)| {
             let is_table = matches!(element.get_ref(), DeValue::Table(_));
             let path = if is_table {
@@ -119,9 +119,9 @@ fn key_in_value(value: &Spanned<DeValue>, at: usize, path: &str) -> Option<Strin
     inner.or_else(|| value.span().contains(&at).then(|| path.to_owned()))
 }
 
-/// A message of serde about a place without its jargon, and help where it can be given.
+/// Turns a serde message about a place into plain words. Adds help if possible.
 fn in_plain_words(message: &str, place: &str) -> (String, Option<String>) {
-    // Dates are presented as tables with a key of this kind.
+    // The parser presents dates as tables with a key of this kind.
     if message.contains("$__toml_private") {
         return ("a date is not expected here".to_owned(), None);
     }
@@ -152,7 +152,7 @@ fn in_plain_words(message: &str, place: &str) -> (String, Option<String>) {
     (message.trim().replace('\n', "; "), None)
 }
 
-/// Kind of value that serde expected.
+/// Kind of value that serde expected, in words.
 fn kind(expected: &str) -> &str {
     match expected {
         "i64" => "a whole number",
@@ -174,14 +174,14 @@ fn is_number(text: &str) -> bool {
             .all(|c| c.is_ascii_alphanumeric() || "._+-".contains(c))
 }
 
-/// Value that serde found at a place.
+/// Value that serde found at a place, in words.
 fn value(found: &str, place: &str) -> String {
     let quoted = |prefix: &str| Some(found.strip_prefix(prefix)?.trim_matches('`'));
     match found {
         "sequence" => "a list".to_owned(),
         "map" if place.starts_with(|c: char| c.is_ascii_digit()) => format!("the date {place}"),
         "map" => "a table".to_owned(),
-        // The value as written.
+        // The value is shown as written.
         _ if quoted("integer ").or(quoted("floating point ")).is_some() && is_number(place) => {
             place.to_owned()
         }

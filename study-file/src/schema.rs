@@ -1,15 +1,15 @@
 //! The JSON schema of studies, for editors.
 //!
-//! The reader itself gives the schema. The types of [`file`](mod@crate::file) are read from a source that has no
-//! text. The source notes the kind of value that each type asks for (a text, a list, a table with these keys) and
-//! returns one. If a type accepts any kind, the source offers every kind. It withholds each key to find out if the
-//! key is required. So the schema has the keys that the reader has, and no second list of them exists. The
-//! descriptions of keys come from `keys.md`, which the manual (`docs/study.md`) contains.
+//! The reader itself gives the schema. The program reads the types of [`file`](mod@crate::file) from a source that has no text.
+//! The source notes the kind of value that each type asks for (a text, a list, a table with these keys), and returns a value of
+//! this kind. If a type accepts any kind, the source offers every kind. It withholds each key to find out if the key is required.
+//! So the schema has exactly the reader's keys, and no second list of them exists. The descriptions of keys come from `keys.md`,
+//! which the manual (`docs/study.md`) contains.
 //!
-//! A study of one wheel or an axle and the study of a car are two kinds of file ([`Root`]). The schema offers both.
+//! A study of one wheel or an axle and the study of a car are two kinds of file ([`Root`]). The schema covers both.
 //!
-//! Paths say where in a study something is: `motion.travel`, `optimise.targets[]` for each element,
-//! `suspension.hardpoints{}` for each value of a table whose keys are names.
+//! Paths give the place in a study: `motion.travel`; `optimise.targets[]` for each element; `suspension.hardpoints{}` for each
+//! value of a table whose keys are names.
 
 use crate::car_file::CarFile;
 use crate::file::File;
@@ -35,7 +35,7 @@ enum Kind {
     Table,
 }
 
-/// Offers to a type that accepts any kind of value.
+/// Kinds that are offered to a type that accepts any kind of value.
 const OFFERS: [Kind; 5] = [
     Kind::Number,
     Kind::Truth,
@@ -49,32 +49,32 @@ const OFFERS: [Kind; 5] = [
 struct Place {
     kinds: BTreeSet<Kind>,
     keys: Vec<&'static str>,
-    /// True if the type there accepts any kind of value.
+    /// True if the type at this place accepts any kind of value.
     takes_any: bool,
 }
 
-/// Offers to one reading, and its notes.
+/// Offers for one reading, and the notes from it.
 #[derive(Debug, Default)]
 struct Notes {
     places: BTreeMap<String, Place>,
-    /// Offers for places that accept any kind; a number if there is no entry.
+    /// Kind offered at each place that accepts any kind. Without an entry it is a number.
     offers: BTreeMap<String, Kind>,
     /// Keys of tables whose type did not announce them.
     keys: BTreeMap<String, Vec<&'static str>>,
-    /// A key that is withheld.
+    /// Key that is withheld.
     withheld: Option<String>,
-    /// The place of the offer that was refused.
+    /// Place of the refused offer.
     refused: Option<String>,
-    /// True if the reading found new keys, so that the same offer may now succeed.
+    /// True if the reading found new keys. Then the same offer may now succeed.
     has_learnt: bool,
 }
 
-/// Reason for the end of a reading.
+/// Reason why a reading ended.
 #[derive(Debug)]
 enum Refusal {
-    /// A key is unknown; these are known.
+    /// A key is unknown. The known keys are given.
     UnknownKey(&'static [&'static str]),
-    /// Anything else.
+    /// Any other reason.
     Other,
 }
 
@@ -96,7 +96,7 @@ impl serde::de::Error for Refusal {
     }
 }
 
-/// The source without text, at a place.
+/// Source without text, at a place.
 struct Source<'a> {
     notes: &'a RefCell<Notes>,
     path: String,
@@ -132,7 +132,7 @@ impl<'a> Source<'a> {
     }
 }
 
-/// The place of a key in the table at a place.
+/// Place of a key in the table at a place.
 fn key_path(table: &str, key: &str) -> String {
     match table {
         "" => key.to_owned(),
@@ -140,7 +140,7 @@ fn key_path(table: &str, key: &str) -> String {
     }
 }
 
-/// Keys of a table and the places of their values.
+/// Keys of a table, and the places of their values.
 struct Keys<'a> {
     notes: &'a RefCell<Notes>,
     left: std::collections::VecDeque<(&'static str, String)>,
@@ -170,7 +170,7 @@ impl<'de> MapAccess<'de> for Keys<'_> {
     }
 }
 
-/// A key, which may carry its place in the file as values do.
+/// A key of a table. Like a value, it can be read together with its place in the file.
 struct Key(&'static str);
 
 impl<'de> Deserializer<'de> for Key {
@@ -199,10 +199,10 @@ impl<'de> Deserializer<'de> for Key {
     }
 }
 
-/// Name by which the type of such a value announces itself (the crate `serde_spanned`).
+/// Name by which the type of such a value announces itself (crate `serde_spanned`).
 const SPANNED: &str = "$__serde_spanned_private";
 
-/// A value between its first and its last byte, as the reader of TOML hands it over.
+/// A value between its first and its last byte, in the form of the TOML reader.
 struct Spanned<T> {
     fields: &'static [&'static str],
     next: usize,
@@ -313,7 +313,7 @@ impl<'de> Deserializer<'de> for Source<'_> {
 
     fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refusal> {
         self.note(Kind::Names);
-        // A table with one name as its key.
+        // A table with one key, which is a name.
         visitor.visit_map(Keys {
             notes: self.notes,
             left: [("name", format!("{}{{}}", self.path))].into(),
@@ -357,7 +357,7 @@ impl<'de> Deserializer<'de> for Source<'_> {
     }
 }
 
-/// Kind of study, by its sections.
+/// Kind of study, distinguished by its sections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Root {
     /// One wheel or an axle: `[suspension]` and `[motion]`.
@@ -367,7 +367,7 @@ pub enum Root {
 }
 
 impl Root {
-    /// Every kind.
+    /// All kinds of study.
     pub const ALL: [Root; 2] = [Root::Suspension, Root::Car];
 
     fn is_read(self, source: Source<'_>) -> bool {
@@ -393,7 +393,7 @@ impl Root {
     }
 }
 
-/// Everything the reader asks for, by place, and the keys it needs.
+/// Everything that the reader asks for, by place, and the keys that it requires.
 fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
     let notes = RefCell::new(Notes::default());
     let read = || {
@@ -404,7 +404,7 @@ fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
         };
         root.is_read(source)
     };
-    // Offers that are refused are followed by the next one, until a reading comes through.
+    // After a refused offer the next kind is offered, until a reading succeeds.
     let settle = || {
         for _ in 0..1000 {
             if read() {
@@ -428,7 +428,7 @@ fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
     };
     let comes_through = settle();
     debug_assert!(comes_through, "the reader's types can be read from nothing");
-    // Every other kind at every place that takes what comes, until nothing new turns up.
+    // At each place that accepts any kind, all other kinds are offered, until nothing new appears.
     let mut tried = BTreeSet::new();
     loop {
         let open: Vec<(String, Kind)> = {
@@ -444,14 +444,14 @@ fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
             tried.insert((path.clone(), kind));
             let before = notes.borrow().offers.clone();
             notes.borrow_mut().offers.insert(path.clone(), kind);
-            // A table's keys are known after it has been offered once.
+            // The keys of a table are known after it was offered once.
             if !read() && std::mem::take(&mut notes.borrow_mut().has_learnt) {
                 read();
             }
             notes.borrow_mut().offers = before;
         }
     }
-    // Keys that cannot be left out. Tables among several kinds are offered as such.
+    // This finds the required keys. At a place with several kinds, a table is offered.
     let mut needed = BTreeSet::new();
     let found = notes.borrow().places.clone();
     for (path, place) in &found {
@@ -482,7 +482,7 @@ fn manual(root: Root) -> BTreeMap<(String, String), String> {
         let (name, rows) = section.split_once('\n').unwrap_or((section, ""));
         let (name, sibling) = name.split_once(" (and ").unwrap_or((name, ""));
         let name = name.split(" (").next().unwrap_or(name);
-        // `gg_map.ax (and ay)` is about both.
+        // `gg_map.ax (and ay)` describes both keys.
         let sibling = sibling
             .strip_suffix(')')
             .map(|sibling| match name.rsplit_once('.') {
@@ -505,9 +505,8 @@ fn manual(root: Root) -> BTreeMap<(String, String), String> {
     said
 }
 
-/// The JSON schema (draft 4) of studies: their keys, the required ones, and the types of their values. In later
-/// drafts 8.0 is an integer, which it is not in TOML. `names` returns the list of allowed names or table keys, if
-/// there is one, by the kind of study and the place.
+/// JSON schema (draft 4) of studies: keys, required keys, and types of values. In later drafts 8.0 is an integer, but not in
+/// TOML. `names` returns the list of allowed names or table keys for a kind of study and a place, if there is one.
 pub fn schema(names: fn(Root, &str) -> Option<Vec<String>>) -> Value {
     let kinds = Root::ALL.map(|root| {
         let (places, needed) = places(root);
@@ -529,10 +528,10 @@ pub fn schema(names: fn(Root, &str) -> Option<Vec<String>>) -> Value {
     })
 }
 
-/// Words of the manual on keys that the study of one wheel or an axle knows only to refuse them.
+/// Text in the manual for keys that the study of one wheel or an axle only knows in order to refuse them.
 const OF_CARS: &str = "only in the [study of a car](car.md)";
 
-/// Everything known, while it is written down.
+/// All known facts, while the schema is written.
 struct Book {
     root: Root,
     places: BTreeMap<String, Place>,
@@ -581,7 +580,7 @@ impl Book {
         for key in &place.keys {
             let mut value = self.of(&key_path(path, key));
             let said = |section: &str| self.manual.get(&(section.to_owned(), (*key).to_owned()));
-            // The manual explains ranges once.
+            // The manual describes ranges only once.
             let said = said(&section).or_else(|| said("motion.travel"));
             if self.root == Root::Suspension && said.is_some_and(|said| said.contains(OF_CARS)) {
                 continue;
@@ -598,7 +597,7 @@ impl Book {
             "properties": properties,
             "additionalProperties": false,
         });
-        // An empty list is none in draft 4.
+        // Draft 4 does not allow an empty list here.
         if !needed.is_empty() {
             table["required"] = json!(needed);
         }

@@ -4,18 +4,18 @@ use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 
-/// The longest study or curve, in bytes: millions of points of a curve.
+/// Largest size of a study or a curve file, in bytes. It is enough for millions of points of a curve.
 pub const LONGEST_TEXT: u64 = 64 << 20;
 
-/// The longest file of designs, in bytes: some ten million designs, which a sweep keeps in memory.
+/// Largest size of a file of designs, in bytes. It is enough for about ten million designs, which a sweep keeps in memory.
 pub const LONGEST_TABLE: u64 = 1 << 30;
 
-/// Content of a text file of at most so many bytes, or the reason for its absence. See [`read_bytes`].
+/// Content of a text file of at most `longest` bytes, or the reason why it cannot be read. See [`read_bytes`].
 pub fn read_text(path: &Path, longest: u64) -> Result<String, String> {
     text_of(read_bytes(path, longest)?)
 }
 
-/// As [`read_text`], of a regular file alone.
+/// Reads a text like [`read_text`], but only from a regular file.
 pub fn read_regular_text(path: &Path, longest: u64) -> Result<String, String> {
     match path.metadata() {
         Ok(there) if !there.is_file() && !there.is_dir() => Err("it is no regular file".to_owned()),
@@ -23,9 +23,9 @@ pub fn read_regular_text(path: &Path, longest: u64) -> Result<String, String> {
     }
 }
 
-/// Content of a file of at most so many bytes, or the reason for its absence. A pipe of this process (`/dev/stdin`,
-/// `<(...)` of a shell) is read to its end. A device may have no end, and a named pipe may have no writer: both are
-/// refused.
+/// Content of a file of at most `longest` bytes, or the reason why it cannot be read. A pipe of this process (`/dev/stdin`,
+/// `<(...)` of a shell) is read to its end. Devices are refused because they may have no end, named pipes because they may have
+/// no writer.
 pub fn read_bytes(path: &Path, longest: u64) -> Result<Vec<u8>, String> {
     let failed = |e: std::io::Error| match e.kind() {
         ErrorKind::NotFound => "the file does not exist".to_owned(),
@@ -43,13 +43,13 @@ pub fn read_bytes(path: &Path, longest: u64) -> Result<Vec<u8>, String> {
     bytes_of(file, longest, failed)
 }
 
-/// Text of standard input, up to so many bytes.
+/// Text of standard input, at most `longest` bytes.
 pub fn read_input(longest: u64) -> Result<String, String> {
     let input = std::io::stdin().lock();
     text_of(bytes_of(input, longest, |error| error.to_string())?)
 }
 
-/// Everything up to so many bytes.
+/// Reads all bytes, but at most `longest`.
 fn bytes_of(
     from: impl Read,
     longest: u64,
@@ -80,7 +80,7 @@ fn text_of(bytes: Vec<u8>) -> Result<String, String> {
     })
 }
 
-/// Kind of a path that is no file to read to its end; none of a file.
+/// Name of a kind of path that cannot be read to its end. `None` for a file.
 #[cfg(unix)]
 fn no_file(kind: std::fs::FileType, path: &Path) -> Option<&'static str> {
     use std::os::unix::fs::FileTypeExt;

@@ -1,4 +1,4 @@
-//! Values as written, with their place in the file.
+//! Values as written, with their places in the file.
 
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Error, MapAccess, SeqAccess, Unexpected, Visitor};
@@ -8,26 +8,26 @@ use std::marker::PhantomData;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// A text.
+/// A text with its place.
 pub type Text = Spanned<String>;
 
-/// A whole number; the resolver checks its bounds.
+/// An integer with its place. The resolver checks its limits.
 pub type Whole = Spanned<i64>;
 
 /// A finite number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Number {
-    /// The number, within [`Number::MOST`] of zero.
+    /// Value of the number. Its magnitude is at most [`Number::MOST`].
     pub value: f64,
-    /// Place in the file.
+    /// Byte range in the file.
     pub span: Span<usize>,
 }
 
 impl Number {
-    /// The largest magnitude: far beyond any dimension, far below where products overflow.
+    /// Largest magnitude. It is far above any dimension, and far below the limit at which products overflow.
     pub const MOST: f64 = 1e12;
 
-    /// Returns the value, or the expected kind of value.
+    /// Returns the value, or the kind of value that is expected.
     pub fn checked(value: f64) -> Result<f64, String> {
         let most = Number::MOST;
         if value.abs() <= most {
@@ -39,7 +39,7 @@ impl Number {
         }
     }
 
-    /// Returns the value of a text, or the expected kind of value.
+    /// Parses a text. Returns its value, or the kind of value that is expected.
     pub fn parsed(text: &str) -> Result<f64, String> {
         Number::checked(text.parse().unwrap_or(f64::NAN))
     }
@@ -60,7 +60,7 @@ struct Finite(f64);
 /// The visitor of a type that `written!` reads.
 struct Written<T>(PhantomData<T>);
 
-/// Defines the reading of a type from each kind of value in which it may be written.
+/// Defines how a type is read from each kind of value that may represent it.
 macro_rules! written {
     ([$($generics:tt)*] $type:ty, $expected:expr, $($kind:ident $make:expr),+) => {
         impl<'de, $($generics)*> Deserialize<'de> for $type {
@@ -125,13 +125,13 @@ written!([] Finite, "a number", number Finite, beyond_i64 Finite);
 pub enum Values {
     /// One value.
     One(f64),
-    /// A list.
+    /// List of values.
     List(Vec<Number>),
     /// Evenly spaced values.
     Range(Range),
 }
 
-/// Evenly spaced values, ends included.
+/// Evenly spaced values, including both ends.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Range {
@@ -151,7 +151,7 @@ written!(
 /// Value of `right` in `[axle]`.
 #[derive(Debug)]
 pub enum RightWheel {
-    /// A word.
+    /// A word such as `mirrored`.
     Word(String),
     /// `[axle.right]`
     Own(Box<crate::file::OwnRight>),
@@ -162,12 +162,12 @@ written!(
     word RightWheel::Word, table RightWheel::Own
 );
 
-/// All, none, or named ones.
+/// All items, none, or named ones.
 #[derive(Clone, Debug)]
 pub enum Selection {
-    /// All if true, none if false.
+    /// All items if true, none if false.
     All(bool),
-    /// Named ones.
+    /// Names of the items.
     Named(Vec<Text>),
 }
 
@@ -176,12 +176,12 @@ written!(
     truth Selection::All, list Selection::Named
 );
 
-/// A member: by its name, or by its two ends.
+/// A member, given by its name or by its two ends.
 #[derive(Clone, Debug)]
 pub enum MemberName {
     /// Name of a load column.
     Name(String),
-    /// The names of its ends.
+    /// Names of both ends.
     Ends(Vec<Text>),
 }
 
@@ -193,9 +193,9 @@ written!(
 /// One text, or several.
 #[derive(Clone, Debug)]
 pub enum OneOrMore {
-    /// One.
+    /// One text.
     One(String),
-    /// Several.
+    /// Several texts.
     More(Vec<Text>),
 }
 
@@ -209,19 +209,19 @@ written!(
 pub enum OneOr<T> {
     /// One number.
     One(f64),
-    /// A list.
+    /// List of numbers.
     Many(Vec<T>),
 }
 
-/// One number, or a list of them.
+/// One number, or a list of numbers.
 pub type Numbers = OneOr<Number>;
 
-/// A limit: one number, the same everywhere, or a curve of pairs, drive value and limit.
+/// A limit. It is one number for the whole motion, or a curve with pairs of drive value and limit.
 pub type LimitText = OneOr<Spanned<Vec<Number>>>;
 
-/// Types of which a list may replace one number.
+/// Types that may be listed in place of a single number.
 pub trait Listed {
-    /// Expected value where either may stand.
+    /// Expected value, for messages, where a number or a list is allowed.
     const EXPECTED: &str;
 }
 

@@ -1,4 +1,4 @@
-//! Curves through few exact poses: number of poses, and interpolation between them.
+//! Curves through few exact poses: effect of the number of poses and of the interpolation between them.
 
 use super::poses::lagrange;
 use super::subject::Subject;
@@ -9,18 +9,18 @@ use hardpoint_engine::number::Scalar;
 use hardpoint_engine::solve::{Solver, StationOrder};
 use std::f64::consts::PI;
 
-/// Points at which a curve is read.
+/// Number of points at which an interpolated curve is compared with the exact one.
 const READ: usize = 161;
 
 const STATIONS: [usize; 10] = [3, 5, 7, 9, 13, 17, 25, 33, 65, 129];
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Between {
-    /// Straight lines between even stations.
+    /// Straight lines between evenly spaced stations.
     Linear,
-    /// The cubic through the four nearest of even stations.
+    /// Cubic through the four nearest of evenly spaced stations.
     Cubic,
-    /// The polynomial through Chebyshev points.
+    /// Polynomial through Chebyshev points.
     Chebyshev,
 }
 
@@ -57,8 +57,8 @@ impl Between {
     }
 }
 
-/// Weights of the polynomial through Chebyshev points of the second kind (J.-P. Berrut, L. N.
-/// Trefethen, Barycentric Lagrange interpolation, SIAM Review 46, 2004).
+/// Barycentric weights of the polynomial through Chebyshev points of the second kind (J.-P. Berrut, L. N. Trefethen, Barycentric
+/// Lagrange interpolation, SIAM Review 46, 2004).
 fn barycentric(nodes: &[f64], x: f64) -> Vec<f64> {
     if let Some(hit) = nodes.iter().position(|n| *n == x) {
         return (0..nodes.len()).map(|i| f64::from(i == hit)).collect();
@@ -91,7 +91,7 @@ pub(super) fn measure(
     let mut found = Vec::new();
     for between in [Between::Linear, Between::Cubic, Between::Chebyshev] {
         for count in STATIONS {
-            // A polynomial through many points is exact long before.
+            // A Chebyshev polynomial reaches full accuracy with fewer points.
             if between == Between::Chebyshev && count > 33 {
                 continue;
             }

@@ -1,5 +1,5 @@
-//! Derivatives of characteristics by hardpoint coordinates: analytic against difference quotients, and
-//! forward against adjoint.
+//! Derivatives of characteristics by hardpoint coordinates: analytic derivatives against difference quotients, and forward
+//! against adjoint differentiation.
 
 use super::subject::{Measured, Subject};
 use super::{Clock, Family, Measurement, Unmeasurable};
@@ -12,7 +12,7 @@ use hardpoint_engine::model::{Drive, PointId};
 use hardpoint_engine::number::{Dual, Jet, Scalar, Vector3};
 use hardpoint_engine::solve::{Solver, StationOrder};
 
-/// Gradients by station, output and point, in this order.
+/// Gradients ordered by station, then output, then point.
 struct Gradients {
     outputs: usize,
     points: usize,
@@ -33,7 +33,7 @@ impl Gradients {
         self.values[(station * self.outputs + output) * self.points + point] = gradient;
     }
 
-    /// The largest error, in parts of the largest gradient of its output.
+    /// Largest error of a gradient, relative to the largest gradient of the same output.
     fn error(&self, exact: &Gradients) -> f64 {
         let mut largest = vec![0.0_f64; self.outputs];
         let mut errors = vec![0.0_f64; self.outputs];
@@ -41,7 +41,7 @@ impl Gradients {
             let output = i / self.points % self.outputs;
             let missed = (*found - *exact).norm();
             largest[output] = largest[output].max(exact.norm());
-            // NaN must win.
+            // If a gradient is NaN, the error must be NaN.
             if missed.is_nan() || missed > errors[output] {
                 errors[output] = missed;
             }
@@ -51,7 +51,7 @@ impl Gradients {
     }
 }
 
-/// A quantity and the coordinates by which it is differentiated.
+/// Outputs, and the points by whose coordinates they are differentiated.
 struct Task<'t> {
     subject: &'t Subject<'t>,
     outputs: Vec<Characteristic>,
@@ -79,7 +79,7 @@ impl<'t> Task<'t> {
         Gradients::new(stations, self.outputs.len(), self.points.len())
     }
 
-    /// Forward, one hardpoint after another, at solved poses.
+    /// Differentiates forward at solved poses, one hardpoint after another.
     #[inline]
     fn forward<T: Measured>(
         &self,
@@ -106,7 +106,7 @@ impl<'t> Task<'t> {
         }
     }
 
-    /// Backward, one output after another, at solved poses.
+    /// Differentiates backward (adjoint) at solved poses, one output after another.
     #[inline]
     fn adjoint(
         &self,
@@ -149,7 +149,7 @@ impl<'t> Task<'t> {
         }
     }
 
-    /// The exact answer: forward in twice the precision.
+    /// Exact gradients: forward differentiation in double-double arithmetic.
     fn exact(&self) -> Gradients {
         let mut exact = self.room();
         let mechanism = &self.subject.suspension.mechanism;
@@ -159,7 +159,7 @@ impl<'t> Task<'t> {
         exact
     }
 
-    /// The outputs of a design at every station, poses solved anew.
+    /// Solves the poses of a design again, and writes the outputs at every station to `values`.
     fn values(&self, solver: &mut Solver<'_>, station_order: &StationOrder, values: &mut [f64]) {
         let subject = self.subject;
         let constants = subject.constants();
@@ -186,7 +186,7 @@ impl<'t> Task<'t> {
 struct Adjoint {
     design_series: DesignSeries<1>,
     buffer: Vec<Vector3<Jet<f64, 1>>>,
-    /// The place of each point among those asked for.
+    /// Index of each point among the requested points.
     place: Vec<Option<usize>>,
 }
 
@@ -227,16 +227,16 @@ const QUOTIENTS: [Quotient; 4] = [
     },
 ];
 
-/// The name of the quotient that is used most.
+/// Name of the quotient that is used most.
 const CENTRAL: &str = "central difference";
 
-/// Size of the move of a coordinate.
+/// Step size of a coordinate in a difference quotient.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Step {
-    /// A part of the mechanism's size.
+    /// Fraction of the mechanism's size.
     OfSize(f64),
-    /// As libraries choose it for central differences who know nothing of the function: the cube root of
-    /// the rounding unit, in parts of the coordinate or absolute, whichever is more.
+    /// Usual step of libraries for central differences of an unknown function: the cube root of the rounding unit times the
+    /// coordinate, or times one if that is larger.
     Usual,
 }
 
@@ -256,7 +256,7 @@ impl Step {
     }
 }
 
-/// A component of a gradient.
+/// One component of a gradient.
 fn component(gradients: &mut Gradients, at: usize, axis: usize) -> &mut f64 {
     let gradient = &mut gradients.values[at];
     match axis {
@@ -266,7 +266,7 @@ fn component(gradients: &mut Gradients, at: usize, axis: usize) -> &mut f64 {
     }
 }
 
-/// Steps, in parts of the mechanism's size.
+/// Steps as fractions of the mechanism's size.
 const STEPS: [f64; 17] = [
     1e-10, 3e-10, 1e-9, 3e-9, 1e-8, 3e-8, 1e-7, 3e-7, 1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3,
     3e-3, 1e-2,
@@ -293,7 +293,8 @@ pub(super) fn measure(
     Ok(found)
 }
 
-/// Whole curves with their gradients: poses solved, then differentiated or solved again and again.
+/// Times whole curves with their gradients. The analytic method solves the poses and differentiates them. The difference
+/// quotients solve them again for each coordinate.
 fn analytic_and_differences(
     task: &Task<'_>,
     clock: &Clock,
@@ -347,7 +348,7 @@ fn analytic_and_differences(
                             Err(_) => values.fill(f64::NAN),
                         }
                     };
-                // The design itself is solved once for all coordinates.
+                // All coordinates share one solution of the unmoved design.
                 if quotient.terms[0].0 == 0.0 {
                     solve(&mut solver, &moved, &mut base);
                 }
@@ -392,7 +393,7 @@ fn analytic_and_differences(
     Ok(found)
 }
 
-/// Gradients alone, at poses that are solved already.
+/// Times gradients alone, at poses that are already solved.
 fn both_ways(task: &Task<'_>, clock: &Clock) -> Result<[Measurement; 2], Unmeasurable> {
     let subject = task.subject;
     let suspension = subject.suspension;

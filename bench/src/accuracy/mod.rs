@@ -1,8 +1,7 @@
-//! Work and precision: the cost of a digit.
+//! Work and precision: computing time against correct digits.
 //!
-//! Every way to a number is measured by its time and by its true error, against the same number in
-//! twice the precision: the six closure equations solved in pairs of doubles (see
-//! [`DoubleDouble`](crate::DoubleDouble)), about thirty digits.
+//! Each method is measured by its time and by its true error. The reference is the same number in twice the precision: the six
+//! closure equations, solved in pairs of doubles (see [`DoubleDouble`](crate::DoubleDouble)) with about thirty digits.
 
 mod curve;
 mod derivatives;
@@ -15,45 +14,45 @@ pub use subject::Subject;
 use super::{Clock, Timing, Unmeasurable};
 use hardpoint_engine::study::WheelStudy;
 
-/// One way to a number.
+/// Time and error of one method with one setting.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
-    /// Kind of choices that are compared.
+    /// Family of methods to which this one belongs.
     pub family: Family,
-    /// The method.
+    /// Name of the method.
     pub method: String,
-    /// The setting that is varied.
+    /// Value of the setting that is varied.
     pub setting: String,
     /// Time per pose.
     pub time: Timing,
-    /// The largest true error, in the unit of the family.
+    /// Largest true error, in the unit of the family.
     pub error: f64,
-    /// Evaluations of the equations per pose, where they are iterated.
+    /// Evaluations of the equations per pose. `None` for methods without iteration.
     pub evaluations: Option<f64>,
 }
 
-/// Kinds of choices that are compared.
+/// Families of methods that are compared with each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
-    /// Poses by formulation, arithmetic and tolerance; error in degrees of camber.
+    /// Poses by formulation, arithmetic and tolerance. Error in degrees of camber.
     Pose,
-    /// Start of Newton's method; error in degrees of camber.
+    /// Start of Newton's method. Error in degrees of camber.
     Start,
-    /// Curves through few exact poses; error in degrees of camber.
+    /// Curves through few exact poses. Error in degrees of camber.
     Curve,
-    /// Derivatives of four characteristics by every hardpoint coordinate; error in parts of the largest.
+    /// Derivatives of four characteristics by every hardpoint coordinate. Error relative to the largest derivative.
     Derivative,
-    /// Forward against adjoint sensitivities; error likewise.
+    /// Forward against adjoint sensitivities. Error relative to the largest derivative.
     Sensitivity,
 }
 
 impl Family {
-    /// Name in tables.
+    /// Name of the family in tables.
     pub fn name(self) -> &'static str {
         ["pose", "start", "curve", "derivative", "sensitivity"][self as usize]
     }
 
-    /// The unit of its errors.
+    /// Unit of the errors.
     pub fn unit(self) -> &'static str {
         match self {
             Family::Pose | Family::Start | Family::Curve => "deg",
@@ -62,15 +61,15 @@ impl Family {
     }
 }
 
-/// Everything measured on one study.
+/// All measurements of one study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accuracy {
-    /// One for each way.
+    /// One measurement per method and setting.
     pub measurements: Vec<Measurement>,
 }
 
 impl Accuracy {
-    /// Measures.
+    /// Measures all methods on a study.
     pub fn measure(study: &WheelStudy, clock: &Clock) -> Result<Self, Unmeasurable> {
         let subject = Subject::of(study)?;
         let mut measurements = poses::measure(&subject, clock)?;

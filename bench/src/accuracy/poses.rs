@@ -1,4 +1,4 @@
-//! Poses: by tolerance, arithmetic, formulation and start.
+//! Poses: effect of tolerance, arithmetic, formulation and start.
 
 use super::subject::{Measured, Subject, camber};
 use super::{Clock, Family, Measurement, Unmeasurable};
@@ -18,7 +18,7 @@ use std::hint::black_box;
 enum Start {
     /// The design position.
     Cold,
-    /// The polynomial of this order through the stations before; order 0 is the last one.
+    /// Polynomial of this order through the previous stations. Order 0 takes the last station.
     Predicted(usize),
 }
 
@@ -40,14 +40,14 @@ impl Start {
     }
 }
 
-/// A station with the weights of the ones before it.
+/// A station, with the weights of the previous stations that predict it.
 struct Step {
     station: usize,
     earlier: usize,
     weights: [f64; 4],
 }
 
-/// The stations outward from the design position, up and then down.
+/// Stations outward from the design position: first upward, then downward.
 struct Walk {
     sides: [Vec<Step>; 2],
     cold: bool,
@@ -75,7 +75,7 @@ impl Walk {
                     earlier,
                     weights,
                 });
-                // The design position itself is known already, and no two points may coincide.
+                // The design position is known already, and two nodes of a polynomial must not coincide.
                 if travels[station] != 0.0 {
                     known.push(travels[station]);
                 }
@@ -90,7 +90,7 @@ impl Walk {
     }
 }
 
-/// The i-th Lagrange polynomial of the nodes at x.
+/// The i-th Lagrange polynomial of these nodes, at x.
 pub(super) fn lagrange(nodes: &[f64], i: usize, x: f64) -> f64 {
     let others = nodes.iter().enumerate().filter(|(j, _)| *j != i);
     others.fold(1.0, |product, (_, node)| {
@@ -98,7 +98,7 @@ pub(super) fn lagrange(nodes: &[f64], i: usize, x: f64) -> f64 {
     })
 }
 
-/// One traversal of all poses, with camber read off each.
+/// One pass over all poses that reads camber at each pose.
 struct Traversal<'s, T, E: Equations<T>> {
     subject: &'s Subject<'s>,
     equations: E,
@@ -124,7 +124,7 @@ impl<'s, T: Measured, E: Equations<T>> Traversal<'s, T, E> {
         }
     }
 
-    /// Visits every station with its camber.
+    /// Calls `visit` with each station and its camber.
     #[inline]
     fn run(&self, mut visit: impl FnMut(usize, T)) {
         let mut known = self.known.borrow_mut();
@@ -167,7 +167,7 @@ impl<'s, T: Measured, E: Equations<T>> Traversal<'s, T, E> {
         let mut error = 0.0_f64;
         self.run(|station, camber| {
             let here = self.subject.error(station, camber);
-            // NaN must win.
+            // If a camber is NaN, the error must be NaN.
             if here.is_nan() || here > error {
                 error = here;
             }
@@ -189,7 +189,7 @@ impl<'s, T: Measured, E: Equations<T>> Traversal<'s, T, E> {
     }
 }
 
-/// Tolerances in metres, and for the most that can be had zero.
+/// Tolerances in metres. Zero asks for the best accuracy that the arithmetic reaches.
 const TOLERANCES: [f64; 8] = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13, 1e-15, 0.0];
 
 fn tolerance_name(metres: f64) -> String {
@@ -215,7 +215,7 @@ pub(super) fn measure(
                 ..m
             }));
         };
-        // What single precision cannot reach it is not asked for.
+        // Single precision is measured only with tolerances that it can reach.
         if metres == 0.0 || metres > 1e-8 {
             one(
                 "closed form, f32",
@@ -280,8 +280,8 @@ fn by_closed_form<T: Measured>(
     Some(traversal.measure(clock, Family::Pose, String::new(), setting))
 }
 
-/// The closed form alone, solved to rounding from predictions of third order with nothing looked at on the
-/// way, and the poses as the program finds them: what lies between is the cost of its checks.
+/// Two jobs whose difference in time is the cost of the program's checks. The first solves the closed form to rounding from
+/// predictions of third order, without checks. The second finds the poses as the program does.
 pub(crate) fn unchecked_and_checked<'s>(
     subject: &'s Subject<'s>,
 ) -> Result<Option<[Job<'s>; 2]>, Unmeasurable> {
@@ -321,10 +321,10 @@ pub(crate) fn unchecked_and_checked<'s>(
     ]))
 }
 
-/// Tolerance of the equation, in metres. The program ends its iteration at the same one.
+/// Tolerance of the equation, in metres. The program ends its iteration at the same tolerance.
 const UNCHECKED: f64 = 1e-13;
 
-/// Poses as the program finds them, every check on the way included.
+/// Poses as the program finds them, including all checks.
 fn production(subject: &Subject<'_>, clock: &Clock) -> Result<Vec<Measurement>, Unmeasurable> {
     let suspension = subject.suspension;
     let station_order = StationOrder::through(&subject.travels);
@@ -359,7 +359,7 @@ fn production(subject: &Subject<'_>, clock: &Clock) -> Result<Vec<Measurement>, 
     }])
 }
 
-/// The seed paper's fifteen equations.
+/// The fifteen equations of Attia's paper.
 fn point_coordinates(subject: &Subject<'_>, clock: &Clock) -> Option<Measurement> {
     let suspension = subject.suspension;
     let strut = Strut::of(&suspension.mechanism, &suspension.design)?;

@@ -1,4 +1,4 @@
-//! Subject of the measurements: a study's suspension over its travels, with the exact answers.
+//! Subject of the measurements: the suspension of a study over its travels, with exact answers.
 
 use crate::DoubleDouble;
 use crate::Unmeasurable;
@@ -14,11 +14,11 @@ use hardpoint_engine::solve::{Solver, StationOrder};
 use hardpoint_engine::study::WheelStudy;
 use std::ops::ControlFlow;
 
-/// A number whose distance from the truth can be told.
+/// A number type whose distance from the exact value can be measured.
 pub trait Measured: Scalar {
-    /// The number as nearly as it can be.
+    /// Returns the number nearest to `value`.
     fn of(value: f64) -> Self;
-    /// The same number in twice the precision of a double.
+    /// Returns the same number in twice the precision of a double.
     fn exactly(self) -> DoubleDouble;
 }
 
@@ -49,26 +49,26 @@ impl Measured for DoubleDouble {
     }
 }
 
-/// A suspension with the stations it is measured at.
+/// A suspension and its stations for measurements.
 pub struct Subject<'s> {
     /// The suspension.
     pub suspension: &'s Suspension,
-    /// Rising wheel travels.
+    /// Wheel travels in rising order.
     pub travels: Vec<f64>,
-    /// The rack's place, towards the kernel's +y.
+    /// Rack displacement, positive towards the kernel's +y.
     pub rack: f64,
     /// Exact poses at the travels.
     pub poses: Vec<Pose<DoubleDouble>>,
-    /// Exact camber there, in radians.
+    /// Exact camber at the travels, in radians.
     pub camber: Vec<DoubleDouble>,
 }
 
-/// Fewer stations are no curve.
+/// Smallest number of stations that make a curve.
 const FEWEST: usize = 5;
 
 impl<'s> Subject<'s> {
-    /// The stations of a study that can be solved, with the rack at its first place. The drive is the
-    /// wheel travel, whatever it is in the study.
+    /// Collects the stations of a study that can be solved, with the rack at its first place. The drive is the wheel travel, even
+    /// if the study has another drive.
     pub fn of(study: &'s WheelStudy) -> Result<Self, Unmeasurable> {
         let suspension = &study.suspension;
         let plan = Plan::of(study);
@@ -105,7 +105,7 @@ impl<'s> Subject<'s> {
         Ok(subject)
     }
 
-    /// The exact poses at rising travels, where there are any.
+    /// Exact poses at rising travels. Travels without a pose are left out.
     pub fn exact(&self, travels: &[f64]) -> Result<Vec<(f64, Pose<DoubleDouble>)>, Unmeasurable> {
         let design = self.design::<DoubleDouble>();
         let mechanism = &self.suspension.mechanism;
@@ -116,7 +116,8 @@ impl<'s> Subject<'s> {
         self.for_each_pose(&mut solver, &station_order, |_, station, pose| {
             if let Ok(pose) = pose {
                 let mut start = pose.map(DoubleDouble::from);
-                // To more than a double's digits its rotation is none.
+                // The rotation is orthonormal only to the digits of a double, so it is orthonormalised again in double-double
+                // arithmetic.
                 for _ in 0..2 {
                     start.rotation = start.rotation.orthonormalised();
                 }
@@ -129,7 +130,7 @@ impl<'s> Subject<'s> {
         Ok(found)
     }
 
-    /// Visits the poses at travels, the rack at its place, as the program finds them.
+    /// Visits the poses at these travels as the program finds them, with the rack at its place.
     pub fn for_each_pose<'m>(
         &self,
         solver: &mut Solver<'m>,
@@ -143,7 +144,7 @@ impl<'s> Subject<'s> {
         })
     }
 
-    /// The mechanism with a design in a pose.
+    /// Configuration of the mechanism: the design in a pose.
     #[inline]
     pub fn configuration<'a, T: Measured>(
         &'a self,
@@ -153,7 +154,7 @@ impl<'s> Subject<'s> {
         Configuration::new(&self.suspension.mechanism, design, pose, T::of(self.rack))
     }
 
-    /// The design over another kind of number.
+    /// Design coordinates in another number type.
     pub fn design<T: Measured>(&self) -> Vec<Vector3<T>> {
         let points = self.suspension.design.iter();
         points.map(|p| p.map(T::of)).collect()
@@ -170,14 +171,14 @@ impl<'s> Subject<'s> {
         camber(&self.configuration(&self.suspension.design, *pose))
     }
 
-    /// The error of a camber at a station, in degrees.
+    /// Error of a camber at a station, in degrees.
     pub fn error<T: Measured>(&self, station: usize, camber: T) -> f64 {
         let error = camber.exactly() - self.camber[station];
         error.value().abs().to_degrees()
     }
 
-    /// Characteristics of a position that this suspension has, the four angles first. The steering axis
-    /// only where it runs through two joints.
+    /// Position characteristics that this suspension has, the four angles first. The steering axis is included only if it runs
+    /// through two joints.
     pub fn characteristics(&self) -> Vec<Characteristic> {
         let mechanism = &self.suspension.mechanism;
         let has = |need: &Need| match need {
@@ -196,7 +197,7 @@ impl<'s> Subject<'s> {
             .collect()
     }
 
-    /// Figures that formulas read.
+    /// Vehicle figures that formulas read.
     pub fn constants(&self) -> Constants {
         Constants::of(self.suspension)
     }

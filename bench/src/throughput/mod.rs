@@ -1,8 +1,8 @@
 //! Poses per second, as in a sweep: many designs, including their preparation and the output of the values.
 //!
-//! Designs are the study's own with every hardpoint moved by up to a hundredth of the mechanism's size,
-//! always the same ones. The seed paper's formulation solves the same designs at the same travels, in the
-//! same rounds, and reads off nothing. What several threads do is measured after the rounds.
+//! The designs are copies of the study's design. Every hardpoint is moved by up to a hundredth of the mechanism's size, with the
+//! same moves in every run. The formulation of Attia's paper solves the same designs at the same travels, in the same rounds, but
+//! computes no outputs. Jobs with several threads are measured after the rounds.
 
 mod sweep;
 
@@ -21,11 +21,11 @@ use std::hint::black_box;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 
-/// Largest move of a hardpoint, in sizes.
+/// Largest move of a hardpoint, relative to the mechanism's size.
 const SCATTER: f64 = 0.01;
-/// Number of blocks that one thread solves in a sample.
+/// Number of blocks that one thread solves per sample.
 const BLOCKS: usize = 32;
-/// Number of blocks for each of several threads. Solving them takes long compared with waking the threads.
+/// Number of blocks per thread if several threads run. Solving them takes long compared with waking the threads.
 const BLOCKS_OF_THREAD: usize = 512;
 /// Number of designs for slow methods.
 const FEW: usize = 16;
@@ -33,13 +33,13 @@ const FEW: usize = 16;
 /// The measured time of one way to solve poses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
-    /// The quantities that are computed at each pose.
+    /// Outputs that are computed at each pose.
     pub asked: &'static str,
     /// Method that finds the poses.
     pub method: String,
-    /// Threads at work.
+    /// Number of threads.
     pub threads: usize,
-    /// Time per pose, all threads together.
+    /// Time per pose of all threads together.
     pub timing: Timing,
 }
 
@@ -53,13 +53,13 @@ impl Measurement {
 /// Measured times of all methods, grouped by the requested outputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Throughput {
-    /// The paper's formulation last, where the suspension is a strut.
+    /// Measurements. The paper's formulation comes last, if the suspension is a strut.
     pub measurements: Vec<Measurement>,
 }
 
 const ANGLES: &str = "four angles";
-/// Cost of the method itself: one evaluation of the closed form at each pose, for a given angle of the arm, and the
-/// four angles from it.
+/// Cost of the method itself: one evaluation of the closed form at each pose for a given angle of the arm, and the four angles of
+/// that pose.
 const LIMIT: &str = "four angles at a given arm angle (the limit)";
 /// Largest angle of the arm for that measurement (rad).
 const LIMIT_ANGLE: f64 = 0.2;
@@ -71,8 +71,8 @@ const JACOBIAN: &str = "four angles by every hardpoint";
 const DEVIATION: &str = "sum of their squared deviations by every hardpoint";
 
 impl Throughput {
-    /// Measures on the suspension of a study, over its travels, on up to `threads` threads; on an axle over its whole
-    /// motion, a pose being one position of both wheels.
+    /// Measures the suspension of a study over its travels, on up to `threads` threads. An axle is measured over its whole
+    /// motion; there a pose is one position of both wheels.
     pub fn measure(study: &Study, threads: usize, clock: &Clock) -> Result<Self, Unmeasurable> {
         if let Some(both) = study.axle() {
             let measurements = super::axle::measure(study, both, threads, clock)?;
@@ -105,18 +105,18 @@ impl Throughput {
         })
     }
 
-    /// The limit of the method: nothing but its formulas, at a given arm angle.
+    /// Limit of the method: only its formulas, at a given arm angle.
     pub fn limit(&self) -> Option<&Measurement> {
         self.measurements.iter().find(|m| m.asked == LIMIT)
     }
 
-    /// The seed paper's way to the same poses, where the study has one.
+    /// Measurement of the paper's formulation, if the study has one.
     pub fn by_the_paper(&self) -> Option<&Measurement> {
         self.measurements.iter().find(|m| m.method == PAPER)
     }
 }
 
-/// Outputs that the rows request.
+/// Outputs that the rows of the table request.
 struct Requested {
     angles: Vec<Quantity>,
     /// The angles and their derivatives by travel.
@@ -148,7 +148,7 @@ impl Requested {
     }
 }
 
-/// Jobs that are to be timed, each with the outputs, the method and the threads of its row.
+/// Jobs to be timed, each with the outputs, the method and the number of threads of its row.
 #[derive(Default)]
 struct Planned<'a> {
     rows: Vec<(&'static str, String, usize)>,
@@ -161,7 +161,8 @@ impl<'a> Planned<'a> {
         self.jobs.push(job);
     }
 
-    /// Adds values at given travels, in the scalar solver and in SIMD lanes. `limit` has given arm angles: the fastest case.
+    /// Adds jobs that compute values at given travels, with the scalar solver and in SIMD lanes. `limit` is the sweep at
+    /// given arm angles, the fastest case.
     fn values(
         &mut self,
         sweep: &Sweep<'a>,
@@ -216,7 +217,7 @@ impl<'a> Planned<'a> {
         Ok(())
     }
 
-    /// Derivatives by travel and by every hardpoint.
+    /// Adds jobs that compute derivatives by travel and by every hardpoint.
     fn derivatives(&mut self, sweep: &Sweep<'a>, wanted: &'a Requested) {
         let angles = &wanted.angles;
         let one_by_one = || ONE_BY_ONE.to_owned();
@@ -235,8 +236,8 @@ impl<'a> Planned<'a> {
         self.add("all of it by every hardpoint", one_by_one(), 1, job);
     }
 
-    /// Times the jobs. Those of several threads run by themselves: between the samples of others their threads would
-    /// lose their cores, and get them back only after tens of milliseconds.
+    /// Times the jobs. Jobs with several threads run alone. Between samples of other jobs their threads would lose their cores,
+    /// and would get them back only after tens of milliseconds.
     fn run(self, clock: &Clock) -> Vec<Measurement> {
         let (mut alone, mut together): (Vec<Job<'_>>, Vec<Job<'_>>) = (Vec::new(), Vec::new());
         for (job, (_, _, threads)) in self.jobs.into_iter().zip(&self.rows) {
@@ -266,7 +267,7 @@ impl<'a> Planned<'a> {
     }
 }
 
-/// Name of the method in lanes of a width.
+/// Name of the method in SIMD lanes of this width.
 fn lanes(width: Width) -> String {
     format!("lanes, {}", width.name())
 }
@@ -280,7 +281,7 @@ fn quantities(suspension: &Suspension, characteristics: &[Characteristic]) -> Ve
     possible.map(|c| Quantity::Characteristic(*c)).collect()
 }
 
-/// As many stations as the motion has, by the angle of the arm.
+/// Stations driven by the angle of the arm. Their number is that of the motion.
 fn at_arm_angles(motion: &Motion, frame: &Frame) -> Stations {
     let last = motion.values.len().saturating_sub(1).max(1) as f64;
     let angle = |k: usize| LIMIT_ANGLE * (2.0 * k as f64 / last - 1.0);
@@ -292,7 +293,7 @@ fn at_arm_angles(motion: &Motion, frame: &Frame) -> Stations {
     Stations::of(&motion, frame, &[])
 }
 
-/// Designs about the suspension's own, a block of them.
+/// One block of designs scattered about the suspension's own design.
 fn scattered(suspension: &Suspension) -> Vec<Vector3<f64>> {
     let by = SCATTER * suspension.size();
     let points = suspension.design.len();

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// The designs and stations that are solved.
+/// Designs and stations that a job solves.
 #[derive(Clone, Copy)]
 pub(super) struct Sweep<'a> {
     pub(super) suspension: &'a Suspension,
@@ -11,7 +11,7 @@ pub(super) struct Sweep<'a> {
 }
 
 impl<'a> Sweep<'a> {
-    /// Returns true if most of the designs run in lanes.
+    /// True if most of the designs run in lanes.
     pub(super) fn runs_in_lanes(&self, quantities: &[Quantity]) -> bool {
         let mut block = Block::new(quantities.len(), self.stations.count());
         Evaluator::new(self.suspension, self.stations, quantities)
@@ -25,7 +25,7 @@ impl<'a> Sweep<'a> {
         widths.filter(move |w| has_lanes && w.is_available())
     }
 
-    /// Blocks of designs on some threads.
+    /// Makes a job that solves blocks of designs on this number of threads.
     pub(super) fn job(
         &self,
         quantities: &'a [Quantity],
@@ -48,8 +48,8 @@ impl<'a> Sweep<'a> {
             let block = Block::new(quantities.len(), stations.count());
             workers.push(Mutex::new((evaluator, block)));
         }
-        // As in a sweep they live long: it may take a scheduler tens of milliseconds to give a new thread a
-        // core of its own.
+        // The threads live long, as in a sweep, because a scheduler may take tens of milliseconds to give a new thread its own
+        // core.
         let pool = (threads > 1).then(|| hardpoint_engine::threads::pool(threads));
         let pool = pool
             .transpose()
@@ -78,13 +78,13 @@ impl<'a> Sweep<'a> {
         })
     }
 
-    /// The first few designs.
+    /// First few designs, for slow methods.
     pub(super) fn few(&self) -> std::slice::ChunksExact<'a, Vector3<f64>> {
         let points = self.suspension.design.len();
         self.designs[..FEW * points].chunks_exact(points)
     }
 
-    /// Values with derivatives by the travel, `N` coefficients in all.
+    /// Makes a job that computes values with derivatives by the travel, `N` coefficients in all.
     pub(super) fn series<const N: usize>(&self, quantities: &'a [Quantity]) -> Job<'a> {
         let constants = Constants::of(self.suspension);
         self.job_of_poses::<N>(move |solver, design_series, pose, motion| {
@@ -97,7 +97,7 @@ impl<'a> Sweep<'a> {
         })
     }
 
-    /// A wanted value for each angle and station.
+    /// A target value for each angle at each station.
     pub(super) fn wanted(&self, angles: usize) -> Vec<AngleTarget> {
         let wanted = AngleTarget {
             value: 0.01,
@@ -106,8 +106,8 @@ impl<'a> Sweep<'a> {
         vec![wanted; angles * self.stations.count()]
     }
 
-    /// Derivatives by every hardpoint coordinate, as many designs at a time as there are lanes: of the sum of
-    /// deviations from what is wanted, or of each quantity.
+    /// Makes a job that computes derivatives by every hardpoint coordinate, one design in each lane. With `wanted`, it
+    /// differentiates the sum of squared deviations from these targets, else each quantity.
     pub(super) fn gradients_in_lanes(
         &self,
         quantities: &[Quantity],
@@ -141,7 +141,8 @@ impl<'a> Sweep<'a> {
         })
     }
 
-    /// Values and `N - 1` derivatives by the travel, each with its derivatives by every hardpoint coordinate.
+    /// Makes a job that computes values and `N - 1` derivatives by the travel, each with its gradient by every hardpoint
+    /// coordinate.
     pub(super) fn gradients<const N: usize>(&self, quantities: &'a [Quantity]) -> Job<'a> {
         let constants = Constants::of(self.suspension);
         let none = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);
@@ -159,7 +160,7 @@ impl<'a> Sweep<'a> {
         })
     }
 
-    /// Solves the first few designs one by one and gives each pose to `visit`.
+    /// Makes a job that solves the first few designs one by one and passes each pose to `visit`.
     fn job_of_poses<const N: usize>(
         &self,
         mut visit: impl FnMut(
@@ -200,7 +201,7 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// The fifteen equations of the seed paper.
+    /// Makes a job that solves the fifteen equations of Attia's paper.
     pub(super) fn by_the_paper(&self) -> Option<Job<'a>> {
         let sweep = *self;
         let mechanism = &self.suspension.mechanism;

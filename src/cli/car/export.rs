@@ -36,7 +36,7 @@ pub(in crate::cli) fn export(arguments: &ExportArguments, file: &Path) -> Result
     Ok(Exit::Done)
 }
 
-/// Refuses formats and options that are those of a single axle.
+/// Refuses formats and options that only work for a single axle.
 fn check_call(arguments: &ExportArguments, study: &CarStudy) -> Result<(), Stop> {
     let axles = study.inputs[1..].iter();
     let axles: Vec<String> = axles.map(|path| path.display().to_string()).collect();

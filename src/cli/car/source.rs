@@ -1,11 +1,11 @@
-//! Cars that a command names by a study or by the directory of a run.
+//! Finds the car that a command names by a study or by the directory of a run.
 
 use super::super::exit::Stop;
 use crate::study::CarStudy;
 use std::path::{Path, PathBuf};
 
-/// The file of a car: a study itself, or the study that a run keeps. After a tuning it is the tuned one. `None` if it is no
-/// car.
+/// File of a car's study: the given file itself, or the study kept in a run's directory. After a tuning it is the tuned study.
+/// `None` if the source is not a car.
 pub(in crate::cli) fn file_of(source: &Path) -> Option<PathBuf> {
     let file = match source.is_dir() {
         true => {
@@ -17,7 +17,7 @@ pub(in crate::cli) fn file_of(source: &Path) -> Option<PathBuf> {
     CarStudy::is_at(&file).then_some(file)
 }
 
-/// The study of a file that [`file_of`] found.
+/// Reads the study from a file that [`file_of`] returned.
 pub(super) fn read(file: &Path, changes: &[String]) -> Result<CarStudy, Stop> {
     Ok(CarStudy::read(file, changes)?)
 }

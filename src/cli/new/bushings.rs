@@ -6,20 +6,20 @@ use crate::study::Study;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Characteristics that an equilibrium of any topology has.
+/// Characteristics that every topology has in an equilibrium.
 const OUTPUTS: &str = "[\"camber\", \"toe\", \"camber_gain\", \"bump_steer\", \"half_track_change\", \"wheelbase_change\"]";
 
-/// Quantities of an axle in equilibrium, and figures of its tests.
+/// Quantities of an axle in equilibrium, and results of its tests.
 const OUTPUTS_OF_AXLE: &str = "[\"camber\", \"toe\", \"mean_steer\", \"track\", \"wheel_load\", \"toe_by_lateral_force\", \"recession_by_braking\"]";
 
-/// Bushing at a pivot of an arm: x along the arm's axis.
+/// Bushing at a pivot of an arm. x is along the arm's axis.
 const OF_ARM: &str = "[900.0, 6000.0, 6000.0, 6.0e4, 2.0e5, 2.0e5]";
-/// Bushing at an end of a link: x along the link.
+/// Bushing at an end of a link. x is along the link.
 const OF_LINK: &str = "[9000.0, 1200.0, 9000.0, 5.0e4, 1.2e5, 5.0e4]";
-/// Top mount of a strut: z up the strut, which turns freely about it.
+/// Top mount of a strut. z points along the strut, and the mount lets the strut turn freely about z.
 const OF_STRUT: &str = "[600.0, 600.0, 1500.0, 2.0e4, 2.0e4, 0.0]";
 
-/// The text of a template with a spring, bushings and a stretching link.
+/// Adds a spring, bushings and a stretching link to the text of a template.
 ///
 /// # Errors
 /// The reason in words why the topology has no elastic parts.
@@ -45,7 +45,7 @@ pub(super) fn with_bushings(
         }
     }
     if is_axle {
-        // With elastic parts, the rig's derivative of steer by roll takes the place of `roll_steer`.
+        // With elastic parts, the derivative of steer by roll from the tests replaces `roll_steer`.
         written = written.replace(
             "{ characteristic = \"roll_steer\", over = \"roll\",",
             "{ figure = \"steer_by_roll\",",
@@ -61,7 +61,7 @@ pub(super) fn with_bushings(
     Ok(written)
 }
 
-/// Spring, elastic parts and their relaxation.
+/// Sections for the spring, the elastic parts and the relaxed position.
 fn sections(mechanism: &Mechanism) -> String {
     let mut text = String::from(
         "\n[spring]\n\
@@ -104,7 +104,7 @@ fn sections(mechanism: &Mechanism) -> String {
     text
 }
 
-/// Returns true for the link that steers the wheel.
+/// True for the link that steers the wheel.
 fn is_toe_link(name: &str) -> bool {
     matches!(name, "tie_rod" | "toe_link")
 }

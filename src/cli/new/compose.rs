@@ -1,4 +1,4 @@
-//! The text of a template with parts.
+//! Composes the text of a template with its parts.
 
 use super::Part;
 use super::bushings::with_bushings;
@@ -23,17 +23,17 @@ const SOLID_AXLE_TARGETS: &str = r#"  { characteristic = "roll_steer", over = "r
   { characteristic = "anti_squat", over = "heave", roll = 0.0, at = 0.0, value = 100.0, tolerance = 2.0 },
 "#;
 
-/// Targets of a twist beam: little roll steer, and a roll centre at this height.
+/// Targets of a twist beam: little roll steer, and a roll centre at a given height.
 const TWIST_BEAM_TARGETS: &str = r#"  { characteristic = "roll_steer", over = "roll", between = [-0.02, 0.02], tolerance = 0.005 },
   { characteristic = "force_roll_centre_height", over = "heave", roll = 0.0, at = 0.0, value = 200.0, tolerance = 5.0 },
 "#;
 
-/// The template of a topology with parts.
+/// Composes the template of a topology with parts.
 ///
 /// # Errors
-/// The reason in words: a part that the topology does not have.
+/// The reason in words, if the topology does not have a part.
 pub(super) fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
-    // Editors look for the schema beside the study: `hardpoint schema > hardpoint.schema.json`.
+    // Editors look for the schema beside the study, where `hardpoint schema > hardpoint.schema.json` writes it.
     let own = format!("{}_solve.toml", topology.name);
     let template = topology.template.replace(&own, "STUDY.toml");
     let mut composed = Composed {
@@ -73,7 +73,7 @@ pub(super) fn study(topology: &Topology, parts: &[Part]) -> Result<String, Strin
     }
 }
 
-/// A template while parts are added.
+/// Text of a template during the addition of parts.
 struct Composed<'a> {
     topology: &'a Topology,
     parts: &'a [Part],
@@ -140,7 +140,7 @@ impl Composed<'_> {
             let output = "anti_roll_bar_angle";
             self.text = with_points(&self.text, ANTI_ROLL_BAR, &places, carrier, output);
             if self.has(Part::Pushrod) {
-                // Beside a rocker a study must say where the drop link stands.
+                // Beside a rocker, a study must state the body to which the drop link is attached.
                 let body = carrier.replace(' ', "_");
                 let said =
                     format!("\n[suspension.bodies]\ndrop_link_outer = \"{body}\"\n\n[wheel]");
@@ -150,7 +150,7 @@ impl Composed<'_> {
         Ok(())
     }
 
-    /// True if the study gets springs. Elastic parts bring a spring of their own.
+    /// True if the study gets springs. Elastic parts bring their own spring.
     fn is_sprung(&self) -> bool {
         let has_ends = ["\nspring_lower ", "\nstrut_top "]
             .iter()
@@ -158,7 +158,7 @@ impl Composed<'_> {
         has_ends && self.has(Part::Axle) && !self.has(Part::Bushings)
     }
 
-    /// Adds the sections of a sweep and a tuning.
+    /// Adds the sections `[sweep]` and `[optimise]`.
     fn add_tasks(&mut self, fitting: &Fitting) {
         let steers = fitting.steers;
         if self.has(Part::Sweep) {

@@ -1,6 +1,6 @@
-//! Points of parts that templates can have, and their places in each template.
+//! Points of the parts that templates can have, with their coordinates in each template.
 
-/// Points of a part, with name and description.
+/// Points of a part: name and description.
 pub(super) type Points = &'static [(&'static str, &'static str)];
 
 pub(super) const PUSHROD: Points = &[
@@ -43,7 +43,7 @@ pub(super) const WATT: Points = &[
     ("watt_lower_rocker", "lower Watt link at the rocker"),
 ];
 
-/// Places of the points of [`WATT`].
+/// Coordinates of the points of [`WATT`].
 pub(super) const WATT_PLACES: [[f64; 3]; WATT.len()] = [
     PANHARD_PLACES[0],
     PANHARD_PLACES[1],
@@ -55,7 +55,7 @@ pub(super) const WATT_PLACES: [[f64; 3]; WATT.len()] = [
     [-150.0, 0.0, 270.0],
 ];
 
-/// Places of the points of [`PANHARD`] in the template of a solid axle.
+/// Coordinates of the points of [`PANHARD`] in the template of a solid axle.
 pub(super) const PANHARD_PLACES: [[f64; 3]; PANHARD.len()] = [
     [420.0, 50.0, 470.0],
     [15.0, 70.0, 480.0],
@@ -63,12 +63,12 @@ pub(super) const PANHARD_PLACES: [[f64; 3]; PANHARD.len()] = [
     [-140.0, -470.0, 335.0],
 ];
 
-/// Differences between templates: coordinates in the template's axes.
+/// Values that differ between templates. Coordinates are in the template's axes.
 pub(super) struct Fitting {
     pub topology: &'static str,
-    /// A hardpoint that steers the wheel in jounce.
+    /// Hardpoint whose height changes toe over wheel travel.
     pub steers: &'static str,
-    /// Body of pushrod and drop link.
+    /// Body that carries the pushrod and the drop link.
     pub carrier: &'static str,
     pub pushrod: Option<[[f64; 3]; PUSHROD.len()]>,
     pub anti_roll_bar: Option<[[f64; 3]; ANTI_ROLL_BAR.len()]>,

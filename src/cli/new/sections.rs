@@ -1,4 +1,4 @@
-//! Sections and points that are added to the text of a template.
+//! Sections and points that are inserted into the text of a template.
 
 use super::fittings::Points;
 use std::fmt::Write as _;
@@ -15,7 +15,7 @@ const AXLE_OUTPUTS: [&str; 8] = [
     "roll_steer",
 ];
 
-/// The text with both wheels in place of one: with the motion and the outputs of an axle.
+/// Changes the text of one wheel to that of an axle with two wheels, with the motion and the outputs of an axle.
 pub(super) fn with_axle(text: &str) -> String {
     let is_steered = text.lines().any(|line| line.starts_with("rack = "));
     let mut written = String::new();
@@ -66,7 +66,8 @@ pub(super) fn with_axle(text: &str) -> String {
     written
 }
 
-/// The text of an axle with springs, bump stops, tyres, masses and, if there is a bar, its rate; and with their outputs.
+/// Adds springs, bump stops, tyres and masses to the text of an axle, and their outputs. With `has_bar` it also adds the rate of
+/// the anti-roll bar.
 pub(super) fn with_springs(text: &str, has_bar: bool) -> String {
     let bar = match has_bar {
         true => {
@@ -109,7 +110,7 @@ pub(super) fn with_springs(text: &str, has_bar: bool) -> String {
     written
 }
 
-/// Text with the points of a part after its hardpoints, replacing those of the same name, and with one more output.
+/// Adds the points of a part after the hardpoints of a text, and one more output. Points of the same name are replaced.
 pub(super) fn with_points(
     text: &str,
     points: Points,

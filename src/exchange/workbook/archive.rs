@@ -1,12 +1,11 @@
-//! The ZIP archive a workbook is (PKWARE, .ZIP File Format Specification 6.3, sections 4.3 to 4.5):
-//! as much of it as spreadsheet programs write. Nothing is unpacked beyond a limit, whatever the archive
-//! says of its sizes.
+//! Reads the ZIP archive of a workbook (PKWARE, .ZIP File Format Specification 6.3, sections 4.3 to 4.5). It supports the
+//! features that spreadsheet programs use. It never unpacks more than a limit, even if the archive states other sizes.
 
 use flate2::Crc;
 use flate2::read::DeflateDecoder;
 use std::io::{self, BufReader, Read};
 
-/// A file of the archive.
+/// A file in the archive.
 struct Member {
     name: String,
     stored: Stored,
@@ -15,7 +14,7 @@ struct Member {
     offset: usize,
 }
 
-/// Storage of a member.
+/// Compression method of a member.
 #[derive(Clone, Copy)]
 enum Stored {
     Plain,
@@ -30,7 +29,7 @@ pub(super) struct Archive {
     members: Vec<Member>,
 }
 
-/// The most bytes a member unpacks to.
+/// Largest unpacked size of a member, in bytes.
 const MOST_UNPACKED: u64 = 32 << 20;
 
 const DAMAGED: &str = "the workbook is damaged";
@@ -48,12 +47,12 @@ impl Archive {
         Ok(Archive { bytes, members })
     }
 
-    /// The names of the members.
+    /// Names of the members.
     pub(super) fn names(&self) -> impl Iterator<Item = &str> {
         self.members.iter().map(|member| member.name.as_str())
     }
 
-    /// A member, unpacked while it is read, if it exists.
+    /// Reader that unpacks a member while it is read. `None` if there is no such member.
     pub(super) fn member(&self, name: &str) -> Option<Result<impl io::BufRead + '_, String>> {
         let found = self.members.iter().find(|member| member.name == name)?;
         Some(self.unpacked(found))
@@ -76,7 +75,7 @@ impl Archive {
         }))
     }
 
-    /// The packed bytes of a member, behind its local header.
+    /// Packed bytes of a member, after its local header.
     fn data(&self, member: &Member) -> Option<&[u8]> {
         let header = member.offset;
         if number(&self.bytes, header, 4)? != 0x0403_4b50 {
@@ -89,7 +88,7 @@ impl Archive {
     }
 }
 
-/// The central directory, found from the record at the archive's end.
+/// Members in the central directory. The record at the archive's end gives its place.
 fn members(bytes: &[u8]) -> Option<Vec<Member>> {
     const END: usize = 22;
     let last = bytes.len().checked_sub(END)?;
@@ -126,7 +125,7 @@ fn members(bytes: &[u8]) -> Option<Vec<Member>> {
     Some(members)
 }
 
-/// Unpacked bytes, counted, and compared with their checksum at their end.
+/// Reader that counts unpacked bytes, and compares them with their checksum at the end.
 struct Checked<'a> {
     unpacked: Box<dyn Read + 'a>,
     crc: Crc,

@@ -1,47 +1,47 @@
-//! XML as workbooks use it (W3C, Extensible Markup Language 1.0): elements with attributes and text, read
-//! one after the other in constant memory. Document types are refused, so no entity can grow.
+//! Reads XML as workbooks use it (W3C, Extensible Markup Language 1.0). It reads elements with attributes and text one after the
+//! other, in constant memory. It refuses document types, so no entity can expand.
 
 use std::io::BufRead;
 
 /// The next piece of markup.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Event {
-    /// An element begins.
+    /// Start of an element.
     Start(Element),
-    /// An element ends, by its name.
+    /// End of the element with this name.
     End(String),
     /// Text between tags.
     Text(String),
 }
 
-/// The beginning of an element.
+/// Start tag of an element.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Element {
-    /// Name, without the prefix of a namespace.
+    /// Name without the prefix of a namespace.
     pub name: String,
     attributes: Vec<(String, String)>,
 }
 
 impl Element {
-    /// The value of an attribute, by its name without prefix.
+    /// Value of an attribute, by its name without prefix.
     pub(super) fn attribute(&self, name: &str) -> Option<&str> {
         let found = self.attributes.iter().find(|(key, _)| key == name);
         found.map(|(_, value)| value.as_str())
     }
 }
 
-/// The longest tag or run of text.
+/// Largest size of a tag or of a text, in bytes.
 const MOST_BYTES: usize = 1 << 20;
 
-/// A reader of events.
+/// Reader that returns the events of a document.
 pub(super) struct Markup<R> {
     source: R,
-    /// The end of an element that was written as one tag.
+    /// Name of an element that starts and ends in the same tag. Its end is the next event.
     pending: Option<String>,
 }
 
 impl<R: BufRead> Markup<R> {
-    /// Reads a document.
+    /// Makes a reader for a document.
     pub(super) fn new(source: R) -> Self {
         Markup {
             source,
@@ -49,7 +49,7 @@ impl<R: BufRead> Markup<R> {
         }
     }
 
-    /// The next event; `None` at the document's end.
+    /// Reads the next event. `None` at the end of the document.
     pub(super) fn next(&mut self) -> Result<Option<Event>, String> {
         if let Some(name) = self.pending.take() {
             return Ok(Some(Event::End(name)));
@@ -95,7 +95,7 @@ impl<R: BufRead> Markup<R> {
         }
     }
 
-    /// The text up to the end of the element that has just begun, of this name, without its tags.
+    /// Reads the text up to the end of the current element, which has this name. Tags inside are removed.
     pub(super) fn text_of(&mut self, name: &str) -> Result<String, String> {
         let mut text = String::new();
         loop {
@@ -116,7 +116,7 @@ impl<R: BufRead> Markup<R> {
         Ok(buffer.first().copied())
     }
 
-    /// The tag with its content up to the next end of a tag.
+    /// Completes a tag up to the next `>`.
     fn through(&mut self, mut tag: String) -> Result<String, String> {
         tag.push('>');
         tag += &self.until(b'>')?;
@@ -127,7 +127,7 @@ impl<R: BufRead> Markup<R> {
         Ok(tag)
     }
 
-    /// The text before the byte `stop`, which is not consumed, or before the end.
+    /// Reads text up to the byte `stop`, which stays unread, or up to the end.
     fn until(&mut self, stop: u8) -> Result<String, String> {
         let mut bytes = Vec::new();
         loop {
@@ -178,7 +178,7 @@ fn element(tag: &str) -> Result<Element, String> {
     })
 }
 
-/// The five named entities and characters by number.
+/// Replaces the five named entities and numeric character references.
 fn unescaped(text: &str) -> Result<String, String> {
     let mut parts = text.split('&');
     let mut plain = parts.next().unwrap_or("").to_owned();
@@ -207,7 +207,7 @@ fn unescaped(text: &str) -> Result<String, String> {
     Ok(plain)
 }
 
-/// Text as the content or the quoted attribute of an element. Characters XML has no place for become �.
+/// Escapes a text for the content or a quoted attribute of an element. Characters that XML forbids become �.
 pub(super) fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {

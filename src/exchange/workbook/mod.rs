@@ -1,7 +1,7 @@
-//! Workbooks of spreadsheet programs (.xlsx), in and out.
+//! Reads and writes workbooks of spreadsheet programs (.xlsx).
 //!
-//! Reader and writer are our own, on the decompressor the pictures need anyway: the crates for it would
-//! be a quarter of the whole build, and read a sheet, or a bomb, into memory before anyone can count.
+//! Reader and writer are our own code. They use the decompressor that pictures need anyway. Existing crates would take a quarter
+//! of the whole build. They also read a whole sheet, or a decompression bomb, into memory before its size can be checked.
 
 mod archive;
 mod markup;
@@ -65,7 +65,7 @@ mod tests {
         for at in 0..bytes.len() {
             let mut damaged = bytes.clone();
             damaged[at] ^= 0x55;
-            // Names of sheets and parts carry no checksum; numbers do.
+            // Numbers have a checksum, but names of sheets and parts have none.
             if let Ok(read) = std::panic::catch_unwind(|| sheet(damaged)).expect("no panic") {
                 assert!(
                     read.cells == whole.cells || read.cells.is_empty(),
@@ -78,7 +78,7 @@ mod tests {
 
     #[test]
     fn a_bomb_is_refused_before_it_goes_off() {
-        // Texts of 35 MB in some 40 kB.
+        // 35 MB of text in about 40 kB.
         let text = "a".repeat(1 << 19);
         let rows = vec![vec![Value::Text(text)]; 70];
         let bytes = workbook(&[page(rows)]);

@@ -1,18 +1,18 @@
-//! Reads workbooks of spreadsheet programs (ECMA-376, Office Open XML, part 1, sections 12.3 and 18): values as last
-//! computed. It neither computes formulas nor runs macros.
+//! Reads workbooks of spreadsheet programs (ECMA-376, Office Open XML, part 1, sections 12.3 and 18). It takes the values from
+//! the last computation of the spreadsheet program. It does not compute formulas or run macros.
 
 use super::archive::Archive;
 use super::markup::{Element, Event, Markup};
 use crate::exchange::cell::{Cell, Places, Sheet};
 use std::io::BufRead;
 
-/// The most bytes of shared texts that are kept.
+/// Largest size of the shared texts, in bytes.
 const MOST_SHARED: usize = 16 << 20;
 
-/// The sheets of a workbook, by name.
+/// A workbook, with its sheets by name.
 pub(crate) struct Workbook {
     archive: Archive,
-    /// Names, and members of the archive.
+    /// Name of each sheet, and its member of the archive.
     sheets: Vec<(String, String)>,
     shared: Vec<String>,
     /// For each cell style, true if it shows a date.
@@ -20,7 +20,7 @@ pub(crate) struct Workbook {
 }
 
 impl Workbook {
-    /// Opens a workbook. Nothing of its sheets is read yet.
+    /// Opens a workbook, but does not read its sheets yet.
     pub(crate) fn open(bytes: Vec<u8>) -> Result<Self, String> {
         let archive = Archive::open(bytes)?;
         let Some(book) = archive.member("xl/workbook.xml") else {
@@ -29,7 +29,7 @@ impl Workbook {
         let mut named = Vec::new();
         each_element(book?, |element| {
             if element.name == "sheet" {
-                // The prefix is dropped: `id` is the relationship, the number is `sheetId`.
+                // Attribute prefixes are removed, so `id` is the relationship; the sheet number is `sheetId`.
                 let [name, id] = ["name", "id"].map(|key| element.attribute(key).unwrap_or(""));
                 named.push((name.to_owned(), id.to_owned()));
             }
@@ -66,12 +66,12 @@ impl Workbook {
         })
     }
 
-    /// The names of its sheets.
+    /// Names of the sheets.
     pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
         self.sheets.iter().map(|(name, _)| name.as_str())
     }
 
-    /// A sheet, by its place in the workbook.
+    /// Reads a sheet, by its index in the workbook.
     pub(crate) fn sheet(&self, number: usize) -> Result<Sheet, String> {
         let sheet = self.sheets.get(number);
         let (name, member) = sheet.ok_or("the workbook has no such sheet")?;
@@ -91,7 +91,7 @@ impl Workbook {
             };
             match element.name.as_str() {
                 "row" => {
-                    // A row or cell that does not say where it is follows the one before.
+                    // A row or cell without a position follows the previous one.
                     let next = if first_row { 0 } else { row + 1 };
                     let written = element.attribute("r").and_then(|r| r.parse::<u32>().ok());
                     row = written.map_or(next, |r| r.saturating_sub(1));
@@ -117,7 +117,7 @@ impl Workbook {
         Ok(sheet)
     }
 
-    /// The value of a cell whose element has begun.
+    /// Reads the value of a cell after the start of its element.
     fn cell<R: BufRead>(
         &self,
         markup: &mut Markup<R>,
@@ -134,7 +134,7 @@ impl Workbook {
                         is_formula = true;
                         markup.text_of("f")?;
                     }
-                    // How a text is pronounced.
+                    // This element holds the pronunciation of a text.
                     "rPh" => drop(markup.text_of("rPh")?),
                     _ => (),
                 },
@@ -176,7 +176,7 @@ impl Workbook {
 }
 
 fn text(text: String) -> Option<Cell> {
-    /// Longer texts are remarks; nothing in them is a name or a number.
+    /// Longer texts are remarks and contain no names or numbers.
     const MOST: usize = 1000;
     let text = text.trim();
     match text.len() {
@@ -186,7 +186,7 @@ fn text(text: String) -> Option<Cell> {
     }
 }
 
-/// Description of an archive that holds no workbook in this format.
+/// Describes an archive that is not a workbook in this format.
 fn what_else(archive: &Archive) -> String {
     let names: Vec<&str> = archive.names().collect();
     let what = if names.contains(&"content.xml") {
@@ -212,7 +212,7 @@ fn each_element(
     Ok(())
 }
 
-/// The texts that cells share.
+/// Texts that cells share.
 fn shared_texts(archive: &Archive) -> Result<Vec<String>, String> {
     let Some(part) = archive.member("xl/sharedStrings.xml") else {
         return Ok(Vec::new());
@@ -239,7 +239,7 @@ fn shared_texts(archive: &Archive) -> Result<Vec<String>, String> {
     Ok(texts)
 }
 
-/// For each cell style, true if its number format is one of dates or times.
+/// Flags of the cell styles. True if the number format of the style shows dates or times.
 fn date_styles(archive: &Archive) -> Result<Vec<bool>, String> {
     let Some(part) = archive.member("xl/styles.xml") else {
         return Ok(Vec::new());
@@ -259,7 +259,7 @@ fn date_styles(archive: &Archive) -> Result<Vec<bool>, String> {
                     "cellXfs" => in_cell_styles = true,
                     "xf" if in_cell_styles => {
                         let number = id.as_deref().and_then(|id| id.parse::<u32>().ok());
-                        // Section 18.8.30: the formats that are built in.
+                        // Section 18.8.30 lists the built-in formats.
                         let built_in = matches!(number, Some(14..=22 | 45..=47));
                         let own = formats.iter().any(|(known, date)| *known == id && *date);
                         styles.push(built_in || own);
@@ -274,7 +274,7 @@ fn date_styles(archive: &Archive) -> Result<Vec<bool>, String> {
     Ok(styles)
 }
 
-/// Returns true if a format code has a letter of dates or times outside of quoted text and brackets.
+/// True if a format code has letters of dates or times outside of quotes and brackets.
 fn shows_a_date(code: &str) -> bool {
     let mut quoted = false;
     let mut bracketed = false;
@@ -294,7 +294,7 @@ fn shows_a_date(code: &str) -> bool {
     })
 }
 
-/// Row and column of a place like B3, both from 0.
+/// Row and column of a cell name such as B3. Both count from 0.
 fn place_of(place: &str) -> Option<(u32, u32)> {
     let digits = place.find(|c: char| c.is_ascii_digit())?;
     let (letters, row) = place.split_at(digits);
@@ -309,8 +309,8 @@ fn place_of(place: &str) -> Option<(u32, u32)> {
     ))
 }
 
-/// Gives the text of merged cells to all of them. A number that several rows share would be the coordinate
-/// of several points, which nobody meant.
+/// Copies the text of merged cells to all of them. A number becomes unusable instead, because it would be a coordinate of several
+/// points by mistake.
 fn merge(sheet: &mut Sheet, range: &str) -> Result<(), String> {
     let corners = range.split_once(':');
     let corners = corners.and_then(|(first, last)| Some((place_of(first)?, place_of(last)?)));
@@ -326,7 +326,7 @@ fn merge(sheet: &mut Sheet, range: &str) -> Result<(), String> {
             Cell::Unusable(format!("one number for the merged cells {range}"))
         }
     };
-    // More merged cells than tables of points have are decoration.
+    // Merged areas larger than this are decoration, not tables of points.
     for row in top..=bottom.min(top.saturating_add(1000)) {
         for column in left..=right.min(left.saturating_add(20)) {
             sheet.put(row, column, shared.clone())?;
@@ -354,7 +354,7 @@ mod tests {
             assert!(shows_a_date(date), "{date}");
         }
         for number in ["0.00", "0.0\" mm\"", "#,##0", "[Red]0", "General\\m"] {
-            // The format "General" contains letters, but none of dates.
+            // The format "General" contains letters, but none of them means a date.
             assert!(!shows_a_date(number), "{number}");
         }
     }

@@ -1,6 +1,6 @@
-//! Workbooks out: tables of texts and numbers, nothing else (ECMA-376, part 1, section 12.3; part 2 for
-//! the package). Numbers are written as the shortest decimals that read back to the same bits. The same
-//! tables give the same bytes: the archive carries no time.
+//! Writes workbooks that contain only tables of texts and numbers (ECMA-376, part 1, section 12.3; part 2 for the package). A
+//! number is the shortest decimal that reads back to the same bits. Equal tables give equal bytes, because the archive contains
+//! no time.
 
 use super::markup::escaped;
 use crate::exchange::cell::letters;
@@ -11,15 +11,15 @@ use std::io::Write;
 /// A cell to be written.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// Nothing.
+    /// An empty cell.
     Empty,
     /// A text.
     Text(String),
-    /// A number; one that is not finite becomes an empty cell.
+    /// A number. NaN and infinity become an empty cell.
     Number(f64),
 }
 
-/// A table to be written; its first row is the header.
+/// A table to be written. Its first row is the header.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Page {
     /// Name of the sheet.
@@ -28,7 +28,7 @@ pub struct Page {
     pub rows: Vec<Vec<Value>>,
 }
 
-/// The most rows of a sheet (Excel's, and LibreOffice's).
+/// Largest number of rows of a sheet in Excel and LibreOffice.
 pub(crate) const MOST_ROWS: usize = 1_048_576;
 
 const MAIN: &str = "http://schemas.openxmlformats.org/spreadsheetml/2006/main";
@@ -37,7 +37,7 @@ const PACKAGE: &str = "http://schemas.openxmlformats.org/package/2006";
 const TYPE: &str = "application/vnd.openxmlformats-officedocument.spreadsheetml";
 const HEAD: &str = r#"<?xml version="1.0" encoding="UTF-8" standalone="yes"?>"#;
 
-/// The bytes of a workbook.
+/// Bytes of a workbook.
 pub fn workbook(pages: &[Page]) -> Vec<u8> {
     let names = sheet_names(pages);
     let numbers = 1..=pages.len();
@@ -82,13 +82,13 @@ pub fn workbook(pages: &[Page]) -> Vec<u8> {
     archive.finish()
 }
 
-/// The names of the sheets, which Excel wants short, distinct and without some characters.
+/// Sheet names as Excel requires them: short, distinct, and without some characters.
 fn sheet_names(pages: &[Page]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for page in pages {
         let plain = page.name.replace(['[', ']', ':', '*', '?', '/', '\\'], "_");
         let plain: String = plain.chars().take(31).collect();
-        // Excel refuses an apostrophe at either end.
+        // Excel refuses an apostrophe at the start or end.
         let plain = plain.trim_matches('\'').to_owned();
         let plain = if plain.is_empty() {
             "Sheet".to_owned()
@@ -167,7 +167,7 @@ fn column_widths(page: &Page) -> Vec<usize> {
         .collect()
 }
 
-/// A ZIP archive being written.
+/// ZIP archive to which files are added.
 #[derive(Default)]
 struct Archive {
     bytes: Vec<u8>,
@@ -185,7 +185,7 @@ impl Archive {
             .expect("memory takes everything");
         let packed = encoder.finish().expect("memory takes everything");
         let offset = self.bytes.len() as u32;
-        // Version 2.0, no flags, deflated, at the first time the format knows.
+        // Version 2.0, no flags, deflated, and the earliest time of the format.
         let mut common = Vec::new();
         for field in [20u16, 0, 8, 0, 0x21] {
             common.extend(field.to_le_bytes());

@@ -9,7 +9,7 @@ use crate::report::files::csv_of_rows;
 use crate::report::optional;
 use crate::report::table::{Cell, Table};
 
-/// A result of a case for each car.
+/// A result of a load case, with a value for each car.
 struct Row {
     case: String,
     quantity: CarQuantity,
@@ -17,7 +17,7 @@ struct Row {
     values: Vec<Option<f64>>,
 }
 
-/// A figure or a coordinate that not all cars share.
+/// A parameter or a coordinate that differs between the cars.
 struct Change {
     name: String,
     unit: String,
@@ -32,7 +32,7 @@ pub struct CarComparison {
 }
 
 impl CarComparison {
-    /// The comparison of cars by the cases and results of the first. A car without a case or a result has empty cells.
+    /// Compares cars in the load cases and results of the first car. A car without one of them has empty cells.
     ///
     /// # Errors
     /// The reason in words, if lengths have different units.
@@ -74,7 +74,7 @@ impl CarComparison {
         })
     }
 
-    /// `comparison.csv`: a row for each result of each case, with differences from the first car.
+    /// `comparison.csv`: one row for each result of each case, with differences from the first car.
     pub fn csv(&self) -> Vec<u8> {
         let others = &self.labels[1..];
         let mut header = ["case", "output", "unit"].map(str::to_owned).to_vec();
@@ -93,7 +93,7 @@ impl CarComparison {
         csv_of_rows(std::iter::once(header).chain(rows))
     }
 
-    /// Wheel loads and results of the whole car that differ by more than rounding. `comparison.csv` has all results.
+    /// Table of wheel loads and results of the whole car that differ by more than rounding. `comparison.csv` has all results.
     pub fn table(&self) -> Table {
         let is_key = |row: &&Row| {
             matches!(
@@ -114,7 +114,7 @@ impl CarComparison {
         table
     }
 
-    /// Figures, rates and coordinates that differ.
+    /// Table of parameters, rates and coordinates that differ.
     pub fn changes_table(&self) -> Table {
         let head = ["changed", "unit"].map(str::to_owned);
         let mut table = Table::with_columns(head.into_iter().chain(self.labels.iter().cloned()));
@@ -129,7 +129,7 @@ impl CarComparison {
 }
 
 impl CarResults<'_> {
-    /// A result in the case of this name.
+    /// Value of a result in the case with this name.
     fn value(&self, case: &str, quantity: CarQuantity) -> Option<f64> {
         let number = self.study.cases.iter().position(|own| own.name == case)?;
         match &self.states[number] {
@@ -141,7 +141,7 @@ impl CarResults<'_> {
     }
 }
 
-/// Returns true if values differ by more than rounding in their unit.
+/// True if values differ by more than rounding in their unit.
 fn differ(values: &[Option<f64>], unit: &str) -> bool {
     let mut known = values.iter().flatten();
     let Some(first) = known.next() else {
@@ -151,7 +151,7 @@ fn differ(values: &[Option<f64>], unit: &str) -> bool {
     apart || values.iter().any(Option::is_none)
 }
 
-/// Figures, rates and coordinates of the first car that another car has differently.
+/// Parameters, rates and coordinates of the first car that differ in another car.
 fn changes(cars: &[&Car]) -> Vec<Change> {
     let rates = [0, 1].into_iter().flat_map(|axle| {
         let all = [

@@ -6,16 +6,16 @@ use crate::model::Axis;
 use crate::report::files::csv_of_rows;
 use crate::report::{optional, shortest};
 
-/// A CSV file with a header.
+/// Makes a CSV file with a header.
 pub(super) fn csv(header: &[String], rows: impl IntoIterator<Item = Vec<String>>) -> Vec<u8> {
     csv_of_rows(std::iter::once(header.to_vec()).chain(rows))
 }
 
-/// States over ax and ay.
+/// States over ax and ay (g-g map).
 pub struct GgResults {
-    /// `gg.csv`.
+    /// Content of `gg.csv`.
     pub csv: Vec<u8>,
-    /// The states as the page shows them.
+    /// States in the form for the page.
     pub map: CarMap,
     /// Number of states without equilibrium.
     pub failures: usize,
@@ -41,7 +41,7 @@ impl<'s> CarResults<'s> {
         }
     }
 
-    /// Reason and status of a state.
+    /// Reason and status of a state, as the last two cells of its row.
     pub(super) fn end(state: &CarState<'_>) -> [String; 2] {
         match state {
             CarState::Solved { .. } => [String::new(), "ok".to_owned()],
@@ -53,7 +53,7 @@ impl<'s> CarResults<'s> {
         self.study.frame().sign(Axis::Y) * case.racks[0]
     }
 
-    /// `cases.csv`.
+    /// Content of `cases.csv`.
     pub fn cases_csv(&self) -> Vec<u8> {
         let rack = format!("rack_{}", self.unit());
         let fixed = [
@@ -117,7 +117,7 @@ impl<'s> CarResults<'s> {
         csv(&header, rows)
     }
 
-    /// The states of the map, if the study asks for them. Each state starts from its neighbour.
+    /// States of the g-g map, if the study requests it. Each state starts from its neighbour.
     pub fn gg(&self, solver: &mut CarSolver<'s>) -> Option<GgResults> {
         let map = self.study.gg_map.as_ref()?;
         let mut shown = CarMap::of(&map.ax, &map.ay);

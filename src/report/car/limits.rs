@@ -1,24 +1,24 @@
-//! Lift limits of a car: `lift_limits.csv`, as a table.
+//! Lift limits of a car, as a table and as `lift_limits.csv`.
 
 use crate::car::{CarSolver, Case, Longitudinal, RayLimits};
 use crate::report::table::{Cell, Column, Table};
 use crate::report::{brief, figure};
 use crate::study::CarStudy;
 
-/// Limits along a direction or a case.
+/// Limits along a direction or for a load case.
 pub struct CarLimits {
-    /// Name of the case; empty for a direction.
+    /// Name of the load case. Empty for a direction.
     pub case: String,
-    /// Direction of the acceleration, degrees from forward to the left.
+    /// Direction of the acceleration, in degrees from forward to the left.
     pub degrees: f64,
-    /// Acceleration of 1 g along it: forward, left.
+    /// Acceleration of 1 g in this direction: forward and left components.
     way: [f64; 2],
-    /// Limits, or the missing key of the study.
+    /// Limits, or the name of the key that the study lacks.
     pub found: Result<RayLimits, &'static str>,
 }
 
 impl CarLimits {
-    /// Returns true if the car has an equilibrium without acceleration, so that there are limits.
+    /// True if the car has an equilibrium without acceleration, from which limits can be searched.
     pub fn has_start(&self) -> bool {
         self.found
             .as_ref()
@@ -44,7 +44,7 @@ impl CarLimits {
     }
 }
 
-/// Limits along eight directions and along each case that accelerates along the ground.
+/// Limits in eight directions, and in the direction of each case with a horizontal acceleration.
 pub fn car_limits(study: &CarStudy, solver: &mut CarSolver<'_>) -> Vec<CarLimits> {
     let rest = &study.cases[0];
     let directions = (0..8).map(|eighth| {
@@ -84,7 +84,7 @@ pub fn car_limits(study: &CarStudy, solver: &mut CarSolver<'_>) -> Vec<CarLimits
     limits
 }
 
-/// The limits, a row for each direction and case.
+/// Table of the limits, one row for each direction and case.
 pub fn lift_limits_table(limits: &[CarLimits]) -> Table {
     let columns = [
         Column::from("case"),

@@ -1,4 +1,4 @@
-//! Results of a car: files, tables, and the studies of a tuned car.
+//! Results of a car: files, tables, and the studies after a tuning.
 
 mod comparison;
 mod files;
@@ -25,29 +25,29 @@ use crate::car::{
 };
 use crate::study::CarStudy;
 
-/// The state of a case, or the reason for its absence.
+/// State of a load case, or the reason why there is none.
 pub enum CarState<'s> {
-    /// Solved.
+    /// The case has an equilibrium.
     Solved {
-        /// The state.
+        /// Equilibrium of the case.
         found: Box<Equilibrium>,
-        /// The state with its derivatives.
+        /// Equilibrium with its derivatives.
         solved: Box<Solved<'s, f64>>,
     },
-    /// Not solved.
+    /// The case has no equilibrium.
     Failed(NoEquilibrium),
 }
 
-/// States of all cases of a study.
+/// States of all load cases of a study.
 pub struct CarResults<'s> {
     study: &'s CarStudy,
-    /// The states, in the order of the cases.
+    /// States in the order of the cases.
     pub states: Vec<CarState<'s>>,
-    /// For each case, the forces in the members; empty if unknown or not requested.
+    /// Forces in the members for each case. Empty if unknown or not requested.
     members: Vec<Vec<f64>>,
 }
 
-/// Solves a case with its derivatives, from a neighbouring state if there is one.
+/// Solves a load case with its derivatives, starting from a neighbouring state if there is one.
 fn state<'s>(
     solver: &mut CarSolver<'s>,
     case: &Case,
@@ -65,14 +65,14 @@ fn state<'s>(
     solved.unwrap_or_else(CarState::Failed)
 }
 
-/// Names of lifted wheels, parted by blanks.
+/// Names of lifted wheels, separated by blanks.
 fn lifted_wheels(lifted: &[bool; 4]) -> String {
     let names = WheelPlace::ALL.into_iter().filter(|place| lifted[place.0]);
     names.map(WheelPlace::name).collect::<Vec<_>>().join(" ")
 }
 
 impl<'s> CarResults<'s> {
-    /// Solves the first `count` cases.
+    /// Solves the first `count` load cases.
     pub fn solve(study: &'s CarStudy, solver: &mut CarSolver<'s>, count: usize) -> Self {
         let cases = study.cases.iter().take(count);
         let mut members = Vec::new();
@@ -149,7 +149,7 @@ impl<'s> CarResults<'s> {
         self.study.car.length_unit.symbol()
     }
 
-    /// The cases that were not solved, with reasons.
+    /// Load cases that were not solved, with reasons.
     pub fn failures(&self) -> Vec<String> {
         let cases = self.study.cases.iter().zip(&self.states);
         cases
@@ -162,12 +162,12 @@ impl<'s> CarResults<'s> {
             .collect()
     }
 
-    /// Returns true if every case is solved.
+    /// True if every load case is solved.
     pub fn is_complete(&self) -> bool {
         self.failures().is_empty()
     }
 
-    /// Warnings on solved cases.
+    /// Warnings about solved load cases.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         for (case, state) in self.study.cases.iter().zip(&self.states) {

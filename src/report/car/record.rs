@@ -1,4 +1,4 @@
-//! `report.json` of a car: the data of its page.
+//! `report.json` of a car: data for its page.
 
 use super::{CarResults, CarState, lifted_wheels};
 use crate::SideEffect;
@@ -9,19 +9,19 @@ use crate::car::{
 use crate::report::scene::Scene;
 use serde::{Deserialize, Serialize};
 
-/// The form of the record. A reader takes no other.
+/// Version of the record's format. A reader accepts no other version.
 pub(in crate::report) const FORM: u32 = 1;
 
-/// The data of the page of a car.
+/// Data for the page of a car.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CarRecord {
-    /// `FORM`.
+    /// Equal to `FORM`.
     pub form: u32,
     /// Version of the program.
     pub version: String,
-    /// Command of the run.
+    /// Command that made the run.
     pub command: String,
-    /// `car`, which tells this record from those of suspensions.
+    /// `car`. It distinguishes this record from records of suspensions.
     pub kind: String,
     /// Name of the study.
     pub study: String,
@@ -34,20 +34,20 @@ pub struct CarRecord {
     pub elastic_tyres: bool,
     /// Warnings and notes.
     pub remarks: Vec<String>,
-    /// Key values at rest.
+    /// Key values in the static position.
     pub facts: Vec<CarFact>,
-    /// The cases, the one at rest first.
+    /// Load cases, the static one first.
     pub cases: Vec<CarCase>,
-    /// States over ax and ay.
+    /// States over ax and ay (g-g map).
     pub map: Option<CarMap>,
-    /// Targets of a tuning.
+    /// Targets of a tuning, with values before and after.
     pub targets: Vec<CarTargetRecord>,
-    /// Changes of a tuning that no target asks for.
+    /// Changes by a tuning that no target asks for.
     #[serde(default)]
     pub side_effects: Vec<SideEffect>,
-    /// Parts of the front and of the rear axle.
+    /// Drawn parts of the front and of the rear axle.
     pub scenes: [Scene; 2],
-    /// Names of the run's files.
+    /// Names of the files of the run.
     pub files: Vec<String>,
 }
 
@@ -56,44 +56,44 @@ fn newtons() -> String {
     "N".to_owned()
 }
 
-/// A key value.
+/// A key value of the car.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CarFact {
     /// Name of the result.
     pub name: String,
-    /// Value, as printed.
+    /// Printed value.
     pub value: f64,
     /// Unit.
     pub unit: String,
 }
 
-/// A case with its state.
+/// A load case with its state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CarCase {
-    /// Name.
+    /// Name of the case.
     pub name: String,
-    /// Acceleration forward, g.
+    /// Forward acceleration, g.
     pub ax: f64,
     /// Acceleration to the left, g.
     pub ay: f64,
     /// Reason why there is no state.
     pub reason: Option<String>,
-    /// The state.
+    /// State of the car, if there is one.
     pub state: Option<CarStateRecord>,
 }
 
-/// A state, as printed.
+/// State of the car, as printed numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CarStateRecord {
     /// Roll and pitch, degrees.
     pub attitude: [f64; 2],
     /// Loads of the wheels: front left, front right, rear left, rear right.
     pub loads: [f64; 4],
-    /// Camber to the road of each wheel, degrees.
+    /// Camber of each wheel relative to the road, degrees.
     pub camber: [f64; 4],
-    /// Lifted wheels.
+    /// True for each lifted wheel.
     pub lifted: [bool; 4],
-    /// For each axle the elastic, geometric, longitudinal and unsprung part of its lateral load transfer.
+    /// Lateral load transfer of each axle: elastic, geometric, longitudinal and unsprung part.
     pub transfer: [[f64; 4]; 2],
     /// Share of the front axle in the lateral load transfer, percent.
     pub front_share: Option<f64>,
@@ -101,9 +101,9 @@ pub struct CarStateRecord {
     pub roll_axis: [Option<f64>; 2],
     /// Height of the kinematic roll centre of each axle.
     pub roll_centre: [Option<f64>; 2],
-    /// Points of both axles over the ground: forward, left, up.
+    /// Points of both axles above the ground: forward, left, up.
     pub points: [Vec<[f64; 3]>; 2],
-    /// Lowest points of the wheels.
+    /// Lowest point of each wheel.
     pub contacts: [[f64; 3]; 4],
     /// Wheel centres.
     pub centres: [[f64; 3]; 4],
@@ -111,14 +111,14 @@ pub struct CarStateRecord {
     pub sprung_cg: [f64; 3],
 }
 
-/// States over ax and ay; ay runs fastest.
+/// States over ax and ay. ay varies fastest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CarMap {
-    /// Accelerations forward, g.
+    /// Forward accelerations, g.
     pub ax: Vec<f64>,
     /// Accelerations to the left, g.
     pub ay: Vec<f64>,
-    /// Largest friction demand of a wheel; `None` without an equilibrium.
+    /// Largest friction demand among the wheels. `None` without an equilibrium.
     pub friction: Vec<Option<f64>>,
     /// Number of lifted wheels in each state.
     pub lifted: Vec<usize>,
@@ -127,13 +127,13 @@ pub struct CarMap {
 /// A target with its values before and after the tuning.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CarTargetRecord {
-    /// Result with unit.
+    /// Name of the result, with unit.
     pub output: String,
-    /// Name of the case.
+    /// Name of the load case.
     pub case: String,
-    /// Lowest and highest wanted value; none without a limit.
+    /// Lowest and highest target value. `None` without a limit.
     pub wanted: [Option<f64>; 2],
-    /// Deviation that counts as one.
+    /// Tolerance of the target.
     pub tolerance: f64,
     /// Values before and after.
     pub values: [Option<f64>; 2],
@@ -144,20 +144,20 @@ pub struct CarTargetRecord {
 /// A constraint of a tuning.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CarConstraintRecord {
-    /// Name.
+    /// Name of the constraint.
     pub name: String,
-    /// The case, or the axle by itself.
+    /// Load case, or the axle if the constraint applies to an axle alone.
     pub place: String,
-    /// Lowest and highest value; none without a limit, and for an axle by itself.
+    /// Lowest and highest value. `None` without a limit, and for a constraint of an axle alone.
     pub limits: [Option<f64>; 2],
     /// Unit of limits and margins.
     pub unit: String,
-    /// Margins to the nearer limit before and after; negative if it is violated.
+    /// Margins to the nearer limit before and after. Negative if the constraint is violated.
     pub margins: [Option<f64>; 2],
 }
 
 impl<'s> CarResults<'s> {
-    /// The record of a run.
+    /// Makes the record of a run.
     pub fn record(
         &self,
         command: &str,
@@ -202,7 +202,7 @@ impl<'s> CarResults<'s> {
         }
     }
 
-    /// Key values at rest.
+    /// Key values in the static position.
     fn facts(&self) -> Vec<CarFact> {
         let (Some(CarState::Solved { solved, .. }), Some(case)) =
             (self.states.first(), self.study.cases.first())
@@ -269,7 +269,7 @@ impl<'s> CarResults<'s> {
 }
 
 impl CarMap {
-    /// A map without states.
+    /// Makes a map without states.
     pub(super) fn of(ax: &[f64], ay: &[f64]) -> Self {
         CarMap {
             ax: ax.to_vec(),
@@ -299,20 +299,20 @@ impl CarMap {
 }
 
 impl CarStateRecord {
-    /// Names of lifted wheels, parted by blanks.
+    /// Names of lifted wheels, separated by blanks.
     pub fn lifted_in_words(&self) -> String {
         lifted_wheels(&self.lifted)
     }
 }
 
 impl CarTargetRecord {
-    /// Returns true if the deviation is within the tolerance.
+    /// True if the deviation is within the tolerance.
     pub fn is_met(&self) -> bool {
         self.deviation
             .is_some_and(|deviation| deviation.abs() <= 1.0)
     }
 
-    /// The unit in the result's name.
+    /// Unit in the result's name.
     pub fn unit(&self) -> &'static str {
         let ends = ["deg_per_g", "percent", "deg", "N", "lbf", "mm", "in"];
         let found = ends.into_iter().find(|unit| {

@@ -9,7 +9,7 @@ use crate::model::{Axis, PointId};
 use crate::report::optional;
 
 impl<'s> CarResults<'s> {
-    /// `sensitivities.csv`, if the study asks for it: derivatives of the results by hardpoints and parameters.
+    /// Content of `sensitivities.csv`, if the study requests it: derivatives of the results by hardpoints and parameters.
     pub fn sensitivities_csv(&self, solver: &mut CarSolver<'s>) -> Option<Vec<u8>> {
         if !self.study.sensitivities {
             return None;

@@ -5,7 +5,7 @@ use crate::number::Vector3;
 use crate::report::shortest;
 use crate::study::{CarStudy, edited};
 
-/// The text of a car's study that names other files of axles.
+/// Text of a car's study with other file names for its axles.
 pub fn car_with_axles(text: &str, front: &str, rear: &str) -> String {
     edited(
         text,
@@ -13,7 +13,7 @@ pub fn car_with_axles(text: &str, front: &str, rear: &str) -> String {
     )
 }
 
-/// Edits of the three studies that move rates and figures of the car to values of variables. Hardpoints are not among them.
+/// Edits of the three studies that set rates and other values of the car to those of the variables. They do not move hardpoints.
 struct Edits {
     of_car: Vec<String>,
     of_axles: [Vec<String>; 2],
@@ -53,7 +53,7 @@ impl Edits {
     }
 }
 
-/// The studies of a tuned car: of the car, of its front and of its rear axle.
+/// Texts of a tuned car's studies: the car, its front axle and its rear axle.
 pub fn optimised_car(study: &CarStudy, car: &Car, x: &[f64]) -> [String; 3] {
     let variables = study.optimise.iter().flat_map(|wanted| &wanted.variables);
     let variables: Vec<CarVariable> = variables.cloned().collect();
@@ -66,7 +66,7 @@ pub fn optimised_car(study: &CarStudy, car: &Car, x: &[f64]) -> [String; 3] {
     [edited(&text, &edits.of_car), axle(0), axle(1)]
 }
 
-/// Values of `--set` that turn a study into the car of these values of variables.
+/// Values of `--set` that change a study to the car with these values of the variables.
 pub fn settings_of_car(
     study: &CarStudy,
     car: &Car,
@@ -101,7 +101,7 @@ pub fn settings_of_car(
     settings
 }
 
-/// The edit that writes a wheelbase where the study gives it: as such, or as the rear study's offset.
+/// Edit that writes a wheelbase where the study gives it: as `wheelbase`, or as the offset of the rear study.
 fn wheelbase_edit(text: &str, wheelbase: f64, offset: Vector3<f64>) -> String {
     let gives_offset = |line: &str| line.trim_start().starts_with("rear_offset");
     match text.lines().any(gives_offset) {

@@ -1,4 +1,4 @@
-//! Tables of a car for the terminal: cases, and the static position.
+//! Tables of a car for the terminal: load cases and static position.
 
 use super::{CarResults, CarState};
 use crate::car::{CarQuantity, WheelPlace, WheelResult, WholeResult};
@@ -6,7 +6,7 @@ use crate::report::figure;
 use crate::report::table::{Cell, Table};
 
 impl CarResults<'_> {
-    /// Key results of every case for the terminal.
+    /// Table of the key results of every load case.
     pub fn summary_table(&self) -> Table {
         let unit = self.unit();
         let force = self.study.car.length_unit.force_symbol();
@@ -54,7 +54,7 @@ impl CarResults<'_> {
         table
     }
 
-    /// The static position for the terminal.
+    /// Table of the static position.
     pub fn static_table(&self) -> Table {
         let mut table = Table::new(["quantity", "value", "unit"]);
         let (Some(CarState::Solved { solved, .. }), Some(case)) =

@@ -1,4 +1,4 @@
-//! Scatter of a car: `tolerance.csv`, `contributors.csv`, `summary.json`, tables.
+//! Scatter of a car: `tolerance.csv`, `contributors.csv`, `summary.json` and tables.
 
 use crate::report::files::csv_of_rows;
 use crate::report::optional;
@@ -8,14 +8,14 @@ use crate::report::tolerance_summary::percent;
 use crate::tolerance::{CarBuilds, CarExpansion, CarProblem, PERCENTILES};
 use serde::Serialize;
 
-/// The results of `hardpoint tolerance` of a car.
+/// Results of `hardpoint tolerance` for a car.
 #[derive(Clone, Debug, Serialize)]
 pub struct CarToleranceSummary {
     command: &'static str,
     study: String,
     builds: u64,
     seed: u32,
-    /// Builds that cannot be assembled or solved in every case.
+    /// Number of builds that cannot be assembled, or have no equilibrium in some load case.
     failed: u64,
     first_failed: Option<u64>,
     reason: Option<String>,
@@ -25,7 +25,7 @@ pub struct CarToleranceSummary {
     yield_of_all: Option<f64>,
 }
 
-/// Scatter of a result of a case, as printed.
+/// Scatter of a result in a load case, as printed numbers.
 #[derive(Clone, Debug, Serialize)]
 struct CarValue {
     output: String,
@@ -49,7 +49,7 @@ struct CarValue {
     has_band: bool,
 }
 
-/// A band and its yield.
+/// A band with its yield.
 #[derive(Clone, Debug, Serialize)]
 struct CarBandRecord {
     output: String,
@@ -64,7 +64,7 @@ fn finite(value: f64) -> Option<f64> {
 }
 
 impl CarToleranceSummary {
-    /// Summary of the first-order answer and of the builds.
+    /// Summarises the first-order estimate and the builds.
     pub fn of(
         problem: &CarProblem<'_>,
         nominal: &[f64],
@@ -134,7 +134,7 @@ impl CarToleranceSummary {
         }
     }
 
-    /// One line on the run.
+    /// Line that describes the run.
     pub fn headline(&self) -> String {
         let mut line = counted(self.builds, "build");
         if let Some(kept) = self.yield_of_all {
@@ -143,7 +143,7 @@ impl CarToleranceSummary {
         line
     }
 
-    /// Sentence on builds that failed.
+    /// Sentence about failed builds.
     pub fn failure(&self) -> Option<String> {
         let (first, reason) = (self.first_failed?, self.reason.as_ref()?);
         let builds = counted(self.failed, "build");
@@ -152,7 +152,7 @@ impl CarToleranceSummary {
         ))
     }
 
-    /// The values that bands are about; without bands all that scatter.
+    /// Table of the values that have bands. Without bands, of all values that scatter.
     pub fn values_table(&self) -> Table {
         let numbers = ["mean", "sigma", "linear", "p5", "p95", "linear holds"].map(Column::from);
         let head = [
@@ -191,7 +191,7 @@ impl CarToleranceSummary {
         table
     }
 
-    /// The bands and their yields.
+    /// Table of the bands with their yields.
     pub fn bands_table(&self) -> Table {
         let mut table = Table::new(["output", "case", "at least", "at most", "yield"]);
         for band in &self.bands {
@@ -211,7 +211,8 @@ impl CarToleranceSummary {
         table
     }
 
-    /// Contributors by their largest share of the variance of a value: of those with bands, if there are any.
+    /// Table of contributors, ranked by their largest share in the variance of a value. Only values with bands count, if there
+    /// are any.
     pub fn ranking_table(&self) -> Table {
         let has_bands = !self.bands.is_empty();
         let values = || {
@@ -238,7 +239,7 @@ impl CarToleranceSummary {
         table
     }
 
-    /// `tolerance.csv`: a row for each result of each case.
+    /// Content of `tolerance.csv`: one row for each result of each load case.
     pub fn csv(&self) -> Vec<u8> {
         let columns = [
             "output",
@@ -269,7 +270,7 @@ impl CarToleranceSummary {
         csv_of_rows(std::iter::once(header).chain(rows))
     }
 
-    /// `contributors.csv`: share of each contributor in the first-order variance of each result.
+    /// Content of `contributors.csv`: share of each contributor in the first-order variance of each result.
     pub fn contributors_csv(&self) -> Vec<u8> {
         let header = ["output", "case", "contributor", "share"].map(str::to_owned);
         let rows = self.values.iter().flat_map(|v| {

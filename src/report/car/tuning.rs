@@ -1,4 +1,4 @@
-//! Targets, constraints and variables of a tuned car, for the terminal and for programs.
+//! Targets, constraints and variables of a tuned car, for people and for programs.
 
 use super::record::{CarConstraintRecord, CarTargetRecord};
 use super::{CarResults, CarState};
@@ -8,7 +8,7 @@ use crate::report::table::{Cell, Table};
 use crate::study::{CarOptimise, CarStudy};
 use serde_json::{Value, json};
 
-/// The wanted value or band, for the terminal.
+/// Table cell with the target value or band.
 fn wanted_cell(wanted: [Option<f64>; 2], unit: &str) -> Cell {
     match wanted {
         [Some(low), Some(high)] if low == high => Cell::figure(low, unit),
@@ -21,7 +21,7 @@ fn wanted_cell(wanted: [Option<f64>; 2], unit: &str) -> Cell {
     }
 }
 
-/// Targets with their values for the terminal.
+/// Table of the targets with their values, for people.
 pub fn car_targets_table(records: &[CarTargetRecord]) -> Table {
     let mut table = Table::new(["target", "case", "wanted", "before", "after", "tolerance"]);
     for target in records {
@@ -40,7 +40,7 @@ pub fn car_targets_table(records: &[CarTargetRecord]) -> Table {
     table
 }
 
-/// Targets with their values for programs.
+/// Targets with their values, for programs.
 pub fn car_targets_json(records: &[CarTargetRecord]) -> Value {
     let targets = records.iter().map(|target| {
         json!({
@@ -48,7 +48,7 @@ pub fn car_targets_json(records: &[CarTargetRecord]) -> Value {
             "case": target.case,
             "wanted": match target.wanted {
                 [Some(low), Some(high)] if low == high => json!(low),
-                // A side without a limit is null.
+                // A side without a limit becomes null.
                 limits => json!(limits),
             },
             "tolerance": target.tolerance,
@@ -58,7 +58,7 @@ pub fn car_targets_json(records: &[CarTargetRecord]) -> Value {
     targets.collect()
 }
 
-/// Constraints with their margins for the terminal; `None` without any.
+/// Table of the constraints with their margins, for people. `None` without constraints.
 pub fn car_constraints_table(records: &[CarConstraintRecord]) -> Option<Table> {
     if records.is_empty() {
         return None;
@@ -92,7 +92,7 @@ impl CarResults<'_> {
         }
     }
 
-    /// The targets of a tuning, with `before` the results of the study's own car and `x` the values of the variables.
+    /// Targets of a tuning. `before` has the results of the study's own car; `x` has the values of the variables.
     pub fn target_records(
         &self,
         wanted: &CarOptimise,
@@ -128,7 +128,7 @@ impl CarResults<'_> {
                     wanted: [None, Some(tolerance)],
                     tolerance,
                     values: rms.map(|rms| Some(rms? * tolerance)),
-                    // As in reports of an axle: the largest deviation decides.
+                    // As in reports of an axle, the largest deviation decides.
                     deviation: outcomes[1]
                         .as_ref()
                         .map(|found| found.targets[number].worst),
@@ -138,7 +138,7 @@ impl CarResults<'_> {
         records
     }
 
-    /// The constraints of a tuning, as [`CarResults::target_records`].
+    /// Constraints of a tuning. The arguments are those of [`CarResults::target_records`].
     pub fn constraint_records(
         &self,
         wanted: &CarOptimise,
@@ -182,7 +182,7 @@ impl CarResults<'_> {
         records
     }
 
-    /// Variables for the terminal; offsets of hardpoints, values of the rest.
+    /// Table of the variables, for people: offsets of hardpoints, and values of all other variables.
     pub fn variables_table(&self, before: &CarStudy, x: &[f64]) -> Table {
         let mut table = Table::new(["variable", "lowest", "highest", "before", "after"]);
         for (variable, value) in before.optimise.iter().flat_map(|o| &o.variables).zip(x) {
@@ -215,10 +215,10 @@ impl CarResults<'_> {
     }
 }
 
-/// Number, name and goals of an axle by itself, with its outcome before and after a tuning.
+/// Goals of one axle alone: index and name of the axle, its goals, and their outcome before and after a tuning.
 type Rig<'s> = (usize, &'static str, &'s RigGoals, [Option<RigOutcome>; 2]);
 
-/// The axles with goals of their own, in the design of the study and with the variables at `x`.
+/// Axles with their own goals, in the design of the study and with the variables at `x`.
 fn rigs<'s>(study: &CarStudy, wanted: &'s CarOptimise, x: &[f64]) -> Vec<Rig<'s>> {
     let mut found = Vec::new();
     let start = vec![0.0; x.len()];
@@ -226,7 +226,7 @@ fn rigs<'s>(study: &CarStudy, wanted: &'s CarOptimise, x: &[f64]) -> Vec<Rig<'s>
         let Some(goals) = &wanted.rigs[end] else {
             continue;
         };
-        // Offsets of hardpoints are 0 in the study's design.
+        // In the study's design, the offsets of hardpoints are 0.
         let outcomes = [start.as_slice(), x].map(|x| {
             let outcome = goals.outcome(&study.axles[end].vehicle, x);
             outcome.ok()

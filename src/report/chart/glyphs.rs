@@ -1,17 +1,17 @@
 //! Outlines of the letters of a TrueType font, as commands of an SVG path.
 //!
-//! A table directory lists the tables of a font (OpenType specification 1.9.1, chapters otff, cmap, head, hhea, hmtx, loca, glyf):
-//! `cmap` maps characters to glyphs, `hmtx` has advance widths, `loca` the places of outlines in `glyf`. An outline is some
-//! closed contours of points on and off the curve, or other glyphs, moved and scaled. Between two points off the curve
-//! lies one on it, halfway:
+//! A table directory lists the tables of a font (OpenType specification 1.9.1, chapters otff, cmap, head, hhea, hmtx, loca,
+//! glyf): `cmap` maps characters to glyphs, `hmtx` has advance widths, `loca` the positions of outlines in `glyf`. An outline
+//! consists of closed contours, or of other glyphs that are moved and scaled. A contour has points on and off the curve. Between
+//! two points off the curve there is an implied point on the curve, halfway:
 //!
 //! ```text
 //! p = (a + b) / 2                                                                       (1)
 //! ```
 //!
-//! Hinting, kerning and variations are left out: a picture needs none.
+//! Hinting, kerning and variations are left out, because a picture does not need them.
 
-/// Deepest nesting of glyphs in glyphs.
+/// Deepest nesting of composite glyphs.
 const DEEPEST: usize = 8;
 
 /// A TrueType font.
@@ -21,28 +21,28 @@ pub(in crate::report) struct Font<'a> {
     advances: Bytes<'a>,
     places: Bytes<'a>,
     outlines: Bytes<'a>,
-    /// Units of the font in the size of a letter.
+    /// Font units per em.
     pub(in crate::report) units_per_em: u16,
-    /// Number of glyphs with an advance width of their own.
+    /// Number of glyphs with their own advance width.
     widths: usize,
     has_long_places: bool,
 }
 
-/// A command of a path, with its points in the font's units, y up.
+/// A command of a path. Points are in the font's units, y up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::report) enum Command {
     /// Begins a contour.
     Move([f32; 2]),
     /// Draws a straight line.
     Line([f32; 2]),
-    /// Draws a parabola with this control point to an end.
+    /// Draws a parabola: first its control point, then its end.
     Curve([f32; 2], [f32; 2]),
     /// Closes the contour.
     Close,
 }
 
 impl<'a> Font<'a> {
-    /// Reads the tables of a font; `None` if one is missing, or the font has no map of Unicode characters.
+    /// Reads the tables of a font. `None` if one is missing, or if the font has no map of Unicode characters.
     pub(in crate::report) fn new(data: &'a [u8]) -> Option<Self> {
         let data = Bytes(data);
         let head = table(data, b"head")?;
@@ -57,13 +57,13 @@ impl<'a> Font<'a> {
         })
     }
 
-    /// The glyph of a character: 0, a box, if the font lacks it. `characters` has segments of successive characters with
-    /// successive glyphs (format 12).
+    /// Glyph of a character. Returns 0, a box, if the font does not have the character. `characters` has segments of consecutive
+    /// characters with consecutive glyphs (format 12).
     pub(in crate::report) fn glyph(&self, character: char) -> u16 {
         let (map, code) = (self.characters, u32::from(character));
         let find = || {
             let (mut first, mut last) = (0, map.u32(12)? as usize);
-            // Segments are in order.
+            // The segments are sorted.
             while first < last {
                 let middle = first.midpoint(last);
                 let [start, end, glyph] = [0, 4, 8].map(|k| map.u32(16 + 12 * middle + k));
@@ -80,14 +80,14 @@ impl<'a> Font<'a> {
         find().unwrap_or(0)
     }
 
-    /// Distance from the start of a letter to that of the next.
+    /// Distance from the start of a letter to the start of the next one.
     pub(in crate::report) fn advance(&self, glyph: u16) -> u16 {
-        // The last width holds for all further glyphs.
+        // The last width applies to all further glyphs.
         let place = usize::from(glyph).min(self.widths.saturating_sub(1));
         self.advances.u16(4 * place).unwrap_or(0)
     }
 
-    /// Draws the outline of a glyph: nothing for a space, or where the font is broken.
+    /// Draws the outline of a glyph. Draws nothing for a space, or if the font is damaged.
     pub(in crate::report) fn draw(&self, glyph: u16, draw: &mut impl FnMut(Command)) {
         let _ = self.draw_moved(glyph, &Placement::HERE, DEEPEST, draw);
     }
@@ -116,7 +116,7 @@ impl<'a> Font<'a> {
         }
     }
 
-    /// Draws a glyph that is made of others.
+    /// Draws a glyph that consists of other glyphs.
     fn draw_parts(
         &self,
         outline: Bytes,
@@ -145,7 +145,7 @@ impl<'a> Font<'a> {
             if flags & OFFSETS == 0 {
                 part.offset = [0.0; 2];
             }
-            // Sixteen bits, fourteen of them after the point.
+            // A 16-bit number with 14 fractional bits.
             let mut scale = || {
                 let value = f32::from(outline.i16(at)?) / 16384.0;
                 at += 2;
@@ -167,7 +167,7 @@ impl<'a> Font<'a> {
     }
 }
 
-/// A glyph's place in another: `columns [x y]^T + offset`.
+/// Position of a glyph inside another one: `columns [x y]^T + offset`.
 struct Placement {
     columns: [[f32; 2]; 2],
     offset: [f32; 2],
@@ -189,7 +189,7 @@ impl Placement {
         [x + self.offset[0], y + self.offset[1]]
     }
 
-    /// The place of what lies at `inner` in a glyph that lies here.
+    /// Combines two placements: `inner` inside a glyph that has this placement.
     fn after(&self, inner: &Placement) -> Placement {
         Placement {
             columns: inner.columns.map(|column| self.turn(column)),
@@ -241,8 +241,9 @@ fn contour_points(
     Some(())
 }
 
-/// Coordinates of one axis, written as differences: of a byte where the flag `short` is set, with its sign by
-/// `same`, else of two bytes, or none where `same` says that the coordinate is that of the point before.
+/// Reads the coordinates of one axis, which are stored as differences. With the flag `short`, a difference has one byte and the
+/// flag `same` gives its sign. Without `short`, it has two bytes, or no byte if `same` states that the coordinate does not
+/// change.
 fn coordinates(
     outline: Bytes,
     at: &mut usize,
@@ -271,12 +272,13 @@ fn coordinates(
     values.collect()
 }
 
-/// Draws a contour from points with a flag each: on the curve or not. Equation (1) gives the points between.
+/// Draws a contour from its points. The flag of a point is true if the point is on the curve. Equation (1) gives the implied
+/// points.
 fn draw_contour(points: &[([f32; 2], bool)], draw: &mut impl FnMut(Command)) {
     let Some((first, others)) = points.split_first() else {
         return;
     };
-    // A contour begins on the curve: at its first point, else at its second, else between them.
+    // A contour begins on the curve: at its first point, else at its second point, else halfway between both.
     let (start, others, last) = match (first, others) {
         ((start, true), _) => (*start, others, None),
         (_, []) => return,
@@ -302,7 +304,7 @@ fn halfway(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
     [0, 1].map(|k| a[k] + 0.5 * (b[k] - a[k]))
 }
 
-/// The table with this name.
+/// Table with this name.
 fn table<'a>(data: Bytes<'a>, name: &[u8; 4]) -> Option<Bytes<'a>> {
     let tables = usize::from(data.u16(4)?);
     let mut records = (0..tables).map(|k| 12 + 16 * k);
@@ -314,7 +316,7 @@ fn table<'a>(data: Bytes<'a>, name: &[u8; 4]) -> Option<Bytes<'a>> {
     Some(Bytes(data.0.get(start..start.checked_add(length)?)?))
 }
 
-/// The map of all Unicode characters (format 12) in a `cmap` table.
+/// Map of all Unicode characters (format 12) in a `cmap` table.
 fn unicode_map(table: Bytes) -> Option<Bytes> {
     let maps = usize::from(table.u16(2)?);
     let starts = (0..maps).filter_map(|k| table.u32(8 + 8 * k));
@@ -322,7 +324,7 @@ fn unicode_map(table: Bytes) -> Option<Bytes> {
     found.find(|map| map.u16(0) == Some(12))
 }
 
-/// Bytes of a font: numbers in them are big-endian.
+/// Bytes of a font. Their numbers are big-endian.
 #[derive(Clone, Copy)]
 struct Bytes<'a>(&'a [u8]);
 
@@ -356,9 +358,8 @@ mod tests {
         Font::new(dejavu::sans::regular()).unwrap()
     }
 
-    /// The font says beside the points of every glyph how far its outline reaches, in whole units: so far the curves of
-    /// Latin and Greek letters that are not made of others reach, to less than a unit. (Of 47 rarer glyphs the font says
-    /// it wrong by up to 19 units.)
+    /// For every glyph the font stores the extent of its outline, in integer units. The curves of Latin and Greek letters that
+    /// are not composite agree with it to less than a unit. (For 47 rarer glyphs the stored extent is wrong by up to 19 units.)
     #[test]
     fn outlines_reach_as_far_as_the_font_says() {
         let (font, mut outlines) = (font(), 0);
@@ -384,7 +385,7 @@ mod tests {
                     at = p;
                 }
                 Command::Curve(control, p) => {
-                    // Where a coordinate of the parabola turns round, between its ends.
+                    // Position between the ends where a coordinate of the parabola has its extreme value.
                     let (a, b, c) = (at, control, p);
                     let place = |t: f32, k: usize| {
                         let u = 1.0 - t;
@@ -410,7 +411,7 @@ mod tests {
         assert!(outlines > 400, "{outlines}");
     }
 
-    /// A letter with an accent is the letter and the accent, moved; a character without a glyph is the box.
+    /// A letter with an accent consists of the letter and the moved accent. A character without a glyph is the box.
     #[test]
     fn letters_are_made_of_others_and_missing_ones_are_boxes() {
         let font = font();
@@ -431,7 +432,7 @@ mod tests {
         assert!(commands(' ').is_empty() && font.advance(font.glyph(' ')) > 0);
     }
 
-    /// A font that is cut off anywhere draws less, and does not panic.
+    /// A truncated font draws fewer outlines, and never panics.
     #[test]
     fn a_broken_font_draws_less() {
         let whole = dejavu::sans::regular();

@@ -1,4 +1,4 @@
-//! Labels at the ends of curves: short, told apart, none upon another.
+//! Labels at the ends of curves: short, distinct, and without overlaps.
 
 use super::layout::EndLabel;
 use super::{Line, Scale};
@@ -8,7 +8,7 @@ const LONGEST: usize = 14;
 /// Height of a label.
 pub(super) const LABEL: f64 = 13.0;
 
-/// A text of at most `longest` letters.
+/// Shortens a text to at most `longest` letters.
 pub(in crate::report) fn shortened(label: &str, longest: usize) -> String {
     match label.chars().count() > longest {
         true => label.chars().take(longest - 1).chain(['…']).collect(),
@@ -16,7 +16,7 @@ pub(in crate::report) fn shortened(label: &str, longest: usize) -> String {
     }
 }
 
-/// Labels of lines, shortened.
+/// Shortened labels of lines.
 pub(super) fn short_labels(lines: &[Line]) -> Vec<Option<String>> {
     let own = lines.iter().filter_map(|line| line.label.as_deref());
     let own: Vec<&str> = own.collect();
@@ -25,7 +25,7 @@ pub(super) fn short_labels(lines: &[Line]) -> Vec<Option<String>> {
     lines.iter().map(of_line).collect()
 }
 
-/// Names of at most [`LONGEST`] letters. Names that would become equal lose the words that they begin with.
+/// Shortens names to at most [`LONGEST`] letters. Names that would become equal lose the words with which they begin.
 pub(in crate::report) fn told_apart(names: &[&str]) -> Vec<String> {
     let clash = names.iter().enumerate().any(|(k, a)| {
         let mut before = names[..k].iter();
@@ -48,8 +48,8 @@ pub(in crate::report) fn told_apart(names: &[&str]) -> Vec<String> {
     names.iter().map(short).collect()
 }
 
-/// Labels beside the ends of curves, none upon another. If there is no room for all, the curves that are neither
-/// first, last nor strong go without.
+/// Labels beside the ends of curves, without overlaps. If there is not enough space, only the first, the last and the strong
+/// curves have labels.
 pub(super) fn end_labels(
     lines: &[Line],
     texts: Vec<Option<String>>,
@@ -101,7 +101,7 @@ pub(super) fn end_labels(
 mod tests {
     use super::*;
 
-    /// Names that differ at their ends are told apart in 14 letters; names that differ at once keep their beginning.
+    /// Names that differ only at their ends still differ within 14 letters. Names that differ at their beginning keep it.
     #[test]
     fn short_labels_differ_where_names_do() {
         let alike = ["double_wishbone_solve", "double_wishbone_rocker"];
@@ -109,7 +109,7 @@ mod tests {
         let apart = ["double_wishbone_solve", "macpherson_solve"];
         assert_eq!(told_apart(&apart), ["double_wishbo…", "macpherson_so…"]);
         assert_eq!(told_apart(&["left", "right"]), ["left", "right"]);
-        // The same name twice is one curve in pieces.
+        // Two equal names belong to one curve in pieces.
         assert_eq!(
             told_apart(&["a name of many letters"; 2]),
             ["a name of man…"; 2]

@@ -1,4 +1,4 @@
-//! Places of everything in a chart, as SVG and as data.
+//! Computes the positions of all elements of a chart, and writes the chart as SVG and as data.
 
 use super::labels::{end_labels, short_labels};
 use super::lettering::{Anchor, Lettering, Words};
@@ -11,19 +11,19 @@ use std::fmt::Write;
 
 /// Width and height of a chart.
 pub(in crate::report) const SIZE: [f64; 2] = [420.0, 350.0];
-/// Left and top of the plot in it.
+/// Left and top of the plot within the chart.
 const START: [f64; 2] = [62.0, 48.0];
-/// Room below the plot for ticks and title.
+/// Height of the space below the plot for ticks and title.
 const BELOW: f64 = 44.0;
-/// Height of the strip of deviations with the gap above it.
+/// Height of the strip of deviations, including the gap above it.
 const STRIP: f64 = 44.0;
 /// Largest deviation that the strip shows, in tolerances.
 const MOST_DEVIATION: f64 = 2.0;
-/// Widths of letters: of labels, and of the title beside the plot.
+/// Widths of letters, for labels and for the title beside the plot.
 const LETTER: f64 = 7.0;
 const TITLE_LETTER: f64 = 7.0;
 
-/// Layout of a chart.
+/// Layout of a chart. Positions are in picture units.
 #[derive(Clone, Debug, Serialize)]
 pub(in crate::report) struct Layout {
     /// Name of the chart.
@@ -34,15 +34,15 @@ pub(in crate::report) struct Layout {
     pub plot: [f64; 4],
     /// Top and bottom of the strip of deviations.
     pub strip: Option<[f64; 2]>,
-    /// Axis along the chart.
+    /// Horizontal axis.
     pub x: AxisLayout,
-    /// Axis of the values.
+    /// Vertical axis.
     pub y: AxisLayout,
     /// Curves.
     pub lines: Vec<LineLayout>,
     /// Labels at the ends of curves.
     pub labels: Vec<EndLabel>,
-    /// Wanted values: place, lower and upper limit.
+    /// Target values: position on the horizontal axis, lower limit and upper limit.
     pub wanted: Vec<Vec<Limit>>,
     #[serde(skip)]
     chart: Chart,
@@ -56,17 +56,17 @@ pub(in crate::report) struct Layout {
     deviations: Vec<Vec<[f64; 2]>>,
 }
 
-/// Place, lower and upper limit of a target.
+/// Position on the horizontal axis, lower limit and upper limit of a target.
 type Limit = (f64, Option<f64>, Option<f64>);
 
 /// An axis with its ticks.
 #[derive(Clone, Debug, Serialize)]
 pub(in crate::report) struct AxisLayout {
-    /// Column along the axis; empty if the axis shows several columns.
+    /// Column of the axis. Empty if the axis shows several columns.
     pub column: String,
-    /// Name for reading.
+    /// Readable name.
     pub name: String,
-    /// Unit for reading.
+    /// Readable unit.
     pub unit: String,
     /// Value at the first end.
     pub low: f64,
@@ -74,22 +74,22 @@ pub(in crate::report) struct AxisLayout {
     pub high: f64,
     /// True for a logarithmic scale.
     pub is_log: bool,
-    /// Places on the picture, and labels.
+    /// Positions and labels of the ticks.
     pub ticks: Vec<(f64, String)>,
 }
 
-/// A curve for the script: rows of two columns of a table.
+/// A curve for the page's script: rows of two columns of a table.
 #[derive(Clone, Debug, Serialize)]
 pub(in crate::report) struct LineLayout {
-    /// Name among the values at the crosshair.
+    /// Name in the list of values at the crosshair.
     pub told: String,
-    /// Colour and stroke.
+    /// Classes for colour and stroke.
     pub class: String,
-    /// True for the main curve: its value comes first, and its deviations are shown.
+    /// True for the main curve. Its value comes first, and the chart shows its deviations.
     pub is_main: bool,
-    /// Number of the table.
+    /// Index of the table.
     pub table: usize,
-    /// Column along the chart.
+    /// Column of the horizontal axis.
     pub x: String,
     /// Column of the values.
     pub y: String,
@@ -100,20 +100,20 @@ pub(in crate::report) struct LineLayout {
 /// A label at the end of a curve.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(in crate::report) struct EndLabel {
-    /// Text.
+    /// Text of the label.
     pub text: String,
-    /// Classes of its curve.
+    /// Classes of the labelled curve.
     pub class: String,
-    /// Left end of its middle.
+    /// Position of the label: left end, at half of its height.
     pub at: [f64; 2],
-    /// End of its curve.
+    /// End of the labelled curve.
     pub end: [f64; 2],
 }
 
 impl Chart {
-    /// The layout over these tables.
+    /// Lays out the chart with the values of these tables.
     pub(in crate::report) fn layout(self, tables: &[CurveTable]) -> Layout {
-        // A logarithmic axis has no place for zero.
+        // A logarithmic axis cannot show zero.
         let can_stand =
             |[x, y]: [f64; 2]| (!self.x.is_log || x > 0.0) && (!self.y.is_log || y > 0.0);
         let of_line = |line: &Line| -> Vec<Option<[f64; 2]>> {
@@ -146,7 +146,7 @@ impl Chart {
             true => Scale::logarithmic(values, ends_y),
             false => Scale::showing(values.chain(zero()), y_ticks, ends_y),
         };
-        // Long labels of ticks need room beside the title.
+        // Long tick labels need space beside the title.
         let widest = y
             .ticks()
             .iter()
@@ -154,7 +154,7 @@ impl Chart {
             .max();
         let left = START[0] + LETTER * widest.unwrap_or(0).saturating_sub(5) as f64;
         let plot = [left, START[1], right, bottom];
-        // Places without a value count too, so that a curve with few values does not fill the chart.
+        // Positions without a value also count, so that a curve with few values does not fill the whole chart.
         let places = self
             .lines
             .iter()
@@ -191,7 +191,7 @@ impl Chart {
 }
 
 impl AxisLayout {
-    /// An axis of length 1 that shows these values.
+    /// Axis of length 1 that shows these values.
     pub(in crate::report) fn unit(quantity: &Quantity, values: impl Iterator<Item = f64>) -> Self {
         let ends = [0.0, 1.0];
         let scale = match quantity.is_log {
@@ -228,7 +228,7 @@ impl LineLayout {
     }
 }
 
-/// Deviations of the main curve from each target, in tolerances, at the places of the target.
+/// Deviations of the main curve from each target, in tolerances, at the positions of the target.
 fn deviations(chart: &Chart, points: &[Vec<Option<[f64; 2]>>]) -> Vec<Vec<[f64; 2]>> {
     let mut all = Vec::new();
     for (line, points) in chart.lines.iter().zip(points) {
@@ -253,7 +253,7 @@ fn deviations(chart: &Chart, points: &[Vec<Option<[f64; 2]>>]) -> Vec<Vec<[f64; 
     all
 }
 
-/// Value of a curve at a place, by a straight line between its points.
+/// Value of a curve at a position, by linear interpolation between its points.
 fn value_at(points: &[Option<[f64; 2]>], place: f64) -> Option<f64> {
     let known = || points.iter().flatten();
     if let Some([_, value]) = known().find(|[at, _]| *at == place) {
@@ -269,7 +269,7 @@ fn value_at(points: &[Option<[f64; 2]>], place: f64) -> Option<f64> {
 }
 
 impl Layout {
-    /// The same with words before the name.
+    /// Adds words before the name.
     pub(in crate::report) fn named(mut self, before: &str) -> Self {
         self.chart.y.name.insert_str(0, before);
         self
@@ -279,7 +279,7 @@ impl Layout {
         [self.scales[0].place(x), self.scales[1].place(y)]
     }
 
-    /// Returns the content of the chart in words.
+    /// Describes the content of the chart in words.
     pub(in crate::report) fn description(&self) -> String {
         format!("{} over {}", self.y_title(), self.chart.x.title())
     }
@@ -288,7 +288,7 @@ impl Layout {
         self.chart.y.title()
     }
 
-    /// The chart as an SVG group, moved to the right and down by `shift`.
+    /// Chart as an SVG group, moved by `shift` to the right and down.
     pub(in crate::report) fn group(&self, shift: [f64; 2], lettering: &Lettering) -> String {
         let [across, down] = shift.map(number);
         format!(
@@ -297,7 +297,7 @@ impl Layout {
         )
     }
 
-    /// The chart as an SVG element of a page.
+    /// Chart as an SVG element for a page.
     pub(in crate::report) fn element(&self) -> String {
         let [width, height] = self.size;
         format!(
@@ -366,7 +366,7 @@ impl Layout {
         svg + "</g>\n"
     }
 
-    /// The name on its own line, remarks below it.
+    /// Writes the name on its own line, with remarks below it.
     fn heading(&self, svg: &mut String, lettering: &Lettering) {
         let mut name = self.chart.y.name.chars();
         let name: String = name
@@ -450,7 +450,7 @@ impl Layout {
                 .class("axis-text"),
         );
         svg.push('\n');
-        // A title that is longer than the plot is high keeps its unit.
+        // A title that is longer than the plot is high is shortened, but keeps its unit.
         let mut beside = in_power(&self.y_title(), y.power());
         if beside.chars().count() as f64 * TITLE_LETTER > bottom - top + 30.0 {
             beside = match (beside.rfind('['), self.chart.y.unit.as_str()) {
@@ -469,7 +469,7 @@ impl Layout {
         svg.push('\n');
     }
 
-    /// Crosses at the places without a value.
+    /// Draws crosses at the positions without a value.
     fn gaps(&self, svg: &mut String) {
         for failed in &self.chart.failed {
             let [x, y] = [self.scales[0].place(*failed) - 3.0, self.plot[3] - 3.0].map(number);
@@ -477,7 +477,7 @@ impl Layout {
         }
     }
 
-    /// The strip of deviations: the allowed ones are within the band.
+    /// Draws the strip of deviations. Allowed deviations are inside its band.
     fn strip(&self, svg: &mut String, lettering: &Lettering) {
         let Some([top, bottom]) = self.strip else {
             return;
@@ -539,14 +539,14 @@ impl Layout {
     }
 }
 
-/// The colour of a curve without its stroke.
+/// Class of a curve's colour, without its stroke.
 fn colour_of(class: &str) -> String {
     let strokes = ["strong", "faint", "fine", "inner"];
     let kept: Vec<&str> = class.split(' ').filter(|c| !strokes.contains(c)).collect();
     kept.join(" ")
 }
 
-/// The title of an axis whose ticks are in a power of ten: `camber gain [10⁻³ °/mm]`.
+/// Adds the power of ten of the ticks to an axis title: `camber gain [10⁻³ °/mm]`.
 fn in_power(title: &str, power: i32) -> String {
     if power == 0 {
         return title.to_owned();
@@ -564,7 +564,7 @@ mod tests {
     use super::super::labels::LABEL;
     use super::*;
 
-    /// A table of a line `a + b x` over -40 to 40.
+    /// Table of the line `a + b x` over -40 to 40.
     fn table(lines: &[[f64; 2]]) -> CurveTable {
         let places: Vec<f64> = (-4..=4).map(|k| 10.0 * f64::from(k)).collect();
         let column = |f: &dyn Fn(f64) -> f64| places.iter().map(|x| Some(f(*x))).collect();
@@ -605,7 +605,7 @@ mod tests {
         }
     }
 
-    /// Labels of curves that end at nearly one value keep their order and their distance, and stay beside the plot.
+    /// Labels of curves with nearly equal end values keep their order and their distance, and stay beside the plot.
     #[test]
     fn labels_at_the_ends_do_not_overlap() {
         let slopes: Vec<[f64; 2]> = (0..9).map(|k| [0.0, 1.0 + 1e-3 * f64::from(k)]).collect();
@@ -629,7 +629,7 @@ mod tests {
         }
     }
 
-    /// For a line and a constant target, the deviation is the difference over the tolerance, also between the rows.
+    /// For a line and a constant target, the deviation is the difference divided by the tolerance, also between the rows.
     #[test]
     fn deviations_are_in_tolerances() {
         let wanted = Wanted::Values {
@@ -650,7 +650,7 @@ mod tests {
         assert!(svg.contains("target ± 0.25 °"));
     }
 
-    /// The places of ticks and curves are those of one linear map.
+    /// Ticks and curves use the same linear scale.
     #[test]
     fn ticks_and_curves_share_a_scale() {
         let layout = chart(vec![line(0, 0..9)], Vec::new()).layout(&[table(&[[0.0, 2.0]])]);
@@ -676,7 +676,7 @@ mod tests {
         );
     }
 
-    /// A gap of the data is a gap of the curve, and its place has a cross.
+    /// A gap in the data is a gap in the curve, and a cross marks its position.
     #[test]
     fn gaps_stay_gaps() {
         let mut table = table(&[[0.0, 1.0]]);

@@ -1,36 +1,36 @@
-//! Words on a picture: as text, which an SVG leaves to the reader's fonts, or as outlines.
+//! Words on a picture: as text, for which an SVG uses the reader's fonts, or as outlines.
 //!
-//! A PNG must not depend on the fonts of a machine, which may have none. Its letters are those of DejaVu
-//! Sans, whose licence (Bitstream Vera's) is permissive, from a crate that carries nothing else; most
-//! other fonts in crates are under the Open Font License, or belong to a user interface.
-//! [`glyphs`](super::glyphs) reads their outlines, and they are drawn as paths before `resvg` sees the picture. `resvg` has text
-//! of its own, with shaping and right-to-left scripts, at three times its compile time and a dozen more crates: labels of
-//! axes and names of designs do not need it. A character that the font lacks is drawn as its box.
+//! A PNG must not depend on the fonts of a machine, because it may have none. Its letters come from DejaVu Sans. The licence of
+//! this font (Bitstream Vera's) is permissive, and its crate contains nothing else. Most other fonts in crates have the Open Font
+//! License, or belong to a user interface. [`glyphs`](super::glyphs) reads the outlines, and they are drawn as paths before
+//! `resvg` gets the picture. The text of `resvg` itself supports shaping and right-to-left scripts, at three times its compile
+//! time and with a dozen more crates. Labels of axes and names of designs do not need it. A character that the font lacks becomes
+//! a box.
 
 use super::glyphs::{Command, Font};
 use super::mark::number;
 use std::fmt::Write;
 
-/// Form of printed words.
+/// Form in which words are written.
 pub(in crate::report) enum Lettering {
-    /// Text elements.
+    /// Text elements of SVG.
     Text,
-    /// Outlines of a font.
+    /// Outlines from a font.
     Outlines(Font<'static>),
 }
 
-/// Anchor of words: the part at their place.
+/// Part of the words that is at the given position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::report) enum Anchor {
-    /// Their left end.
+    /// Left end of the words.
     Start,
-    /// Their middle.
+    /// Middle of the words.
     Middle,
-    /// Their right end.
+    /// Right end of the words.
     End,
 }
 
-/// Words at a place.
+/// Words at a position.
 pub(in crate::report) struct Words<'a> {
     text: &'a str,
     at: [f64; 2],
@@ -41,7 +41,7 @@ pub(in crate::report) struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    /// Small words along the horizontal, their baseline at this height.
+    /// Small horizontal words whose baseline is at this position.
     pub(in crate::report) fn new(text: &'a str, at: [f64; 2], anchor: Anchor) -> Self {
         Words {
             text,
@@ -53,40 +53,40 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// The same as a label of an axis: larger.
+    /// Makes the words larger, as for the label of an axis.
     pub(in crate::report) fn label(mut self) -> Self {
         self.label = true;
         self
     }
 
-    /// The same with further classes.
+    /// Adds classes to the words.
     pub(in crate::report) fn class(mut self, class: &'a str) -> Self {
         self.class = class;
         self
     }
 
-    /// The same from below to above.
+    /// Turns the words upward, so that they read from bottom to top.
     pub(in crate::report) fn upward(mut self) -> Self {
         self.upward = true;
         self
     }
 }
 
-/// A size of letters at which DejaVu Sans, whose letters are large for their size, looks like the fonts
-/// that an SVG is shown with.
+/// Ratio of letter sizes. The letters of DejaVu Sans are large for their nominal size; this ratio makes them look like the usual
+/// fonts for SVG.
 const OUTLINE_SHARE: f64 = 0.92;
-/// The sizes of the style.
+/// Letter sizes of the style.
 const SIZE: f64 = 12.0;
 const LABEL_SIZE: f64 = 13.0;
 
 impl Lettering {
-    /// Letters as outlines.
+    /// Lettering with outlines.
     pub(in crate::report) fn outlines() -> Self {
         let font = Font::new(dejavu::sans::regular());
         Lettering::Outlines(font.expect("the crate carries a font"))
     }
 
-    /// Adds words to a picture.
+    /// Writes words to a picture.
     pub(in crate::report) fn write(&self, svg: &mut String, words: &Words) {
         match self {
             Lettering::Text => write_text(svg, words),
@@ -139,7 +139,7 @@ fn write_outlines(svg: &mut String, words: &Words, font: &Font) {
     );
 }
 
-/// The attribute with the classes of words; empty if they have none.
+/// Attribute with the classes of words. Empty if they have none.
 fn classes(first: &str, words: &Words) -> String {
     let label = if words.label { "label" } else { "" };
     let all: Vec<&str> = [first, label, words.class]
@@ -152,11 +152,11 @@ fn classes(first: &str, words: &Words) -> String {
     }
 }
 
-/// The outline of some letters as commands of a path, in the font's units (y up).
+/// Outline of some letters as path commands, in the font's units (y up).
 #[derive(Default)]
 struct Outline {
     commands: String,
-    /// Start of the next letter.
+    /// Horizontal start of the next letter.
     pen: i32,
 }
 
@@ -173,7 +173,7 @@ impl Outline {
     fn add<const N: usize>(&mut self, command: char, places: [[f32; 2]; N]) {
         self.commands.push(command);
         for [x, y] in places {
-            // Whole numbers but in scaled parts of glyphs, where the fraction does not matter.
+            // Coordinates are integers, except in scaled parts of glyphs. There the fraction does not matter.
             let _ = write!(
                 self.commands,
                 "{} {} ",
@@ -184,7 +184,7 @@ impl Outline {
     }
 }
 
-/// Text in SVG, which cannot hold control characters in any spelling.
+/// Escapes text for SVG. Control characters become �, because SVG has no notation for them.
 pub(in crate::report) fn text(plain: &str) -> String {
     let shown = |c: char| if c.is_control() { '\u{fffd}' } else { c };
     let plain: String = plain.chars().map(shown).collect();

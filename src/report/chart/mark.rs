@@ -1,8 +1,8 @@
-//! Lines and dots of a chart as SVG.
+//! Lines and dots of a chart, as SVG.
 
 use std::fmt::Write;
 
-/// A line through some points; a lone one becomes a dot.
+/// Draws a line through points. A single point becomes a dot.
 pub(in crate::report) fn path(
     svg: &mut String,
     class: &str,
@@ -25,7 +25,7 @@ pub(in crate::report) fn path(
     );
 }
 
-/// A length on the picture: tenths are more than enough, and hide the last digits of the platform.
+/// Formats a length on the picture with one decimal. This is precise enough, and hides platform differences in the last digits.
 pub(in crate::report) fn number(length: f64) -> String {
     let text = format!("{:.1}", (length * 10.0).round() / 10.0 + 0.0);
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)

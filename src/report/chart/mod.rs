@@ -1,12 +1,11 @@
-//! One chart component for `--plots` and pages: its layout is made here, as SVG and as data for a page's script.
+//! The chart component of `--plots` and of pages. It makes the layout, as SVG and as data for a page's script.
 //!
-//! A [`Chart`] has curves over one quantity, their targets, and stations without a value. [`Chart::layout`] chooses
-//! scales, ticks, titles and places of labels. A [`Layout`] is written as SVG, and as JSON with the scales and the rows
-//! of the curves. The script of a page adds a crosshair and a zoom to that SVG and draws no chart of its own.
+//! A [`Chart`] has curves over one quantity, their targets, and stations without a value. [`Chart::layout`] chooses scales,
+//! ticks, titles and positions of labels. A [`Layout`] is written as SVG, and as JSON with the scales and the rows of the curves.
+//! The script of a page adds a crosshair and a zoom to this SVG. It draws no chart itself.
 //!
-//! The live page draws its curves itself (`src/studio/page/curves.js`): during a drag it moves the paths that are there.
-//! A layout from here would be a new SVG of each chart for each movement of the pointer, which takes a browser longer than
-//! a picture may take.
+//! The live page draws its curves itself (`src/studio/page/curves.js`): during a drag it only moves existing paths. A layout from
+//! this module would be a new SVG of every chart for each movement of the pointer. A browser needs too long for that.
 
 mod glyphs;
 mod labels;
@@ -33,18 +32,18 @@ use super::curve_table::CurveTable;
 /// An axis of a chart.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Quantity {
-    /// Column of the values; empty if the chart has several.
+    /// Column of the values. Empty if the chart has several.
     pub column: String,
-    /// Name for reading.
+    /// Readable name.
     pub name: String,
-    /// Unit for reading; empty for a plain number.
+    /// Readable unit. Empty for a dimensionless number.
     pub unit: String,
     /// True for a logarithmic scale.
     pub is_log: bool,
 }
 
 impl Quantity {
-    /// A linear axis.
+    /// Makes a linear axis.
     pub(in crate::report) fn new(column: &str, name: &str, unit: &str) -> Self {
         Quantity {
             column: column.to_owned(),
@@ -54,7 +53,7 @@ impl Quantity {
         }
     }
 
-    /// The axis of a column of the motion: `travel_mm` -> wheel travel [mm].
+    /// Makes the axis for a column of the motion: `travel_mm` -> wheel travel [mm].
     pub(in crate::report) fn of_column(column: &str) -> Self {
         let (name, unit) = column.rsplit_once('_').unwrap_or((column, ""));
         let name = match name {
@@ -65,7 +64,7 @@ impl Quantity {
         Quantity::new(column, &name, if unit == "deg" { "°" } else { unit })
     }
 
-    /// Name and unit: `camber [°]`.
+    /// Name with unit: `camber [°]`.
     pub(in crate::report) fn title(&self) -> String {
         match self.unit.as_str() {
             "" => self.name.clone(),
@@ -74,21 +73,21 @@ impl Quantity {
     }
 }
 
-/// Rows of two columns of a table.
+/// Data of a curve: rows of two columns of a table.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Source {
-    /// Number of the table.
+    /// Index of the table.
     pub table: usize,
-    /// Column along the chart.
+    /// Column of the horizontal axis.
     pub x: String,
     /// Column of the values.
     pub y: String,
-    /// Rows, in the order of the curve.
+    /// Rows in the order of the curve.
     pub rows: Vec<usize>,
 }
 
 impl Source {
-    /// Places along the chart, also those without a value.
+    /// Positions on the horizontal axis, including those without a value.
     fn places(&self, tables: &[CurveTable]) -> Vec<f64> {
         let table = tables.get(self.table);
         let x = table.and_then(|table| table.column(&self.x));
@@ -109,52 +108,52 @@ impl Source {
     }
 }
 
-/// A curve.
+/// A curve of a chart.
 #[derive(Clone, Debug)]
 pub(super) struct Line {
-    /// Label at its end; none for curves that need no label.
+    /// Label at the end of the curve. `None` if the curve needs no label.
     pub label: Option<String>,
-    /// Name among the values at the crosshair.
+    /// Name in the list of values at the crosshair.
     pub told: String,
-    /// Colour and stroke, as classes.
+    /// Classes for colour and stroke.
     pub class: String,
     /// True if the chart shows deviations of this curve.
     pub is_main: bool,
-    /// True if every point has a dot.
+    /// True if each point has a dot.
     pub has_dots: bool,
-    /// Values.
+    /// Values of the curve.
     pub source: Source,
 }
 
-/// An area between two curves of the same rows.
+/// Area between two curves with the same rows.
 #[derive(Clone, Debug)]
 pub(super) struct Fan {
-    /// Colour, as a class.
+    /// Class for the colour.
     pub class: &'static str,
     /// Lower and upper curve.
     pub edges: [Source; 2],
 }
 
-/// A chart.
+/// A chart with its curves, targets and remarks.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chart {
-    /// Name of the chart, also of its file.
+    /// Name of the chart, and of its file.
     pub key: String,
-    /// Quantity along the chart.
+    /// Quantity of the horizontal axis.
     pub x: Quantity,
-    /// Quantity of the curves.
+    /// Quantity of the vertical axis.
     pub y: Quantity,
-    /// Remarks below the name: class and text.
+    /// Remarks below the name: class and text of each.
     pub notes: Vec<(&'static str, String)>,
     /// Areas behind the curves.
     pub fans: Vec<Fan>,
     /// Curves, the most important one last.
     pub lines: Vec<Line>,
-    /// Targets.
+    /// Targets of the curves.
     pub wanted: Vec<Wanted>,
-    /// Places of the last design that miss a target by more than its tolerance.
+    /// Points at which the last design misses a target by more than its tolerance.
     pub missed: Vec<[f64; 2]>,
-    /// Places along the chart without a value.
+    /// Positions on the horizontal axis without a value.
     pub failed: Vec<f64>,
     /// True if both axes begin at 0.
     pub from_zero: bool,

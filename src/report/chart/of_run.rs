@@ -1,4 +1,4 @@
-//! Charts of a run: an output, or one output of both wheels, over a column of the motion.
+//! Charts of a run: an output, or the same output of both wheels, over a column of the motion.
 
 use super::style::{HUES, SHADES};
 use super::{Chart, Fan, Line, Quantity, Source, Wanted};
@@ -7,10 +7,10 @@ use crate::report::curve_table::CurveTable;
 use crate::report::figure::brief;
 use crate::report::record::{OutputRecord, Record};
 
-/// Largest number of curves of a design in a chart, for each wheel.
+/// Largest number of curves per design and wheel in one chart.
 const MOST_FAMILIES: usize = 9;
 
-/// Outputs that share a chart: one of a wheel, or the same one of both wheels.
+/// Groups outputs that share a chart: one output of a wheel, or the same output of both wheels.
 pub(in crate::report) fn chart_groups<'r>(
     outputs: impl IntoIterator<Item = &'r OutputRecord>,
 ) -> Vec<Vec<&'r OutputRecord>> {
@@ -30,7 +30,7 @@ pub(in crate::report) fn chart_groups<'r>(
     groups
 }
 
-/// The wheel that a column is of, and its name without it.
+/// Wheel in the name of a column, and the name without it.
 fn side_of(column: &str) -> Option<(&'static str, &str)> {
     ["left", "right"].into_iter().find_map(|side| {
         let name = column.strip_prefix(side)?.strip_prefix('_')?;
@@ -38,7 +38,7 @@ fn side_of(column: &str) -> Option<(&'static str, &str)> {
     })
 }
 
-/// The chart of a group of outputs over a column of the motion.
+/// Charts of a group of outputs over a column of the motion.
 pub(in crate::report) fn charts_over(
     record: &Record,
     tables: &[CurveTable],
@@ -65,7 +65,7 @@ pub(in crate::report) fn charts_over(
         chart.add_output(record, tables, &output.column, abscissa, side);
         chart.add_wanted(record, tables, output, abscissa);
     }
-    // The curves that matter are drawn last.
+    // The most important curves are drawn last, on top of the others.
     chart
         .lines
         .sort_by_key(|line| (line.is_main, line.class.contains("strong")));
@@ -86,15 +86,15 @@ fn title_of(output: &OutputRecord, is_pair: bool) -> &str {
     }
 }
 
-/// Rows of a design with one value of the coordinate that moves beside the abscissa.
+/// Rows of a design for one value of the second moving coordinate.
 pub(in crate::report) struct Family {
-    /// The value.
+    /// Value of the second moving coordinate.
     pub place: f64,
-    /// The rows.
+    /// Rows of the table.
     pub rows: Vec<usize>,
-    /// Place in the sequential scale.
+    /// Index in the sequential colour scale.
     shade: usize,
-    /// True if it is nearest to zero.
+    /// True if the value is the one nearest to zero.
     pub is_present: bool,
 }
 
@@ -130,7 +130,7 @@ impl Chart {
                     rows: family.rows,
                 };
                 if is_scatter && number < 2 && record.designs.len() == 5 {
-                    // Percentiles stand in pairs about the nominal design.
+                    // Percentiles come in pairs around the nominal design.
                     let other = Source {
                         table: 3 - number,
                         ..source.clone()
@@ -220,12 +220,12 @@ impl Chart {
     }
 }
 
-/// A column's name and its unit.
+/// Splits a column's name into name and unit.
 fn split(column: &str) -> (&str, &str) {
     column.rsplit_once('_').unwrap_or((column, ""))
 }
 
-/// A value of a column in words: `rack -30 mm`.
+/// Value of a column in words: `rack -30 mm`.
 pub(in crate::report) fn in_words(column: &str, value: f64) -> String {
     let quantity = Quantity::of_column(column);
     format!(
@@ -238,7 +238,7 @@ pub(in crate::report) fn in_words(column: &str, value: f64) -> String {
     .to_owned()
 }
 
-/// The same as a label: `rack -30`, or `-270 °` if the name is long.
+/// Value of a column as a short label: `rack -30`, or `-270 °` if the name is long.
 fn in_short(column: &str, value: f64) -> String {
     let quantity = Quantity::of_column(column);
     match split(column).0 {
@@ -247,15 +247,17 @@ fn in_short(column: &str, value: f64) -> String {
     }
 }
 
-/// Columns of the coordinates that move beside the abscissa: for a wheel the rack, for an axle all others.
+/// Columns of the coordinates that move besides the one on the horizontal axis: the rack for a wheel, all other coordinates for
+/// an axle.
 pub(in crate::report) fn moving_beside<'r>(record: &'r Record, abscissa: &str) -> Vec<&'r String> {
     let drive = (!record.further.is_empty()).then_some(&record.drive);
     let all = drive.into_iter().chain(&record.further).chain(&record.rack);
     all.filter(|name| *name != abscissa).collect()
 }
 
-/// Rows by the first column of what moves beside the abscissa, the rest nearest to zero; and the number of values of that
-/// column. Of many values the first, the last, the one nearest to zero and others at equal distances are kept.
+/// Groups rows by the first moving column that is not on the horizontal axis; all other moving columns are nearest to zero. Also
+/// returns the number of values of that column. If there are too many values, it keeps the first, the last, the one nearest to
+/// zero, and evenly spaced others.
 pub(in crate::report) fn families(moving: &[&String], table: &CurveTable) -> (Vec<Family>, usize) {
     let mut columns = moving.iter().filter_map(|name| table.column(name));
     let apart = columns.next();
@@ -294,7 +296,7 @@ pub(in crate::report) fn families(moving: &[&String], table: &CurveTable) -> (Ve
     (kept.map(family).collect(), all)
 }
 
-/// Places along the chart at which some design has no pose.
+/// Positions on the horizontal axis at which some design has no pose.
 fn failed(record: &Record, tables: &[CurveTable], abscissa: &str) -> Vec<f64> {
     let mut failed: Vec<f64> = Vec::new();
     for (_, table) in record.designs.iter().zip(tables) {
@@ -317,8 +319,8 @@ fn is_solved(status: &str) -> bool {
     solved.iter().any(|s| s.word() == status)
 }
 
-/// Places at which the last design of a tuning exceeds limits by more than the tolerance: drive value and value of
-/// the column. The rack is at 0 or at the study's position. A limit has a drive value, a minimum and a maximum.
+/// Points at which the last design of a tuning violates limits by more than the tolerance: drive value and column value. The rack
+/// is at 0 or at the study's position. Each limit has a drive value, a minimum and a maximum.
 fn outside(
     record: &Record,
     tables: &[CurveTable],
@@ -326,7 +328,7 @@ fn outside(
     limits: impl Iterator<Item = (f64, Option<f64>, Option<f64>)>,
     tolerance: f64,
 ) -> Vec<[f64; 2]> {
-    // Targets of an axle are over several numbers; the tables say which are missed.
+    // Targets of an axle depend on several coordinates, so only the tables show which are missed.
     if record.command != "optimise" || !record.further.is_empty() {
         return Vec::new();
     }
@@ -352,7 +354,7 @@ fn outside(
     places.collect()
 }
 
-/// Colour of one design among several that are told apart at once.
+/// Colour class of one design among several distinct ones.
 pub(in crate::report) fn hue(design: usize) -> String {
     format!("hue{}", design % HUES)
 }

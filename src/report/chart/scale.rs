@@ -1,8 +1,8 @@
-//! The scale of an axis: from values to lengths on the picture, with round ticks.
+//! Scale of an axis: converts values to lengths on the picture, and chooses round ticks.
 
 use crate::report::figure::power_of_ten;
 
-/// A scale whose ends are round numbers.
+/// Linear or logarithmic scale of an axis, with round ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::report) struct Scale {
     /// Value at the first end.
@@ -17,7 +17,7 @@ pub(in crate::report) struct Scale {
 }
 
 impl Scale {
-    /// A scale that shows all of the values with about `ticks` ticks.
+    /// Scale that shows all of the values with about `ticks` ticks. Its ends are round numbers.
     pub(in crate::report) fn showing(
         values: impl Iterator<Item = f64>,
         ticks: f64,
@@ -30,7 +30,7 @@ impl Scale {
             true => (low, high),
             false => (0.0, 1.0),
         };
-        // A constant is shown within a range that does not look like a slope.
+        // For a constant, the range is wide enough that rounding errors do not look like a slope.
         let least = 1e-6 * low.abs().max(high.abs()).max(1e-3);
         let (low, high) = match high - low < least {
             true => (low - least, high + least),
@@ -46,7 +46,7 @@ impl Scale {
         }
     }
 
-    /// A scale that ends where the values end, with ticks at round numbers between.
+    /// Scale that ends exactly at the smallest and largest value, with ticks at round numbers between.
     pub(super) fn within(values: impl Iterator<Item = f64>, ticks: f64, ends: [f64; 2]) -> Self {
         let values: Vec<f64> = values.collect();
         let least = values.iter().copied().fold(f64::INFINITY, f64::min);
@@ -62,7 +62,7 @@ impl Scale {
         }
     }
 
-    /// A logarithmic scale from one power of ten to another that shows all positive values.
+    /// Logarithmic scale that shows all positive values. Both ends are powers of ten.
     pub(super) fn logarithmic(values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Self {
         let positive = values.filter(|v| *v > 0.0);
         let (low, high) = positive.fold((f64::INFINITY, 0.0f64), |(l, h), v| (l.min(v), h.max(v)));
@@ -90,8 +90,7 @@ impl Scale {
         self.ends[0] + share * (self.ends[1] - self.ends[0])
     }
 
-    /// The power of ten that the labels of the ticks are in, a multiple of three: 0 where they are short
-    /// without.
+    /// Power of ten that the tick labels leave out, a multiple of three. 0 if the labels are short without it.
     pub(super) fn power(&self) -> i32 {
         if self.is_log {
             return 0;
@@ -104,7 +103,7 @@ impl Scale {
         }
     }
 
-    /// The ticks: places and labels, these in [`Scale::power`].
+    /// Positions and labels of the ticks. The labels are in units of [`Scale::power`].
     pub(in crate::report) fn ticks(&self) -> Vec<(f64, String)> {
         if self.is_log {
             let [low, high] = [self.low, self.high].map(|v| v.log10().round());
@@ -126,7 +125,7 @@ impl Scale {
         (0..=count)
             .map(|i| {
                 let value = (first + i as f64) * self.step;
-                // Rounding must not leave a negative zero.
+                // This avoids a negative zero from rounding.
                 let value = if value.abs() < 0.5 * self.step {
                     0.0
                 } else {
@@ -139,7 +138,7 @@ impl Scale {
     }
 }
 
-/// The next step of 1, 2 or 5 times a power of ten.
+/// Next step that is 1, 2 or 5 times a power of ten.
 fn round_step(step: f64) -> f64 {
     let power = 10f64.powf(step.log10().floor());
     let factor = [1.0, 2.0, 5.0]
@@ -163,7 +162,7 @@ mod tests {
         assert_eq!(scale.place(0.0), 200.0);
     }
 
-    /// Such a scale wastes no room: its ends are the values' own, and its ticks lie between them.
+    /// The scale ends at the values' own ends, and its ticks are between them.
     #[test]
     fn a_scale_can_end_where_the_values_end() {
         let scale = Scale::within([-75.0, 82.0].into_iter(), 5.0, [0.0, 157.0]);
@@ -188,7 +187,7 @@ mod tests {
         assert_eq!((scale.power(), &*scale.ticks()[0].1), (6, "\u{2212}25"));
     }
 
-    /// Each power of ten takes the same length, and the ends are powers of ten.
+    /// Each power of ten takes the same length, and both ends are powers of ten.
     #[test]
     fn powers_of_ten_are_evenly_spaced() {
         let scale = Scale::logarithmic([0.02, 0.0, 350.0].into_iter(), [0.0, 50.0]);

@@ -1,4 +1,4 @@
-//! Looks of charts: one table of colours for pictures and for light and dark pages.
+//! Styles of charts. One table of colours serves pictures and both light and dark pages.
 
 /// Strokes and sizes, without colours.
 const SHAPES: &str = ".axis-text,.note,.end,.name{font:12px system-ui,-apple-system,Segoe UI,Roboto,Helvetica,Arial,sans-serif}\
@@ -11,7 +11,7 @@ const SHAPES: &str = ".axis-text,.note,.end,.name{font:12px system-ui,-apple-sys
 .band{stroke:none;fill:currentColor;fill-opacity:.22}.fan{stroke:none;fill:currentColor;fill-opacity:.16}\
 .axis-text,.note,.end,.name{stroke:none;fill:currentColor}";
 
-/// Classes with their colours on light and on dark ground. Text has a contrast of at least 4.5 on both.
+/// Classes with their colours on light and on dark background. Text has a contrast of at least 4.5 on both.
 const COLOURS: [(&str, &str, &str); 29] = [
     (".name", "#1b1f24", "#e6e9ed"),
     (".axis-text,.note", "#4a535d", "#aab4bf"),
@@ -48,18 +48,18 @@ const COLOURS: [(&str, &str, &str); 29] = [
     (".shade8", "#1b2a7a", "#7f8fee"),
 ];
 
-/// Number of colours of lines that are told apart at once.
+/// Number of distinct colours for lines.
 pub(super) const HUES: usize = 7;
 /// Number of shades of a sequential scale.
 pub(super) const SHADES: usize = 9;
 
-/// Style of a picture on white.
+/// Style of a picture on a white background.
 pub(in crate::report) const PICTURE_STYLE: fn() -> String = || {
     let colours = COLOURS.map(|(classes, light, _)| format!("{classes}{{color:{light}}}"));
     SHAPES.to_owned() + &colours.concat()
 };
 
-/// Style of the charts of a page: light, dark, and light on paper.
+/// Styles of the charts of a page: light, dark, and light for printing.
 pub(in crate::report) fn page_style() -> String {
     let rules = |root: &str, dark: bool| {
         let rule = |(classes, light, on_dark): &(&str, &str, &str)| {
@@ -114,7 +114,7 @@ mod tests {
         (a.max(b) + 0.05) / (a.min(b) + 0.05)
     }
 
-    /// Colours that label curves can be read on paper and on the dark page.
+    /// Colours of curve labels are readable on paper and on the dark page.
     #[test]
     fn colours_can_be_read() {
         for (classes, light, dark) in COLOURS {
@@ -128,7 +128,7 @@ mod tests {
         }
     }
 
-    /// Along the scale of racks each shade is darker than the one before.
+    /// Along the colour scale of rack positions, each shade is darker than the previous one.
     #[test]
     fn shades_are_a_sequence() {
         let shades: Vec<f64> = (COLOURS.iter())

@@ -3,22 +3,22 @@
 use super::mark::path;
 use crate::report::figure::brief;
 
-/// A target.
+/// A target in a chart.
 #[derive(Clone, Debug)]
 pub(in crate::report) enum Wanted {
-    /// Motion and value, and tolerance.
+    /// Target values with a common tolerance.
     Values {
-        /// The points.
+        /// Points of motion and target value.
         points: Vec<[f64; 2]>,
-        /// The tolerance.
+        /// Tolerance of the values.
         tolerance: f64,
     },
-    /// Motion, the least and the most value there; `None` without a limit.
+    /// Motion, minimum and maximum there. `None` without a limit.
     Limits(Vec<(f64, Option<f64>, Option<f64>)>),
 }
 
 impl Wanted {
-    /// The target in words: `target ± 0.1 °`, or that it is a range.
+    /// Target in words: `target ± 0.1 °`, or a text for a range.
     pub(super) fn in_words(&self, unit: &str) -> String {
         match self {
             Wanted::Values { tolerance, .. } => format!("target ± {} {unit}", brief(*tolerance))
@@ -29,7 +29,7 @@ impl Wanted {
         }
     }
 
-    /// Place, lower and upper limit of the tolerance.
+    /// Motion, lower limit and upper limit, including the tolerance.
     pub(super) fn limits(&self) -> Vec<(f64, Option<f64>, Option<f64>)> {
         match self {
             Wanted::Values { points, tolerance } => {
@@ -42,7 +42,7 @@ impl Wanted {
         }
     }
 
-    /// Motion and value of its outline.
+    /// Corner points of the target's outline: motion and value.
     pub(super) fn edges(&self) -> Vec<[f64; 2]> {
         match self {
             Wanted::Values { points, tolerance } => {
@@ -96,7 +96,7 @@ fn most(limits: &[(f64, Option<f64>, Option<f64>)]) -> Vec<[f64; 2]> {
     edge.collect()
 }
 
-/// Values over the motion between their tolerances.
+/// Draws target values over the motion, with the band of their tolerance.
 fn band(
     svg: &mut String,
     points: &[[f64; 2]],
@@ -112,7 +112,7 @@ fn band(
     path(svg, "target", points.iter().map(|p| place(*p)), false);
 }
 
-/// A value at one place: a spot, with a bar over its tolerance.
+/// Draws a target value at one position: a spot, with a bar for its tolerance.
 fn bar(
     svg: &mut String,
     [motion, value]: [f64; 2],
@@ -127,7 +127,7 @@ fn bar(
     path(svg, "spot", [place([motion, value])].into_iter(), false);
 }
 
-/// A short line at a value.
+/// Draws a short line at a value.
 fn tick(
     svg: &mut String,
     class: &str,

@@ -9,7 +9,7 @@ use crate::model::{Axis, Frame};
 use crate::number::Vector3;
 
 impl KcResults<'_> {
-    /// `levels.csv`: a row for each level; `None` if no test has levels.
+    /// Content of `levels.csv`: one row per level. `None` if no test has levels.
     pub fn levels_csv(&self) -> Option<Vec<u8>> {
         let mut header = self.station_columns();
         header.extend(self.columns(&["load", "trail_U", "mode", "hold", "anti_roll_bar"]));

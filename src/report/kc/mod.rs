@@ -1,4 +1,4 @@
-//! Results of rig tests on one wheel or an axle: `kc.csv` and `compliance_matrix.csv`, and in the modules below levels, tables,
+//! Results of `kc` tests on one wheel or an axle: `kc.csv` and `compliance_matrix.csv`. The modules below have levels, tables,
 //! sensitivities and remarks.
 
 mod levels;
@@ -28,17 +28,17 @@ pub struct KcResults<'a> {
     pub bushings: Vec<String>,
     /// Names of the links, in the order of their tensions.
     pub links: Vec<String>,
-    /// The vertical force at each contact point in the design position, if that is an equilibrium.
+    /// Vertical force at each contact point in the design position, if that is an equilibrium.
     pub design_loads: Vec<f64>,
-    /// True for both wheels of an axle.
+    /// True for an axle with both wheels.
     pub is_axle: bool,
-    /// The stations.
+    /// Stations of the tests.
     pub stations: Vec<KcStation>,
-    /// The program whose names and values stand beside ours.
+    /// Program whose names and values are added beside ours.
     pub other: Option<OtherProgram>,
 }
 
-/// Why a state has no equilibrium, in words.
+/// Reason in words why a state has no equilibrium.
 pub fn no_equilibrium(why: &NoEquilibrium) -> String {
     let motion = why.softest.as_ref().map(|(part, motion)| match motion {
         Motion::Turn(axis) => format!("{part} turns about {}", axis.name()),
@@ -51,7 +51,7 @@ pub fn no_equilibrium(why: &NoEquilibrium) -> String {
     }
 }
 
-/// The status word of a state without equilibrium.
+/// Status word of a state without equilibrium.
 fn status(why: &NoEquilibrium) -> &'static str {
     match why.is_unstable {
         true => "unstable",
@@ -68,7 +68,7 @@ fn place(place: TestPlace) -> &'static str {
     }
 }
 
-/// The state of the anti-roll bar in a test.
+/// State of the anti-roll bar in a test.
 fn bar(test: &KcTest) -> &'static str {
     match (test.mode, test.has_bar) {
         (TestMode::OneWheel, _) => "",
@@ -77,7 +77,7 @@ fn bar(test: &KcTest) -> &'static str {
     }
 }
 
-/// The part of the steering that a test of an axle holds.
+/// Part of the steering that is held in a test of an axle.
 fn steering(test: &KcTest) -> &'static str {
     match test.locks_rack {
         true => "locked_rack",
@@ -85,7 +85,7 @@ fn steering(test: &KcTest) -> &'static str {
     }
 }
 
-/// The mode of a test of loads.
+/// Mode of a load test: the quantity that is held.
 fn mode(test: &KcTest) -> &'static str {
     match test.load.is_motion() {
         true => "",
@@ -93,7 +93,7 @@ fn mode(test: &KcTest) -> &'static str {
     }
 }
 
-/// The part that a figure is of.
+/// Part to which a result belongs.
 fn subject(of: KcSubject) -> &'static str {
     match of {
         KcSubject::OneWheel => "",
@@ -114,7 +114,7 @@ fn optional(value: Option<f64>) -> String {
     value.map_or_else(String::new, shortest)
 }
 
-/// A CSV file of rows of text.
+/// Makes a CSV file from rows of text.
 fn csv(header: &[String], rows: impl IntoIterator<Item = Vec<String>>) -> Vec<u8> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let written = "written to memory";
@@ -153,7 +153,7 @@ impl KcResults<'_> {
         }
     }
 
-    /// A station in words.
+    /// Name of a station in words.
     pub(in crate::report) fn station_name(&self, station: &KcStation) -> String {
         let u = self.length().symbol();
         let [travel, rack] = [station.travel, station.rack].map(super::brief);
@@ -165,7 +165,7 @@ impl KcResults<'_> {
         }
     }
 
-    /// `kc.csv`: a row for each station, test and quantity.
+    /// Content of `kc.csv`: one row for each station, test and quantity.
     pub fn kc_csv(&self) -> Vec<u8> {
         let mut header = self.station_columns();
         header.extend(self.columns(&["load", "at", "trail_U", "mode", "hold", "anti_roll_bar"]));
@@ -196,7 +196,7 @@ impl KcResults<'_> {
         csv(&header, rows)
     }
 
-    /// Cells from the station to the wheel.
+    /// Cells of a row from the station to the wheel.
     fn test_cells(
         &self,
         station: &KcStation,
@@ -217,12 +217,12 @@ impl KcResults<'_> {
         cells
     }
 
-    /// A value of a figure as it is printed.
+    /// Printed value of a result.
     fn printed(&self, figure: &KcFigure, value: Option<f64>) -> Option<f64> {
         value.map(|value| value * figure.unit.printed_factor(self.length()))
     }
 
-    /// A figure by another program's definition.
+    /// Result by the definition of another program.
     fn other_figure(
         &self,
         program: OtherProgram,
@@ -275,8 +275,8 @@ impl KcResults<'_> {
         }
     }
 
-    /// `compliance_matrix.csv`: six rows for each station, twelve of an axle; `None` if the wheel load cannot be held
-    /// anywhere.
+    /// Content of `compliance_matrix.csv`: six rows per station, or twelve for an axle. `None` if the wheel load cannot be held
+    /// at any station.
     pub fn matrix_csv(&self) -> Option<Vec<u8>> {
         let u = self.length().symbol();
         let sides: &[&str] = if self.is_axle {
@@ -312,7 +312,7 @@ impl KcResults<'_> {
         (!rows.is_empty()).then(|| csv(&header, rows))
     }
 
-    /// A test in words: `lateral, trail 30 mm`, `braking, wheel load held`.
+    /// Name of a test in words: `lateral, trail 30 mm`, `braking, wheel load held`.
     pub(in crate::report) fn test_name(&self, test: &KcTest) -> String {
         let apart = self.test_apart(test);
         match apart.is_empty() {
@@ -321,7 +321,7 @@ impl KcResults<'_> {
         }
     }
 
-    /// The properties that tell tests of one load apart: `trail 30 mm`; empty for the plain test.
+    /// Properties that distinguish tests with the same load, such as `trail 30 mm`. Empty for the plain test.
     pub(in crate::report) fn test_apart(&self, test: &KcTest) -> String {
         let mut parts = Vec::new();
         if test.trail != 0.0 {

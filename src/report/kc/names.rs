@@ -1,9 +1,9 @@
-//! Figures of rig tests by the names and definitions of other programs.
+//! Results of `kc` tests with the names and definitions of other programs.
 //!
-//! Both programs define their compliances by the matrix C of displacements (x, y, z) and rotations about them of the wheel
-//! centre, by forces and moments there, with the springs free. C(i,j) has rows and columns from 1. A side force acts on a
-//! lever straight down, `slr`, the loaded radius; camber is left out of it. So these values differ from ours of the same
-//! test, which hold the height by default and have the force at the lowest point of the tilted disc.
+//! Both programs define their compliances by the matrix C, with free springs. C gives displacements (x, y, z) of the wheel centre
+//! and rotations about x, y and z, by forces and moments at the wheel centre. The indices of C(i,j) count from 1. A side force
+//! acts on a vertical lever, `slr`, the loaded radius; the lever neglects camber. So these values differ from ours for the same
+//! test. Our tests hold the height by default, and apply the force at the lowest point of the tilted disc.
 //!
 //! ```text
 //! MotionView   Lateral Force Steer        1000 (C(6,2) + C(6,4) slr) 180/pi   deg/kN
@@ -15,8 +15,8 @@
 //!              wheel_rate                 1/C(3,3)                            N/mm
 //! ```
 //!
-//! Terms of the other wheel vanish for a single wheel. All lengths are in mm. Steer is positive to the left, camber with the
-//! top outboard; a positive aligning torque steers to the left.
+//! Terms of the other wheel vanish for a single wheel. All lengths are in mm. Steer is positive to the left, camber is positive
+//! with the top outboard, and a positive aligning torque steers to the left.
 
 use crate::compliance::{KcTest, TestLoad};
 use crate::model::{Axis, Frame, LengthUnit, Side};
@@ -30,7 +30,7 @@ pub enum OtherProgram {
     Altair,
 }
 
-/// A figure by another program's definition.
+/// A result by another program's definition.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct OtherFigure {
     pub(super) name: &'static str,
@@ -38,9 +38,9 @@ pub(super) struct OtherFigure {
     pub(super) unit: &'static str,
 }
 
-/// The matrix of a station of a wheel, with the units of its entries.
+/// Matrix of a wheel at a station, with the units of its entries.
 pub(super) struct StationMatrix<'a> {
-    /// In the study's axes and length unit.
+    /// Entries in the study's axes and length unit.
     pub(super) matrix: &'a [Vec<f64>],
     pub(super) frame: Frame,
     pub(super) length: LengthUnit,
@@ -49,12 +49,12 @@ pub(super) struct StationMatrix<'a> {
 }
 
 impl StationMatrix<'_> {
-    /// An entry with numbers from 1, in ISO 8855 axes (x forward, y left), mm and N. Rotations of x rearward and y right
-    /// by forces along y are the same.
+    /// Entry of the matrix, with indices from 1, in ISO 8855 axes (x forward, y left), mm and N. Rotations about x and
+    /// displacements along y by forces along y have the same sign in axes with x rearward and y right.
     fn entry(&self, row: usize, column: usize) -> f64 {
         let sign = |k: usize| {
             let axis = Axis::ALL[k % 3];
-            // Axes of the vehicle: a right wheel is not mirrored.
+            // The axes are those of the vehicle: a right wheel is not mirrored.
             let y = if self.frame.meaning().1 == Side::Right {
                 -1.0
             } else {
@@ -76,12 +76,13 @@ impl StationMatrix<'_> {
         let mm = 1000.0 / self.length.per_metre();
         let size = |k: usize| if k < 3 { mm } else { 1.0 };
         let (row, column) = (row - 1, column - 1);
-        // Displacements grow with mm, and a moment of N mm is smaller than one of N times the length unit.
+        // Displacements scale with mm. A moment of 1 N mm is smaller than 1 N times the length unit, by the number of mm in that
+        // unit.
         let by = if column < 3 { 1.0 } else { mm };
         self.matrix[row][column] * sign(row) * sign(column) * size(row) / by
     }
 
-    /// Our figure by the definition of a program; `None` where that has none.
+    /// Result by another program's definition, computed from the matrix. `None` if that program has no such result.
     pub(super) fn other(
         &self,
         program: OtherProgram,
@@ -117,9 +118,9 @@ impl StationMatrix<'_> {
             (OtherProgram::Adams, "toe_by_aligning_moment") => {
                 ("alt_steer_compliance", c(6, 6) * degrees, "deg/(N mm)")
             }
-            // The printed definition for the right wheel contradicts the one for the left.
+            // The published definition for the right wheel contradicts the one for the left.
             (OtherProgram::Adams, "camber_by_aligning_moment") if is_left => {
-                // About the axis to the rear, as that program has it.
+                // This program uses the axis that points to the rear.
                 ("alt_camber_compliance", -c(4, 6) * degrees, "deg/(N mm)")
             }
             (OtherProgram::Adams, "compliant_wheel_rate") => ("wheel_rate", 1.0 / c(3, 3), "N/mm"),

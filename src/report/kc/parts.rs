@@ -1,11 +1,11 @@
-//! The elastic parts of a study, as a table.
+//! Elastic parts of a study, as a table.
 
 use super::super::table::{Cell, Table};
 use crate::compliance::{AxialStiffness, Shape};
 use crate::study::Study;
 
-/// Returns the elastic parts of a study, one in a row. An axle has the parts of the left wheel, the mounts of the subframe,
-/// the parts of the right wheel that differ, and the rack.
+/// Table of the elastic parts of a study, one part per row. For an axle it has the parts of the left wheel, the mounts of the
+/// subframe, the parts of the right wheel that differ, and the rack.
 pub fn elastic_parts(study: &Study) -> Table {
     let mut table = Table::new(["part", "elastic", "rates", "torsional rates", "unit"]);
     let u = study.wheel().length_unit.symbol();

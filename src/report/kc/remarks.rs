@@ -4,12 +4,12 @@ use super::{KcResults, no_equilibrium};
 use crate::compliance::{KcWheelState, TestLoad};
 
 impl KcResults<'_> {
-    /// Returns true if every station and level has an equilibrium.
+    /// True if every station and level has an equilibrium.
     pub fn is_complete(&self) -> bool {
         self.failures().is_empty()
     }
 
-    /// Stations and levels without equilibrium, a line each.
+    /// Stations and levels without equilibrium, one per line.
     pub fn failures(&self) -> Vec<String> {
         let u = self.length().symbol();
         let mut failures = Vec::new();
@@ -43,7 +43,7 @@ impl KcResults<'_> {
         failures
     }
 
-    /// Warnings: values that stand on a continued curve, wheels that lift.
+    /// Warnings: values that come from an extrapolated bushing curve, and wheels that lift.
     pub fn warnings(&self) -> Vec<String> {
         let outcomes = self
             .stations

@@ -1,4 +1,4 @@
-//! `sensitivities.csv` of rig tests: derivatives of every figure by hardpoints, rates, preloads and the spring.
+//! `sensitivities.csv` of `kc` tests: derivatives of every result by hardpoints, rates, preloads and the spring.
 
 use super::super::shortest;
 use super::{KcResults, bar, csv, held, mode, steering, subject};
@@ -11,19 +11,19 @@ use crate::model::{Axis, PointId};
 use crate::number::Tape;
 use crate::study::RATE_AXES;
 
-/// An input with how it is written: name, axis, unit of the input, and what its printed unit holds of the program's.
+/// An input as it is printed: name, axis and unit, and the factor from the program's unit.
 struct Input {
     parameter: Parameter,
     name: String,
     axis: String,
     unit: String,
-    /// Derivative by the printed input per derivative by the program's.
+    /// Factor from the derivative by the program's input to the derivative by the printed input.
     factor: f64,
 }
 
 impl KcResults<'_> {
-    /// The inputs of a suspension: the coordinates of these points, and the inputs of its elastic parts and of these
-    /// mounts of a subframe.
+    /// Inputs of a suspension: the coordinates of these points, the inputs of its elastic parts, and those of these mounts of a
+    /// subframe.
     fn inputs(
         &self,
         parts: &Compliance,
@@ -47,7 +47,7 @@ impl KcResults<'_> {
         for (number, (shapes, name)) in shapes.zip(&self.bushings).enumerate() {
             for (k, shape) in shapes.iter().enumerate() {
                 let unit = match (shape, k) {
-                    // An axis without stiffness has none that could change.
+                    // An axis without stiffness has no rate that could change.
                     (Shape::Cubic { rate: 0.0, .. }, _) => continue,
                     (Shape::Cubic { .. }, 0..3) => format!("N_per_{u}"),
                     (Shape::Cubic { .. }, _) => format!("N_{u}_per_rad"),
@@ -104,7 +104,7 @@ impl KcResults<'_> {
         inputs
     }
 
-    /// `sensitivities.csv` of one wheel; `None` if no points are requested.
+    /// `sensitivities.csv` of one wheel. `None` if no points are requested.
     pub fn sensitivities_csv(
         &self,
         run: &KcRun<'_>,
@@ -150,7 +150,7 @@ impl KcResults<'_> {
         (!points.is_empty()).then(|| self.sensitivity_rows(&inputs, gradients))
     }
 
-    /// The same of an axle.
+    /// `sensitivities.csv` of an axle. `None` if no points are requested.
     pub fn axle_sensitivities_csv(
         &self,
         run: &AxleKcRun<'_>,
@@ -195,7 +195,7 @@ impl KcResults<'_> {
         (!points.is_empty()).then(|| self.sensitivity_rows(&inputs, gradients))
     }
 
-    /// A row for each station, test, figure and input. `gradients` gives the derivatives of an outcome's figures.
+    /// Rows for each station, test, result and input. `gradients` gives the derivatives of a test's results.
     fn sensitivity_rows(
         &self,
         inputs: &[Input],
@@ -215,7 +215,7 @@ impl KcResults<'_> {
         let mut rows = Vec::new();
         for station in &self.stations {
             for outcome in station.outcomes.iter().flatten() {
-                // The station has an equilibrium: its figures are there.
+                // This station has an equilibrium, so its results exist.
                 let Some(found) = gradients(station, outcome) else {
                     continue;
                 };

@@ -1,4 +1,4 @@
-//! Figures of rig tests as tables of the terminal.
+//! Results of `kc` tests as tables for the terminal.
 
 use super::super::table::{Cell, Table};
 use super::{KcResults, subject};
@@ -6,7 +6,7 @@ use crate::ask::Unit;
 use crate::compliance::{KcFigure, KcStation};
 use crate::model::LengthUnit;
 
-/// The unit for a reader.
+/// Readable unit.
 fn unit_shown(unit: Unit, length: LengthUnit) -> String {
     let u = length.symbol();
     match unit {
@@ -24,7 +24,7 @@ fn unit_shown(unit: Unit, length: LengthUnit) -> String {
 }
 
 impl KcResults<'_> {
-    /// The figures of all stations, for programs.
+    /// Table of the results of all stations, for programs.
     pub fn table(&self) -> Table {
         let u = self.length().symbol();
         let mut columns = vec!["test".to_owned()];
@@ -54,7 +54,7 @@ impl KcResults<'_> {
         table
     }
 
-    /// The place of each station that has figures, and its table for a reader: tests with their figures below them.
+    /// Tables for people: for each station with results its position, and a table of tests with their results.
     pub fn tables_for_readers(&self) -> Vec<(String, Table)> {
         let mut tables = Vec::new();
         for station in &self.stations {
@@ -84,7 +84,7 @@ impl KcResults<'_> {
         tables
     }
 
-    /// The stations, those nearest to the design position first.
+    /// Stations sorted by their distance from the design position, nearest first.
     pub(in crate::report) fn nearest_stations(&self) -> Vec<&KcStation> {
         let far = |station: &KcStation| {
             let right = station.right_travel.unwrap_or(0.0);
@@ -96,7 +96,7 @@ impl KcResults<'_> {
         stations.into_iter().map(|(_, station)| station).collect()
     }
 
-    /// Value and unit of a figure at the station nearest to the design position that has it.
+    /// Value and unit of a result, at the nearest station to the design position that has it.
     pub(in crate::report) fn first_figure(&self, quantity: &str) -> Option<[String; 2]> {
         let stations = self.nearest_stations();
         let outcomes = stations
@@ -108,7 +108,7 @@ impl KcResults<'_> {
         Some([four_figures(value), unit_shown(figure.unit, self.length())])
     }
 
-    /// Name, value, secant and unit of a figure.
+    /// Cells of a result: name, value, secant and unit.
     fn figure_cells(&self, figure: &KcFigure) -> [Cell; 4] {
         let number = |value: Option<f64>| Cell::by(value, four_figures);
         [
@@ -120,7 +120,7 @@ impl KcResults<'_> {
     }
 }
 
-/// A number with the four figures that a rig sheet has.
+/// Formats a number with four digits, as on rig sheets.
 fn four_figures(value: f64) -> String {
     let rounded = format!("{value:.3e}").parse().unwrap_or(value);
     super::super::brief(rounded)

@@ -1,4 +1,4 @@
-//! The page of a car. It has no script: every picture is drawn here.
+//! The page of a car. It has no script, because every picture is drawn here.
 
 mod charts;
 mod views;
@@ -20,7 +20,7 @@ const CAR_STYLE: &str = include_str!("car.css");
 /// Names of the wheels, front left first.
 const WHEELS: [&str; 4] = ["front left", "front right", "rear left", "rear right"];
 
-/// A number with the digits that a reader needs.
+/// Formats a number with the digits that people need.
 fn shown(value: f64, unit: &str) -> String {
     match unit {
         "N" | "lbf" => with_decimals(value, 0),
@@ -31,7 +31,7 @@ fn shown(value: f64, unit: &str) -> String {
     }
 }
 
-/// Name of a case for readers.
+/// Name of a load case for people.
 fn titled(case: &CarCase) -> String {
     html(&case.name.replace('_', " "))
 }
@@ -103,7 +103,7 @@ fn about(record: &CarRecord) -> String {
     )
 }
 
-/// The answer in a sentence or two.
+/// Main result in one or two sentences.
 fn verdict(record: &CarRecord) -> String {
     let mut said = Vec::new();
     let met = record.targets.iter().filter(|target| target.is_met());
@@ -162,7 +162,7 @@ fn section(id: &str, title: &str, note: &str, content: &str) -> String {
     )
 }
 
-/// The cases that have a state.
+/// Load cases that have a state.
 fn solved(record: &CarRecord) -> impl Iterator<Item = (&CarCase, &CarStateRecord)> {
     let cases = record.cases.iter();
     cases.filter_map(|case| Some((case, case.state.as_ref()?)))
@@ -205,7 +205,7 @@ fn targets(record: &CarRecord) -> String {
     )
 }
 
-/// Changes that no target asks for: those that matter most, then the others that a reader sees, folded.
+/// Changes that no target asks for. The important ones come first; the other visible ones are folded.
 fn side_effects(record: &CarRecord) -> String {
     let effects = &record.side_effects;
     if effects.is_empty() {

@@ -1,10 +1,10 @@
-//! Charts in a page: each an SVG in a figure, with data for the crosshair.
+//! Charts of a page. Each one is an SVG in a figure, with data for the crosshair.
 
 use super::escape::html;
 use crate::report::chart::{Chart, Layout};
 use crate::report::curve_table::CurveTable;
 
-/// The charts of a page and the tables that they are drawn from.
+/// Charts of a page, and the tables with their data.
 #[derive(Default)]
 pub(super) struct Charts {
     /// Tables of numbers.
@@ -14,7 +14,7 @@ pub(super) struct Charts {
 }
 
 impl Charts {
-    /// Adds a chart and returns its figure, with these attributes and remarks as HTML.
+    /// Adds a chart. Returns its figure as HTML, with these attributes and remarks.
     pub(super) fn figure(&mut self, chart: Chart, attributes: &str, remarks: &str) -> String {
         let layout = chart.layout(&self.tables);
         let number = self.layouts.len();
@@ -27,7 +27,7 @@ impl Charts {
     }
 }
 
-/// An attribute of an element.
+/// Writes an attribute of an element.
 pub(super) fn attribute(name: &str, value: &str) -> String {
     format!(" {name}=\"{}\"", html(value))
 }

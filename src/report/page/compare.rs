@@ -20,7 +20,7 @@ const SCRIPTS: [&str; 5] = [
     include_str!("compare.js"),
 ];
 
-/// The data that the page's script reads.
+/// Data that the page's script reads.
 #[derive(Serialize)]
 struct Data<'a> {
     record: Option<&'a Record>,
@@ -28,7 +28,7 @@ struct Data<'a> {
     charts: &'a [Layout],
 }
 
-/// Content of a chart.
+/// Values that a chart shows.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Curves,
@@ -44,7 +44,7 @@ impl Kind {
     }
 }
 
-/// Charts of each output over each column that moves: curves, and differences from the first design.
+/// Charts of each output over each moving column: curves, and differences from the first design.
 fn figures(comparison: &Comparison, moving: &[String], charts: &mut Charts) -> String {
     let designs = comparison.labels.len();
     charts.tables = comparison.tables();
@@ -115,8 +115,8 @@ fn figures(comparison: &Comparison, moving: &[String], charts: &mut Charts) -> S
     figures
 }
 
-/// Curves of a design, without their columns: one for each value of the coordinate that moves beside the abscissa,
-/// and its rows. The name of the design is given whole and short.
+/// Curves of a design without their columns. There is one curve with its rows for each value of the second moving coordinate. The
+/// name of the design is given in full and in short form.
 fn lines_of_design(
     table: &CurveTable,
     apart: &[&String],
@@ -144,7 +144,7 @@ fn lines_of_design(
     families.into_iter().map(line).collect()
 }
 
-/// Choice of the column along the charts.
+/// Control that selects the horizontal axis of the charts.
 fn controls(moving: &[String]) -> String {
     let option = |column: &String| {
         let title = Quantity::of_column(column).title();
@@ -162,7 +162,7 @@ fn controls(moving: &[String]) -> String {
     )
 }
 
-/// The page of several designs over each other. `topologies` are theirs, each once.
+/// Page that compares several designs. `topologies` lists their topologies, each once.
 pub fn comparison_page(comparison: &Comparison, topologies: &[String], files: &[String]) -> String {
     let partial: String = comparison
         .partial

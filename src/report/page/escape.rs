@@ -1,8 +1,8 @@
-//! Text from a study inside a page: a name is not a script.
+//! Escapes text from a study for a page, so that a name cannot act as a script.
 
 use serde::Serialize;
 
-/// Text as the content or the quoted attribute of an HTML element.
+/// Escapes text for the content or a quoted attribute of an HTML element.
 pub(super) fn html(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
@@ -12,7 +12,7 @@ pub(super) fn html(text: &str) -> String {
             '>' => escaped.push_str("&gt;"),
             '"' => escaped.push_str("&quot;"),
             '\'' => escaped.push_str("&#39;"),
-            // Control characters are no HTML, but for white space.
+            // HTML does not allow control characters, except for white space.
             c if c.is_control() && !c.is_whitespace() => escaped.push('\u{fffd}'),
             c => escaped.push(c),
         }
@@ -20,8 +20,8 @@ pub(super) fn html(text: &str) -> String {
     escaped
 }
 
-/// A value as JSON inside a `script` element. Characters that could end the element, or a line of
-/// script, occur in JSON within strings only and are written as escapes.
+/// Writes a value as JSON for a `script` element. Characters that could end the element or a line of script occur only within
+/// JSON strings. They are written as escapes.
 pub(super) fn json(value: &impl Serialize) -> String {
     let plain = serde_json::to_string(value).expect("plain data");
     let mut escaped = String::with_capacity(plain.len());

@@ -1,5 +1,4 @@
-//! The page of rig tests: key figures, a chart of each load with its tests, and the figures of every station. It has no
-//! script.
+//! The page of `kc` tests: key results, a chart of each load with its tests, and the results of every station. It has no script.
 
 use super::charts::Charts;
 use super::escape::html;
@@ -9,7 +8,7 @@ use crate::report::KcResults;
 use crate::report::chart::{Chart, Line, Quantity, Source};
 use crate::report::curve_table::CurveTable;
 
-/// Figures of the verdict, in this order.
+/// Results in the verdict, in this order.
 const FIRST: [&str; 5] = [
     "toe_by_lateral_force",
     "camber_by_lateral_force",
@@ -21,7 +20,7 @@ const FIRST: [&str; 5] = [
 /// Columns of a table of levels.
 const COLUMNS: [&str; 4] = ["load", "toe", "camber", "shift"];
 
-/// The page of the tests of a study.
+/// Page with the tests of a study.
 pub fn kc_page(study: &str, results: &KcResults<'_>) -> String {
     let mut sections = Vec::new();
     let (place, charts) = charts(results);
@@ -59,7 +58,7 @@ pub fn kc_page(study: &str, results: &KcResults<'_>) -> String {
     sheet(study, "kc", &verdict(results), &sections)
 }
 
-/// The main figures, each of the station nearest to the design position that has it.
+/// Main results, each from the nearest station to the design position that has it.
 fn verdict(results: &KcResults<'_>) -> String {
     let failed = match results.failures().len() {
         0 => "Every state has an equilibrium.".to_owned(),
@@ -78,7 +77,7 @@ fn verdict(results: &KcResults<'_>) -> String {
     }
 }
 
-/// The charts of the station with levels that is nearest to the design position, and its place.
+/// Charts of the station with levels that is nearest to the design position, and the position of this station.
 fn charts(results: &KcResults<'_>) -> (String, String) {
     let stations = results.nearest_stations();
     let found = stations
@@ -101,7 +100,7 @@ fn charts(results: &KcResults<'_>) -> (String, String) {
     (results.station_name(station), figures)
 }
 
-/// Charts of toe, camber and displacement over one load, with a line for each test.
+/// Charts of toe, camber and displacement over one load, with one line per test.
 fn charts_of_load(
     results: &KcResults<'_>,
     load: TestLoad,
@@ -161,7 +160,7 @@ fn charts_of_load(
         ("camber", "camber", "°"),
         ("shift", shift, length.symbol()),
     ];
-    // A moment turns the wheel; the test holds its height.
+    // A moment turns the wheel, and the test holds its height. So there is no chart of displacement.
     let count = if is_moment { 2 } else { 3 };
     let mut figures = String::new();
     for (column, title, of) in quantities.into_iter().take(count) {
@@ -190,7 +189,7 @@ fn charts_of_load(
     figures
 }
 
-/// Displacement of the wheel centre from the state without load, along the direction of the load.
+/// Displacement of the wheel centre from the unloaded state, along the direction of the load.
 fn moved(load: TestLoad, state: &KcWheelState, from: &KcWheelState) -> f64 {
     let by = state.figures.centre - from.figures.centre;
     match load {

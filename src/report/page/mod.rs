@@ -1,7 +1,7 @@
-//! `report.html`: a run as one page that needs nothing else.
+//! `report.html`: a run as one self-contained page.
 //!
 //! Text, tables and charts are written here. The page's own small script adds the crosshair, the zoom and the view of the
-//! mechanism. The page loads nothing and its policy says so.
+//! mechanism. The page loads nothing, and its content security policy states this.
 
 mod car;
 mod charts;
@@ -37,23 +37,23 @@ fn style() -> String {
     STYLE.to_owned() + &page_style()
 }
 
-/// The drawing of the mechanism and its controls.
+/// Drawing of the mechanism with its controls.
 const STAGE: &str = include_str!("stage.html");
 
-/// The parts of a page. All but the study's name and the line about the run are HTML.
+/// Parts of a page. All except the study's name and the line about the run are HTML.
 struct Page<'a, Data> {
     study: &'a str,
     about: String,
-    /// Key values: names and values.
+    /// Names and values of the key values.
     facts: Vec<(&'static str, String)>,
-    /// Remarks before the plots.
+    /// Remarks above the charts.
     remarks: String,
-    /// Sections: their identifiers and names.
+    /// Identifiers and names of the sections.
     sections: Vec<(&'static str, &'static str)>,
     controls: &'a str,
     main: String,
     files: &'a [String],
-    /// The data that the script reads.
+    /// Data for the script.
     data: Data,
     /// Parts of the page's own script.
     scripts: &'a [&'a str],

@@ -1,4 +1,4 @@
-//! The opening screen of a tuned design: the answer before the details.
+//! Opening screen of a tuned design: the result before the details.
 
 use super::escape::html;
 use super::table::table;
@@ -8,10 +8,10 @@ use crate::report::record::{DesignRecord, Record};
 use crate::report::{Scene, TuningSummary, side_effects_table};
 use std::fmt::Write;
 
-/// Side effects on the opening screen.
+/// Largest number of side effects on the opening screen.
 const MOST_EFFECTS: usize = 6;
 
-/// The opening screen: verdict, moved points beside a picture, targets, side effects, bounds and margins.
+/// Opening screen: verdict, moved points beside a picture, targets, side effects, bounds and margins.
 pub(super) fn opening(tuning: &TuningSummary, record: &Record) -> String {
     let unmet: Vec<usize> = tuning.missed().iter().map(|(row, ..)| *row).collect();
     let targets = table(&tuning.targets_table(), |row| {
@@ -48,7 +48,7 @@ pub(super) fn opening(tuning: &TuningSummary, record: &Record) -> String {
     )
 }
 
-/// The outcome in short sentences.
+/// Result in short sentences.
 fn verdict(tuning: &TuningSummary) -> String {
     let (all, missed) = (tuning.targets(), tuning.missed().len());
     let flagged = tuning.side_effects.iter().filter(|e| e.flagged).count();
@@ -109,7 +109,7 @@ fn margins(tuning: &TuningSummary) -> String {
     })
 }
 
-/// The drawing of a design that is nearest to its design position.
+/// Pose of a design that is nearest to its design position.
 fn nearest(design: &DesignRecord) -> Option<&Placement> {
     let frames = design.frames.iter();
     let solved = frames.filter_map(|f| Some((f.drive.abs() + f.rack.abs(), f.pose.as_ref().ok()?)));
@@ -117,7 +117,7 @@ fn nearest(design: &DesignRecord) -> Option<&Placement> {
     nearest.map(|(_, placement)| placement)
 }
 
-/// Both designs from the front and from the side: the first one dashed, the last one in colour.
+/// Both designs from the front and from the side. The first design is dashed, the last one has colours.
 fn pictures(record: &Record) -> String {
     let [Some(first), Some(last)] =
         [record.designs.first(), record.designs.last()].map(|design| design.and_then(nearest))
@@ -141,7 +141,7 @@ const WIDTH: f64 = 300.0;
 const HEIGHT: f64 = 220.0;
 const EDGE: f64 = 14.0;
 
-/// Two designs seen along an axis.
+/// Picture of two designs, seen along an axis.
 fn picture(scene: &Scene, designs: [&Placement; 2], axes: [usize; 2]) -> String {
     let flat = |p: &[f64; 3]| axes.map(|k| scene.signs[k] * p[k]);
     let all = designs.iter().flat_map(|d| &d.points).map(flat);

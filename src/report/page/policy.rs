@@ -1,7 +1,7 @@
-//! The content security policy of a page: it may run its own scripts and load nothing.
+//! Content security policy of a page: it runs its own scripts and loads nothing.
 
-/// The policy of a page with these scripts and this style in it. They are named by their hashes, so that no other text can
-/// become one.
+/// Policy of a page with these scripts and this style. It contains their hashes, so that no other text can run as a script or act
+/// as a style.
 pub(super) fn policy(scripts: &[&str], style: &str) -> String {
     let hash = |text: &str| {
         format!(
@@ -20,7 +20,7 @@ pub(super) fn policy(scripts: &[&str], style: &str) -> String {
     )
 }
 
-/// Base 64 with padding (RFC 4648, section 4).
+/// Base64 text with padding (RFC 4648, section 4).
 fn base64(bytes: &[u8]) -> String {
     const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::new();
@@ -57,7 +57,7 @@ mod tests {
         }
     }
 
-    /// The example of the CSP specification, level 2, section 4.2.5.
+    /// Example from the CSP specification, level 2, section 4.2.5.
     #[test]
     fn scripts_are_named_by_their_hashes() {
         let policy = policy(&["alert('Hello, world.');"], "");

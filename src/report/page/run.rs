@@ -32,23 +32,23 @@ const SCRIPTS: [&str; 9] = [
     include_str!("start.js"),
 ];
 
-/// The most numbers of curves in a page. Beyond, stations are left out evenly, and the page says so.
+/// Largest number of curve values in a page. If there are more, evenly spaced stations are kept, and the page says so.
 const MOST_NUMBERS: usize = 25_000;
 
-/// The data that the page's script reads.
+/// Data that the page's script reads.
 #[derive(Serialize)]
 struct Data<'a> {
     record: &'a Record,
-    /// Tables of the charts: the curves of each design first.
+    /// Tables of the charts. The curves of the designs come first.
     curves: &'a [CurveTable],
     charts: &'a [Layout],
-    /// Point of the front that is the tuned design.
+    /// Index of the point of the front that is the tuned design.
     kept_point: Option<usize>,
-    /// Targets missed by more than their tolerance: column, largest deviation and its place.
+    /// Targets missed by more than their tolerance: column, and largest deviation with its position.
     missed: Vec<(&'a str, String)>,
 }
 
-/// The page of a run.
+/// Page of a run.
 pub fn page(run: &Run) -> String {
     let (mut curves, curves_note) = drawn(run);
     let front = run.record.front.as_ref().map_or(&[][..], |f| &f.points);
@@ -132,13 +132,13 @@ fn tuning_of(run: &Run) -> Option<&TuningSummary> {
     }
 }
 
-/// Column that an output is drawn over at first.
+/// Column on the horizontal axis of an output at first.
 fn usual<'r>(record: &'r Record, output: &str) -> &'r str {
     let by_time = record.abscissae.iter().find(|a| *a == "time_s");
     by_time.map_or(record.natural_abscissa(output), String::as_str)
 }
 
-/// Columns that outputs can be drawn over.
+/// Columns that can be on the horizontal axis.
 fn abscissae(record: &Record) -> Vec<&str> {
     let mut all = vec![record.drive.as_str()];
     all.extend(
@@ -151,7 +151,7 @@ fn abscissae(record: &Record) -> Vec<&str> {
     all
 }
 
-/// Choice of the column along the charts, if there is one.
+/// Control that selects the horizontal axis, if there is a choice.
 fn controls(record: &Record) -> String {
     let all = abscissae(record);
     if all.len() < 2 {
@@ -169,7 +169,7 @@ fn controls(record: &Record) -> String {
     format!(include_str!("controls.html"), options = options)
 }
 
-/// The figures of all outputs over all columns that they can be drawn over. Only the usual one is shown at first.
+/// Figures of all outputs over all possible horizontal axes. Only the usual one is visible at first.
 fn figures(run: &Run, first_of_front: usize, charts: &mut Charts) -> String {
     let record = &run.record;
     let missed = tuning_of(run).map_or_else(Vec::new, missed);
@@ -202,7 +202,7 @@ fn figures(run: &Run, first_of_front: usize, charts: &mut Charts) -> String {
     figures
 }
 
-/// Curves of the points of a front; none if they would make the page large.
+/// Curves of the points of a front. Empty if they would make the page too large.
 fn front_curves(points: &[FrontPoint]) -> Vec<CurveTable> {
     let curves = points.iter().filter_map(|point| point.curves.as_ref());
     let numbers = |table: &CurveTable| table.rows() * table.header.len();
@@ -212,7 +212,7 @@ fn front_curves(points: &[FrontPoint]) -> Vec<CurveTable> {
     }
 }
 
-/// Lines of the points of a front, which the script shows one at a time.
+/// Curves of the points of a front. The script shows one point at a time.
 fn front_lines(
     record: &Record,
     tables: &[CurveTable],
@@ -247,7 +247,7 @@ fn front_lines(
     lines
 }
 
-/// Curves on the page, and a remark if some are left out.
+/// Curves on the page, and a remark if some stations are left out.
 fn drawn(run: &Run) -> (Vec<CurveTable>, String) {
     let widths = run.curves.iter().map(|table| table.header.len());
     let most = (MOST_NUMBERS / widths.sum::<usize>().max(1)).max(2);
@@ -261,7 +261,7 @@ fn drawn(run: &Run) -> (Vec<CurveTable>, String) {
     (run.curves.iter().map(|t| t.thinned(most)).collect(), note)
 }
 
-/// Key values, at the head of the page.
+/// Key values at the top of the page.
 fn facts(run: &Run) -> Vec<(&'static str, String)> {
     let mut facts = Vec::new();
     if let Summary::Optimise(tuning) = &run.summary {
@@ -319,7 +319,7 @@ fn facts(run: &Run) -> Vec<(&'static str, String)> {
     facts
 }
 
-/// Every failed range with its reason.
+/// All failed ranges with their reasons.
 fn failures(run: &Run) -> String {
     let mut items = String::new();
     for design in &run.record.designs {
@@ -339,7 +339,7 @@ fn failures(run: &Run) -> String {
     }
 }
 
-/// A remark on a run that a signal ended early.
+/// Remark about a run that a signal ended early.
 fn interruption(run: &Run) -> String {
     match run.interrupted {
         true => r#"<p class="notice">Interrupted: these are the results that were finished. Run the study again for all of them.</p>"#,
@@ -359,7 +359,7 @@ fn remarks(run: &Run) -> String {
     run.record.designs.iter().map(of_design).collect()
 }
 
-/// The links to the sections.
+/// Identifiers and names of the sections that the page links to.
 fn sections(run: &Run) -> Vec<(&'static str, &'static str)> {
     let tuned = matches!(run.summary, Summary::Optimise(_));
     let all = [
@@ -380,14 +380,14 @@ fn sections(run: &Run) -> Vec<(&'static str, &'static str)> {
     shown.map(|(id, name, _)| (id, name)).collect()
 }
 
-/// Returns true if the page can show a turn from above.
+/// True if the page can show the car in a turn, seen from above.
 fn has_turn(run: &Run) -> bool {
     let frames = run.record.designs.iter().flat_map(|d| &d.frames);
     let mut poses = frames.filter_map(|frame| frame.pose.as_ref().ok());
     poses.any(|pose| pose.turn.as_ref().is_some_and(|turn| turn.centre.is_some()))
 }
 
-/// Missed targets: column, and size and place of the deviation.
+/// Missed targets: column, and size and position of the deviation.
 fn missed(tuning: &TuningSummary) -> Vec<(&str, String)> {
     let missed = tuning.missed().into_iter();
     missed.map(|(_, column, by)| (column, by)).collect()
@@ -402,7 +402,7 @@ fn missed_in_words(missed: &[(&str, String)]) -> String {
     }
 }
 
-/// Targets, moved hardpoints and the motion of an optimisation.
+/// Targets, moved hardpoints and convergence history of an optimisation.
 fn tuning_sections(tuning: &TuningSummary, history: String, charts: &mut Charts) -> String {
     let unseen: String = tuning
         .unseen()
@@ -437,7 +437,7 @@ fn tuning_sections(tuning: &TuningSummary, history: String, charts: &mut Charts)
     )
 }
 
-/// The section on changes that no target asks for.
+/// Section about changes that no target asks for.
 fn side_effects(effects: &[SideEffect]) -> String {
     let Some(words) = side_effects_in_words(effects) else {
         return String::new();
@@ -450,7 +450,7 @@ fn side_effects(effects: &[SideEffect]) -> String {
     )
 }
 
-/// The section on the constraints, with remarks on constraints and targets.
+/// Section about the constraints, with remarks on constraints and targets.
 fn constraints(tuning: &TuningSummary) -> String {
     let violated = tuning.violated();
     let mark = |row| violated.contains(&row).then_some("unmet");
@@ -464,7 +464,7 @@ fn constraints(tuning: &TuningSummary) -> String {
     shown
 }
 
-/// The section on the misfit that moving further would save.
+/// Section about the misfit against the size of the change.
 fn prices_section(tuning: &TuningSummary, charts: &mut Charts) -> String {
     tuning.prices_table().map_or_else(String::new, |table| {
         let chart = prices_chart(&tuning.prices, charts);
@@ -476,7 +476,7 @@ fn prices_section(tuning: &TuningSummary, charts: &mut Charts) -> String {
     })
 }
 
-/// Results of the scatter, below the fans about the curves.
+/// Results of the scatter. They follow the fans around the curves.
 fn tolerance_sections(tolerance: &ToleranceSummary) -> String {
     let mut sections = distributions(tolerance) + &contributors(tolerance);
     sections += &tolerance.values_table().html();

@@ -1,4 +1,5 @@
-//! Pictures of the scatter of values in their bands (histograms and percentiles), and of each contributor's effect: SVG in the page.
+//! SVG pictures of scatter: the distribution of each value in its band (histogram and percentiles), and the effect of each
+//! contributor.
 
 use super::escape::html;
 use crate::report::bands::BandRecord;
@@ -9,27 +10,27 @@ use crate::report::tolerance_summary::{
 };
 use std::fmt::Write;
 
-/// Width of a picture; of its names; of the numbers at its right end.
+/// Width of a picture. The next constants are the widths of its names and of the numbers at its right end.
 const WIDTH: f64 = 760.0;
 const NAMES: f64 = 250.0;
 const NUMBERS: f64 = 110.0;
 /// Height of a row.
 const ROW: f64 = 64.0;
-/// Height of a histogram, of the band behind it, and place of the boxes below the histogram.
+/// Height of a histogram. The next constants are the height of the band behind it and the position of the boxes below it.
 const HISTOGRAM: f64 = 28.0;
 const BAND: f64 = 44.0;
 const BOXES: f64 = 38.0;
 /// Height of a contributor's row.
 const BAR: f64 = 26.0;
 
-/// Places of [`ValueRecord::percentiles`].
+/// Indices of the percentiles in [`ValueRecord::percentiles`].
 const P1: usize = 1;
 const P5: usize = 2;
 const P50: usize = 3;
 const P95: usize = 4;
 const P99: usize = 5;
 
-/// The distribution of every banded value with its band.
+/// Picture of the distribution of every value with a band.
 pub(super) fn distributions(summary: &ToleranceSummary) -> String {
     let bands = summary.bands.iter();
     let drawn: Vec<(&BandRecord, &ValueRecord)> = bands
@@ -144,10 +145,10 @@ fn row(svg: &mut String, top: f64, band: &BandRecord, value: &ValueRecord) {
     }
 }
 
-/// The most letters of a name that has room beside a picture.
+/// Largest number of letters of a name beside a picture.
 const LETTERS: usize = 36;
 
-/// A name that fits beside a picture; a longer one is cut, and whole in its tooltip.
+/// Name that fits beside a picture. A longer name is shortened; its tooltip has the full name.
 fn fitting(name: &str) -> String {
     if name.chars().count() <= LETTERS {
         return html(name);
@@ -156,7 +157,7 @@ fn fitting(name: &str) -> String {
     format!("{}<title>{}</title>", html(&start), html(name))
 }
 
-/// Bars of a histogram on the line `base`, the largest as high as there is room.
+/// Draws the bars of a histogram on the line `base`. The largest bar uses the full height.
 fn bars(svg: &mut String, base: f64, histogram: &HistogramRecord, x: impl Fn(f64) -> f64) {
     let largest = histogram.counts.iter().copied().max().unwrap_or(0);
     let [low, high] = histogram.range;
@@ -173,8 +174,8 @@ fn bars(svg: &mut String, base: f64, histogram: &HistogramRecord, x: impl Fn(f64
     let _ = write!(svg, "<path class=\"bars\" d=\"{path}V{base:.1}Z\"/>");
 }
 
-/// Capability of a value in its band: `Cp 1.33, Cpk 1.10`. Cp is the width of the band in six standard deviations, Cpk the
-/// distance from the mean to the nearer limit in three. A band with one limit has only Cpk.
+/// Capability of a value in its band: `Cp 1.33, Cpk 1.10`. Cp is the width of the band divided by six standard deviations. Cpk is
+/// the distance from the mean to the nearer limit, divided by three standard deviations. A band with one limit has only Cpk.
 fn capability([low, high]: [Option<f64>; 2], mean: f64, sigma: f64) -> String {
     let width = low.zip(high).map(|(low, high)| high - low);
     let cp = width.map(|width| format!("Cp {:.2}, ", width / (6.0 * sigma)));
@@ -184,7 +185,7 @@ fn capability([low, high]: [Option<f64>; 2], mean: f64, sigma: f64) -> String {
     cp.unwrap_or_default() + &cpk.unwrap_or_default()
 }
 
-/// The predicted yield with half and with twice the tolerance of each contributor.
+/// Picture of the predicted yield with half and with twice the tolerance of each contributor.
 pub(super) fn contributors(summary: &ToleranceSummary) -> String {
     let (Some(now), [_, ..]) = (summary.yield_of_all, &summary.ranking[..]) else {
         return String::new();
@@ -252,7 +253,8 @@ pub(super) fn contributors(summary: &ToleranceSummary) -> String {
 mod tests {
     use super::*;
 
-    /// A band of eight standard deviations whose middle is one standard deviation from the mean: Cp is 8/6, Cpk 3/3.
+    /// The band is eight standard deviations wide, and its middle is one standard deviation from the mean. So Cp is 8/6 and Cpk
+    /// is 3/3.
     #[test]
     fn capability_counts_standard_deviations() {
         let of = |low, high| capability([low, high], 0.5, 0.5);

@@ -1,12 +1,12 @@
-//! The script of a page: modules that the studio serves as files are joined into one, since a page has no files.
+//! Script of a page. The studio serves modules as files. A page has no files, so the modules are joined into one script.
 
-/// Small helpers, shared with the studio.
+/// Small helper functions, shared with the studio.
 const HELPERS: &str = include_str!("../../studio/page/draw.js");
-/// The view of a mechanism, shared with the studio.
+/// View of a mechanism, shared with the studio.
 const SPACE: &str = include_str!("../../studio/page/space.js");
 const MECHANISM_VIEW: &str = include_str!("../../studio/page/mechanism_view.js");
 
-/// The script of these parts, with the helpers before them.
+/// Joins these parts to one script, with the helpers before them.
 pub(super) fn script(parts: &[&str]) -> String {
     let own = [HELPERS, SPACE, MECHANISM_VIEW];
     let mut script = "'use strict';\n(() => {\n".to_owned();
@@ -23,7 +23,7 @@ pub(super) fn script(parts: &[&str]) -> String {
 mod tests {
     use super::*;
 
-    /// Nothing of a module is left that a script may not have.
+    /// The joined script contains no keywords that are only valid in modules.
     #[test]
     fn modules_are_joined() {
         let joined = script(&["import { a } from './a.js';\nexport const b = 1;\nconst c = 2;\n"]);

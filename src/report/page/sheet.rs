@@ -1,4 +1,4 @@
-//! Pages without scripts: a set-up as steps, and the limits of a mechanism.
+//! Pages without scripts: the steps of a set-up, and the limits of a mechanism.
 
 use super::escape::html;
 use super::policy::policy;
@@ -6,7 +6,7 @@ use super::strips::{Strip, strips};
 use super::table::{breakable, table};
 use crate::report::{Cell, SetUpSummary, Table, brief};
 
-/// A section of a page: its title, a note and its table.
+/// A section of a page: title, note and table.
 pub(super) struct Section {
     pub title: String,
     pub note: String,
@@ -14,7 +14,7 @@ pub(super) struct Section {
     pub table: String,
 }
 
-/// The page of a set-up: adjustments as steps, values after each step, and wanted values with their errors.
+/// Page of a set-up: adjustments as steps, values after each step, and target values with their errors.
 pub fn set_up_page(wheels: &[SetUpSummary]) -> String {
     let study = wheels.first().map_or("", |summary| &summary.study);
     let met = wheels.iter().all(|summary| summary.met);
@@ -67,7 +67,7 @@ pub fn set_up_page(wheels: &[SetUpSummary]) -> String {
     sheet(study, "set-up", verdict, &sections)
 }
 
-/// A strip for each wanted static value.
+/// One strip for each target static value.
 fn wanted_strips(summary: &SetUpSummary) -> Vec<Strip> {
     let wanted = summary.statics.iter().filter_map(|s| Some((s, s.wanted?)));
     wanted
@@ -85,21 +85,21 @@ fn wanted_strips(summary: &SetUpSummary) -> Vec<Strip> {
         .collect()
 }
 
-/// Limits of a mechanism for their page.
+/// Data for the page of a mechanism's limits.
 pub struct LimitsSheet<'a> {
     /// Name of the study.
     pub study: &'a str,
-    /// Quantities with their lower and upper limits and the causes.
+    /// Quantities with lower limit, upper limit and causes.
     pub limits: &'a Table,
-    /// Range of the study's motion by quantity, with the names of the table.
+    /// Ranges of the study's motion. The names are those of the table of limits.
     pub motion: &'a [(String, [f64; 2])],
-    /// Remarks.
+    /// Remarks on the limits.
     pub notes: &'a [String],
     /// Stations without a pose.
     pub failures: &'a [String],
 }
 
-/// The page of a mechanism's limits: ranges of travel and rack with the cause of each end.
+/// Page of a mechanism's limits: ranges of travel and rack, with the cause of each end.
 pub fn limits_page(of: &LimitsSheet<'_>) -> String {
     let notes: String = of
         .notes
@@ -126,7 +126,7 @@ pub fn limits_page(of: &LimitsSheet<'_>) -> String {
     sheet(of.study, "limits", verdict, &[section])
 }
 
-/// A strip for each row with both limits.
+/// One strip for each row that has both limits.
 fn limit_strips(of: &LimitsSheet<'_>) -> Vec<Strip> {
     let rows = of.limits.rows();
     rows.filter_map(|cells| {

@@ -1,4 +1,4 @@
-//! Strips: ranges, bands and values of one quantity on a line of its own, each with its own scale.
+//! Strips: pictures of one quantity on its own line and scale, with ranges, bands and values.
 
 use super::escape::html;
 use crate::report::brief;
@@ -6,15 +6,15 @@ use crate::report::chart::Scale;
 use crate::report::chart::mark::{number, path};
 use std::fmt::Write;
 
-/// Width of the picture, as of a chart.
+/// Width of the picture, equal to that of a chart.
 const WIDTH: f64 = 420.0;
-/// Room left and right of the scale.
+/// Space left and right of the scale.
 const MARGIN: f64 = 34.0;
-/// Height of a strip: its name, its line and the numbers below.
+/// Height of a strip with its name, its line and the numbers below.
 const HEIGHT: f64 = 58.0;
-/// Place of the line in a strip.
+/// Vertical position of the line in a strip.
 const LINE: f64 = 30.0;
-/// Half the height of a band, and of the ticks at the ends of a range.
+/// Half of the height of a band, and of the ticks at the ends of a range.
 const HALF: f64 = 6.0;
 /// Width of a digit in the numbers.
 const DIGIT: f64 = 7.0;
@@ -23,11 +23,11 @@ const DIGIT: f64 = 7.0;
 pub(super) struct Strip {
     /// Name of the quantity.
     pub title: String,
-    /// Range as a line with ends.
+    /// Range, drawn as a line with ends.
     pub range: Option<[f64; 2]>,
-    /// Band behind it.
+    /// Band behind the line.
     pub band: Option<[f64; 2]>,
-    /// Dots: class and value.
+    /// Class and value of each dot.
     pub dots: Vec<(&'static str, f64)>,
 }
 
@@ -38,7 +38,7 @@ impl Strip {
     }
 }
 
-/// Strips below each other, as a figure; nothing without strips.
+/// Figure with strips below each other. Empty if there are no strips.
 pub(super) fn strips(strips: &[Strip], about: &str) -> String {
     if strips.is_empty() {
         return String::new();
@@ -101,7 +101,7 @@ fn draw(strip: &Strip, top: f64, svg: &mut String) {
             false,
         );
     }
-    // The values first, then the ends of range and band, as far as there is room.
+    // Numbers of the values come first, then those of the ends of range and band, as far as there is space.
     let dots = strip.dots.iter().rev().map(|(_, value)| *value);
     let ends = strip.range.into_iter().chain(strip.band).flatten();
     let mut taken: Vec<[f64; 2]> = Vec::new();
@@ -120,7 +120,7 @@ fn draw(strip: &Strip, top: f64, svg: &mut String) {
     }
 }
 
-/// A number with four digits.
+/// Rounds a number to four digits.
 fn rounded(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }
@@ -129,7 +129,7 @@ fn rounded(value: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Ends of range and band, and dots, at places in proportion to their values.
+    /// Ends of range and band, and dots, are at positions proportional to their values.
     #[test]
     fn values_are_drawn_to_scale() {
         let strip = Strip {
@@ -148,7 +148,7 @@ mod tests {
             places.collect()
         };
         let (line, band, dot) = (at("line main"), at("limit"), at("dot"));
-        // The line begins at its lower end; then its two ends.
+        // The path begins at its lower end, then has both ends.
         assert_eq!(line[0], line[1]);
         let per_unit = (line[2] - line[1]) / 400.0;
         for (place, value) in [(band[0], -50.0), (band[1], 50.0), (dot[0], 0.0)] {

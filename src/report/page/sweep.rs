@@ -26,7 +26,7 @@ const SCRIPTS: [&str; 10] = [
     include_str!("start_sweep.js"),
 ];
 
-/// The most rows of a table.
+/// Largest number of rows of a table.
 const MOST_ROWS: usize = 50;
 
 /// The data that the page's script reads.
@@ -36,12 +36,12 @@ struct Data<'a> {
     shown: &'a ShownDesigns,
     best: Vec<u64>,
     front: &'a [u64],
-    /// Numbers of the columns that a plot begins with.
+    /// Indices of the columns that the plot shows first.
     first: First,
     effects: &'a [OutputSummary],
-    /// Numbers of the outputs that no variable changes.
+    /// Indices of the outputs that no variable changes.
     unmoved: Vec<usize>,
-    /// The designs that are drawn with their curves and their mechanism; the first is the one as given.
+    /// Designs whose curves and mechanism are drawn. The first one is the nominal design, which has no number.
     drawn: Vec<Option<u64>>,
     record: Option<&'a Record>,
     curves: &'a [CurveTable],
@@ -49,7 +49,7 @@ struct Data<'a> {
     charts: &'a [Layout],
 }
 
-/// A column of the designs.
+/// A column of the table of designs.
 #[derive(Serialize)]
 struct Column<'a> {
     column: &'a str,
@@ -57,13 +57,13 @@ struct Column<'a> {
     unit: String,
     kind: Option<Kind>,
     at_design: Option<f64>,
-    /// Scale of the designs on the page.
+    /// Axis for the designs on the page.
     axis: AxisLayout,
-    /// Logarithmic scale, if every value is positive.
+    /// Logarithmic axis, if every value is positive.
     log_axis: Option<AxisLayout>,
 }
 
-/// Numbers of columns.
+/// Indices of columns.
 #[derive(Serialize)]
 struct First {
     variables: usize,
@@ -71,7 +71,7 @@ struct First {
     deviations: Vec<usize>,
 }
 
-/// The page of a sweep.
+/// Page of a sweep.
 pub fn sweep_page(run: &SweepRun) -> String {
     let (record, summary) = (&run.record, &run.summary);
     let after_variables = |k: usize| record.variables.len() + k;
@@ -137,7 +137,7 @@ pub fn sweep_page(run: &SweepRun) -> String {
     page.html()
 }
 
-/// Charts of all designs that have curves: the script shows the given design and the chosen one.
+/// Charts of all designs that have curves. The script shows the nominal design and the selected one.
 fn figures(record: &Record, charts: &mut Charts) -> String {
     let mut figures = String::new();
     for group in chart_groups(&record.outputs) {
@@ -159,7 +159,7 @@ fn figures(record: &Record, charts: &mut Charts) -> String {
     figures
 }
 
-/// Advice on the curves of a design that is not on the page.
+/// Advice how to get the curves of a design that the page does not have.
 fn not_drawn(run: &SweepRun) -> &'static str {
     match &run.drawn {
         Some(_) => {
@@ -178,7 +178,7 @@ fn not_drawn(run: &SweepRun) -> &'static str {
     }
 }
 
-/// Numbers of the outputs that nothing moves.
+/// Indices of the outputs that no variable changes.
 fn unmoved(outputs: &[OutputSummary]) -> Vec<usize> {
     let numbered = outputs.iter().enumerate();
     numbered
@@ -263,7 +263,7 @@ impl<'a> Column<'a> {
     }
 }
 
-/// Unit of a variable: a length, or for a car the one that its column ends with.
+/// Unit of a variable. It is a length; for a car, the name of the column ends with the unit.
 fn unit_of_variable(record: &SweepRecord, column: &str) -> String {
     let length = &record.length_unit;
     if !record.is_of_car() {
@@ -279,14 +279,14 @@ fn unit_of_variable(record: &SweepRecord, column: &str) -> String {
     known.into_iter().find(is_own).unwrap_or_default()
 }
 
-/// `camber_min_deg` -> `camber_min`
+/// Removes the unit from a column name: `camber_min_deg` -> `camber_min`.
 fn without_unit<'a>(column: &'a str, unit: &str) -> &'a str {
     let name = column.strip_suffix(unit);
     name.and_then(|name| name.strip_suffix('_'))
         .unwrap_or(column)
 }
 
-/// Key values, at the head of the page.
+/// Key values at the top of the page.
 fn facts(run: &SweepRun) -> Vec<(&'static str, String)> {
     let summary = &run.summary;
     let class = match summary.solved == summary.done {
@@ -351,7 +351,7 @@ fn remarks(run: &SweepRun) -> String {
     remarks
 }
 
-/// Description of the designs on the page.
+/// Describes which designs the page shows.
 fn choice(run: &SweepRun) -> String {
     let (summary, shown) = (&run.summary, run.shown.design.len());
     let file = match run.files.first() {
@@ -384,7 +384,7 @@ fn choice(run: &SweepRun) -> String {
     )
 }
 
-/// The best designs and the front, with the way to their studies.
+/// Best designs and Pareto front, with the commands that print their studies.
 fn best(run: &SweepRun) -> String {
     let summary = &run.summary;
     if summary.best.is_empty() {
@@ -440,7 +440,7 @@ fn best_table(run: &SweepRun) -> Table {
     table
 }
 
-/// The designs of the Pareto front, by rising deviation from the first target.
+/// Table of the designs of the Pareto front, sorted by deviation from the first target.
 fn front_table(run: &SweepRun) -> Table {
     let record = &run.record;
     let mut table = Table::with_columns(header(record));
@@ -470,7 +470,7 @@ fn key(value: Option<f64>) -> f64 {
     value.unwrap_or(f64::INFINITY)
 }
 
-/// Explanation of the numbers of the effects.
+/// Explanation of the sensitivity indices.
 fn effects(record: &SweepRecord) -> String {
     let change = "The change is the change from the low to the high end of a variable's range in the plane of least \
                   squares through all designs that have every output";

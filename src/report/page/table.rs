@@ -3,7 +3,7 @@
 use super::escape::html;
 use crate::report::table::{Cell, Table};
 
-/// A table as HTML. Rows for which `class` has a name are of that class.
+/// Table as HTML. Each row gets the class that `class` returns for it.
 pub(super) fn table(table: &Table, class: impl Fn(usize) -> Option<&'static str>) -> String {
     let heads: String = table.header().into_iter().map(head).collect();
     let body: String = table
@@ -40,7 +40,7 @@ fn cell(cell: &Cell) -> String {
     format!("<td{class}>{}</td>", breakable(cell.text()))
 }
 
-/// A text as HTML that may be broken after the underscores of a name where the page is narrow.
+/// Text as HTML. On a narrow page, a name may break after its underscores.
 pub(super) fn breakable(cell: &str) -> String {
     html(cell).replace('_', "_<wbr>")
 }

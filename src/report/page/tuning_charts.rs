@@ -1,11 +1,11 @@
-//! Charts of a tuning: its course, the front, and the misfit against the size of the change.
+//! Charts of a tuning: convergence history, Pareto front, and misfit against size of change.
 
 use super::charts::Charts;
 use crate::report::chart::{Chart, Line, Quantity, Source};
 use crate::report::curve_table::CurveTable;
 use crate::report::{FrontRecord, PriceRecord};
 
-/// A line of some rows of a table.
+/// Line through some rows of a table.
 fn line(table: usize, columns: [&str; 2], rows: Vec<usize>, class: &str) -> Line {
     Line {
         label: None,
@@ -22,7 +22,7 @@ fn line(table: usize, columns: [&str; 2], rows: Vec<usize>, class: &str) -> Line
     }
 }
 
-/// The misfit of each start by iteration.
+/// Chart of the misfit of each start by iteration.
 pub(super) fn history_chart(
     history: CurveTable,
     kept: Option<usize>,
@@ -67,7 +67,7 @@ pub(super) fn history_chart(
     charts.figure(chart, "", "")
 }
 
-/// The least misfit by the size of the change, with a dot at the kept design.
+/// Chart of the smallest misfit against the size of the change, with a dot at the tuned design.
 pub(super) fn prices_chart(prices: &[PriceRecord], charts: &mut Charts) -> String {
     let table = charts.tables.len();
     let column = |of: fn(&PriceRecord) -> f64| prices.iter().map(|p| Some(of(p))).collect();
@@ -100,7 +100,7 @@ pub(super) fn prices_chart(prices: &[PriceRecord], charts: &mut Charts) -> Strin
     charts.figure(chart, "", "")
 }
 
-/// The front: a chart for two targets, and one for each pair of the first three if there are more.
+/// Charts of the front: one chart for two targets, or one for each pair of the first three targets.
 pub(super) fn front_charts(
     front: &FrontRecord,
     kept: Option<usize>,
@@ -132,7 +132,7 @@ pub(super) fn front_charts(
     let mut figures = String::new();
     for [a, b] in pairs {
         let columns = [names[*a].as_str(), names[*b].as_str()];
-        // Pieces between the places at which the front is broken; the points of several targets are on no line.
+        // The line is interrupted where the front has a gap. With more than two targets, the points have no line.
         let mut pieces: Vec<Vec<usize>> = vec![Vec::new()];
         for row in 0..front.points.len() {
             pieces.last_mut().expect("there is one").push(row);

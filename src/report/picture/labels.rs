@@ -1,28 +1,28 @@
-//! Places of names on a drawing: near their points, and not upon one another.
+//! Positions of names on a drawing: near their points, and without overlaps.
 
-/// Width of a letter and height of a line, of the small letters.
+/// Width of a small letter, and height of a line.
 const LETTER: [f64; 2] = [6.6, 13.0];
-/// Distances from the point that are tried, nearest first.
+/// Distances from the point to try, nearest first.
 const DISTANCES: [f64; 6] = [9.0, 18.0, 30.0, 46.0, 66.0, 90.0];
-/// Directions that are tried at each distance.
+/// Number of directions to try at each distance.
 const DIRECTIONS: usize = 16;
 
-/// A name with its place.
+/// A name with its position.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Label<'a> {
-    /// The name.
+    /// Text of the name.
     pub text: &'a str,
     /// Left end of its baseline.
     pub at: [f64; 2],
-    /// Line from the point to the name, if it is not beside the point.
+    /// Line from the point to the name. `None` if the name is beside the point.
     pub leader: Option<[[f64; 2]; 2]>,
 }
 
 /// A rectangle: left, top, right, bottom.
 type Area = [f64; 4];
 
-/// Places for names. Each name takes the place of the lowest cost: other names cost most, then points, then lines, then the
-/// distance from its own point. Names are placed in their order.
+/// Places names one after the other. Each name takes the position of lowest cost. An overlap with other names costs most, then
+/// with points, then with lines, then the distance from its own point.
 pub(super) fn place_labels<'a>(
     names: &[(&'a str, [f64; 2])],
     dots: &[[f64; 2]],
@@ -70,7 +70,7 @@ fn candidates(dot: [f64; 2], width: f64) -> impl Iterator<Item = Area> {
     let at = move |(away, step): (f64, usize)| {
         let angle = std::f64::consts::TAU * step as f64 / DIRECTIONS as f64;
         let [c, s] = [angle.cos(), angle.sin()];
-        // The name's nearest place lies at this distance from the point.
+        // The nearest part of the name is at this distance from the point.
         let middle = [
             dot[0] + away * c + width / 2.0 * c.signum() * f64::from(c.abs() > 0.01),
             dot[1] + away * s + LETTER[1] / 2.0 * s,
@@ -92,7 +92,7 @@ fn around(dot: [f64; 2]) -> Area {
     [dot[0] - 4.0, dot[1] - 4.0, dot[0] + 4.0, dot[1] + 4.0]
 }
 
-/// Common area of two rectangles, in units of a letter.
+/// Common area of two rectangles, relative to the area of a letter.
 fn overlap(a: &Area, b: &Area) -> f64 {
     let width = a[2].min(b[2]) - a[0].max(b[0]);
     let height = a[3].min(b[3]) - a[1].max(b[1]);
@@ -105,7 +105,7 @@ fn distance(area: &Area, dot: [f64; 2]) -> f64 {
     across.hypot(along)
 }
 
-/// Returns true if the segment runs through the rectangle: clipping leaves a piece of it.
+/// True if the segment crosses the rectangle: clipping leaves a part of it.
 fn crosses(area: &Area, [from, to]: &[[f64; 2]; 2]) -> bool {
     let mut share = [0.0f64, 1.0f64];
     for k in 0..2 {
@@ -127,7 +127,7 @@ fn crosses(area: &Area, [from, to]: &[[f64; 2]; 2]) -> bool {
 mod tests {
     use super::*;
 
-    /// A ring of points, as the joints of a wheel carrier are.
+    /// The points form a ring, like the joints of a wheel carrier.
     #[test]
     fn names_do_not_overlap() {
         let place = |k: usize| {

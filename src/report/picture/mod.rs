@@ -1,5 +1,5 @@
-//! Curves as pictures for documents, on a background of their own, the same bytes every time: SVG, and PNG
-//! at twice its size, which is the SVG drawn by `resvg` with its text as outlines.
+//! Curves as pictures for documents, with their own background. Equal runs give equal bytes. The formats are SVG and PNG. The PNG
+//! has twice the size: `resvg` draws the SVG, with its text as outlines.
 
 mod labels;
 mod raster;
@@ -15,7 +15,7 @@ use view::{Sight, View};
 /// A file with a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    /// `camber_deg.svg`
+    /// Name of the file, such as `camber_deg.svg`.
     pub name: String,
     /// Content of the file.
     pub contents: Vec<u8>,
@@ -30,11 +30,11 @@ const TUNING: &str = "tuning";
 
 /// Number of panels in a row.
 const COLUMNS: usize = 3;
-/// The most panels of the overview.
+/// Largest number of panels of the overview.
 const MOST_PANELS: usize = 15;
-/// The most targets of the picture of a tuning.
+/// Largest number of targets in the picture of a tuning.
 const MOST_TARGETS: usize = 3;
-/// The number of panels of the picture of a tuning.
+/// Number of panels of the picture of a tuning.
 const TUNING_PANELS: usize = 6;
 /// Width and height of a view with names.
 const NAMED_VIEW: [f64; 2] = [560.0, 560.0];
@@ -42,14 +42,14 @@ const NAMED_VIEW: [f64; 2] = [560.0, 560.0];
 /// Name of the file with the layouts of all charts.
 const LAYOUTS: &str = "charts.json";
 
-/// Lines of views.
+/// Style of the views.
 const STYLE: &str = "text{font:12px system-ui,-apple-system,Segoe UI,Roboto,Helvetica,Arial,sans-serif;fill:#3d454d}\
 .label{font-size:13px;fill:#1b1f24}path{fill:none;stroke-linejoin:round;stroke-linecap:round}";
 
-/// Style of letters as outlines.
+/// Style of letters that are outlines.
 const LETTERS: &str = ".letters{fill:#3d454d}.letters.label{fill:#1b1f24}.axis-text,.note,.end,.name{fill:currentColor}";
 
-/// Names of the pictures of a run that has this record.
+/// Names of the pictures of a run with this record.
 pub fn picture_names(record: &Record) -> Vec<String> {
     let groups = chart_groups(&record.outputs);
     let keys = groups.iter().map(|group| file_name(&key(group)));
@@ -66,7 +66,7 @@ pub fn picture_names(record: &Record) -> Vec<String> {
 enum Cell<'r> {
     Chart(Box<Layout>),
     View(View<'r>),
-    /// Explanation of the lines of the views.
+    /// Legend of the lines in the views.
     Key(&'r Record),
 }
 
@@ -89,7 +89,7 @@ impl<'r> Sheet<'r> {
         }
     }
 
-    /// The drawing with the names of the points.
+    /// Drawing of the mechanism with the names of its points.
     fn mechanism(record: &'r Record) -> Self {
         let views = Sight::ALL.map(|sight| View::of(record, sight, true, NAMED_VIEW));
         let views = views.into_iter().flatten().map(Cell::View);
@@ -101,7 +101,7 @@ impl<'r> Sheet<'r> {
         }
     }
 
-    /// Mechanism, targets and side effects of a tuning.
+    /// Picture of a tuning with mechanism, targets and side effects.
     fn tuning(run: &'r Run) -> Self {
         let record = &run.record;
         let flagged: Vec<String> = match &run.summary {
@@ -113,7 +113,7 @@ impl<'r> Sheet<'r> {
         };
         let groups = chart_groups(&record.outputs);
         let wanted = |group: &&Vec<&OutputRecord>| group.iter().any(|o| has_target(record, o));
-        // The columns of an axle also name the wheel.
+        // The columns of an axle also contain the name of the wheel.
         let is_flagged = |group: &&Vec<&OutputRecord>| {
             let column = group[0].column.trim_start_matches("left_");
             let column = column.trim_start_matches("right_");
@@ -138,7 +138,7 @@ impl<'r> Sheet<'r> {
         }
     }
 
-    /// The picture, in rows.
+    /// SVG of the picture.
     fn svg(&self, style: &str, lettering: &Lettering) -> String {
         let columns = self.columns.min(self.cells.len()).max(1);
         let rows = self.cells.len().div_ceil(columns);
@@ -161,7 +161,7 @@ impl<'r> Sheet<'r> {
         svg + "</svg>\n"
     }
 
-    /// Styles of the parts.
+    /// Styles of all parts.
     fn style(&self) -> String {
         let is_view = |cell: &Cell| !matches!(cell, Cell::Chart(_));
         let mut style = String::new();
@@ -171,7 +171,7 @@ impl<'r> Sheet<'r> {
         style + &PICTURE_STYLE()
     }
 
-    /// The files of the picture.
+    /// Files of the picture, as SVG and PNG.
     fn files(&self, outlines: &Lettering) -> [Picture; 2] {
         let style = self.style();
         let svg = self.svg(&style, &Lettering::Text);
@@ -190,7 +190,7 @@ fn has_target(record: &Record, output: &OutputRecord) -> bool {
     targets.chain(bands).any(|column| *column == output.column)
 }
 
-/// Name of the chart of a group.
+/// Name of the chart for a group of outputs.
 fn key(group: &[&OutputRecord]) -> String {
     let column = group[0].column.as_str();
     match group.len() {
@@ -205,13 +205,19 @@ fn key(group: &[&OutputRecord]) -> String {
 /// Content of `charts.json`.
 #[derive(Serialize)]
 struct Layouts<'a> {
-    /// Files of the curves, by the number of the table.
+    /// Files of the curves, by the index of the table.
     tables: Vec<&'a str>,
     charts: Vec<&'a Layout>,
 }
 
-/// A picture for each output, or for the same output of both wheels; `overview` with those that have targets side by side (all,
-/// where none has); `mechanism`; for a tuning also `tuning`. Each as SVG and as PNG. `charts.json` has the layouts.
+/// Makes the pictures of a run, each as SVG and as PNG:
+///
+/// - one for each output, or for the same output of both wheels;
+/// - `overview` with the outputs that have targets, or with all if none has;
+/// - `mechanism`;
+/// - for a tuning also `tuning`.
+///
+/// `charts.json` has the layouts of all charts.
 pub fn pictures(run: &Run) -> Vec<Picture> {
     let record = &run.record;
     let groups = chart_groups(&record.outputs);
@@ -246,7 +252,7 @@ pub fn pictures(run: &Run) -> Vec<Picture> {
     files.chain([json]).collect()
 }
 
-/// The chart of a group of outputs over its natural column.
+/// Chart of a group of outputs over its usual horizontal axis.
 fn chart(run: &Run, group: &[&OutputRecord]) -> Layout {
     let record = &run.record;
     let by_time = record.abscissae.iter().find(|a| *a == "time_s");
@@ -256,7 +262,7 @@ fn chart(run: &Run, group: &[&OutputRecord]) -> Layout {
     chart.layout(&run.curves)
 }
 
-/// A column's name as that of a file: points may be called anything.
+/// File name for a column. Names of points may contain any characters.
 fn file_name(column: &str) -> String {
     let kept = |c: char| match c.is_alphanumeric() || "_-.".contains(c) {
         true => c,

@@ -3,13 +3,13 @@
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
 
-/// Pixels for each unit of length of the SVG.
+/// Pixels per unit of length of the SVG.
 const SCALE: f32 = 2.0;
 
-/// A picture without text as PNG.
+/// Draws a picture without text as PNG.
 ///
 /// # Panics
-/// If it is no SVG or has no size: what this program draws has both.
+/// If it is no SVG or has no size. The pictures of this program have both.
 pub(super) fn png(svg: &str) -> Vec<u8> {
     let tree = Tree::from_str(svg, &Options::default()).expect("the program's own SVG");
     let size = tree.size().to_int_size().scale_by(SCALE);

@@ -1,7 +1,7 @@
-//! The mechanism as a drawing: front view, side view and top view, with the names of its points.
+//! Drawing of the mechanism: front, side and top view, with the names of its points.
 //!
-//! The drawing shows the frame nearest to the design position. Other designs of the run are drawn grey, and an arrow leads
-//! from each of their points to the point of the last design.
+//! The drawing shows the frame nearest to the design position. Other designs of the run are grey. An arrow leads from each of
+//! their points to the same point of the last design.
 
 use super::labels::{Label, place_labels};
 use crate::curves::{Frame, Placement};
@@ -20,7 +20,7 @@ pub(super) const STYLE: &str = ".arm{stroke:#0b63c5;stroke-width:3}.link{stroke:
 .point{fill:#ffffff;stroke:#1b1f24;stroke-width:1.3}.moved{stroke:#b3261e;stroke-width:2}\
 .leader{stroke:#b0b7be;stroke-width:0.8}.axis{stroke:#1b1f24;stroke-width:1.4}";
 
-/// Moves below this part of the drawing's size have no arrow.
+/// Smallest move that gets an arrow, relative to the size of the drawing.
 const LEAST_ARROW: f64 = 0.004;
 
 /// Direction of sight.
@@ -35,7 +35,7 @@ pub(super) enum Sight {
 }
 
 impl Sight {
-    /// The three views, in the order of a drawing sheet.
+    /// All three views, in the order of an engineering drawing.
     pub(super) const ALL: [Sight; 3] = [Sight::Front, Sight::Side, Sight::Top];
 
     fn title(self) -> &'static str {
@@ -46,7 +46,7 @@ impl Sight {
         }
     }
 
-    /// Axes to the right and up: the axis, and true if it points the other way.
+    /// Axes to the right and up: index of the axis, and sign of its direction.
     fn axes(self) -> [(usize, f64); 2] {
         match self {
             Sight::Front => [(1, 1.0), (2, 1.0)],
@@ -65,7 +65,7 @@ pub(super) struct View<'r> {
     size: [f64; 2],
 }
 
-/// Scale of a view: a place in the study's axes becomes a place on the picture.
+/// Scale of a view. It converts positions in the study's axes to positions on the picture.
 struct Projection {
     axes: [(usize, f64); 2],
     middle: [f64; 2],
@@ -88,7 +88,7 @@ impl Projection {
 }
 
 impl<'r> View<'r> {
-    /// A view; `None` if no design of the run has a drawing.
+    /// Makes a view. `None` if no design of the run has a drawing.
     pub(super) fn of(
         record: &'r Record,
         sight: Sight,
@@ -105,14 +105,14 @@ impl<'r> View<'r> {
         is_drawn.then_some(view)
     }
 
-    /// The view as an SVG group, moved by `shift`.
+    /// View as an SVG group, moved by `shift`.
     pub(super) fn svg(&self, shift: [f64; 2], lettering: &Lettering) -> String {
         let designs = self.record.designs.iter();
         let poses: Vec<&Placement> = designs.filter_map(|d| nearest(&d.frames)).collect();
         let Some((last, earlier)) = poses.split_last() else {
             return String::new();
         };
-        // Percentiles of builds are no designs.
+        // Percentile curves of builds are not designs.
         let earlier = match self.record.command.as_str() {
             "tolerance" => &[],
             _ => earlier,
@@ -179,7 +179,7 @@ impl<'r> View<'r> {
         }
     }
 
-    /// Names of the points; of an axle, those of the left wheel.
+    /// Names of the points. For an axle, only those of the left wheel.
     fn names(
         &self,
         svg: &mut String,
@@ -210,7 +210,7 @@ impl<'r> View<'r> {
         }
     }
 
-    /// Arrows along the study's axes in the lower left corner.
+    /// Draws arrows along the study's axes in the lower left corner.
     fn triad(&self, svg: &mut String, lettering: &Lettering, scene: &Scene) {
         let origin = [46.0, self.size[1] - 30.0];
         for (k, (axis, sign)) in self.sight.axes().into_iter().enumerate() {
@@ -235,12 +235,12 @@ fn nearest(frames: &[Frame]) -> Option<&Placement> {
     solved.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, p)| p)
 }
 
-/// Points that the drawing shows: all that have a place.
+/// Points in the drawing: all points that have a position.
 fn shown_points(scene: &Scene, pose: &Placement) -> Vec<usize> {
     (0..scene.points.len().min(pose.points.len())).collect()
 }
 
-/// Each wheel as a circle in its plane; empty without a radius.
+/// Circle of each wheel in its plane. Empty without a wheel radius.
 fn wheels(scene: &Scene, pose: &Placement) -> Vec<Vec<[f64; 3]>> {
     let Some(radius) = scene.wheel_radius else {
         return Vec::new();
@@ -250,7 +250,7 @@ fn wheels(scene: &Scene, pose: &Placement) -> Vec<Vec<[f64; 3]>> {
     let both = [Some((scene.wheel_centre, pose.spin_axis)), right];
     let circle = |(centre, spin): (usize, [f64; 3])| {
         let centre = *pose.points.get(centre)?;
-        // The spin axis is never along x: these two directions span the wheel's plane.
+        // The spin axis is never vertical, so these two directions span the wheel's plane.
         let first = unit([spin[1], -spin[0], 0.0]);
         let second = cross(spin, first);
         let place = |step: usize| {
@@ -276,7 +276,7 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     ]
 }
 
-/// One pose. `style` replaces the style of every part.
+/// Draws one pose. `style` replaces the style of every part.
 fn draw(
     svg: &mut String,
     scene: &Scene,
@@ -307,7 +307,7 @@ fn draw(
     }
 }
 
-/// The steering axis, from its upper point to the height of the contact point.
+/// Segment of the steering axis, from its upper point to the height of the contact point.
 fn to_the_ground(low: [f64; 3], high: [f64; 3], pose: &Placement) -> [[f64; 3]; 2] {
     let Some(contact) = pose.contact else {
         return [low, high];
@@ -328,7 +328,7 @@ fn ground(svg: &mut String, projection: &Projection, pose: &Placement) {
     }
 }
 
-/// Arrows from the points of one design to those of another.
+/// Draws arrows from the points of one design to the points of another design.
 fn arrows(svg: &mut String, from: &Placement, to: &Placement, projection: &Projection) {
     for (before, after) in from.points.iter().zip(&to.points) {
         let [from, to] = [before, after].map(|place| projection.place(place));
@@ -339,7 +339,7 @@ fn arrows(svg: &mut String, from: &Placement, to: &Placement, projection: &Proje
     }
 }
 
-/// An arrow with a head of at most six units.
+/// Draws an arrow whose head has at most six units.
 fn arrow(svg: &mut String, class: &str, from: [f64; 2], to: [f64; 2]) {
     let along = [to[0] - from[0], to[1] - from[1]];
     let length = along[0].hypot(along[1]).max(1e-9);
@@ -354,7 +354,7 @@ fn arrow(svg: &mut String, class: &str, from: [f64; 2], to: [f64; 2]) {
     path(svg, class, [end(0.5), to, end(-0.5)].into_iter(), false);
 }
 
-/// All lines of bodies and wheels, which labels avoid.
+/// All lines of bodies and wheels. Labels avoid them.
 fn segments(scene: &Scene, pose: &Placement, projection: &Projection) -> Vec<[[f64; 2]; 2]> {
     let lines = scene.bodies.iter().flat_map(|body| &body.lines);
     let ends = lines.flat_map(|line| line.windows(2));
@@ -377,7 +377,7 @@ fn class(kind: BodyKind) -> &'static str {
     }
 }
 
-/// Explanation of the lines of a drawing, as an SVG group.
+/// Legend of the lines in a drawing, as an SVG group.
 pub(super) fn key(record: &Record, shift: [f64; 2], lettering: &Lettering) -> String {
     let [across, down] = shift.map(number);
     let mut svg = format!("<g transform=\"translate({across} {down})\">\n");

@@ -1,4 +1,4 @@
-//! The columns of a sweep's curves that say where a station is.
+//! Columns of a sweep's curves that give the position of a station.
 
 use crate::model::Axis;
 use crate::report::given_columns::GivenColumns;
@@ -6,8 +6,8 @@ use crate::study::{AxleStudy, Study};
 use crate::sweep::SweepPlan;
 use crate::sweep::csv::CurvesCsv;
 
-/// The names of the columns that say where a station is, and by station of the motion its number in a block and the
-/// values of these.
+/// Names of the columns that give the position of a station. Then, for each station of the motion, its index in a block and the
+/// values of these columns.
 type Places = (Vec<String>, Vec<(usize, Vec<f64>)>);
 
 fn of_wheel(plan: &SweepPlan, study: &Study) -> Places {
@@ -31,7 +31,7 @@ fn of_wheel(plan: &SweepPlan, study: &Study) -> Places {
     (names, stations.of_motion().map(place).collect())
 }
 
-/// Coordinates that the motion gives for each position. Results (the travels in roll) are left out.
+/// Coordinates that the motion gives for each position. Results, such as the wheel travels in roll, are left out.
 fn of_axle(AxleStudy { axle, plan, .. }: &AxleStudy) -> Places {
     let columns = GivenColumns { plan, axle };
     let placements = plan.motion.placements().into_iter().enumerate();
@@ -39,7 +39,7 @@ fn of_axle(AxleStudy { axle, plan, .. }: &AxleStudy) -> Places {
     (columns.names(), stations.collect())
 }
 
-/// The curves of a sweep.
+/// Writer of a sweep's curves.
 pub(super) fn curves_csv(plan: &SweepPlan, study: &Study) -> CurvesCsv {
     let (places, stations) = match study.axle() {
         Some(both) => of_axle(both),

@@ -1,4 +1,4 @@
-//! The directory of a sweep: its description, in `sweep.json`, and its parts.
+//! Directory of a sweep: its description in `sweep.json`, and its parts.
 
 use super::part::{FORM as PART_FORM, PartRecord};
 use super::summary::{SweepSummary, pareto_csv};
@@ -10,7 +10,7 @@ use crate::sweep::{FORM, SweepRecord, SweepStatistics};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// The directory of a sweep.
+/// Directory of a sweep.
 #[derive(Clone, Debug)]
 pub struct SweepDirectory {
     path: PathBuf,
@@ -18,7 +18,7 @@ pub struct SweepDirectory {
     pub record: SweepRecord,
 }
 
-/// The parts of a sweep that are done.
+/// Finished parts of a sweep.
 #[derive(Clone, Debug)]
 pub struct Done {
     /// Merged statistics of all complete parts, in order.
@@ -27,7 +27,7 @@ pub struct Done {
     pub missing: Vec<u64>,
 }
 
-/// Names of the files with a sweep's parts, whatever their number and format. A star stands for digits.
+/// Names of the files with a sweep's parts, for all numbers and formats. A star represents digits.
 const PART_FILES: [&str; 10] = [
     "designs.csv",
     "designs.parquet",
@@ -42,7 +42,7 @@ const PART_FILES: [&str; 10] = [
 ];
 
 impl SweepDirectory {
-    /// The files a sweep writes. A star stands for digits.
+    /// Names of the files that a sweep writes. A star represents digits.
     pub fn files(record: &SweepRecord) -> Vec<String> {
         let mut names = vec!["sweep.json".to_owned()];
         names.extend(SweepDirectory::part_files(record));
@@ -51,7 +51,7 @@ impl SweepDirectory {
         names
     }
 
-    /// The names of the files with its parts, for reading: a star stands for their numbers.
+    /// Names of the files with the parts, for people. A star represents their numbers.
     pub fn part_files(record: &SweepRecord) -> Vec<String> {
         let mut names = vec![record.rows_name(0), record.statistics_name(0)];
         names.extend(record.curves.then(|| record.curves_name(0)));
@@ -59,8 +59,8 @@ impl SweepDirectory {
         starred.collect()
     }
 
-    /// Puts a claimed directory in order for a sweep: with parts of this sweep that are there, unless it is to
-    /// be begun anew, and of no other.
+    /// Prepares a claimed directory for a sweep. It keeps existing parts of this sweep, unless the sweep must start again. It
+    /// removes parts of other sweeps.
     pub fn prepare(
         directory: &RunDirectory,
         record: &SweepRecord,
@@ -68,7 +68,7 @@ impl SweepDirectory {
     ) -> Result<Self, WriteError> {
         let there = read_record(directory.path()).ok();
         let is_this = there.as_ref() == Some(record);
-        // Parts of the same length are the same in a longer sweep: all but the last one.
+        // In a longer sweep, all parts except the last one stay the same.
         let shorter = there.filter(|there| record.continues(there) && there.parts() > 1);
         match shorter {
             _ if is_this && !anew => {}
@@ -83,7 +83,7 @@ impl SweepDirectory {
                 }
             }
             _ => {
-                // With this gone, no part is taken for one of a sweep.
+                // Without `sweep.json`, no part counts as a part of a sweep.
                 directory.remove("sweep.json")?;
                 directory.remove_all(&PART_FILES)?;
             }
@@ -102,8 +102,7 @@ impl SweepDirectory {
         })
     }
 
-    /// Writes the files that follow from the statistics of parts: `pareto.csv`, if there is a front, and
-    /// `summary.json`.
+    /// Writes the files that follow from the statistics of the parts: `summary.json`, and `pareto.csv` if there is a front.
     pub fn write_summary(
         directory: &RunDirectory,
         record: &SweepRecord,
@@ -130,12 +129,12 @@ impl SweepDirectory {
         &self.path
     }
 
-    /// Returns true if the rows of a part exist; they are written last.
+    /// True if the rows of a part exist. The rows are written last.
     pub fn has_rows(&self, part: u64) -> bool {
         self.path.join(self.record.rows_name(part)).is_file()
     }
 
-    /// The record of a part, if it is complete.
+    /// Record of a part, if it is complete.
     pub fn part(&self, part: u64) -> Result<Option<PartRecord>, NotARun> {
         if !self.has_rows(part) {
             return Ok(None);
@@ -183,7 +182,7 @@ impl SweepDirectory {
         Ok(Some(found))
     }
 
-    /// The statistics of all parts that are whole, added in the order of the parts, and those that are not.
+    /// Statistics of all complete parts, added in order, and the numbers of the incomplete parts.
     pub fn done(&self) -> Result<Done, NotARun> {
         let mut done = Done {
             statistics: SweepStatistics::empty(&self.record),
@@ -207,7 +206,7 @@ impl SweepDirectory {
     }
 }
 
-/// Reads the record of a sweep's directory.
+/// Reads the record in a sweep's directory.
 fn read_record(directory: &Path) -> Result<SweepRecord, NotARun> {
     let path = directory.join("sweep.json");
     let wrong = |reason: String| NotARun::at(&path, reason);

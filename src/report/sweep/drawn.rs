@@ -1,26 +1,26 @@
-//! `drawn.json`: some designs of a sweep with their curves and their mechanism, for its page.
+//! `drawn.json`: some designs of a sweep with their curves and their mechanism, for the page of the sweep.
 //!
-//! They are solved when the sweep ends, while its study is at hand; a merge of directories has no study.
+//! They are solved at the end of the sweep, because a merge of directories does not have the study.
 
 use crate::report::curve_table::CurveTable;
 use crate::report::record::{FORM, Record};
 use serde::{Deserialize, Serialize};
 
-/// Some designs of a sweep with their curves and their mechanism.
+/// Some designs of a sweep, with their curves and their mechanism.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DrawnDesigns {
-    /// The sweep's digest.
+    /// Digest of the sweep.
     pub digest: String,
-    /// Their numbers; the first is the design as given, which has none.
+    /// Numbers of the designs. The first one is the nominal design, which has no number.
     pub designs: Vec<Option<u64>>,
-    /// The drawing.
+    /// Record with the drawings.
     pub record: Record,
-    /// The curves of each.
+    /// Curves of each design.
     pub curves: Vec<CurveTable>,
 }
 
 impl DrawnDesigns {
-    /// Returns true if the files have the present form and agree in their number of designs.
+    /// True if the format is the present one, and the numbers of designs agree.
     pub(super) fn is_whole(&self) -> bool {
         let count = self.designs.len();
         self.record.form == FORM && self.record.designs.len() == count && self.curves.len() == count

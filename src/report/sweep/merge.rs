@@ -1,4 +1,4 @@
-//! Joining the parts of a sweep to one file, for those who want one.
+//! Joins the parts of a sweep to one file.
 
 use super::directory::SweepDirectory;
 use super::part::{self, Pending};
@@ -9,12 +9,12 @@ use crate::sweep::{SweepRecord, SweepStatistics};
 use std::io::{self, BufRead};
 use std::path::{Path, PathBuf};
 
-/// All the parts of a sweep, wherever they are.
+/// All parts of a sweep, in any directories.
 #[derive(Debug)]
 pub struct Parts {
-    /// The sweep as one part.
+    /// Description of the sweep as a single part.
     pub record: SweepRecord,
-    /// Statistics over all parts.
+    /// Statistics of all parts.
     pub statistics: SweepStatistics,
     /// For each part, the index of its directory in `directories`.
     places: Vec<usize>,
@@ -24,7 +24,7 @@ pub struct Parts {
 /// Reason why parts cannot be joined.
 #[derive(Debug, thiserror::Error)]
 pub enum MergeError {
-    /// They are not all the parts of one sweep.
+    /// The directories do not contain all parts of one sweep.
     #[error(transparent)]
     Parts(#[from] NotARun),
     /// The result cannot be written.
@@ -33,7 +33,7 @@ pub enum MergeError {
 }
 
 impl Parts {
-    /// Reads the directories, and checks that together they have every part of one sweep.
+    /// Reads the directories, and checks that together they contain every part of one sweep.
     pub fn read(paths: &[PathBuf]) -> Result<Self, NotARun> {
         let directories: Result<Vec<_>, _> = paths
             .iter()
@@ -87,12 +87,12 @@ impl Parts {
         })
     }
 
-    /// Paths of the directories that hold them.
+    /// Directories that contain the parts.
     pub fn directories(&self) -> impl Iterator<Item = &Path> {
         self.directories.iter().map(SweepDirectory::path)
     }
 
-    /// Joins the files of all parts in a directory; `watch` hears of every part's designs.
+    /// Joins the files of all parts in a directory. Calls `watch` with the number of designs in each part.
     pub fn join(&self, into: &RunDirectory, mut watch: impl FnMut(u64)) -> Result<(), MergeError> {
         let directory = SweepDirectory::prepare(into, &self.record, true)?;
         let rows = self.joined(&directory, SweepRecord::rows_name, &mut watch)?;
@@ -105,7 +105,7 @@ impl Parts {
         Ok(())
     }
 
-    /// One header, then the rows of all parts.
+    /// Writes one header, then the rows of all parts.
     fn joined(
         &self,
         into: &SweepDirectory,

@@ -1,12 +1,19 @@
-//! The files of a sweep, and its results.
+//! Files and results of a sweep.
 //!
-//! A sweep is divided into parts of 1,024 blocks ([`crate::sweep::BLOCKS_OF_PART`]). Its directory has `sweep.json`
-//! ([`SweepRecord`](crate::sweep::SweepRecord): what the columns are, how designs were sampled, targets), for each
-//! part its rows in `part-000000000.csv`, its statistics in `part-000000000.json` and with `curves = true` every
-//! curve in `curves-000000000.csv`, and from the statistics alone `pareto.csv` and [`SweepSummary`] in
-//! `summary.json`, and in `drawn.json` some designs with their curves ([`DrawnDesigns`]). A sweep of one part calls these `designs.csv`, `designs.json` and `curves.csv`. With
-//! `format = "parquet"` rows and curves end in `.parquet`. The parts are the result: whoever does one, its bytes
-//! are the same, and one that is whole is not done again.
+//! A sweep is divided into parts of 1,024 blocks ([`crate::sweep::BLOCKS_OF_PART`]). Its directory has these files:
+//!
+//! | file | content |
+//! |---|---|
+//! | `sweep.json` | [`SweepRecord`](crate::sweep::SweepRecord): columns, sampling of the designs, targets |
+//! | `part-000000000.csv` | rows of a part |
+//! | `part-000000000.json` | statistics of a part |
+//! | `curves-000000000.csv` | all curves of a part, with `curves = true` |
+//! | `pareto.csv`, `summary.json` | Pareto front and [`SweepSummary`], from the statistics alone |
+//! | `drawn.json` | some designs with their curves ([`DrawnDesigns`]) |
+//!
+//! A sweep with one part calls the part's files `designs.csv`, `designs.json` and `curves.csv`. With `format = "parquet"`, files
+//! of rows and curves end in `.parquet`. The bytes of a part do not depend on the process that computes it. A complete part is
+//! never computed again.
 
 mod curve_places;
 mod directory;
@@ -34,7 +41,7 @@ pub use text::{Finished, SweepText};
 
 use crate::sweep::SweepRecord;
 
-/// The first line of a sweep's rows.
+/// Header line of a sweep's rows.
 pub fn rows_header(record: &SweepRecord) -> Vec<u8> {
     crate::sweep::csv::rows_header(record)
 }

@@ -1,6 +1,5 @@
-//! A table of results as Apache Parquet: the columns and values of the CSV file, in row groups, with
-//! Zstandard. Numbers survive the way to text and back to the bit, so that the CSV text serves as the
-//! form in which rows come from the workers and are read back.
+//! Tables of results as Apache Parquet: the columns and values of the CSV file, in row groups, compressed with Zstandard. Numbers
+//! survive the conversion to text and back exactly. So rows come from the workers as CSV text, and are read back as CSV text.
 
 use crate::sweep::csv::{append_number, append_text, append_whole};
 use parquet::basic::{Compression, ZstdLevel};
@@ -16,17 +15,17 @@ use std::io::{self, BufRead, Read};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Rows of a row group.
+/// Number of rows in a row group.
 const GROUP: usize = 1 << 15;
 
-/// A Parquet file that is being written.
+/// Parquet file that is being written.
 pub(super) struct ParquetFile {
     writer: SerializedFileWriter<File>,
     columns: Vec<Column>,
     rows: usize,
 }
 
-/// A column of the row group under way. `levels` are 1 where there is a value.
+/// A column of the current row group. A level is 1 if there is a value.
 enum Column {
     Whole(Vec<i64>),
     Number {
@@ -128,7 +127,7 @@ impl ParquetFile {
         })
     }
 
-    /// Appends whole rows of CSV.
+    /// Appends complete rows of CSV.
     pub(super) fn append(&mut self, rows: &[u8]) -> io::Result<()> {
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
@@ -174,7 +173,7 @@ impl ParquetFile {
         Ok(())
     }
 
-    /// Writes the remaining rows, and the file's end.
+    /// Writes the remaining rows and the end of the file.
     pub(super) fn finish(mut self) -> io::Result<()> {
         if self.rows > 0 {
             self.write_group().map_err(failed)?;
@@ -184,7 +183,7 @@ impl ParquetFile {
     }
 }
 
-/// The CSV text of a Parquet file, made row group by row group.
+/// Reader that converts a Parquet file to CSV text, one row group after the other.
 pub(super) struct CsvOfParquet {
     reader: SerializedFileReader<File>,
     next_group: usize,

@@ -1,8 +1,8 @@
-//! A part of a sweep: its rows, its curves and its statistics, which appear together when it is whole.
+//! A part of a sweep: its rows, its curves and its statistics. They appear together when the part is complete.
 //!
-//! Whoever does a part holds a lock on it; its files are written under other names and renamed, the rows last. So
-//! a part whose rows are there is whole, whatever has happened to those who worked on it, and several processes on
-//! several machines may do the parts of one directory.
+//! A process holds a lock on the part that it computes. It writes the files under other names and then renames them, the rows
+//! last. So if the rows exist, the part is complete, even after a crash. Several processes on several machines may compute parts
+//! in one directory.
 
 use super::directory::SweepDirectory;
 use super::table_file::TableFile;
@@ -15,13 +15,13 @@ use std::io::Write;
 use std::path::Path;
 use tempfile::NamedTempFile;
 
-/// The form of the statistics' file. A reader takes no other.
+/// Version of the format of the statistics file. A reader accepts no other version.
 pub(super) const FORM: u32 = 2;
 
-/// The file with the statistics of a part.
+/// Content of the statistics file of a part.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PartRecord {
-    /// `FORM`.
+    /// Equal to `FORM`.
     pub form: u32,
     /// Digest of the sweep.
     pub digest: String,
@@ -29,25 +29,25 @@ pub struct PartRecord {
     pub part: u64,
     /// Length of the file with its rows, in bytes.
     pub rows_length: u64,
-    /// Length of the file with its curves, where there is one.
+    /// Length of the file with its curves, if there is one.
     pub curves_length: Option<u64>,
     /// Statistics of its rows.
     pub statistics: SweepStatistics,
 }
 
-/// The outcome of a part.
+/// Outcome of the attempt to compute a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PartOutcome {
-    /// The part is complete, done by this process or another.
+    /// The part is complete. This or another process has computed it.
     Whole,
-    /// The sweep was interrupted; nothing of the part is kept.
+    /// The sweep was interrupted. No file of the part is kept.
     Interrupted,
-    /// Another process is working on it.
+    /// Another process is computing the part.
     Busy,
 }
 
-/// Does a part, unless it is whole already or another process is at it, on the threads of the current rayon
-/// pool. `go_on` is asked before every block, `watch` hears of every block's designs.
+/// Computes a part on the threads of the current rayon pool. Does nothing if the part is complete or another process computes it.
+/// It calls `go_on` before every block, and `watch` with the number of designs in every block.
 pub fn write_part(
     swept: Swept<'_>,
     text: &SweepText,
@@ -104,7 +104,7 @@ pub fn write_part(
     Ok(PartOutcome::Whole)
 }
 
-/// Ends the files of a part and puts them in their places, the rows last.
+/// Completes the files of a part and gives them their final names, the rows last.
 pub(super) fn put(
     directory: &Path,
     record: &SweepRecord,
@@ -144,14 +144,14 @@ pub(super) fn put(
     rows.persist(directory)
 }
 
-/// A table that is being written beside its place.
+/// Table that is being written under a temporary name.
 pub(super) struct Pending {
     name: String,
     temporary: NamedTempFile,
     pub table: TableFile,
 }
 
-/// A file that is whole, beside its place.
+/// Complete file that still has a temporary name.
 struct Whole {
     name: String,
     temporary: NamedTempFile,
@@ -195,7 +195,7 @@ impl Whole {
     }
 }
 
-/// Removes remains of processes that died while they computed a part.
+/// Removes temporary files of processes that died while they computed a part.
 fn clear_leftovers(directory: &Path, stem: &str) {
     let prefix = format!("{TEMPORARY}{stem}-");
     let entries = std::fs::read_dir(directory).into_iter().flatten().flatten();

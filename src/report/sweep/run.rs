@@ -1,4 +1,4 @@
-//! A sweep read back from its directory, or done again for its page.
+//! A sweep that is read from its directory, or computed again for its page.
 
 use super::directory::SweepDirectory;
 use super::drawn::DrawnDesigns;
@@ -10,26 +10,26 @@ use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// A sweep, or as much of it as there is.
+/// A sweep, or its finished part.
 #[derive(Clone, Debug)]
 pub struct SweepRun {
     /// Description of the sweep.
     pub record: SweepRecord,
     /// Summary of its results.
     pub summary: SweepSummary,
-    /// Choice of the designs.
+    /// Choice of the designs that are shown.
     pub choice: Choice,
-    /// The rows of those.
+    /// Rows of the chosen designs.
     pub shown: ShownDesigns,
-    /// Some designs with their curves, where there are any of this sweep.
+    /// Some designs with their curves, if this sweep has any.
     pub drawn: Option<DrawnDesigns>,
-    /// The files there are, by name; a star stands for the numbers of parts.
+    /// Names of the existing files. A star represents the numbers of parts.
     pub files: Vec<String>,
 }
 
 impl SweepRun {
-    /// The sweep of a plan, without files: solves the designs for their statistics, and once more for the rows that are shown.
-    /// `drawn` makes the curves of some designs. `None` if `go_on` ended it early.
+    /// Computes the sweep of a plan without files. It solves the designs for their statistics, and once more for the rows to be
+    /// shown. `drawn` makes the curves of some designs. `None` if `go_on` ended it early.
     pub fn of<E>(
         plan: &SweepPlan<'_>,
         go_on: impl Fn() -> bool + Sync,
@@ -75,8 +75,8 @@ impl SweepRun {
         }))
     }
 
-    /// Reads a sweep's directory, in constant memory: its results from the statistics of its parts, the designs that
-    /// are shown from their rows.
+    /// Reads a sweep's directory in constant memory. The results come from the statistics of the parts, and the shown designs
+    /// from the rows.
     pub fn read(path: &Path) -> Result<Self, NotARun> {
         let directory = SweepDirectory::read(path)?;
         let record = directory.record.clone();
@@ -116,7 +116,7 @@ impl SweepRun {
         for name in ["pareto.csv", "summary.json", "sweep.json", "drawn.json"] {
             files.extend(path.join(name).is_file().then(|| name.to_owned()));
         }
-        // What another version or another sweep has left is not shown.
+        // A file from another version or another sweep is not shown.
         let drawn = std::fs::read(path.join("drawn.json")).ok();
         let drawn: Option<DrawnDesigns> = drawn.and_then(|text| serde_json::from_slice(&text).ok());
         let drawn = drawn.filter(|d| d.digest == record.digest && d.is_whole());

@@ -1,34 +1,33 @@
-//! Choice of the designs that the page shows if it cannot show all.
+//! Chooses the designs that the page shows, if it cannot show all.
 
 use super::SweepSummary;
 use crate::sweep::{Rows, SweepRecord};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// The most numbers, and the most designs, in a page.
+/// Largest number of values in a page, and largest number of designs.
 const MOST_NUMBERS: usize = 45_000;
 const MOST_DESIGNS: usize = 4_000;
 
-/// The designs that are shown: the best, the Pareto front, examples of failures, and of the others those at regular
-/// intervals.
+/// Designs that are shown: the best ones, the Pareto front, examples of failures, and some others at regular intervals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
-    /// Shown whatever their numbers are.
+    /// Numbers of the designs that are always shown.
     always: BTreeSet<u64>,
-    /// Designs of the front that are among them.
+    /// Numbers of the shown designs that belong to the front.
     pub front: Vec<u64>,
-    /// Designs whose number is a multiple of this are shown, too.
+    /// Stride: designs whose number is a multiple of it are shown, too.
     pub every: u64,
 }
 
 impl Choice {
-    /// The designs of a sweep that fit into a page.
+    /// Chooses the designs of a sweep that fit into a page.
     pub fn of(record: &SweepRecord, summary: &SweepSummary) -> Self {
         let room = (MOST_NUMBERS / record.columns().len()).clamp(2, MOST_DESIGNS);
         let mut always: BTreeSet<u64> = summary.best.iter().map(|d| d.design).collect();
         let failures = summary.failures.iter().take(room / 40);
         always.extend(failures.flat_map(|f| &f.examples));
-        // A front of many targets can be most of a sweep.
+        // With many targets, the front can contain most of the designs.
         let front = summary.pareto.as_deref().unwrap_or_default();
         let step = front.len().div_ceil(room / 2).max(1);
         let front: Vec<u64> = front.iter().copied().step_by(step).collect();
@@ -42,15 +41,15 @@ impl Choice {
         }
     }
 
-    /// Returns true if a design is shown.
+    /// True if a design is shown.
     pub fn has(&self, design: u64) -> bool {
         design.is_multiple_of(self.every) || self.always.contains(&design)
     }
 }
 
-/// The least stride from `least` on that falls in step with nothing in the order of the designs: with
-/// no variable of a grid, no group of Saltelli's samples and no power of two, after which a Sobol
-/// sequence stays in a part of the ranges.
+/// Smallest stride from `least` on that has no common period with the order of the designs. It avoids the periods of grid
+/// variables and of groups in Saltelli's samples. It also avoids powers of two, because with these a Sobol sequence stays in a
+/// part of the ranges.
 fn stride(record: &SweepRecord, least: u64) -> u64 {
     if least <= 1 {
         return 1;
@@ -68,23 +67,23 @@ fn common_divisor(a: u64, b: u64) -> u64 {
     }
 }
 
-/// Rows of designs, column by column.
+/// Rows of designs, stored column by column.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ShownDesigns {
-    /// Numbers of the designs, rising.
+    /// Numbers of the designs, in rising order.
     pub design: Vec<u64>,
-    /// `[column][row]`: variables, then outputs; `None` for an empty cell.
+    /// Cells as `[column][row]`: variables, then outputs. `None` for an empty cell.
     pub columns: Vec<Vec<Option<f64>>>,
-    /// Reason number of each row that was not solved everywhere.
+    /// For each row, the index of the reason why the design was not solved everywhere.
     pub failing: Vec<Option<usize>>,
-    /// Drive value nearest to the design position at which it was not.
+    /// Drive value of the failure that is nearest to the design position.
     pub failed_at: Vec<Option<f64>>,
-    /// Status and reason.
+    /// Status and reason of the failures.
     pub reasons: Vec<[String; 2]>,
 }
 
 impl ShownDesigns {
-    /// Takes in the rows that were chosen.
+    /// Adds the rows that were chosen.
     pub fn take(&mut self, rows: &Rows, choice: &Choice) {
         for place in 0..rows.designs() {
             let design = rows.first + place as u64;
@@ -115,7 +114,7 @@ impl ShownDesigns {
         })
     }
 
-    /// The row of a design.
+    /// Index of the row of a design.
     pub fn row(&self, design: u64) -> Option<usize> {
         self.design.binary_search(&design).ok()
     }
@@ -125,7 +124,7 @@ impl ShownDesigns {
 mod tests {
     use super::*;
 
-    /// Whatever the grid, thinning leaves every level of every variable.
+    /// With any grid, thinning keeps every level of every variable.
     #[test]
     fn thinning_keeps_every_level_of_a_grid() {
         let variable = |steps| {

@@ -1,4 +1,4 @@
-//! The summary of a sweep.
+//! Summary of a sweep.
 
 use crate::axle::Quantity;
 use crate::characteristics::Characteristic;
@@ -9,7 +9,7 @@ use crate::sweep::csv::{append_candidate, rows_header};
 use crate::sweep::{Candidate, Effects, FailureCount, OutputColumn, SweepRecord, SweepStatistics};
 use serde::{Deserialize, Serialize};
 
-/// `summary.json` of a sweep.
+/// Content of `summary.json` of a sweep.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SweepSummary {
     command: String,
@@ -17,56 +17,56 @@ pub struct SweepSummary {
     study: String,
     topology: String,
     pub(in crate::report) method: String,
-    /// Designs asked for.
+    /// Number of requested designs.
     pub(in crate::report) designs: u64,
-    /// Designs done; fewer where the sweep was interrupted.
+    /// Number of evaluated designs. It is smaller if the sweep was interrupted.
     pub(in crate::report) done: u64,
-    /// Designs solved at every station.
+    /// Number of designs that were solved at every station.
     pub(in crate::report) solved: u64,
-    /// Designs solved one by one, which the SIMD lanes left or cannot take.
+    /// Number of designs that were solved one by one, because SIMD lanes failed or cannot be used.
     #[serde(default)]
     one_by_one: u64,
-    /// Number of designs behind mean, standard deviation, r2 and change: designs with every output; with Saltelli's
-    /// method only those of the two independent samples.
+    /// Number of designs used for mean, standard deviation, r2 and change. These are the designs with every output; with
+    /// Saltelli's method, only those of the two independent samples.
     statistics_designs: u64,
     pub(in crate::report) failures: Vec<FailureCount>,
     variables: Vec<String>,
     pub(in crate::report) outputs: Vec<OutputSummary>,
-    /// The best designs, by rising misfit.
+    /// Best designs, sorted by misfit.
     pub(in crate::report) best: Vec<DesignSummary>,
-    /// Remarks on the outputs, a line each.
+    /// Remarks on the outputs, one per line.
     #[serde(default)]
     pub(in crate::report) notes: Vec<String>,
-    /// Numbers of the designs on the Pareto front, if there are several targets; the rows are in `pareto.csv`.
+    /// Numbers of the designs on the Pareto front, if there are several targets. Their rows are in `pareto.csv`.
     pub(in crate::report) pareto: Option<Vec<u64>>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(in crate::report) struct OutputSummary {
     column: String,
-    /// Empty for a plain number.
+    /// Unit of the output. Empty for a dimensionless number.
     #[serde(default)]
     unit: String,
     at_design: Option<f64>,
-    /// Designs that have it.
+    /// Number of designs that have the output.
     count: u64,
     min: Option<f64>,
     min_design: Option<u64>,
     max: Option<f64>,
     max_design: Option<u64>,
-    /// Over the `statistics_designs`.
+    /// Mean over the `statistics_designs`.
     mean: Option<f64>,
     standard_deviation: Option<f64>,
-    /// The part of the variance that the plane of least squares explains.
+    /// Fraction of the variance that a linear least-squares fit explains.
     r2: Option<f64>,
     effects: Vec<EffectSummary>,
 }
 
-/// See [`crate::sweep::Effects`].
+/// Effect of a variable on an output, see [`crate::sweep::Effects`].
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct EffectSummary {
     variable: String,
-    /// Change of the output from the low to the high end of the variable's range.
+    /// Change of the output from the lower to the upper end of the variable's range.
     change: Option<f64>,
     /// First-order Sobol index.
     share: Option<f64>,
@@ -78,14 +78,14 @@ struct EffectSummary {
 pub(in crate::report) struct DesignSummary {
     pub(in crate::report) design: u64,
     pub(in crate::report) misfit: f64,
-    /// Target by target, in tolerances.
+    /// RMS deviation from each target, in tolerances.
     pub(in crate::report) rms: Vec<f64>,
     /// Values of the variables.
     pub(in crate::report) variables: Vec<f64>,
 }
 
 impl SweepSummary {
-    /// The summary of a sweep or of parts of it.
+    /// Summarises a sweep or some of its parts.
     pub fn of(record: &SweepRecord, statistics: &SweepStatistics) -> Self {
         let effects = Effects::all(record, statistics);
         let (misfit, deviations) = (record.misfit(), record.deviations());
@@ -118,7 +118,7 @@ impl SweepSummary {
         }
     }
 
-    /// The outcome in a sentence.
+    /// Result of the sweep in a sentence.
     pub fn headline(&self) -> String {
         let failed = match self.done - self.solved {
             0 => "all solved".to_owned(),
@@ -138,24 +138,24 @@ impl SweepSummary {
         }
     }
 
-    /// Returns true if every design was evaluated.
+    /// True if every design was evaluated.
     pub fn is_done(&self) -> bool {
         self.done == self.designs
     }
 
-    /// Remarks on the outputs, a line each.
+    /// Remarks on the outputs, one per line.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
 
-    /// Returns true if every design was evaluated and solved at every station, and every output has a value.
+    /// True if every design was evaluated and solved at every station, and every output has a value.
     pub fn is_complete(&self) -> bool {
         let is_empty = |output: &OutputSummary| output.count == 0;
         let lacks = self.solved > 0 && self.outputs.iter().any(is_empty);
         self.done == self.designs && self.solved == self.done && !lacks
     }
 
-    /// Table of the reasons of failed designs; empty if none failed.
+    /// Table of failed designs by reason. Empty if none failed.
     pub fn failures_table(&self) -> Table {
         let mut table = Table::with_columns([
             Column::from("not solved"),
@@ -177,7 +177,7 @@ impl SweepSummary {
         table
     }
 
-    /// The range of every output, and the variables that matter most for it.
+    /// Table with the range of every output, and the variables with the largest effect on it.
     pub fn outputs_table(&self) -> Table {
         let columns = ["output", "at design", "min", "max"].map(Column::from);
         let words = Column::for_readers("main effects");
@@ -196,7 +196,7 @@ impl SweepSummary {
         table
     }
 
-    /// A table of the effect of each variable on each output, for programs.
+    /// Table with the effect of each variable on each output, for programs.
     pub fn effects_table(&self) -> Table {
         let mut table = Table::new(["output", "variable", "change", "share", "total"]);
         for output in &self.outputs {
@@ -213,7 +213,7 @@ impl SweepSummary {
         table
     }
 
-    /// Sentence on the designs behind the statistics, if these are not all designs.
+    /// Sentence about the designs used for the statistics. `None` if these are all designs.
     pub fn of_which(&self) -> Option<String> {
         (self.method == "saltelli").then(|| {
             format!(
@@ -224,7 +224,7 @@ impl SweepSummary {
         })
     }
 
-    /// The best designs by misfit, with their variables; empty where there are no targets.
+    /// Table of the best designs by misfit, with their variables. Empty without targets.
     pub fn best_table(&self) -> Table {
         let mut header = vec!["design".to_owned(), "misfit".to_owned()];
         header.extend(self.variables.iter().cloned());
@@ -237,8 +237,8 @@ impl SweepSummary {
         table
     }
 
-    /// The numbers of at most `most` designs that are worth a look: the best and some of the front or, without targets,
-    /// those with the least or the largest value of an output.
+    /// Numbers of at most `most` representative designs. These are the best designs and some of the Pareto front. Without
+    /// targets, these are the designs with the smallest or largest value of an output.
     pub fn representative_designs(&self, most: usize) -> Vec<u64> {
         let mut telling: Vec<u64> = self.best.iter().map(|d| d.design).collect();
         let front = self.pareto.as_deref().unwrap_or_default();
@@ -264,7 +264,7 @@ impl SweepSummary {
     }
 }
 
-/// Outputs that solved designs lack, by reason; and the meaning of shares if designs fail.
+/// Notes: outputs that solved designs do not have, by reason; and the meaning of the variance shares if designs fail.
 fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
     let mut notes = Vec::new();
     for (output, range) in record.outputs.iter().zip(&statistics.ranges) {
@@ -283,7 +283,7 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
             ),
         });
     }
-    // Of Saltelli's groups only the first two designs are drawn independently.
+    // In each of Saltelli's groups, only the first two designs are independent.
     let (count, designs) = (statistics.moments.count, statistics.designs);
     let drawn = record.group().map_or(designs, |group| {
         designs / group * 2 + (designs % group).min(2)
@@ -335,8 +335,8 @@ fn undefined_where(record: &SweepRecord, output: &OutputColumn) -> Option<&'stat
     longest.map(|c| c.undefined_where())
 }
 
-/// `pareto.csv`: the rows of the designs that cannot be bettered in one target without losing in
-/// another, where there are several.
+/// Content of `pareto.csv`, if there are several targets: the rows of the designs that no other design improves in one target
+/// without a loss in another.
 pub fn pareto_csv(record: &SweepRecord, statistics: &SweepStatistics) -> Option<Vec<u8>> {
     if record.deviations().len() < 2 {
         return None;
@@ -357,7 +357,7 @@ fn output(
     let (column, range) = (&record.outputs[k], statistics.ranges[k]);
     let of = effects.map_or(&[][..], |e| &e.of);
     let named = record.variables.iter().zip(of);
-    // Shares and slopes of rounding are chance.
+    // If the range is only rounding error, shares and slopes would be random numbers.
     let is_moved = range.is_some_and(|r| !is_rounding(r.max.0 - r.min.0, &column.unit));
     OutputSummary {
         column: column.column.clone(),
@@ -382,19 +382,19 @@ fn output(
     }
 }
 
-/// Returns true if a range is only rounding error in its unit.
+/// True if a range is only rounding error in its unit.
 fn is_rounding(range: f64, unit: &str) -> bool {
     range < resolution(unit)
 }
 
 impl OutputSummary {
-    /// Returns true if no design changes it by more than rounding error.
+    /// True if no design changes the output by more than rounding error.
     pub(in crate::report) fn is_unmoved(&self) -> bool {
         let range = self.min.zip(self.max);
         range.is_none_or(|(min, max)| is_rounding(max - min, &self.unit))
     }
 
-    /// The variables with the largest shares of the variance, or else with the largest changes, in words.
+    /// Names of the variables with the largest shares of the variance, or else with the largest changes.
     fn what_matters(&self) -> String {
         if self.is_unmoved() {
             return String::new();

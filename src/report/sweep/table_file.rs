@@ -1,4 +1,4 @@
-//! A file of rows that grows by whole blocks, as CSV or Parquet, and the way to read one back.
+//! A file of rows in CSV or Parquet, written in complete blocks, and a reader for it.
 
 use crate::results::{WriteError, unwritten};
 use std::fs::File;
@@ -19,7 +19,7 @@ enum Out {
 }
 
 impl TableFile {
-    /// Writes CSV to standard output.
+    /// Makes a writer of CSV to standard output.
     pub fn standard_output(header: &[u8]) -> Result<Self, WriteError> {
         let mut file = TableFile {
             path: PathBuf::from("standard output"),
@@ -29,7 +29,7 @@ impl TableFile {
         Ok(file)
     }
 
-    /// Begins to write to a file; the ending of its name to be says what it is. `header` is that of a CSV file.
+    /// Starts to write a file. The extension of its final name decides the format. `header` is a CSV header.
     pub fn begin(file: File, path: PathBuf, header: &[u8]) -> Result<Self, WriteError> {
         #[cfg(feature = "parquet")]
         if is_parquet(&path) {
@@ -58,7 +58,7 @@ impl TableFile {
         written.map_err(unwritten(&self.path))
     }
 
-    /// Appends all that is left of some rows of CSV.
+    /// Appends all remaining rows of a CSV text.
     pub fn copy_rows(&mut self, lines: &mut dyn BufRead) -> Result<(), WriteError> {
         if let Out::Csv(file) = &mut self.out {
             let copied = io::copy(lines, file);
@@ -78,7 +78,7 @@ impl TableFile {
         }
     }
 
-    /// Ends the file.
+    /// Completes the file.
     pub fn finish(self) -> Result<(), WriteError> {
         match self.out {
             Out::Standard | Out::Csv(_) => Ok(()),
@@ -92,7 +92,7 @@ fn is_parquet(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending == "parquet")
 }
 
-/// The lines of a file as CSV, the header first.
+/// Reader of a file's lines as CSV, the header first.
 pub(super) fn open_lines(path: &Path) -> io::Result<Box<dyn BufRead>> {
     if !is_parquet(path) {
         return Ok(Box::new(BufReader::new(File::open(path)?)));
@@ -111,7 +111,7 @@ mod tests {
     use crate::sweep::csv;
     use std::io::Read;
 
-    /// Rows of several groups come back as they were written, and from any chunks the same file is made.
+    /// Rows of several row groups come back unchanged. The size of the chunks does not change the file.
     #[test]
     fn parquet_gives_the_text_back() {
         let directory = tempfile::tempdir().unwrap();

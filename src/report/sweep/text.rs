@@ -1,4 +1,4 @@
-//! Finished blocks as text, made in the workers so that it is done on all threads.
+//! Converts finished blocks to text. The workers do this, so it runs on all threads.
 
 use super::curve_places::curves_csv;
 use crate::study::Study;
@@ -6,15 +6,15 @@ use crate::sweep::csv::{CurvesCsv, append_rows};
 use crate::sweep::{SweepPlan, SweepRecord, SweepStatistics, SweptWorker};
 use std::sync::{Mutex, PoisonError};
 
-/// Turns blocks into text.
+/// Formatter that converts blocks to text.
 pub struct SweepText {
     curves: Option<CurvesCsv>,
-    /// Buffers that have been written, for the next blocks: to ask the system for others takes longer than to fill them.
+    /// Buffers of written rows, kept for the next blocks. Requesting new memory takes longer than filling it.
     spare: Mutex<Vec<Vec<u8>>>,
 }
 
 impl SweepText {
-    /// The text of a sweep. Curves are written beside the designs, in a directory only.
+    /// Makes the formatter of a sweep. Curves are written only if the output is a directory.
     pub fn of(plan: &SweepPlan, study: &Study, in_directory: bool) -> Self {
         let curves = plan.record.curves && in_directory;
         SweepText {
@@ -23,7 +23,7 @@ impl SweepText {
         }
     }
 
-    /// The text of a sweep without curves.
+    /// Makes the formatter of a sweep without curves.
     pub fn without_curves() -> Self {
         SweepText {
             curves: None,
@@ -31,12 +31,12 @@ impl SweepText {
         }
     }
 
-    /// The first line of the curves, where there are any.
+    /// Header line of the curves, if there are any.
     pub fn curves_header(&self) -> Option<&[u8]> {
         self.curves.as_ref().map(|csv| &csv.header[..])
     }
 
-    /// The curves of a worker's last block as they stand in the file, where there are any.
+    /// Curves of a worker's last block as text of the file. Empty without curves.
     pub fn curves(&self, worker: &SweptWorker<'_>, first: u64) -> Vec<u8> {
         let mut curves = Vec::new();
         if let (Some(csv), Some(block)) = (&self.curves, worker.block()) {
@@ -45,7 +45,7 @@ impl SweepText {
         curves
     }
 
-    /// Works on a block: its rows and curves as text, and its statistics.
+    /// Completes a block: its rows and curves as text, and its statistics.
     pub fn finish(
         &self,
         record: &SweepRecord,
@@ -69,7 +69,7 @@ impl SweepText {
         spare.pop().unwrap_or_default()
     }
 
-    /// Takes back the text of rows that have been written.
+    /// Takes back a buffer whose rows have been written.
     pub(super) fn give_back(&self, mut designs: Vec<u8>) {
         designs.clear();
         let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
@@ -77,12 +77,12 @@ impl SweepText {
     }
 }
 
-/// The results of a block.
+/// Results of a block.
 pub struct Finished {
-    /// Rows, as they stand in the file.
+    /// Rows as text of the file.
     pub designs: Vec<u8>,
-    /// Curves, as they stand in the file.
+    /// Curves as text of the file.
     pub curves: Vec<u8>,
-    /// Statistics.
+    /// Statistics of the block.
     pub statistics: SweepStatistics,
 }

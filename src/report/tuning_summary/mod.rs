@@ -21,38 +21,38 @@ use crate::optimise::{
 use crate::study::{Limit, Optimise, Study, Target, Wanted};
 use serde::{Deserialize, Serialize};
 
-/// `summary.json` of an optimisation.
+/// Content of `summary.json` of an optimisation.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct TuningSummary {
     command: String,
     version: String,
     study: String,
     topology: String,
-    /// In tolerances; absent where the design itself cannot be evaluated.
+    /// Misfit of the design in tolerances. Absent if the design cannot be evaluated.
     misfit_before: Option<f64>,
-    /// Why the design itself cannot be evaluated.
+    /// Reason why the design cannot be evaluated.
     design_failure: Option<String>,
     misfit_after: Option<f64>,
     best_start: Option<usize>,
-    /// Residual of the optimality conditions at the tuned design, relative to the sizes of their terms; below 1e-6 the
+    /// Residual of the optimality conditions (KKT) at the tuned design, relative to the sizes of their terms. Below 1e-6 the
     /// tuning has converged.
     #[serde(default)]
     kkt_residual: Option<f64>,
     variables: Vec<VariableSummary>,
     targets: Vec<TargetSummary>,
     starts: Vec<StartSummary>,
-    /// Number of independent directions of the variables that change the targets.
+    /// Number of independent directions in the variables that change the targets.
     rank: Option<usize>,
     singular_values: Vec<f64>,
-    /// Combinations of variables that the targets cannot tell apart: offsets by variable.
+    /// Directions that leave all targets unchanged. Each has one offset per variable.
     unseen: Vec<Vec<f64>>,
-    /// For a fit: the scatter of the measurements about it, in tolerances.
+    /// For a fit: scatter of the measurements about it, in tolerances.
     #[serde(default)]
     scatter: Option<f64>,
-    /// For a fit: pairs of variables that the measurements hardly tell apart, with their correlation.
+    /// For a fit: pairs of variables that the measurements hardly distinguish, with their correlation.
     #[serde(default)]
     correlations: Vec<(String, String, f64)>,
-    /// The misfit below which no design was preferred to a nearer one.
+    /// Misfit that is good enough. Below it, the tuning prefers the nearer design.
     #[serde(default)]
     good_enough: f64,
     /// State of each constraint.
@@ -64,51 +64,52 @@ pub struct TuningSummary {
     /// Constraints that are violated and that no variable moves.
     #[serde(default)]
     unmoved_constraints: Vec<String>,
-    /// Constraints that exclude one another.
+    /// Constraints that contradict each other.
     #[serde(default)]
     contradiction: Vec<String>,
-    /// Stations added to those of the motion, where targets needed them.
+    /// Stations added to those of the motion, because targets need them.
     #[serde(default)]
     added_stations: Vec<AddedStations>,
-    /// The least misfit by how far the design is moved, where that was asked for.
+    /// Smallest misfit by size of the change, if it was requested.
     #[serde(default)]
     pub prices: Vec<PriceRecord>,
-    /// Changes that no target asks for; empty where they were not asked for.
+    /// Changes that no target asks for, if they were requested.
     #[serde(default)]
     pub side_effects: Vec<SideEffect>,
-    /// For a robust tuning: the shares of builds that keep to the bands before and after.
+    /// For a robust tuning: share of builds within the bands, before and after.
     #[serde(default)]
     pub yields: Option<YieldRecord>,
-    /// For a robust tuning: the number of builds whose mean squared misfit was lowered; all misfits then are theirs.
+    /// For a robust tuning: number of builds whose mean squared misfit the tuning minimised. All misfits then belong to these
+    /// builds.
     #[serde(default)]
     scatter_builds: Option<usize>,
     /// Conditioning of the tuned design along the motion.
     #[serde(default)]
     condition: Option<ConditionSummary>,
-    /// Proofs of the tuned design, if the study asks for them.
+    /// Proofs for the tuned design, if the study requests them.
     #[serde(default)]
     certificate: Option<CertificateSummary>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct VariableSummary {
-    /// Joined by `+` where several move together.
+    /// Name of the hardpoint. If several move together, their names are joined by `+`.
     hardpoint: String,
     axis: String,
-    /// The coordinate, of the first where several move together; none of a turn.
+    /// Coordinate in the nominal design; of the first hardpoint if several move together. `None` for a turn.
     design: Option<f64>,
     tuned: Option<f64>,
     offset: Option<f64>,
     range: [f64; 2],
-    /// `lower` or `upper` where the variable ended at that bound.
+    /// `lower` or `upper`, if the variable ended at that bound.
     at_bound: Option<String>,
-    /// For a fit: the standard error.
+    /// For a fit: standard error.
     #[serde(default)]
     standard_error: Option<f64>,
-    /// For a fit: half the interval that holds the truth in 95 of 100 fits, where it has two sides.
+    /// For a fit: half of the 95 % confidence interval, if it has two sides.
     #[serde(default)]
     interval: Option<f64>,
-    /// For a fit: that interval of the offset.
+    /// For a fit: 95 % confidence interval of the offset.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     fitted: Option<FittedOffset>,
 }
@@ -117,7 +118,7 @@ struct VariableSummary {
 struct TargetSummary {
     output: String,
     tolerance: f64,
-    /// Least and largest wanted value, in the unit of the tolerance; open where a band has no limit.
+    /// Smallest and largest target value, in the unit of the tolerance. `None` if a band has no limit.
     #[serde(default)]
     wanted: [Option<f64>; 2],
     weight: f64,
@@ -131,17 +132,17 @@ struct ConstraintSummary {
     /// Margin to the nearest limit in `unit`; negative if it is violated.
     room: f64,
     unit: String,
-    /// Drive value with the least margin.
+    /// Drive value with the smallest margin.
     at: Option<f64>,
     /// Unit of `at`.
     #[serde(default)]
     at_unit: String,
-    /// Tolerances of misfit that a limit one unit further would save.
+    /// Decrease of the misfit, in tolerances, if the limit moves outward by one unit.
     price: Option<f64>,
-    /// Absent in summaries of older versions, whose units are millimetres and degrees.
+    /// Status. Absent in summaries of older versions, whose units are millimetres and degrees.
     #[serde(default)]
     status: Option<ConstraintStatus>,
-    /// True if the price is open, because binding limits depend on one another.
+    /// True if the price is not determined, because binding limits depend on each other.
     #[serde(default)]
     price_not_determined: bool,
 }
@@ -150,15 +151,15 @@ struct ConstraintSummary {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum ConstraintStatus {
-    /// With margin to every limit.
+    /// The margin to every limit is positive.
     Kept,
-    /// At a limit.
+    /// The value is at a limit.
     Binds,
     Violated,
 }
 
 impl ConstraintStatus {
-    /// The status of a margin, in units that are visible: a millimetre, a degree.
+    /// Status for a margin. The margin is in visible units: millimetres or degrees.
     fn of(margin: f64) -> Self {
         match margin {
             margin if margin < -VISIBLE => ConstraintStatus::Violated,
@@ -174,7 +175,7 @@ impl ConstraintSummary {
             .unwrap_or_else(|| ConstraintStatus::of(self.room))
     }
 
-    /// The drive value with the least margin, with its unit.
+    /// Table cell: drive value with the smallest margin, and its unit.
     fn place(&self) -> Cell {
         Cell::by(self.at, |at| with_unit(at, &self.at_unit))
     }
@@ -189,20 +190,21 @@ struct AddedStations {
     unit: String,
 }
 
-/// In tolerances.
+/// Deviation from a target, in tolerances.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct DeviationSummary {
     rms: f64,
     worst: f64,
-    /// The same in the unit of the target, with the sign of its values.
+    /// Largest deviation in the unit of the target, with its sign.
     #[serde(default)]
     worst_in_unit: Option<f64>,
-    /// Travel in the study's unit, or arm angle in degrees; for an axle the number that the target is over.
+    /// Position of the largest deviation: travel in the study's unit, or arm angle in degrees. For an axle, the coordinate to
+    /// which the target refers.
     worst_at: f64,
     /// Unit of `worst_at`.
     #[serde(default)]
     worst_at_unit: String,
-    /// Rack displacement there, in the study's axes.
+    /// Rack displacement at this position, in the study's axes.
     #[serde(default)]
     worst_rack: f64,
 }
@@ -211,28 +213,29 @@ struct DeviationSummary {
 struct StartSummary {
     start: usize,
     offsets: Vec<f64>,
-    /// Reason for its end, or for the failure of its start.
+    /// Reason why the search ended, or why its start failed.
     ended: String,
     iterations: Option<u64>,
     evaluations: Option<u64>,
     misfit: Option<f64>,
-    /// As `kkt_residual` of the summary, at the end of this start.
+    /// KKT residual at the end of this start, defined as in the summary.
     #[serde(default)]
     kkt_residual: Option<f64>,
 }
 
 impl TuningSummary {
-    /// Misfit before and after, in tolerances, for reading.
+    /// Misfit before and after, in tolerances, for people.
     pub fn misfits(&self) -> [Option<String>; 2] {
         [self.misfit_before, self.misfit_after].map(|m| m.map(misfit_in_words))
     }
 
-    /// Returns true if some start reached a design.
+    /// True if some start reached a design.
     pub fn has_design(&self) -> bool {
         self.misfit_after.is_some()
     }
 
-    /// Number of the point of a front that is the tuned design, to a thousandth of each range; `None` if no point is.
+    /// Index of the point of a front that equals the tuned design, to a thousandth of each range. `None` if there is no such
+    /// point.
     pub(super) fn kept_point(&self, front: &FrontRecord) -> Option<usize> {
         let is_same = |point: &FrontPoint| {
             let pairs = self.variables.iter().zip(&point.offsets);
@@ -245,12 +248,12 @@ impl TuningSummary {
         front.points.iter().position(is_same)
     }
 
-    /// The start whose end was kept.
+    /// Index of the start whose end is the tuned design.
     pub fn kept_start(&self) -> Option<usize> {
         self.best_start
     }
 
-    /// Number of variables that ended at a bound, and number of all variables.
+    /// Number of variables that ended at a bound, and total number of variables.
     pub fn at_bounds(&self) -> [usize; 2] {
         let active = self.variables.iter().filter(|v| v.at_bound.is_some());
         [active.count(), self.variables.len()]
@@ -261,8 +264,8 @@ impl TuningSummary {
         self.targets.len()
     }
 
-    /// Returns the targets that are missed by more than their tolerance somewhere: their numbers and columns, and
-    /// size and place of the deviation.
+    /// Targets that are missed by more than their tolerance somewhere: their numbers and columns, and the size and position of
+    /// the deviation.
     pub fn missed(&self) -> Vec<(usize, &str, String)> {
         let targets = self.targets.iter().enumerate();
         let missed = targets.filter_map(|(number, t)| {
@@ -274,15 +277,15 @@ impl TuningSummary {
         missed.collect()
     }
 
-    /// The constraints that are violated, by their rows in [`TuningSummary::constraints_table`].
+    /// Rows of the violated constraints in [`TuningSummary::constraints_table`].
     pub fn violated(&self) -> Vec<usize> {
         let rows = self.constraints.iter().enumerate();
         let violated = rows.filter(|(_, c)| c.status() == ConstraintStatus::Violated);
         violated.map(|(row, _)| row).collect()
     }
 
-    /// Returns true if a request cannot be met. A constraint is violated, or a target that no variable changes is
-    /// missed by more than its tolerance.
+    /// True if a request cannot be met: a constraint is violated, or a target that no variable changes is missed by more than its
+    /// tolerance.
     pub fn falls_short(&self) -> bool {
         let missed = |target: &TargetSummary| {
             let rms = target.after.as_ref().map_or(0.0, |after| after.rms);
@@ -291,7 +294,7 @@ impl TuningSummary {
         !self.violated().is_empty() || self.targets.iter().any(missed)
     }
 
-    /// Number of starts that were interrupted before their end, and number of all starts.
+    /// Number of starts that were interrupted, and total number of starts.
     pub fn interrupted(&self) -> [usize; 2] {
         let word = Termination::Interrupted.to_string();
         let interrupted = self.starts.iter().filter(|s| s.ended == word);
@@ -299,12 +302,12 @@ impl TuningSummary {
     }
 }
 
-/// Constraints violated by less than this (a millimetre, a degree are 1) are kept.
+/// A constraint that is violated by less than this counts as kept. 1 is a millimetre or a degree.
 const VISIBLE: f64 = 1e-6;
-/// Constraints with less margin than this bind.
+/// A constraint with a smaller margin than this counts as binding.
 const BINDING: f64 = 1e-6;
 
-/// A number with its unit; without one in summaries of older versions, which do not name it.
+/// Number with its unit. Summaries of older versions have no unit.
 fn with_unit(value: f64, unit: &str) -> String {
     match unit {
         "" => as_written(value),

@@ -1,4 +1,4 @@
-//! The summary made from a tuning.
+//! Makes the summary of a tuning.
 
 use super::*;
 use crate::number::Vector3;
@@ -6,7 +6,7 @@ use crate::optimise::{StandardErrors, Start};
 use crate::study::{Constraint, Variable};
 
 impl TuningSummary {
-    /// The summary of a tuning; `after` are the curves of the tuned design.
+    /// Summarises a tuning. `after` has the curves of the tuned design.
     pub fn of(study: &Study, optimise: &Optimise, tuning: &Tuning, after: Option<&Curves>) -> Self {
         let source = TunedStudy {
             study,
@@ -87,7 +87,7 @@ impl TunedStudy<'_> {
         variables.map(|(k, v)| self.variable(k, v)).collect()
     }
 
-    /// The `k`-th variable.
+    /// Summary of the `k`-th variable.
     fn variable(&self, k: usize, variable: &Variable) -> VariableSummary {
         let suspension = self.study.wheel();
         let best = self.tuning.best.as_ref();
@@ -205,7 +205,7 @@ impl TunedStudy<'_> {
             .collect()
     }
 
-    /// The largest move along each combination of variables that no target sees.
+    /// Largest moves along each direction that leaves all targets unchanged.
     fn unseen(&self) -> Vec<Vec<f64>> {
         let Some(best) = &self.tuning.best else {
             return Vec::new();
@@ -213,7 +213,7 @@ impl TunedStudy<'_> {
         let directions = best.identifiability.unseen.iter().filter_map(|d| {
             let [up, down] = d.free;
             let share = if up >= down { up } else { -down };
-            // A hundredth of the range is no freedom.
+            // A move below a hundredth of the range is not useful.
             (share.abs() > 0.01).then(|| d.change.iter().map(|c| c * share).collect())
         });
         directions.collect()
@@ -250,7 +250,7 @@ impl StartSummary {
     }
 }
 
-/// Least and largest wanted value, as printed.
+/// Smallest and largest target value, as printed numbers.
 fn wanted(target: &Target) -> [Option<f64>; 2] {
     let factor = target.of.factor();
     let range = |points: &[[f64; 2]]| {

@@ -3,19 +3,19 @@
 use super::*;
 
 impl TuningSummary {
-    /// The least misfit by how far the design is moved; none where that was not asked for.
+    /// Table of the smallest misfit by size of the change. `None` if it was not requested.
     pub fn prices_table(&self) -> Option<Table> {
         (!self.prices.is_empty()).then(|| PriceRecord::table(&self.prices))
     }
 
-    /// For programs: the misfit in tolerances.
+    /// Table of the misfit in tolerances, for programs.
     pub fn misfit_table(&self) -> Table {
         let mut table = Table::new(["before", "after"]);
         table.push([self.misfit_before, self.misfit_after]);
         table
     }
 
-    /// Returns the table of the variables and their moves.
+    /// Table of the variables and their moves.
     pub fn variables_table(&self) -> Table {
         let columns = ["hardpoint", "axis", "design", "tuned", "moved"].map(Column::from);
         let range = Column::for_readers("range");
@@ -26,7 +26,7 @@ impl TuningSummary {
         let columns = columns.chain(["bound".into()]).chain(interval);
         let mut table = Table::with_columns(columns).keyed(2);
         for v in &self.variables {
-            // A fit shows no more digits than it knows: two of the standard error.
+            // A fit shows no uncertain digits: only two digits of the standard error.
             let decimals = v.fitted.and_then(|fitted| fitted.decimals(v.offset));
             let known = decimals.filter(|_| v.at_bound.is_none());
             let brief = |value: f64| {
@@ -56,8 +56,8 @@ impl TuningSummary {
         table
     }
 
-    /// Moves of the hardpoints by axis, the largest first. Of points that move together it has those of the first, and
-    /// then no distances.
+    /// Table of the moves of the hardpoints by axis, the largest first. If points move together, it shows the moves of the first
+    /// one, and no distances.
     pub fn moved_points(&self, unit: &str) -> Table {
         let mut moves: Vec<(&str, [f64; 3])> = Vec::new();
         for variable in &self.variables {
@@ -79,7 +79,7 @@ impl TuningSummary {
         let length = |by: &[f64; 3]| by.iter().map(|c| c * c).sum::<f64>().sqrt();
         moves.retain(|(_, by)| length(by) > 0.0);
         moves.sort_by(|a, b| length(&b.1).total_cmp(&length(&a.1)));
-        // A point that also moves with others goes farther than its own row says.
+        // A point that also moves together with others moves further than its own row shows.
         let has_distance = !moves.iter().any(|(name, _)| name.contains('+'));
         let distance = has_distance.then(|| Column::from(format!("distance [{unit}]")));
         let names = ["point", "x", "y", "z"].map(Column::from);
@@ -105,8 +105,8 @@ impl TuningSummary {
         table
     }
 
-    /// Returns the table of the targets before and after. For readers it has the largest deviation in the unit of the
-    /// target, beside its tolerance. For programs it has all deviations in tolerances.
+    /// Table of the targets before and after. People see the largest deviation in the unit of the target, beside its tolerance.
+    /// Programs get all deviations in tolerances.
     pub fn targets_table(&self) -> Table {
         let columns = [
             Column::from("target"),
@@ -157,7 +157,7 @@ impl TuningSummary {
         table
     }
 
-    /// Returns the table of the constraints; `None` without constraints.
+    /// Table of the constraints. `None` without constraints.
     pub fn constraints_table(&self) -> Option<Table> {
         if self.constraints.is_empty() {
             return None;
@@ -192,7 +192,7 @@ impl TuningSummary {
         Some(table)
     }
 
-    /// Returns the table of the starts.
+    /// Table of the starts.
     pub fn starts_table(&self) -> Table {
         let columns = [
             Column::for_readers("start"),
@@ -232,7 +232,7 @@ impl TargetSummary {
     }
 }
 
-/// A deviation in the unit of its target, to a hundredth of the tolerance.
+/// Deviation in the unit of its target, to a hundredth of the tolerance.
 fn to_hundredth_of(deviation: f64, tolerance: f64) -> String {
     let decimals = (2.0 - tolerance.log10().floor()).clamp(0.0, 12.0) as usize;
     with_decimals(deviation, decimals)

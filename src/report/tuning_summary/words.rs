@@ -1,12 +1,12 @@
-//! A tuning in sentences: headline, remarks, starts.
+//! Describes a tuning in sentences: headline, remarks and starts.
 
 use super::*;
 
-/// As many starts are listed one by one.
+/// Largest number of starts that are listed one by one.
 const FEW_STARTS: usize = 8;
 
 impl TuningSummary {
-    /// Returns remarks on targets and constraints, in sentences.
+    /// Remarks on targets and constraints, in sentences.
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
         for added in &self.added_stations {
@@ -56,7 +56,7 @@ impl TuningSummary {
         remarks
     }
 
-    /// Sentences on the intervals of a fit.
+    /// Sentences about the confidence intervals of a fit.
     fn fit_remarks(&self) -> Vec<String> {
         let Some(scatter) = self.scatter else {
             return Vec::new();
@@ -91,7 +91,7 @@ impl TuningSummary {
         remarks
     }
 
-    /// Returns the completed share of an interrupted tuning, in words.
+    /// Completed fraction of an interrupted tuning, in words.
     pub fn interrupted_in_words(&self) -> String {
         let [interrupted, all] = self.interrupted();
         match interrupted {
@@ -107,7 +107,7 @@ impl TuningSummary {
         }
     }
 
-    /// Sentences for a page without the tables of targets and starts: why the search ended, which targets are missed, and which
+    /// Sentences for a page that has no tables of targets and starts: why the search ended, which targets are missed, and which
     /// variables are at the end of their range.
     pub fn outcome_in_words(&self) -> Vec<String> {
         let start = self
@@ -134,7 +134,7 @@ impl TuningSummary {
         ended.into_iter().chain(missed).chain(at_bounds).collect()
     }
 
-    /// The starts in a line or two, where there are more than a few.
+    /// Short summary of the starts, if there are many.
     pub fn starts_in_words(&self) -> Option<String> {
         let all = self.starts.len();
         if all <= FEW_STARTS {
@@ -166,7 +166,7 @@ impl TuningSummary {
         Some(text + "; history.csv and summary.json have all")
     }
 
-    /// The outcome in a sentence or two.
+    /// Result of the tuning in one or two sentences.
     pub fn headline(&self) -> String {
         match (self.misfit_before, self.misfit_after) {
             (Some(before), Some(after)) => {
@@ -201,7 +201,7 @@ impl TuningSummary {
         }
     }
 
-    /// Combinations of variables that the targets cannot tell apart, in words.
+    /// Directions that leave all targets unchanged, in words.
     pub fn unseen(&self) -> Vec<String> {
         let describe = |change: &Vec<f64>| {
             let parts = change

@@ -6,10 +6,10 @@ use std::fmt::Write;
 
 /// Names of the parts of a load transfer.
 const PARTS: [&str; 4] = ["elastic", "geometric", "longitudinal", "unsprung"];
-/// Width of a chart; on a phone a unit is a pixel.
+/// Width of a chart. On a phone, one unit is one pixel.
 const WIDTH: f64 = 350.0;
 
-/// The explanation of the colours.
+/// Legend of the colours.
 pub(super) fn key() -> String {
     let entry =
         |(number, name): (usize, &&str)| format!("<li><i class=\"part-{number}\"></i>{name}</li>");
@@ -17,20 +17,20 @@ pub(super) fn key() -> String {
     format!("<ul class=\"key\">{entries}</ul>")
 }
 
-/// Scale that all charts of load transfer share.
+/// Scale shared by all charts of load transfer.
 pub(super) struct Scale {
-    /// Sums of the parts below and above zero.
+    /// Smallest sum of negative parts, and largest sum of positive parts.
     ends: [f64; 2],
 }
 
-/// Sums of the parts of an axle below and above zero.
+/// Sum of the negative parts and sum of the positive parts of an axle.
 fn sums(parts: &[f64; 4]) -> [f64; 2] {
     let below = parts.iter().filter(|part| **part < 0.0).sum();
     let above = parts.iter().filter(|part| **part > 0.0).sum();
     [below, above]
 }
 
-/// The scale of these states.
+/// Scale that fits all of these states.
 pub(super) fn transfer_scale<'r>(states: impl Iterator<Item = &'r CarStateRecord>) -> Scale {
     let mut ends = [0.0_f64; 2];
     for parts in states.flat_map(|state| &state.transfer) {
@@ -43,7 +43,7 @@ pub(super) fn transfer_scale<'r>(states: impl Iterator<Item = &'r CarStateRecord
     Scale { ends }
 }
 
-/// Bars of the front and of the rear axle, each with its parts and its total.
+/// Bars of the front and the rear axle, each with its parts and its total.
 pub(super) fn transfer(state: &CarStateRecord, scale: &Scale, unit: &str) -> String {
     let (from, to) = (40.0, WIDTH - 62.0);
     let [low, high] = scale.ends;
@@ -82,7 +82,7 @@ pub(super) fn transfer(state: &CarStateRecord, scale: &Scale, unit: &str) -> Str
     svg
 }
 
-/// States over ay (to the right) and ax (upward).
+/// Map of the states over ay (to the right) and ax (upward).
 pub(super) fn map(map: &CarMap) -> String {
     let (columns, rows) = (map.ay.len(), map.ax.len());
     let (left, top, size) = (46.0, 8.0, WIDTH - 54.0);
@@ -144,7 +144,7 @@ pub(super) fn map(map: &CarMap) -> String {
     svg + "</svg>"
 }
 
-/// Values of ax and ay beside the cells: some of them, if there are many.
+/// Labels of ax and ay beside the cells. If there are many values, only some have labels.
 fn axes(svg: &mut String, map: &CarMap, [left, bottom, width, height]: [f64; 4]) {
     let every = |count: usize, size: f64, least: f64| {
         ((least / size).ceil() as usize).clamp(1, count.max(1))

@@ -5,7 +5,7 @@ use crate::report::car::{CarRecord, CarStateRecord};
 use crate::report::scene::BodyKind;
 use std::fmt::Write;
 
-/// Width of a view; on a phone a unit is a pixel.
+/// Width of a view. On a phone, one unit is one pixel.
 const WIDTH: f64 = 350.0;
 
 fn class(kind: BodyKind) -> &'static str {
@@ -19,7 +19,7 @@ fn class(kind: BodyKind) -> &'static str {
     }
 }
 
-/// Scale of a view: picture units per length, the place of the origin, and the height of the picture.
+/// Scale of a view: picture units per length, position of the origin, and height of the picture.
 struct Scale {
     factor: f64,
     origin: [f64; 2],
@@ -27,7 +27,7 @@ struct Scale {
 }
 
 impl Scale {
-    /// Fits these places, across and up.
+    /// Fits the scale to these positions (horizontal, vertical).
     fn fit(places: impl Iterator<Item = [f64; 2]>, margins: [f64; 2]) -> Self {
         let mut low = [f64::INFINITY, 0.0];
         let mut high = [f64::NEG_INFINITY, 0.0];
@@ -54,7 +54,7 @@ impl Scale {
     }
 }
 
-/// A line through places of the picture.
+/// Draws a line through positions of the picture.
 fn line(svg: &mut String, class: &str, places: impl Iterator<Item = [f64; 2]>) {
     let mut letter = 'M';
     let mut path = String::new();
@@ -69,7 +69,7 @@ fn begin(height: f64, label: &str) -> String {
     format!("<svg viewBox=\"0 0 {WIDTH} {height:.0}\" role=\"img\" aria-label=\"{label}\">")
 }
 
-/// An axle from the front: the left wheel is on the right.
+/// View of an axle from the front: the left wheel is on the right.
 pub(super) fn front(record: &CarRecord, state: &CarStateRecord, axle: usize) -> String {
     let flat = |place: &[f64; 3]| [place[1], place[2]];
     let wheels = [0, 1].map(|side| {
@@ -124,7 +124,8 @@ pub(super) fn front(record: &CarRecord, state: &CarStateRecord, axle: usize) -> 
     svg + "</svg>"
 }
 
-/// Outline of a wheel from the front, from its centre and its lowest point. Its width is for the eye: no study gives it.
+/// Outline of a wheel from the front, from its centre and its lowest point. The width is only an illustration, because no study
+/// gives it.
 fn wheel_from_the_front(centre: [f64; 3], contact: [f64; 3]) -> [[f64; 2]; 4] {
     let along = [centre[1] - contact[1], centre[2] - contact[2]];
     let across = [0.3 * along[1], -0.3 * along[0]];
@@ -139,7 +140,7 @@ fn wheel_from_the_front(centre: [f64; 3], contact: [f64; 3]) -> [[f64; 2]; 4] {
     ]
 }
 
-/// The car from the left side, with the roll axis and the centre of gravity: forward is to the left.
+/// View of the car from the left, with the roll axis and the centre of gravity: forward is to the left.
 pub(super) fn side(record: &CarRecord, state: &CarStateRecord) -> String {
     let mean = |places: &[[f64; 3]; 4], axle: usize, k: usize| {
         0.5 * (places[2 * axle][k] + places[2 * axle + 1][k])

@@ -41,6 +41,8 @@ const LARGEST_STEP: f64 = 0.05;
 const RESOLUTION: f64 = 1e-10;
 /// Most steps in one direction. Without failures 140 reach a thousand times the usual value.
 const MOST_TRIES: usize = 4000;
+/// A force below minus this (N) is not rounding.
+pub(super) const NEGATIVE: f64 = 1e-6;
 /// Growth of (1).
 const SOFTENING: f64 = 100.0;
 
@@ -81,7 +83,7 @@ pub enum DrivingForce {
 /// Event on the way to an end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
-    /// The vertical force at a contact point turns negative.
+    /// The vertical force at a contact point turns negative, although there is a spring.
     WheelLifts,
     /// A bump stop is met.
     StopMet,
@@ -360,9 +362,11 @@ impl Followable for ElasticWheel {
     fn is_past(&self, event: Event, state: &State<f64>, task: &Task<f64>) -> bool {
         let at = equilibrium(state, task);
         match event {
-            Event::WheelLifts => self.wheel_load(&at) < 0.0,
+            Event::WheelLifts => self.spring(&at).is_some() && self.wheel_load(&at) < -NEGATIVE,
             Event::StopMet => self.spring(&at).is_some_and(|spring| spring.meets_stop),
-            Event::SpringSlack => self.spring(&at).is_some_and(|spring| spring.force < 0.0),
+            Event::SpringSlack => self
+                .spring(&at)
+                .is_some_and(|spring| spring.force < -NEGATIVE),
             Event::Extrapolated => self.bushings(&at).iter().any(|own| own.is_extrapolated),
         }
     }

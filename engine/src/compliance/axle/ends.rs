@@ -2,7 +2,7 @@
 
 use super::equations::{AxleState, AxleTask};
 use super::{AxleEquilibrium, ElasticAxle};
-use crate::compliance::ends::{DrivingForce, EquilibriumEnd, Event, Followable, Way};
+use crate::compliance::ends::{DrivingForce, EquilibriumEnd, Event, Followable, NEGATIVE, Way};
 use crate::compliance::fault::{Motion, NoEquilibrium};
 use crate::compliance::loads::WheelLoads;
 use crate::compliance::solve::Obstacle;
@@ -51,9 +51,13 @@ impl Followable for ElasticAxle {
     fn is_past(&self, event: Event, state: &AxleState<f64>, task: &AxleTask<f64>) -> bool {
         let at = equilibrium(state, task);
         Side::ALL.into_iter().any(|side| match event {
-            Event::WheelLifts => self.wheel_load(&at, side) < 0.0,
+            Event::WheelLifts => {
+                self.spring(&at, side).is_some() && self.wheel_load(&at, side) < -NEGATIVE
+            }
             Event::StopMet => self.spring(&at, side).is_some_and(|own| own.meets_stop),
-            Event::SpringSlack => self.spring(&at, side).is_some_and(|own| own.force < 0.0),
+            Event::SpringSlack => self
+                .spring(&at, side)
+                .is_some_and(|own| own.force < -NEGATIVE),
             Event::Extrapolated => {
                 let bushings = self.bushings(&at, side);
                 bushings.iter().any(|own| own.is_extrapolated)

@@ -1,5 +1,6 @@
 //! `hardpoint limits`
 
+use super::elastic_limits;
 use super::exit::{Exit, Stop};
 use super::output::design_fault;
 use super::printer::Printer;
@@ -33,25 +34,32 @@ pub(super) fn run(arguments: &LimitsArguments) -> Result<Exit, Stop> {
     });
     let arguments = &arguments.study;
     let path = &arguments.study;
-    let study = Study::read(path, &arguments.set)?;
     if let Some(count) = builds {
+        let study = Study::read(path, &arguments.set)?;
         return super::limits_of_builds::run(arguments, &study, count);
     }
+    let study = Study::read_elastic(path, &arguments.set)?;
     match &study.vehicle {
-        Vehicle::Axle(both) => of_axle(arguments, &study, both, page),
-        Vehicle::Wheel(own) => of_wheel(arguments, &study, own, page),
+        Vehicle::Axle(both) => match &both.axle.elastic {
+            Some(elastic) => elastic_limits::of_axle(arguments, &study, both, elastic, page),
+            None => of_axle(arguments, &study, both, page),
+        },
+        Vehicle::Wheel(own) => match &own.compliance {
+            Some(elastic) => elastic_limits::of_wheel(arguments, &study, own, elastic, page),
+            None => of_wheel(arguments, &study, own, page),
+        },
     }
 }
 
 /// Data of the requested page.
 #[derive(Clone, Copy)]
-struct Page<'a> {
+pub(super) struct Page<'a> {
     path: &'a Path,
     force: bool,
 }
 
 impl Page<'_> {
-    fn save(
+    pub(super) fn save(
         self,
         arguments: &StudyArguments,
         study: &Study,
@@ -222,8 +230,8 @@ pub(super) fn travel_rows<'l>(axle: &Axle, limits: &'l AxleLimits) -> Vec<(Row, 
     }
 }
 
-/// Cause of a limit without a known singularity.
-const LOST: &str = "the path could not be followed further";
+/// Cause of a limit for which no singularity was found.
+pub(super) const LOST: &str = "the path could not be followed further";
 
 /// Cause of a limit at which a rod is in toggle position.
 fn at_toggle(rod: Rod) -> String {
@@ -269,7 +277,7 @@ pub(super) struct Row {
 }
 
 impl Row {
-    fn of(&self, study: &Study, lower: &RangeEnd, upper: &RangeEnd) -> [Cell; 6] {
+    pub(super) fn of(&self, study: &Study, lower: &RangeEnd, upper: &RangeEnd) -> [Cell; 6] {
         let beyond = match (lower, upper) {
             (RangeEnd::FullTurn, RangeEnd::FullTurn) => "no limit: it turns all the way round",
             _ => "no limit within half a turn",
@@ -431,7 +439,7 @@ fn driven(study: &Study, at: String) -> Row {
 }
 
 /// Columns of the table of limits.
-fn columns() -> [Column; 6] {
+pub(super) fn columns() -> [Column; 6] {
     [
         "quantity".into(),
         "at".into(),

@@ -68,7 +68,7 @@ pub use figure::{as_written, brief, figure, figures, resolution, with_decimals};
 pub use files::{curves_csv, history_csv, sensitivities_csv};
 pub use finished::{FinishedRun, NotARun};
 pub use fitted::FittedOffset;
-pub use kc::{KcResults, OtherProgram, elastic_parts, no_equilibrium};
+pub use kc::{KcResults, OtherProgram, elastic_parts, no_equilibrium, weakest_motion};
 pub(crate) use orientation::{Directions, Reading, Verdict};
 pub use page::{
     LimitsSheet, car_page, comparison_page, kc_page, limits_page, page, set_up_page, sweep_page,

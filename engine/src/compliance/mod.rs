@@ -15,6 +15,7 @@ mod characteristics;
 mod coupling;
 mod definition;
 mod derivatives;
+mod ends;
 mod fault;
 mod floating;
 mod gather;
@@ -36,13 +37,16 @@ mod swinging;
 mod system;
 mod wheel;
 
-pub use axle::{AxleChange, AxleCompliance, AxleEquilibrium, AxleOnTape, AxleTangent, ElasticAxle};
+pub use axle::{
+    AxleChange, AxleCompliance, AxleEquilibrium, AxleOnTape, AxleTangent, AxleWay, ElasticAxle,
+};
 pub use characteristics::not_of_equilibrium;
 pub use definition::{
     AxialStiffness, BushingPart, Compliance, LinkMember, LinkPart, Relaxed, Subframe,
     SubframeMount, bushing_points, link_members,
 };
 pub use derivatives::Tangent;
+pub use ends::{DrivingForce, EndCause, EquilibriumEnd, Event, LARGEST_FORCE};
 pub use fault::{AxleFault, ElasticFault, Motion, NoEquilibrium};
 pub use inputs::{AxleParameter, OnTape, Parameter};
 pub(crate) use kc::{AxleFigure, Conditions, Here};

@@ -333,20 +333,28 @@ impl ElasticWheel {
             softest: stuck
                 .last
                 .and_then(|(state, task)| self.softest(&state, &task))
+                .map(|(_, motion)| motion)
                 .or(by_limb),
         }
     }
 
-    /// The motion with the least stiffness: inverse iteration on the tangent.
-    fn softest(&self, state: &State<f64>, task: &Task<f64>) -> Option<(String, Motion)> {
+    /// The motion with the least stiffness, after the size of its displacement by a force of size 1: inverse iteration on
+    /// the tangent.
+    pub(super) fn softest(
+        &self,
+        state: &State<f64>,
+        task: &Task<f64>,
+    ) -> Option<(f64, (String, Motion))> {
         let equations = self.built.system.equations(state, task, None).ok()?;
         let factors = equations.factors()?;
         let mut right = [0.0; MOST];
         right[..6].copy_from_slice(&[1.0, 0.8, 0.6, 100.0, 80.0, 60.0]);
         let mut step = None;
+        let mut softness = 0.0;
         for _ in 0..SOFT_STEPS {
             let solution = factors.solve(&right);
             let size = solution[..6].iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+            softness = size;
             right = [0.0; MOST];
             for i in 0..6 {
                 right[i] = solution[i] / size;
@@ -374,7 +382,7 @@ impl ElasticWheel {
                 found = (turn.norm() * lever, self.built.names[k].clone(), motion);
             }
         }
-        Some((found.1, found.2))
+        Some((softness, (found.1, found.2)))
     }
 }
 

@@ -40,14 +40,20 @@ pub struct KcResults<'a> {
 
 /// Reason in words why a state has no equilibrium.
 pub fn no_equilibrium(why: &NoEquilibrium) -> String {
-    let motion = why.softest.as_ref().map(|(part, motion)| match motion {
-        Motion::Turn(axis) => format!("{part} turns about {}", axis.name()),
-        Motion::Shift(axis) => format!("{part} moves along {}", axis.name()),
-    });
+    let softest = why.softest.as_ref();
+    let motion = softest.map(|(part, motion)| weakest_motion(part, *motion));
     let motion = motion.unwrap_or_else(|| "no equilibrium is found".to_owned());
     match why.is_unstable {
         true => format!("found, but not stable: {motion}"),
         false => format!("holds {:.6} of the way; then {motion}", why.share),
+    }
+}
+
+/// The motion of a part that gives way, in words.
+pub fn weakest_motion(part: &str, motion: Motion) -> String {
+    match motion {
+        Motion::Turn(axis) => format!("{part} turns about {}", axis.name()),
+        Motion::Shift(axis) => format!("{part} moves along {}", axis.name()),
     }
 }
 

@@ -4,6 +4,7 @@ mod axle;
 mod command;
 mod curves;
 mod derivatives;
+mod ends;
 mod mechanics;
 mod random;
 mod reference;

@@ -42,7 +42,7 @@ fn below(random: &mut Random, count: usize) -> usize {
 }
 
 /// A study's suspension and parts, points moved by up to 10 mm and rates by up to a factor of 2.
-fn varied(study: &Study, random: &mut Random) -> (Suspension, Compliance) {
+pub fn varied(study: &Study, random: &mut Random) -> (Suspension, Compliance) {
     let mut suspension = study.wheel().clone();
     suspension.design = random.scattered(&suspension.design, 10.0);
     let mut parts = study.compliance().unwrap().parts.clone();

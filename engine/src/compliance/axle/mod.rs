@@ -2,12 +2,14 @@
 
 mod definition;
 mod derivatives;
+mod ends;
 mod equations;
 mod solve;
 mod tape;
 
 pub use definition::AxleCompliance;
 pub use derivatives::{AxleChange, AxleTangent};
+pub use ends::AxleWay;
 pub use tape::AxleOnTape;
 
 use super::build::OfAxle;

@@ -100,7 +100,7 @@ impl ElasticAxle {
     }
 
     /// Newton's method from a state. An obstacle of one wheel comes with its number.
-    fn newton(
+    pub(super) fn newton(
         &self,
         start: &AxleState<f64>,
         task: &AxleTask<f64>,
@@ -141,11 +141,7 @@ impl ElasticAxle {
             (
                 Some(side),
                 Obstacle::Unstable(Some(limb)) | Obstacle::Singular(Singular::Limb(limb)),
-            ) => {
-                let wheel = &self.wheels[side];
-                let name = of_side(side, &wheel.built.names[limb]);
-                Some((name, wheel.spin_of(limb)))
-            }
+            ) => Some(self.limb_of(side, limb)),
             _ => None,
         };
         let last = stuck.last.as_ref();
@@ -154,12 +150,25 @@ impl ElasticAxle {
             is_unstable: stuck.share == 0.0 && matches!(stuck.obstacle, Obstacle::Unstable(_)),
             softest: last
                 .and_then(|state| self.softest(state, &way(stuck.share)))
+                .map(|(_, motion)| motion)
                 .or(by_limb),
         }
     }
 
-    /// The motion with the least stiffness: inverse iteration on the tangent.
-    fn softest(&self, state: &AxleState<f64>, task: &AxleTask<f64>) -> Option<(String, Motion)> {
+    /// An eliminated part of a wheel, with the motion that nothing holds.
+    pub(super) fn limb_of(&self, side: usize, limb: usize) -> (String, Motion) {
+        let wheel = &self.wheels[side];
+        let name = of_side(side, &wheel.built.names[limb]);
+        (name, wheel.spin_of(limb))
+    }
+
+    /// The motion with the least stiffness, after the size of its displacement by a force of size 1: inverse iteration on
+    /// the tangent.
+    pub(super) fn softest(
+        &self,
+        state: &AxleState<f64>,
+        task: &AxleTask<f64>,
+    ) -> Option<(f64, (String, Motion))> {
         let found = self
             .shared
             .equations(&self.wheels, state, task, None, Purpose::Balance);
@@ -171,10 +180,12 @@ impl ElasticAxle {
         }
         let mut shared = [0.0; SHARED];
         let mut step = None;
+        let mut softness = 0.0;
         for _ in 0..SOFT_STEPS {
             let (solution, moved) = equations.solve(&wheels, &shared);
             let all = solution.iter().flat_map(|x| &x[..6]).chain(&moved);
             let size = all.fold(0.0_f64, |m, c| m.max(c.abs()));
+            softness = size;
             wheels = [[0.0; MOST]; 2];
             for (right, solution) in wheels.iter_mut().zip(&solution) {
                 for (right, x) in right.iter_mut().zip(&solution[..6]) {
@@ -184,7 +195,7 @@ impl ElasticAxle {
             shared = moved.map(|c| c / size);
             step = Some(equations.step(&self.wheels, &solution, &moved, true));
         }
-        Some(self.largest_motion(&step?))
+        Some((softness, self.largest_motion(&step?)))
     }
 
     /// The largest motion of a step, with the name of its part.

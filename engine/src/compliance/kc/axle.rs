@@ -13,6 +13,7 @@
     reason = "rows and columns of matrices are named by their numbers"
 )]
 
+mod ends;
 mod gradients;
 
 pub use gradients::FigureGradients;

@@ -5,6 +5,7 @@
 //! the equilibria between their ends. All figures are those of a left wheel in ISO 8855 axes.
 
 mod axle;
+mod ends;
 mod figures;
 mod gradients;
 mod test;

@@ -142,7 +142,7 @@ fn check_lists_mounts_and_commands_of_rigid_mechanisms_refuse() {
     ] {
         assert!(said.contains(word), "{word}: {said}");
     }
-    for command in ["limits", "setup", "assemblies"] {
+    for command in ["setup", "assemblies"] {
         let refused = hardpoint(&[command, &study()], directory.path());
         let errors = String::from_utf8_lossy(&refused.stderr).into_owned();
         assert_eq!(refused.status.code(), Some(2), "{command}: {errors}");

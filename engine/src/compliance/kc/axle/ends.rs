@@ -1,0 +1,22 @@
+//! Largest loads of the tests that an axle carries, and ends of its motions, about the design position.
+
+use super::{AxleKcRun, KcTest, end_loads};
+use crate::compliance::ends::EquilibriumEnd;
+use crate::compliance::{AxleWay, NoEquilibrium};
+
+impl AxleKcRun<'_> {
+    /// The least and the largest load of a test that the axle carries, under the conditions of the test.
+    pub fn load_ends(&self, test: &KcTest) -> Result<[EquilibriumEnd; 2], NoEquilibrium> {
+        let here = self.here(test.conditions(), [0.0; 2], 0.0)?;
+        let suspension = self.vehicle.suspensions[0];
+        let (load, _) = test.unit_load(&suspension.vehicle);
+        let unit = test.factors().map(|factor| end_loads(&load, factor));
+        let ways = test.ways(suspension.length_unit);
+        Ok(here.axle.load_ends(&here.at, &unit, test.held, ways))
+    }
+
+    /// The least and the largest value of a motion, bar connected and steering wheel held.
+    pub fn motion_ends(&self, way: AxleWay) -> Result<[EquilibriumEnd; 2], NoEquilibrium> {
+        self.axle.motion_ends(way)
+    }
+}

@@ -1,0 +1,27 @@
+//! Largest loads of the tests that a wheel carries, at the design height with the rack straight ahead.
+
+use super::{KcRun, KcTest, TestLoad};
+use crate::compliance::NoEquilibrium;
+use crate::compliance::ends::{EquilibriumEnd, Way};
+use crate::model::LengthUnit;
+
+impl KcTest {
+    /// Both directions of the load.
+    pub(super) fn ways(&self, length: LengthUnit) -> [Way; 2] {
+        match self.load {
+            TestLoad::Aligning => Way::of_moment(length),
+            _ => Way::of_load(),
+        }
+    }
+}
+
+impl KcRun<'_> {
+    /// The least and the largest load of a test that the wheel carries. Tests of motions have no load: their ends are those
+    /// of [`crate::compliance::ElasticWheel::travel_ends`] and `rack_ends`.
+    pub fn load_ends(&self, test: &KcTest) -> Result<[EquilibriumEnd; 2], NoEquilibrium> {
+        let at = self.wheel.at(0.0, 0.0)?;
+        let (unit, _) = test.unit_load(&self.suspension.vehicle);
+        let ways = test.ways(self.suspension.length_unit);
+        Ok(self.wheel.load_ends(&at, &unit, test.held, ways))
+    }
+}

@@ -1,0 +1,345 @@
+//! `hardpoint limits` of a study with elastic parts: ends of equilibrium.
+//!
+//! Travel and rack end where a part gives way. A load ends at the largest value that the suspension carries. Limits of the
+//! mechanism without elasticity stand beside them.
+
+use super::StudyArguments;
+use super::exit::{Exit, Stop};
+use super::limits::{LOST, Page, Row, columns, travel_rows};
+use super::output::design_fault;
+use super::printer::Printer;
+use crate::checked::{NamedCurves, motion_alone};
+use crate::compliance::{
+    AxleKcRun, AxleVehicle, AxleWay, DrivingForce, EndCause, EquilibriumEnd, Event, HeldQuantity,
+    KcRun, KcTest, LARGEST_FORCE, NoEquilibrium, TestLoad, TestMode,
+};
+use crate::model::{Axis, Body, LengthUnit, Side};
+use crate::report::{Cell, Table, as_written, brief, no_equilibrium, weakest_motion};
+use crate::solve::Solver;
+use crate::solved::Solved;
+use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Study, WheelStudy};
+
+/// Words for the limits of the mechanism whose parts are all rigid.
+const RIGID: &str = "all parts rigid";
+
+/// Ends of equilibrium, or why there is none in the design position.
+type Ends = Result<[EquilibriumEnd; 2], NoEquilibrium>;
+
+/// Limits as they are shown.
+struct Sheet<'s> {
+    study: &'s Study,
+    table: Table,
+    notes: Vec<String>,
+    failures: Vec<String>,
+}
+
+impl<'s> Sheet<'s> {
+    fn new(study: &'s Study) -> Self {
+        Sheet {
+            study,
+            table: Table::with_columns(columns()).keyed(2),
+            notes: Vec::new(),
+            failures: Vec::new(),
+        }
+    }
+
+    /// Adds the row of a quantity. `unit` is that of its values.
+    fn push(&mut self, row: &Row, unit: &str, ends: &Ends) {
+        let cells = match ends {
+            Ok(ends) => {
+                let mut ends = ends.each_ref().map(|end| {
+                    let value = (end.cause != EndCause::SearchEnds).then_some(end.value);
+                    let value = value.map(|value| value * row.factor);
+                    (value, cause(end, row.factor, unit))
+                });
+                if row.factor < 0.0 {
+                    ends.reverse();
+                }
+                ends
+            }
+            Err(why) => [(); 2].map(|()| (None, no_equilibrium(why))),
+        };
+        let [lower, upper] = cells;
+        self.table.push([
+            row.quantity.as_str().into(),
+            row.at.as_str().into(),
+            Cell::from(lower.0),
+            lower.1.into(),
+            Cell::from(upper.0),
+            upper.1.into(),
+        ]);
+    }
+
+    /// Prints the table, and writes the page.
+    fn show(self, arguments: &StudyArguments, page: Option<Page<'_>>) -> Result<Exit, Stop> {
+        let Sheet {
+            study,
+            table,
+            notes,
+            failures,
+        } = self;
+        if let Some(page) = page {
+            page.save(arguments, study, &table, &notes, &failures)?;
+        }
+        let mut out = Printer::new(arguments.format);
+        out.table("limits", table)?;
+        for note in &notes {
+            out.say(&format!("\n{note}\n"))?;
+        }
+        for failure in &failures {
+            out.failure(&format!("\n{failure}\n"))?;
+        }
+        out.finish()?;
+        Ok(Exit::of(failures.is_empty()))
+    }
+}
+
+/// Cause of an end in words. Values are multiplied by `factor`.
+fn cause(end: &EquilibriumEnd, factor: f64, unit: &str) -> String {
+    let mut text = match &end.cause {
+        EndCause::GivesWay { part, motion } => {
+            format!("gives way: {}", weakest_motion(part, *motion))
+        }
+        EndCause::Unstable { part, motion } => {
+            format!(
+                "not stable beyond; softest: {}",
+                weakest_motion(part, *motion)
+            )
+        }
+        EndCause::Force(of) => {
+            let force = match of {
+                DrivingForce::ContactPoint => "the vertical force at a contact point",
+                DrivingForce::Rack => "the force at the rack",
+            };
+            format!("{force} is {} kN", brief(LARGEST_FORCE / 1000.0))
+        }
+        EndCause::SearchEnds => format!("no limit up to {} {unit}", brief(end.value * factor)),
+        EndCause::Unresolved => LOST.to_owned(),
+    };
+    for (event, first) in &end.events {
+        let event = match event {
+            Event::WheelLifts => "wheel lifts",
+            Event::StopMet => "bump stop",
+            Event::SpringSlack => "spring slack",
+            Event::Extrapolated => "extrapolated",
+        };
+        text += &format!("; {event} beyond {} {unit}", brief(first * factor));
+    }
+    text
+}
+
+/// Row of the load of a test. `at` tells what is held.
+fn load_row(test: &KcTest, unit: LengthUnit, at: &str) -> Row {
+    let trail = match test.load == TestLoad::Lateral && test.trail != 0.0 {
+        true => format!("_trail_{}", as_written(test.trail)),
+        false => String::new(),
+    };
+    let (factor, symbol) = match test.load {
+        TestLoad::Aligning => (1.0 / unit.per_metre(), "N_m"),
+        _ => (1.0, "N"),
+    };
+    let held = match test.held {
+        HeldQuantity::WheelHeight => "height held",
+        HeldQuantity::WheelLoad => "wheel load held",
+    };
+    let mut at = format!("{at}, {held}");
+    match test.mode {
+        TestMode::OneWheel => {}
+        TestMode::Single(side) => at += &format!(", {} wheel loaded", side.name()),
+        mode => at += &format!(", {}", mode.name()),
+    }
+    if test.mode != TestMode::OneWheel && !test.has_bar {
+        at += ", without bar";
+    }
+    if test.locks_rack {
+        at += ", locked rack";
+    }
+    Row {
+        quantity: format!("{}{trail}_{symbol}", test.load.name()),
+        at,
+        factor,
+    }
+}
+
+/// Adds the rows of all loads. Tests that differ only in window or levels have one row.
+fn push_loads(
+    sheet: &mut Sheet<'_>,
+    tests: &[KcTest],
+    at: &str,
+    mut ends: impl FnMut(&KcTest) -> Ends,
+) {
+    let unit = sheet.study.wheel().length_unit;
+    let mut known: Vec<[String; 2]> = Vec::new();
+    for test in tests.iter().filter(|test| !test.load.is_motion()) {
+        let row = load_row(test, unit, at);
+        let key = [row.quantity.clone(), row.at.clone()];
+        if known.contains(&key) {
+            continue;
+        }
+        known.push(key);
+        let symbol = match test.load {
+            TestLoad::Aligning => "N m",
+            _ => "N",
+        };
+        sheet.push(&row, symbol, &ends(test));
+    }
+}
+
+/// Limits of an elastic wheel.
+pub(super) fn of_wheel(
+    arguments: &StudyArguments,
+    study: &Study,
+    own: &WheelStudy,
+    elastic: &ComplianceStudy,
+    page: Option<Page<'_>>,
+) -> Result<Exit, Stop> {
+    let path = &arguments.study;
+    let suspension = &own.suspension;
+    let fault = |fault| design_fault(study, path, &fault);
+    let run = KcRun::new(suspension, &elastic.parts, elastic.tyre_rate)
+        .map_err(|why| fault(why.of_design(&elastic.parts, suspension)))?;
+    let wheel = run.wheel();
+    let unit = suspension.length_unit.symbol();
+    let sign = suspension.frame.sign(Axis::Y);
+    let mut sheet = Sheet::new(study);
+    let travel = |at: String| Row {
+        quantity: format!("travel_{unit}"),
+        at,
+        factor: 1.0,
+    };
+    let rack = |at: &str| Row {
+        quantity: format!("rack_{unit}"),
+        at: at.to_owned(),
+        factor: sign,
+    };
+    let points = &suspension.mechanism.points;
+    let steers = points.iter().any(|point| point.body == Body::Rack);
+    let straight = if steers { "rack 0" } else { "" };
+    let straight_ends = wheel.travel_ends(0.0);
+    sheet.push(&travel(straight.to_owned()), unit, &straight_ends);
+    if steers {
+        sheet.push(&rack("travel 0"), unit, &wheel.rack_ends());
+    }
+    let mut by_rack = Vec::new();
+    for &rack in &own.motion.rack {
+        let ends = match rack == 0.0 {
+            true => straight_ends.clone(),
+            false => {
+                let ends = wheel.travel_ends(sign * rack);
+                let at = format!("rack {}", as_written(rack));
+                sheet.push(&travel(at), unit, &ends);
+                ends
+            }
+        };
+        by_rack.push(ends);
+    }
+    let at = if steers {
+        "travel 0, rack 0"
+    } else {
+        "travel 0"
+    };
+    push_loads(&mut sheet, &elastic.tests, at, |test| run.load_ends(test));
+    let mut solver = Solver::new(&suspension.mechanism, &suspension.design).map_err(fault)?;
+    let rigid = solver.limits().map_err(fault)?;
+    let row = travel(RIGID.to_owned());
+    let range = &rigid.travel;
+    sheet.table.push(row.of(study, &range.lower, &range.upper));
+    if let Some(range) = &rigid.rack {
+        let row = rack(RIGID);
+        sheet.table.push(row.of(study, &range.lower, &range.upper));
+    }
+    sheet
+        .notes
+        .extend(margin(&own.motion.values, &by_rack, unit));
+    let alone = motion_alone(study);
+    let stop = |why| Stop::in_file(path, why);
+    let failures = Solved::of(&alone).map_err(stop)?.failures();
+    let failures = failures
+        .iter()
+        .map(|failure| format!("not solved: {failure}"));
+    sheet.failures.extend(failures);
+    for motion in NamedCurves::all(&alone).map_err(stop)? {
+        sheet.failures.extend(motion.failures(suspension));
+    }
+    sheet.show(arguments, page)
+}
+
+/// Distance of the study's travels from the nearest limit, in words.
+fn margin(travels: &[f64], by_rack: &[Ends], unit: &str) -> Option<String> {
+    let mut least = f64::INFINITY;
+    for ends in by_rack {
+        let [lower, upper] = ends.as_ref().ok()?;
+        for travel in travels {
+            least = least.min(upper.value - travel).min(travel - lower.value);
+        }
+    }
+    least.is_finite().then(|| match least >= 0.0 {
+        true => format!("Nearest travel limit: {} {unit} away.", brief(least)),
+        false => format!(
+            "The motion goes {} {unit} beyond the travel limit.",
+            brief(-least)
+        ),
+    })
+}
+
+/// Limits of an elastic axle.
+pub(super) fn of_axle(
+    arguments: &StudyArguments,
+    study: &Study,
+    both: &AxleStudy,
+    elastic: &AxleComplianceStudy,
+    page: Option<Page<'_>>,
+) -> Result<Exit, Stop> {
+    let axle = &both.axle;
+    let stop = |why| Stop::in_file(&arguments.study, why);
+    let vehicle = AxleVehicle {
+        suspensions: Side::ALL.map(|side| axle.suspension(side)),
+        tyre_rate: elastic.tyre_rate,
+    };
+    let run = AxleKcRun::new(vehicle, &elastic.parts)
+        .map_err(|why| stop(why.describe(&elastic.parts.wheels, &axle.left)))?;
+    let unit = axle.left.length_unit.symbol();
+    let mut sheet = Sheet::new(study);
+    let row = |quantity: &str, at: &str, factor: f64| Row {
+        quantity: format!("{quantity}_{unit}"),
+        at: at.to_owned(),
+        factor,
+    };
+    let points = &axle.left.mechanism.points;
+    let steers = points.iter().any(|point| point.body == Body::Rack);
+    let with_rack = |at: &str| match steers {
+        true => format!("{at}, rack 0"),
+        false => at.to_owned(),
+    };
+    let straight = if steers { "rack 0" } else { "" };
+    let mut rows = vec![(AxleWay::Heave, row("heave", straight, 1.0))];
+    for side in Side::ALL {
+        let [left, right] = Side::ALL;
+        let other = if side == left { right } else { left };
+        let other = with_rack(&format!("{} travel 0", other.name()));
+        let name = format!("{}_travel", side.name());
+        rows.push((AxleWay::Travel(side), row(&name, &other, 1.0)));
+    }
+    let opposed = row("travel_difference", &with_rack("heave 0"), 1.0);
+    rows.push((AxleWay::TravelDifference, opposed));
+    if steers {
+        rows.push((AxleWay::Rack, Row::axle_rack(axle)));
+    }
+    for (way, row) in rows {
+        sheet.push(&row, unit, &run.motion_ends(way));
+    }
+    let at = with_rack("travels 0");
+    push_loads(&mut sheet, &elastic.tests, &at, |test| run.load_ends(test));
+    let limits = axle.limits();
+    let limits = limits.map_err(|f| stop(axle.describe_fault(f)))?;
+    for (mut row, range) in travel_rows(axle, &limits) {
+        row.at = RIGID.to_owned();
+        sheet.table.push(row.of(study, &range.lower, &range.upper));
+    }
+    let failures = Solved::of(&motion_alone(study)).map_err(stop)?.failures();
+    let failures = failures
+        .iter()
+        .map(|failure| format!("not solved: {failure}"));
+    sheet.failures.extend(failures);
+    sheet.show(arguments, page)
+}

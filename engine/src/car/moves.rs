@@ -76,6 +76,18 @@ impl Moves {
         }
     }
 
+    /// Returns true if these moves of hardpoints change the distance of the axles' wheel centres along x.
+    pub(crate) fn changes_wheelbase(&self, car: &Car) -> bool {
+        let change = |at: &PointMove| {
+            let is_centre = at.point == car.axles[at.axle].left.mechanism.wheel_centre;
+            match is_centre && at.axis == Axis::X {
+                true => [1.0, -1.0][at.axle] * at.sign(car) * at.factor,
+                false => 0.0,
+            }
+        };
+        self.points().iter().map(change).sum::<f64>() != 0.0
+    }
+
     /// Names of the hardpoints, each after `separator` and its axle, and the axis that all of them share.
     fn names(&self, car: &Car, separator: char) -> (String, Option<Axis>) {
         let points = self.points();

@@ -166,6 +166,11 @@ fn mistakes_are_named() {
         ),
         (
             "[optimise]",
+            "[sweep]\nvariables = [{ axle = \"rear\", hardpoint = \"wheel_centre\", axis = \"x\", range = [-5.0, 5.0], steps = 3 }]\n[optimise]",
+            "[car] wheelbase fixes the distance of the axles",
+        ),
+        (
+            "[optimise]",
             "[tolerance]\nscatter = [{ car = \"mass\", sigma = 1.0 }]\nbands = [{ characteristic = \"roll\", case = \"turn\" }]\n[optimise]",
             "expected one of between = [lowest, highest], at_least and at_most",
         ),

@@ -207,6 +207,13 @@ impl Resolver<'_> {
     pub(super) fn variable(&mut self, car: &Car, own: &Written<'_>) -> Option<CarVariable> {
         let place = own.place.clone();
         let moves = self.moves(car, own)?;
+        if self.file.car.get_ref().wheelbase.is_some() && moves.changes_wheelbase(car) {
+            let message = "wheel_centre moves along x, and [car] wheelbase fixes the distance of the axles";
+            self.problems.add(place, message).help(
+                "give rear_offset in [car] instead of wheelbase: each axle then stays at its place on the body",
+            );
+            return None;
+        }
         let Some(now) = moves.value(car) else {
             let message = "the study gives no such figure: there is nothing to vary";
             return self.problems.refuse(place, message);

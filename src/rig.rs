@@ -83,7 +83,8 @@ impl<'s> RigTests<'s> {
             .map_err(|fault| fault.describe(&elastic.parts.wheels, suspension))?;
         let loads = run.design_loads();
         let bushings = elastic.bushing_names(suspension);
-        let rack = usize::from(elastic.parts.rack_rate.is_some());
+        let rack = usize::from(elastic.parts.rack_rate.is_some())
+            + usize::from(elastic.parts.column.is_some());
         let results = KcResults {
             suspension,
             design_loads: loads.into_iter().flatten().collect(),
@@ -185,6 +186,7 @@ fn rigid_axle(study: &AxleStudy) -> Result<AxleComplianceStudy, String> {
             wheels: [rigid(), rigid()],
             subframe: None,
             rack_rate: None,
+            column: None,
             bar_rate: None,
         },
         link_names: Vec::new(),

@@ -1,14 +1,14 @@
-//! Equilibria per second of a wheel with elastic parts, and time of a whole sheet of tests with derivatives.
+//! Equilibria per second of a wheel or an axle with elastic parts, and time of a whole sheet of tests with derivatives.
 
-use super::{Clock, Job, Timing, Unmeasurable};
+use super::{Clock, Job, JobTime, Unmeasurable};
 use hardpoint_engine::bench_hooks::wheel_figures;
 use hardpoint_engine::compliance::{
-    AxialStiffness, ElasticWheel, Equilibrium, HeldQuantity, KcRun, KcValue, Parameter, Shape,
-    WheelLoads, quantities,
+    AxialStiffness, AxleKcRun, AxleVehicle, Compliance, ElasticAxle, ElasticWheel, Equilibrium,
+    HeldQuantity, KcRun, KcValue, Parameter, Shape, WheelLoads, quantities,
 };
-use hardpoint_engine::model::{Axis, PointId};
+use hardpoint_engine::model::{Axis, PointId, Side, Suspension};
 use hardpoint_engine::number::{Tape, Vector3};
-use hardpoint_engine::study::{ComplianceStudy, WheelStudy};
+use hardpoint_engine::study::{AxleStudy, Study, WheelStudy};
 use std::hint::black_box;
 
 /// Number of loads in a sample.
@@ -16,20 +16,11 @@ const LOADS: usize = 64;
 /// Largest component of a force, N.
 const LARGEST: f64 = 2000.0;
 
-/// Measured time of one job.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Measurement {
-    /// Name of the job in words.
-    pub job: &'static str,
-    /// Time per item.
-    pub timing: Timing,
-}
-
 /// Times of the equilibria of a study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Equilibria {
-    /// One measurement per job.
-    pub measurements: Vec<Measurement>,
+    /// One time per job.
+    pub measurements: Vec<JobTime>,
 }
 
 /// Evenly spread loads, the same on every machine.
@@ -44,18 +35,18 @@ fn loads() -> Vec<WheelLoads> {
     (0..LOADS).map(load).collect()
 }
 
-/// All input parameters of a suspension with elastic parts.
-fn parameters(wheel: &WheelStudy, elastic: &ComplianceStudy) -> Vec<Parameter> {
-    let points = (0..wheel.suspension.design.len()).map(PointId);
+/// All hardpoints and rates of a wheel with elastic parts.
+fn parameters(suspension: &Suspension, parts: &Compliance) -> Vec<Parameter> {
+    let points = (0..suspension.design.len()).map(PointId);
     let mut all: Vec<Parameter> = points
         .flat_map(|point| Axis::ALL.map(|axis| Parameter::Point(point, axis)))
         .collect();
-    for (number, part) in elastic.parts.bushings.iter().enumerate() {
+    for (number, part) in parts.bushings.iter().enumerate() {
         let laws = part.shapes.iter().enumerate();
         let given = laws.filter(|(_, shape)| !matches!(shape, Shape::Cubic { rate: 0.0, .. }));
         all.extend(given.map(|(axis, _)| Parameter::Stiffness(number, axis)));
     }
-    let links = elastic.parts.links.iter().enumerate();
+    let links = parts.links.iter().enumerate();
     let given = links.filter(|(_, link)| !matches!(link.stiffness, AxialStiffness::Rate(0.0)));
     all.extend(given.map(|(number, _)| Parameter::Link(number)));
     all
@@ -63,7 +54,15 @@ fn parameters(wheel: &WheelStudy, elastic: &ComplianceStudy) -> Vec<Parameter> {
 
 impl Equilibria {
     /// Times the equilibria of a study. Returns an error if the study has no elastic parts, or if its design has no equilibrium.
-    pub fn measure(wheel: &WheelStudy, clock: &Clock) -> Result<Self, Unmeasurable> {
+    pub fn measure(study: &Study, clock: &Clock) -> Result<Self, Unmeasurable> {
+        match (study.one_wheel(), study.axle()) {
+            (Some(wheel), _) => Equilibria::of_wheel(wheel, clock),
+            (None, Some(both)) => Equilibria::of_axle(both, clock),
+            (None, None) => Err(Unmeasurable::Rigid),
+        }
+    }
+
+    fn of_wheel(wheel: &WheelStudy, clock: &Clock) -> Result<Self, Unmeasurable> {
         let elastic = wheel.compliance.as_ref().ok_or(Unmeasurable::Rigid)?;
         let (suspension, parts) = (&wheel.suspension, &elastic.parts);
         let fault = |fault: hardpoint_engine::compliance::ElasticFault| {
@@ -109,7 +108,7 @@ impl Equilibria {
                 }));
             }
         }
-        let parameters = parameters(wheel, elastic);
+        let parameters = parameters(suspension, parts);
         let mut tape = Tape::default();
         let mut sheet = || {
             black_box(run.run(&[0.0], &[0.0], &elastic.tests));
@@ -138,12 +137,81 @@ impl Equilibria {
                 work: Box::new(&mut sheet),
             },
         ];
-        let timings = clock.in_rounds(&mut jobs);
-        let measured = names.into_iter().zip(timings);
-        Ok(Equilibria {
-            measurements: measured
-                .map(|(job, timing)| Measurement { job, timing })
-                .collect(),
-        })
+        Ok(Equilibria::timed(names, &mut jobs, clock))
+    }
+
+    fn of_axle(both: &AxleStudy, clock: &Clock) -> Result<Self, Unmeasurable> {
+        let axle = &both.axle;
+        let elastic = axle.elastic.as_ref().ok_or(Unmeasurable::Rigid)?;
+        let parts = &elastic.parts;
+        let vehicle = AxleVehicle {
+            suspensions: Side::ALL.map(|side| axle.suspension(side)),
+            tyre_rate: elastic.tyre_rate,
+        };
+        let fault = |fault: hardpoint_engine::compliance::AxleFault| {
+            Unmeasurable::Axle(fault.describe(&parts.wheels, &axle.left))
+        };
+        let designs = vehicle.suspensions.map(|wheel| &wheel.design[..]);
+        let own = ElasticAxle::of(vehicle.suspensions, designs, parts).map_err(fault)?;
+        let run = AxleKcRun::new(vehicle, parts).map_err(fault)?;
+        let Ok(station) = own.at([0.0; 2], 0.0) else {
+            return Err(Unmeasurable::NoEquilibrium);
+        };
+        let loads = loads();
+        let mut from_design = || {
+            for (k, left) in loads.iter().enumerate() {
+                let both = [*left, loads[(k + 1) % LOADS]];
+                let found = own.loaded_about(&station, &station, &both, HeldQuantity::WheelHeight);
+                black_box(found.is_ok());
+            }
+        };
+        let mut levels = || {
+            let mut at = station.clone();
+            for k in 1..=LOADS {
+                let mut load = WheelLoads::none(0.0);
+                load.side = LARGEST * k as f64 / LOADS as f64;
+                let held = HeldQuantity::WheelHeight;
+                if let Ok(next) = black_box(own.loaded_about(&station, &at, &[load; 2], held)) {
+                    at = next;
+                }
+            }
+        };
+        let parameters = parameters(&axle.left, &parts.wheels[0]);
+        let mut tape = Tape::default();
+        let mut sheet = || {
+            black_box(run.run(&[([0.0; 2], 0.0)], &elastic.tests));
+            for test in &elastic.tests {
+                let found = run.gradients([0.0; 2], 0.0, test, &parameters, &mut tape);
+                black_box(found.is_some());
+            }
+        };
+        let names = [
+            "equilibrium of both wheels from the design",
+            "equilibrium of both wheels from the level before",
+            "sheet of both wheels with all derivatives",
+        ];
+        let mut jobs = [
+            Job {
+                items: LOADS,
+                work: Box::new(&mut from_design),
+            },
+            Job {
+                items: LOADS,
+                work: Box::new(&mut levels),
+            },
+            Job {
+                items: 1,
+                work: Box::new(&mut sheet),
+            },
+        ];
+        Ok(Equilibria::timed(names, &mut jobs, clock))
+    }
+
+    fn timed(names: [&'static str; 3], jobs: &mut [Job<'_>; 3], clock: &Clock) -> Self {
+        let measured = names.into_iter().zip(clock.in_rounds(jobs));
+        let measurements = measured.map(|(job, timing)| JobTime { job, timing });
+        Equilibria {
+            measurements: measurements.collect(),
+        }
     }
 }

@@ -7,6 +7,7 @@
 
 pub mod accuracy;
 mod axle;
+pub mod cars;
 mod double_double;
 pub mod effects;
 pub mod equilibria;
@@ -22,6 +23,15 @@ pub use timing::{Clock, Job, Timing};
 
 use hardpoint_engine::mechanism::DesignFault;
 use hardpoint_engine::study::{Drive, Motion};
+
+/// Measured time of one job.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JobTime {
+    /// Name of the job in words.
+    pub job: &'static str,
+    /// Time per item.
+    pub timing: Timing,
+}
 
 /// Reason why nothing can be measured.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -45,11 +55,17 @@ pub enum Unmeasurable {
     /// A wheel of the axle cannot be solved.
     #[error("{0}")]
     Axle(String),
+    /// A wheel of the car cannot be solved.
+    #[error("{0}")]
+    Car(String),
+    /// No state of the car's g-g map exists.
+    #[error("no state of the g-g map has an equilibrium")]
+    NoState,
     /// The study has no elastic parts.
     #[error("equilibria need a study with [compliance]")]
     Rigid,
     /// The design position has no equilibrium.
-    #[error("the wheel has no equilibrium at its design height")]
+    #[error("the suspension has no equilibrium at its design height")]
     NoEquilibrium,
     /// This number of threads cannot be started.
     #[error("{0} threads cannot be started")]

@@ -4,20 +4,21 @@ use super::exit::{Exit, Stop};
 use super::output::{Destination, Output, design_fault, inputs};
 use super::terminal::width;
 use super::{BenchArguments, BenchKind};
-use crate::bench::accuracy::{Accuracy, Subject};
+use crate::bench::accuracy::{self, Accuracy};
+use crate::bench::cars::Cars;
 use crate::bench::effects::Effects;
 use crate::bench::equilibria::Equilibria;
 use crate::bench::throughput::Throughput;
 use crate::bench::{Clock, Machine, Unmeasurable};
 use crate::model::Topology;
 use crate::report::{
-    Table, accuracy_picture, accuracy_summary, accuracy_table, effects_table, equilibria_table,
+    Table, accuracy_picture, accuracy_summary, accuracy_table, effects_table, jobs_table,
     throughput_table,
 };
-use crate::results::{Claim, study_digest};
-use crate::study::Study;
+use crate::results::{Claim, digest_of_texts, study_digest};
+use crate::study::{CarStudy, Study};
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Content of `machine.json`: conditions of the measurement.
 #[derive(Serialize)]
@@ -29,27 +30,105 @@ struct Circumstances<'a> {
     machine: &'a Machine,
 }
 
+/// Study of a measurement.
+enum Subject {
+    Study(Box<Study>),
+    Car(Box<CarStudy>),
+}
+
+impl Subject {
+    /// Study that the call names, or the template of a strut or a car.
+    fn of(arguments: &BenchArguments) -> Result<Self, Stop> {
+        let changes = &arguments.set;
+        Ok(match (&arguments.study, arguments.kind) {
+            (Some(path), BenchKind::Cars) => {
+                if !CarStudy::is_at(path) {
+                    let message = "cars are measured for a study with [car]";
+                    return Err(Stop::in_file(path, message));
+                }
+                Subject::Car(Box::new(CarStudy::read(path, changes)?))
+            }
+            (None, BenchKind::Cars) => {
+                let message = "cars need a study: `hardpoint new car` writes one";
+                return Err(Stop::wrong_input(message));
+            }
+            (Some(path), BenchKind::Equilibria) => {
+                Subject::Study(Box::new(Study::read_elastic(path, changes)?))
+            }
+            (Some(path), _) => Subject::Study(Box::new(Study::read(path, changes)?)),
+            (None, _) => {
+                let strut = Topology::named("macpherson").expect("it is in the catalogue");
+                let study = Study::from_text("macpherson.toml", strut.template, Path::new(""))?;
+                Subject::Study(Box::new(study))
+            }
+        })
+    }
+
+    fn name(&self) -> &str {
+        match self {
+            Subject::Study(study) => &study.name,
+            Subject::Car(study) => &study.name,
+        }
+    }
+
+    fn topology(&self) -> &str {
+        match self {
+            Subject::Study(study) => study.wheel().mechanism.topology.name,
+            Subject::Car(_) => "car",
+        }
+    }
+
+    fn digest(&self) -> String {
+        match self {
+            Subject::Study(study) => study_digest(study),
+            Subject::Car(study) => {
+                let texts = [&study.text, &study.axles[0].text, &study.axles[1].text];
+                digest_of_texts(&texts.map(String::as_str))
+            }
+        }
+    }
+
+    fn inputs(&self, path: &Path) -> Vec<PathBuf> {
+        match self {
+            Subject::Study(study) => inputs(study, path),
+            Subject::Car(study) => study.inputs.clone(),
+        }
+    }
+
+    /// Refuses a study that cannot be measured in this way.
+    fn check(&self, kind: BenchKind, path: &Path) -> Result<(), Stop> {
+        let Subject::Study(study) = self else {
+            return Ok(());
+        };
+        match (study.one_wheel(), kind) {
+            (_, BenchKind::Equilibria) if study.elastic_parts().is_none() => {
+                Err(stop(path, study, Unmeasurable::Rigid))
+            }
+            (_, BenchKind::Equilibria) => Ok(()),
+            (None, kind) => refuse_for_axle(kind, path),
+            (Some(wheel), _) => match accuracy::Subject::of(wheel) {
+                Ok(_) => Ok(()),
+                Err(reason) => Err(stop(path, study, reason)),
+            },
+        }
+    }
+}
+
+/// Error of a study that cannot be measured.
+fn stop(path: &Path, study: &Study, reason: Unmeasurable) -> Stop {
+    match reason {
+        Unmeasurable::Design(fault) => design_fault(study, path, &fault),
+        other => Stop::in_file(path, other),
+    }
+}
+
 pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     let template = Path::new("macpherson.toml");
     let path = arguments.study.as_deref().unwrap_or(template);
-    let study = measured_study(arguments)?;
-    let stop = |reason: Unmeasurable| match reason {
-        Unmeasurable::Design(fault) => design_fault(&study, path, &fault),
-        other => Stop::in_file(path, other),
-    };
-    let wheel = study.one_wheel();
+    let subject = Subject::of(arguments)?;
     // These checks come before any file is written.
-    match (wheel, arguments.kind) {
-        (None, kind) => refuse_for_axle(kind, path)?,
-        (Some(wheel), BenchKind::Equilibria) if wheel.compliance.is_none() => {
-            return Err(stop(Unmeasurable::Rigid));
-        }
-        (Some(_), BenchKind::Equilibria) => {}
-        (Some(wheel), _) => {
-            Subject::of(wheel).map_err(stop)?;
-        }
-    }
-    let name = format!("bench_{}", study.name);
+    subject.check(arguments.kind, path)?;
+    let name = format!("bench_{}", subject.name());
     let (out, format) = (arguments.out.as_deref(), arguments.format);
     let destination = Destination::of(out, &name, arguments.force, format)?;
     let kind = match arguments.kind {
@@ -57,6 +136,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
         BenchKind::Accuracy => "accuracy",
         BenchKind::Effects => "effects",
         BenchKind::Equilibria => "equilibria",
+        BenchKind::Cars => "cars",
     };
     let names = [".csv", ".svg", "_machine.json"].map(|end| format!("{kind}{end}"));
     let [csv_name, svg_name, machine_name] = names.each_ref().map(String::as_str);
@@ -66,10 +146,10 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     }
     let claim = Claim {
         command: &format!("bench {kind}"),
-        study: &study.name,
-        digest: study_digest(&study),
+        study: subject.name(),
+        digest: subject.digest(),
         files: &files,
-        inputs: &inputs(&study, path),
+        inputs: &subject.inputs(path),
         ..Claim::default()
     };
     let output = Output::at(&destination, claim)?;
@@ -78,19 +158,26 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
         ..Clock::default()
     };
     let machine = Machine::here(&clock);
-    output.say(&format!("{}: {}\n\n", study.name, machine.line()))?;
+    output.say(&format!("{}: {}\n\n", subject.name(), machine.line()))?;
 
     let threads = arguments.threads.unwrap_or(machine.cores);
-    let measured = measure(&study, arguments.kind, threads, &clock, &machine).map_err(stop)?;
-    let (table, picture) = measured;
+    let (table, picture) = match &subject {
+        Subject::Study(study) => measure(study, arguments.kind, threads, &clock, &machine)
+            .map_err(|reason| stop(path, study, reason))?,
+        Subject::Car(study) => {
+            let found = Cars::measure(study, &clock);
+            let found = found.map_err(|reason| Stop::in_file(path, reason))?;
+            (jobs_table(&found.measurements), None)
+        }
+    };
     output.main_csv(csv_name, table.csv(None).as_bytes())?;
     if let Some((svg, _)) = &picture {
         output.file(svg_name, svg.as_bytes())?;
     }
     let circumstances = Circumstances {
         benchmark: kind,
-        study: &study.name,
-        topology: study.wheel().mechanism.topology.name,
+        study: subject.name(),
+        topology: subject.topology(),
         machine: &machine,
     };
     output.json(machine_name, &circumstances)?;
@@ -109,20 +196,6 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     // With standard output as target, the table is already printed as the main CSV.
     output.print_files(&files)?;
     Ok(Exit::Done)
-}
-
-/// Study that the call names, or the template of a strut.
-fn measured_study(arguments: &BenchArguments) -> Result<Study, Stop> {
-    Ok(match &arguments.study {
-        Some(path) if arguments.kind == BenchKind::Equilibria => {
-            Study::read_elastic(path, &arguments.set)?
-        }
-        Some(path) => Study::read(path, &arguments.set)?,
-        None => {
-            let strut = Topology::named("macpherson").expect("it is in the catalogue");
-            Study::from_text("macpherson.toml", strut.template, Path::new(""))?
-        }
-    })
 }
 
 /// SVG picture of measurements, with a short table.
@@ -146,8 +219,9 @@ fn measure(
         (BenchKind::Effects, Some(wheel)) => {
             (effects_table(&Effects::measure(wheel, clock)?), None)
         }
-        (BenchKind::Equilibria, Some(wheel)) => {
-            (equilibria_table(&Equilibria::measure(wheel, clock)?), None)
+        (BenchKind::Equilibria, _) => {
+            let found = Equilibria::measure(study, clock)?;
+            (jobs_table(&found.measurements), None)
         }
         // The other kinds were refused for axles before.
         _ => (
@@ -160,12 +234,11 @@ fn measure(
 /// Refuses measurements that only make sense for one wheel.
 fn refuse_for_axle(kind: BenchKind, path: &Path) -> Result<(), Stop> {
     let why = match kind {
-        BenchKind::Throughput => return Ok(()),
+        BenchKind::Throughput | BenchKind::Equilibria | BenchKind::Cars => return Ok(()),
         BenchKind::Accuracy => {
             "accuracy compares formulations, starts and precisions of one wheel's equations, and each wheel of an axle \
              is solved by the same equations"
         }
-        BenchKind::Equilibria => "equilibria are measured for one wheel with elastic parts",
         BenchKind::Effects => {
             "effects times what each output adds to the position of one wheel, in an order for one wheel"
         }

@@ -306,6 +306,8 @@ enum BenchKind {
     Effects,
     /// Equilibria per second of a study with elastic parts, and a sheet of tests with derivatives
     Equilibria,
+    /// States of a car per second, with results, member loads and derivatives, and the study's tuning
+    Cars,
 }
 
 /// Arguments of `hardpoint report`.

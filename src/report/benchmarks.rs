@@ -2,15 +2,15 @@
 
 use super::accuracy_plot;
 use super::table::{Cell, Table};
+use crate::bench::JobTime;
 use crate::bench::accuracy::{Accuracy, Family};
 use crate::bench::effects::Effects;
-use crate::bench::equilibria::Equilibria;
 use crate::bench::throughput::Throughput;
 
-/// Table of equilibria per second, and of the time of a sheet of tests.
-pub fn equilibria_table(equilibria: &Equilibria) -> Table {
+/// Table of the times of jobs: equilibria, sheets of tests, states of a car.
+pub fn jobs_table(measurements: &[JobTime]) -> Table {
     let mut table = Table::new(["job", "us_each", "spread_percent", "per_s"]);
-    for m in &equilibria.measurements {
+    for m in measurements {
         table.push([
             Cell::from(m.job),
             Cell::rounded(m.timing.median / 1e3, 3),

@@ -48,8 +48,7 @@ pub use accuracy::remarks;
 pub use axle_record::SolvedAxle;
 pub use bands::BandRecord;
 pub use benchmarks::{
-    accuracy_picture, accuracy_summary, accuracy_table, effects_table, equilibria_table,
-    throughput_table,
+    accuracy_picture, accuracy_summary, accuracy_table, effects_table, jobs_table, throughput_table,
 };
 pub use car::{
     CarCase, CarComparison, CarConstraintRecord, CarFact, CarLimits, CarMap, CarRecord, CarResults,

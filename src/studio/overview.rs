@@ -106,6 +106,7 @@ fn written(text: &str) -> serde_json::Value {
             "links",
             "spring",
             "anti_roll_bar",
+            "steering",
         ],
     )
 }

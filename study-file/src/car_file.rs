@@ -304,6 +304,7 @@ impl Scatter {
             bushing: None,
             stiffness: None,
             link: None,
+            rate: None,
             relative: None,
             side: own.side,
             axis: own.axis,

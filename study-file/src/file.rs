@@ -515,6 +515,8 @@ pub struct SweepVariable {
     pub stiffness: Option<Text>,
     /// Name of a link with axial stiffness.
     pub link: Option<Text>,
+    /// Name of a part with one rate: `spring`, `anti_roll_bar`, `rack` or `column`.
+    pub rate: Option<Text>,
     /// True if the values of a rate are factors.
     pub relative: Option<Spanned<bool>>,
     /// `x`, `y` or `z`.
@@ -578,6 +580,8 @@ pub struct Variable {
     pub stiffness: Option<Text>,
     /// Name of a link with axial stiffness.
     pub link: Option<Text>,
+    /// Name of a part with one rate: `spring`, `anti_roll_bar`, `rack` or `column`.
+    pub rate: Option<Text>,
     /// True if the range of a rate is in factors.
     pub relative: Option<Spanned<bool>>,
     /// Displacement of each coordinate per unit of the variable.
@@ -722,6 +726,8 @@ pub struct Scatter {
     pub stiffness: Option<Text>,
     /// Name of a link with axial stiffness.
     pub link: Option<Text>,
+    /// Name of a part with one rate: `spring`, `anti_roll_bar`, `rack` or `column`.
+    pub rate: Option<Text>,
     /// True if the scatter of a rate is relative to the rate.
     pub relative: Option<Spanned<bool>>,
     /// For an axle, the only wheel whose parts scatter.

@@ -227,6 +227,61 @@ fn the_command_writes_table_picture_and_circumstances() {
     assert!(csv.starts_with("effect,alone_ns,"), "{csv}");
 }
 
+/// Cars and equilibria of wheels and axles are timed, one row for each job, and the number per second is that of the time.
+#[test]
+fn cars_and_equilibria_are_timed() {
+    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    for (kind, study, jobs) in [
+        (
+            "cars",
+            "car.toml",
+            &[
+                "state from its neighbour",
+                "state by itself",
+                "all results of a state",
+                "member loads of a state",
+                "all derivatives of all results of a state",
+                "tuning of the study",
+            ][..],
+        ),
+        (
+            "equilibria",
+            "double_wishbone_compliance.toml",
+            &[
+                "equilibrium from the design",
+                "equilibrium from the level before",
+                "sheet of one wheel with all derivatives",
+            ],
+        ),
+        (
+            "equilibria",
+            "subframe_axle_compliance.toml",
+            &[
+                "equilibrium of both wheels from the design",
+                "equilibrium of both wheels from the level before",
+                "sheet of both wheels with all derivatives",
+            ],
+        ),
+    ] {
+        let study = studies.join(study);
+        let study = study.to_str().unwrap();
+        let said = hardpoint(&["bench", kind, study, "--out", "-", "--samples", "1"]).success();
+        let csv = String::from_utf8(said.get_output().stdout.clone()).unwrap();
+        let mut reader = csv::Reader::from_reader(csv.as_bytes());
+        let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+        let names: Vec<&str> = rows.iter().map(|row| &row[0]).collect();
+        assert_eq!(names, jobs, "{csv}");
+        for row in &rows {
+            let [us, per_second] = [1, 3].map(|k| row[k].parse::<f64>().unwrap());
+            assert!(us > 0.0, "{row:?}");
+            assert!(
+                (per_second - 1e6 / us).abs() <= 0.02 * per_second + 1.0,
+                "{row:?}"
+            );
+        }
+    }
+}
+
 #[test]
 fn a_wrong_call_is_refused() {
     for arguments in [
@@ -234,6 +289,11 @@ fn a_wrong_call_is_refused() {
         &["bench", "accuracy", "nowhere.toml"],
         &["bench", "accuracy", "--samples", "0"],
         &["bench", "accuracy", "--set", "motion.rack=1.0"],
+        &["bench", "cars"],
+        &["bench", "cars", "studies/macpherson_front.toml"],
+        &["bench", "throughput", "studies/car.toml"],
+        &["bench", "equilibria", "studies/macpherson_front.toml"],
+        &["bench", "equilibria", "studies/macpherson_axle.toml"],
     ] {
         hardpoint(arguments).code(2);
     }

@@ -92,6 +92,15 @@ impl<T: Scalar> SpringLaw<T> {
     }
 }
 
+impl<T> SpringLaw<T> {
+    /// Sets the rate of a linear spring. The force in the design position stays, and a curve does not change.
+    pub(crate) fn set_rate(&mut self, value: T) {
+        if let Law::Linear { rate, .. } = &mut self.spring {
+            *rate = value;
+        }
+    }
+}
+
 impl SpringLaw {
     /// The force at a length, the length in the design position being `design`.
     pub fn force<T: Scalar>(&self, length: T, design: T) -> T {

@@ -1,7 +1,7 @@
 //! Elastic parts as a study names them: bushings at hardpoints, links with axial stiffness, and their relaxation.
 
 use super::law::Shape;
-use crate::axle::SpringLaw;
+use crate::axle::{Law, SpringLaw};
 use crate::model::{Body, Constraint, Mechanism, PointId, RockerId};
 use crate::number::{Scalar, Vector3};
 
@@ -140,6 +140,14 @@ impl Compliance {
             bushings: Vec::new(),
             links: Vec::new(),
             spring,
+        }
+    }
+
+    /// Rate of the spring, force per length. `None` without a spring, or if its force is a curve.
+    pub fn spring_rate(&self) -> Option<f64> {
+        match self.spring.as_ref()?.spring {
+            Law::Linear { rate, .. } => Some(rate),
+            Law::Curve(_) => None,
         }
     }
 

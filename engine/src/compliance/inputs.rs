@@ -31,8 +31,10 @@ pub enum Parameter {
     SpringRate,
     /// The force of a linear spring in the design position.
     SpringForce,
-    /// The stiffness between commanded rack and rack.
+    /// The stiffness between commanded rack and rack, without that of the column.
     RackRate,
+    /// The stiffness of the steering column.
+    ColumnRate,
     /// The rate of the anti-roll bar.
     BarRate,
     /// Wheel travel, where the height is held.
@@ -81,7 +83,8 @@ impl AxleParameter {
 }
 
 impl Compliance {
-    /// Sets the rate of a bushing or a link; of a curve, the factor of its forces. Other parameters have none.
+    /// Sets the rate of a bushing, a link or a linear spring; of a bushing's curve, the factor of its forces. Other
+    /// parameters have none.
     pub fn set_rate(&mut self, parameter: Parameter, value: f64) {
         let number = match parameter {
             Parameter::Stiffness(bushing, axis) => match &mut self.bushings[bushing].shapes[axis] {
@@ -92,6 +95,12 @@ impl Compliance {
                 AxialStiffness::Rate(rate) => rate,
                 AxialStiffness::PerStrain(force) => force,
             },
+            Parameter::SpringRate => {
+                if let Some(law) = &mut self.spring {
+                    law.set_rate(value);
+                }
+                return;
+            }
             _ => return,
         };
         *number = value;

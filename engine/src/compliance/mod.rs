@@ -39,6 +39,7 @@ mod wheel;
 
 pub use axle::{
     AxleChange, AxleCompliance, AxleEquilibrium, AxleOnTape, AxleTangent, AxleWay, ElasticAxle,
+    SteeringColumn,
 };
 pub use characteristics::not_of_equilibrium;
 pub use definition::{

@@ -4,7 +4,7 @@ use super::compliance::BushingText;
 use super::sheet_file::SheetTarget;
 use super::targets::FromFile;
 use super::{AxleComplianceStudy, AxleStudy, Designs, Study};
-use crate::compliance::{AxialStiffness, Shape};
+use crate::compliance::{AxialStiffness, Compliance, Shape};
 use crate::model::{Axis, Frame, Mechanism, Suspension};
 use crate::number::Vector3;
 use std::path::{Component, Path};
@@ -117,6 +117,14 @@ impl Study {
         for ((name, old), (_, new)) in old.links.into_iter().zip(new.links) {
             if let Some(link) = table(root, &["links", name]) {
                 rewrite_stiffness(link, old, new);
+            }
+        }
+        for (old, new) in old.rates.iter().zip(&new.rates) {
+            let [section, key] = new.key;
+            if old.value != new.value
+                && let Some(section) = table(root, &[section])
+            {
+                set(section, key, new.value);
             }
         }
         let of_axle = moved.axle().and_then(|both| both.axle.elastic.as_ref());
@@ -260,7 +268,15 @@ fn rewrite_stiffness(link: &mut dyn TableLike, old: AxialStiffness, new: AxialSt
         .get("area")
         .and_then(number)
         .filter(|_| key == "modulus");
-    link.insert(key, Item::Value((value / area.unwrap_or(1.0)).into()));
+    set(link, key, value / area.unwrap_or(1.0));
+}
+
+/// Sets a number of a table. Comments beside it stay.
+fn set(table: &mut dyn TableLike, key: &str, number: f64) {
+    match table.get_mut(key).and_then(Item::as_value_mut) {
+        Some(value) => replace(value, number),
+        None => _ = table.insert(key, Item::Value(number.into())),
+    }
 }
 
 /// Takes out the sections in which rates move. Returns their names.
@@ -270,7 +286,11 @@ fn leave_out_rates(root: &mut Table) -> Vec<String> {
         let lists = entries.filter_map(|key| section.get(key)?.as_array());
         let is_rate = |entry: &Value| {
             let entry = entry.as_inline_table();
-            entry.is_some_and(|own| own.contains_key("bushing") || own.contains_key("link"))
+            let names_part = |own: &InlineTable| {
+                let keys = ["bushing", "link", "rate"].into_iter();
+                keys.filter(|key| own.contains_key(key)).count() > 0
+            };
+            entry.is_some_and(names_part)
         };
         lists.flatten().any(is_rate)
     };
@@ -281,7 +301,8 @@ fn leave_out_rates(root: &mut Table) -> Vec<String> {
     names.map(|name| format!("[{name}]")).collect()
 }
 
-/// Writes the rates of the right wheel that differ from the left one's into `[axle.right]`. Returns true if there are any.
+/// Writes the rates of the right wheel into `[axle.right]`: those that differ from the left one's, and those that stand there.
+/// Returns true if any differ.
 fn write_right_rates(
     root: &mut dyn TableLike,
     elastic: &AxleComplianceStudy,
@@ -289,9 +310,12 @@ fn write_right_rates(
 ) -> bool {
     let [left, right] = &elastic.parts.wheels;
     let mut differ = false;
-    let bushings = left.bushings.iter().zip(&right.bushings);
-    for (left, right) in bushings.filter(|(left, right)| left.shapes != right.shapes) {
+    for (left, right) in left.bushings.iter().zip(&right.bushings) {
         let name = mechanism.name(left.point);
+        let differs = left.shapes != right.shapes;
+        if !differs && table(root, &["axle", "right", "bushings", name]).is_none() {
+            continue;
+        }
         let written = table(root, &["bushings", name]);
         let mut lists = written.map_or_else(Table::new, |own| {
             let given = ["stiffness", "scale"].into_iter();
@@ -300,15 +324,17 @@ fn write_right_rates(
         });
         rewrite_rates(&mut lists, &left.shapes, &right.shapes);
         own_table(root, "bushings").insert(name, Item::Table(lists));
-        differ = true;
+        differ |= differs;
     }
     let links = elastic
         .link_names
         .iter()
         .zip(left.links.iter().zip(&right.links));
-    for (name, (left, right)) in
-        links.filter(|(_, (left, right))| left.stiffness != right.stiffness)
-    {
+    for (name, (left, right)) in links {
+        let differs = left.stiffness != right.stiffness;
+        if !differs && table(root, &["axle", "right", "links", name]).is_none() {
+            continue;
+        }
         let Some(written) = table(root, &["links", name]) else {
             continue;
         };
@@ -318,7 +344,16 @@ fn write_right_rates(
         let mut link = Table::from_iter(keys);
         rewrite_stiffness(&mut link, left.stiffness, right.stiffness);
         own_table(root, "links").insert(name, Item::Table(link));
-        differ = true;
+        differ |= differs;
+    }
+    let rates = elastic.parts.wheels.each_ref().map(Compliance::spring_rate);
+    if let [Some(of_left), Some(of_right)] = rates {
+        let stands_there =
+            table(root, &["axle", "right", "spring"]).is_some_and(|own| own.get("rate").is_some());
+        if of_left != of_right || stands_there {
+            set(own_table(root, "spring"), "rate", of_right);
+        }
+        differ |= of_left != of_right;
     }
     differ
 }

@@ -239,8 +239,10 @@ pub(super) struct RateKeys<'a> {
     pub place: Span<usize>,
     /// Name of a bushing,
     pub bushing: &'a Option<Text>,
-    /// or of a link.
+    /// or of a link,
     pub link: &'a Option<Text>,
+    /// or of a part that has one rate alone.
+    pub rate: &'a Option<Text>,
     /// Axis of a bushing's stiffness.
     pub stiffness: &'a Option<Text>,
     /// True for factors of the rate.
@@ -256,6 +258,7 @@ macro_rules! rate_keys {
             place: $place,
             bushing: &$written.bushing,
             link: &$written.link,
+            rate: &$written.rate,
             stiffness: &$written.stiffness,
             relative: &$written.relative,
             others: &[$($written.$other.as_ref().map(Spanned::span)),*],
@@ -267,7 +270,7 @@ pub(super) use rate_keys;
 impl RateKeys<'_> {
     /// Returns true if a rate is named. Refuses keys of a rate without one.
     pub(super) fn is_given(&self, problems: &mut Problems) -> Option<bool> {
-        if self.bushing.is_some() || self.link.is_some() {
+        if self.bushing.is_some() || self.link.is_some() || self.rate.is_some() {
             return Some(true);
         }
         let keys = [
@@ -276,7 +279,8 @@ impl RateKeys<'_> {
         ];
         for (key, span) in keys {
             if let Some(span) = span {
-                let message = format!("{key} needs bushing or link: the part whose rate varies");
+                let message =
+                    format!("{key} needs bushing, link or rate: the part whose rate varies");
                 return problems.refuse(span, &message);
             }
         }
@@ -303,14 +307,19 @@ impl RateKeys<'_> {
             return problems.refuse(other.clone(), "this key moves hardpoints, not a rate");
         }
         let is_relative = self.relative.as_ref().is_some_and(|said| *said.get_ref());
-        let (name, parameter, design) = match (self.bushing, self.link) {
-            (Some(name), None) => {
+        if let (None, Some(axis)) = (self.bushing, self.stiffness) {
+            let message = "stiffness names an axis of a bushing: leave it out";
+            return problems.refuse(axis.span(), message);
+        }
+        let (name, parameter, design) = match (self.bushing, self.link, self.rate) {
+            (Some(name), None, None) => {
                 let axis = self.stiffness.as_ref();
                 bushing_rate(name, axis, is_relative, &parts, problems)?
             }
-            (None, Some(name)) => link_rate(name, &parts, problems)?,
+            (None, Some(name), None) => link_rate(name, &parts, problems)?,
+            (None, None, Some(name)) => part_rate(name, &parts, problems)?,
             _ => {
-                let message = "expected one of bushing and link";
+                let message = "expected one of bushing, link and rate";
                 return problems.refuse(self.place.clone(), message);
             }
         };
@@ -340,12 +349,11 @@ pub(super) fn rate(
     let written = variable.get_ref();
     let (part, rate) = named.read(context, problems)?;
     let (design, is_relative) = (rate.design, rate.is_relative);
-    let kind = if written.link.is_some() {
-        "link"
-    } else {
-        "bushing"
+    let name = match (&written.link, &written.rate) {
+        (Some(_), _) => format!("link:{part}"),
+        (None, Some(_)) => part,
+        (None, None) => format!("bushing:{part}"),
     };
-    let name = format!("{kind}:{part}");
     let Some(range) = &written.range else {
         return problems.refuse(variable.span(), "the key \"range\" is missing");
     };
@@ -424,6 +432,16 @@ fn link_rate(name: &Text, parts: &NamedParts<'_>, problems: &mut Problems) -> Op
         AxialStiffness::PerStrain(force) => force,
     };
     Some((name.get_ref().clone(), Parameter::Link(number), design))
+}
+
+fn part_rate(name: &Text, parts: &NamedParts<'_>, problems: &mut Problems) -> Option<Found> {
+    if parts.rates.is_empty() {
+        let message = "the study has no spring with a rate, anti-roll bar, rack_stiffness or column_stiffness";
+        return problems.refuse(name.span(), message);
+    }
+    let options: Vec<_> = parts.rates.iter().map(|own| (own.name, own)).collect();
+    let own = choose(name, "rate", &options, problems)?;
+    Some((own.name.to_owned(), own.parameter, own.value))
 }
 
 /// Refuses keys of a tuning that elastic parts do not have.

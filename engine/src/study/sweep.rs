@@ -373,7 +373,7 @@ fn rate(
     let name = match (&written.name, rate.axis_name()) {
         (Some(name), _) => plain(name, problems)?,
         (None, Some(axis)) => format!("{part}_stiffness_{axis}"),
-        (None, None) => format!("{part}_stiffness"),
+        (None, None) => format!("{part}_{}", rate.kind()),
     };
     Some(SweepVariable {
         name,

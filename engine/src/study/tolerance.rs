@@ -326,7 +326,7 @@ fn rate(
     }
     let name = match rate.axis_name() {
         Some(axis) => format!("{part} stiffness {axis}"),
-        None => format!("{part} stiffness"),
+        None => format!("{part} {}", rate.kind()),
     };
     Some(Contributor {
         sources: vec![Source {

@@ -129,9 +129,10 @@ impl Variable {
     /// A name that no other variable has, with its move: `tie_rod_inner_dz`, `lower_arm_front+lower_arm_rear_turn_x`.
     pub fn label(&self) -> String {
         if let Some(rate) = &self.rate {
-            return match rate.axis_name() {
-                Some(axis) => format!("{}_{axis}", self.name),
-                None => self.name.clone(),
+            return match (rate.axis_name(), rate.parameter) {
+                (Some(axis), _) => format!("{}_{axis}", self.name),
+                (None, Parameter::Link(_)) => self.name.clone(),
+                (None, _) => format!("{}_{}", self.name, rate.kind()),
             };
         }
         match (&self.turn, self.axis()) {
@@ -152,7 +153,10 @@ impl Variable {
         if let Some(rate) = &self.rate {
             return match rate.axis_name() {
                 Some(axis) => format!("stiffness {axis}"),
-                None => "axial stiffness".to_owned(),
+                None if matches!(rate.parameter, Parameter::Link(_)) => {
+                    "axial stiffness".to_owned()
+                }
+                None => rate.kind().to_owned(),
             };
         }
         match (&self.turn, self.axis()) {
@@ -197,7 +201,7 @@ impl Variable {
 /// The rate of an elastic part as a variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rate {
-    /// The rate: of a bushing along or about an axis, or of a link.
+    /// The rate: of a bushing along or about an axis, of a link, spring or anti-roll bar, or of rack and column.
     pub parameter: Parameter,
     /// Value in the study.
     pub design: f64,
@@ -238,7 +242,9 @@ impl Rate {
         let u = length.symbol();
         match (self.is_relative, self.parameter) {
             (true, _) => "factor".to_owned(),
-            (false, Parameter::Stiffness(_, 3..)) => format!("N_{u}_per_rad"),
+            (false, Parameter::Stiffness(_, 3..) | Parameter::BarRate | Parameter::ColumnRate) => {
+                format!("N_{u}_per_rad")
+            }
             (false, _) => format!("N_per_{u}"),
         }
     }
@@ -248,6 +254,14 @@ impl Rate {
         match self.is_relative {
             true => 1.0,
             false => self.design,
+        }
+    }
+
+    /// Name of the kind of rate: `rate` of springs and bars, else `stiffness`.
+    pub fn kind(&self) -> &'static str {
+        match self.parameter {
+            Parameter::SpringRate | Parameter::BarRate => "rate",
+            _ => "stiffness",
         }
     }
 

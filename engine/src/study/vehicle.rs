@@ -3,8 +3,8 @@
 use super::{
     AxleStudy, ComplianceStudy, ElasticFigure, Formulation, Motion, Outputs, Study, elastic_targets,
 };
-use crate::compliance::AxleParameter;
-use crate::model::Suspension;
+use crate::compliance::{AxleParameter, Parameter};
+use crate::model::{Side, Suspension};
 use std::sync::LazyLock;
 
 /// Vehicle part that a study describes.
@@ -92,6 +92,19 @@ impl Vehicle {
             Vehicle::Axle(both) => {
                 if let Some(elastic) = &mut both.axle.elastic {
                     elastic.parts.set_rate(of, value);
+                }
+                // The set-up of the axle has the spring and the bar, too.
+                let setup = &mut both.axle.setup;
+                match of.parameter {
+                    Parameter::BarRate => setup.bar_rate = Some(value),
+                    Parameter::SpringRate => {
+                        let laws = Side::ALL
+                            .into_iter()
+                            .zip(setup.springs.iter_mut().flatten());
+                        let own = laws.filter(|(side, _)| of.side.is_none_or(|own| own == *side));
+                        own.for_each(|(_, law)| law.set_rate(value));
+                    }
+                    _ => {}
                 }
             }
         }

@@ -5,7 +5,7 @@ use crate::compliance::{AxialStiffness, Shape};
 use crate::study::Study;
 
 /// Table of the elastic parts of a study, one part per row. For an axle it has the parts of the left wheel, the mounts of the
-/// subframe, the parts of the right wheel that differ, and the rack.
+/// subframe, the parts of the right wheel that differ, the rack and the steering column.
 pub fn elastic_parts(study: &Study) -> Table {
     let mut table = Table::new(["part", "elastic", "rates", "torsional rates", "unit"]);
     let u = study.wheel().length_unit.symbol();
@@ -39,6 +39,15 @@ pub fn elastic_parts(study: &Study) -> Table {
         }
         if let Some(rate) = elastic.parts.rack_rate {
             push_axial(&mut table, "rack", rate, format!("N/{u}"));
+        }
+        if let Some(column) = elastic.parts.column {
+            table.push([
+                Cell::from("steering column"),
+                Cell::from("torsional"),
+                Cell::from(""),
+                Cell::from(super::super::brief(column.rate)),
+                Cell::from(format!("N {u}/rad")),
+            ]);
         }
     }
     table

@@ -168,6 +168,12 @@ impl KcResults<'_> {
                 format!("N_per_{u}"),
             ),
             (
+                Parameter::ColumnRate,
+                "column_stiffness",
+                parts.column.map(|column| column.rate),
+                format!("N_{u}_per_rad"),
+            ),
+            (
                 Parameter::BarRate,
                 "anti_roll_bar",
                 parts.bar_rate,

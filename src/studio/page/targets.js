@@ -70,10 +70,12 @@ const targetRow = (target, k) => {
     html('td', {}, remover(`Remove target ${name}`, at('targets', k), `target ${name}`)));
 };
 
+// Parts whose rate is not called a stiffness.
+const RATED = ['spring', 'anti_roll_bar', 'heave_spring', 't_bar', 'heave_bar', 'tyre'];
 // Where a variable moves a point in a study's words.
 const variableName = (variable) => {
   const part = variable.bushing ?? variable.link;
-  if (variable.rate !== undefined) return words(`${[].concat(variable.axle).join(' and ')} ${variable.rate} rate`);
+  if (variable.rate !== undefined) return words([[].concat(variable.axle ?? []).join(' and '), variable.rate, RATED.includes(variable.rate) ? 'rate' : 'stiffness', variable.relative ? '(factor)' : ''].filter(Boolean).join(' '));
   if (variable.car !== undefined) return words(`car ${variable.car}`);
   if (part !== undefined) return words([part, 'stiffness', variable.stiffness, variable.relative ? '(factor)' : ''].filter(Boolean).join(' '));
   const own = variable.hardpoint ?? variable.name ?? (variable.hardpoints ?? []).join(', ');
@@ -126,11 +128,12 @@ const rateField = (name, path, value) => (Number.isFinite(value) ? field(name, v
 export const hasParts = () => Boolean(state.overview.is_car || state.overview.written.bushings || state.overview.written.links);
 export const partForms = () => {
   if (state.overview.is_car) return carForms();
-  const { bushings = {}, links = {}, spring = {}, anti_roll_bar: bar = {} } = state.overview.written;
+  const { bushings = {}, links = {}, spring = {}, anti_roll_bar: bar = {}, steering = {} } = state.overview.written;
   const rows = Object.entries(bushings).flatMap(([name, own]) => ['stiffness', 'scale'].filter((key) => Array.isArray(own[key])).map((key) => html('tr', { 'data-bushing': name },
     html('th', { scope: 'row', text: words(`${name} ${key}`) }), ...own[key].map((value, k) => html('td', {}, rateField(`${words(name)}: ${key} ${RATE_AXES[k]}`, ['bushings', name, key, k], value))))));
   const single = [...Object.entries(links).flatMap(([name, own]) => Object.entries(own).map(([key, value]) => [`${name} ${key}`, ['links', name, key], value])),
-    ['spring rate', ['spring', 'rate'], spring.rate], ['anti-roll bar rate', ['anti_roll_bar', 'rate'], bar.rate]].filter(([, , value]) => Number.isFinite(value));
+    ['spring rate', ['spring', 'rate'], spring.rate], ['anti-roll bar rate', ['anti_roll_bar', 'rate'], bar.rate],
+    ...['rack_stiffness', 'column_stiffness'].map((key) => [key, ['steering', key], steering[key]])].filter(([, , value]) => Number.isFinite(value));
   const { unit } = state.overview;
   return [...(rows.length ? [headed(`Bushings, N/${unit} and N ${unit}/rad`, ['bushing', ...RATE_AXES], rows)] : []),
     ...(single.length ? [headed('Links and springs', ['part', 'rate'], single.map(([name, path, value]) => html('tr', {}, html('th', { scope: 'row', text: words(name) }), html('td', {}, rateField(words(name), path, value)))))] : [])];

@@ -195,6 +195,7 @@ fn axle_of(parts: &Compliance) -> AxleCompliance {
         wheels: [parts.clone(), parts.clone()],
         subframe: None,
         rack_rate: None,
+        column: None,
         bar_rate: None,
     }
 }

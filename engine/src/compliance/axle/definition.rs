@@ -3,6 +3,16 @@
 use crate::compliance::definition::{Compliance, Relaxed, Subframe};
 use crate::compliance::inputs::{AxleParameter, Parameter};
 use crate::compliance::law::Shape;
+use crate::number::Scalar;
+
+/// A steering column that twists.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SteeringColumn<T = f64> {
+    /// Torque per angle: force x length per radian.
+    pub rate: T,
+    /// Displacement of the rack per radian of the pinion.
+    pub rack_per_angle: f64,
+}
 
 /// The elastic parts of an axle.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,8 +21,10 @@ pub struct AxleCompliance<T = f64> {
     pub wheels: [Compliance<T>; 2],
     /// The subframe; `None` if the body holds all inner ends.
     pub subframe: Option<Subframe<T>>,
-    /// Stiffness between commanded rack and rack: force per length. `None` for a rigid one.
+    /// Stiffness between commanded rack and rack, without the column: force per length. `None` for a rigid one.
     pub rack_rate: Option<T>,
+    /// The steering column, in series with the rack. `None` for a rigid one.
+    pub column: Option<SteeringColumn<T>>,
     /// Rate of the anti-roll bar: torque per angle between its levers. `None` without it.
     pub bar_rate: Option<T>,
 }
@@ -24,6 +36,10 @@ impl AxleCompliance {
             wheels: self.wheels.each_ref().map(|wheel| wheel.map(f)),
             subframe: self.subframe.as_ref().map(|subframe| subframe.map(f)),
             rack_rate: self.rack_rate.map(f),
+            column: self.column.map(|column| SteeringColumn {
+                rate: f(column.rate),
+                rack_per_angle: column.rack_per_angle,
+            }),
             bar_rate: self.bar_rate.map(f),
         }
     }
@@ -31,10 +47,15 @@ impl AxleCompliance {
     /// Returns true if no part is elastic.
     pub fn is_rigid(&self) -> bool {
         let is_rigid = self.wheels.iter().all(Compliance::is_rigid);
-        is_rigid && self.subframe.is_none() && self.rack_rate.is_none()
+        is_rigid && self.subframe.is_none() && !self.steering_yields()
     }
 
-    /// Sets the rate of a bushing, link, rack or anti-roll bar; of a curve, the factor of its forces.
+    /// Returns true if the rack moves under load while the steering wheel is held.
+    pub fn steering_yields(&self) -> bool {
+        self.rack_rate.is_some() || self.column.is_some()
+    }
+
+    /// Sets the rate of a bushing, link, spring, rack, column or anti-roll bar; of a bushing's curve, the factor of its forces.
     pub fn set_rate(&mut self, of: AxleParameter, value: f64) {
         match self.shared_number(of.parameter) {
             Some(number) => *number = value,
@@ -62,6 +83,7 @@ impl AxleCompliance {
                 let stiffness = |wheel: &Compliance| Some(wheel.links.get(number)?.stiffness);
                 stiffness(left) != stiffness(right)
             }
+            Parameter::SpringRate => left.spring_rate() != right.spring_rate(),
             _ => false,
         }
     }
@@ -78,6 +100,7 @@ impl<T> AxleCompliance<T> {
     pub(super) fn shared_number(&mut self, parameter: Parameter) -> Option<&mut T> {
         let (number, axis) = match parameter {
             Parameter::RackRate => return self.rack_rate.as_mut(),
+            Parameter::ColumnRate => return self.column.as_mut().map(|column| &mut column.rate),
             Parameter::BarRate => return self.bar_rate.as_mut(),
             Parameter::Stiffness(number, axis)
             | Parameter::Cubic(number, axis)
@@ -92,6 +115,22 @@ impl<T> AxleCompliance<T> {
             (Parameter::Cubic(..), Shape::Cubic { cubic, .. }) => Some(cubic),
             (Parameter::Preload(..), _) => Some(&mut mount.preload[axis]),
             _ => None,
+        }
+    }
+}
+
+impl<T: Scalar> AxleCompliance<T> {
+    /// Stiffness between the commanded rack and the rack, rack and column in series: force per length. `None` if both are
+    /// rigid. With the rack's displacement per radian c, the column's rate k_c and the rack's rate k_r,
+    /// 1/k = 1/k_r + c^2/k_c.
+    pub fn steering_rate(&self) -> Option<T> {
+        let of_column = self.column.map(|column| {
+            let c = column.rack_per_angle;
+            column.rate * column.rate.constant(1.0 / (c * c))
+        });
+        match (self.rack_rate, of_column) {
+            (Some(rack), Some(column)) => Some(rack * column / (rack + column)),
+            (rack, column) => rack.or(column),
         }
     }
 }

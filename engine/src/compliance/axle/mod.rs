@@ -7,7 +7,7 @@ mod equations;
 mod solve;
 mod tape;
 
-pub use definition::AxleCompliance;
+pub use definition::{AxleCompliance, SteeringColumn};
 pub use derivatives::{AxleChange, AxleTangent};
 pub use ends::AxleWay;
 pub use tape::AxleOnTape;
@@ -71,7 +71,7 @@ impl<T: Scalar> ElasticAxle<T> {
             wheels: [wheel(0), wheel(1)],
             shared: SharedParts {
                 has_subframe: parts.subframe.is_some(),
-                rack: parts.rack_rate.map(|rate| [rate, rate.zero()]),
+                rack: parts.steering_rate().map(|rate| [rate, rate.zero()]),
                 has_bar: parts.bar_rate.is_some(),
             },
             bar_rate: parts.bar_rate,

@@ -149,7 +149,7 @@ impl<'a> AxleKcRun<'a> {
             parts.bar_rate = None;
         }
         if locks_rack {
-            parts.rack_rate = None;
+            (parts.rack_rate, parts.column) = (None, None);
         }
         parts
     }
@@ -158,7 +158,7 @@ impl<'a> AxleKcRun<'a> {
     fn variant(&self, conditions: Conditions) -> Result<ElasticAxle, AxleFault> {
         let (has_bar, locks_rack) = conditions;
         let keeps_bar = has_bar || self.parts.bar_rate.is_none();
-        let keeps_rack = !locks_rack || self.parts.rack_rate.is_none();
+        let keeps_rack = !locks_rack || !self.parts.steering_yields();
         match keeps_bar && keeps_rack {
             true => Ok(self.axle.clone()),
             false => {

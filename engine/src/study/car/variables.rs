@@ -208,7 +208,8 @@ impl Resolver<'_> {
         let place = own.place.clone();
         let moves = self.moves(car, own)?;
         if self.file.car.get_ref().wheelbase.is_some() && moves.changes_wheelbase(car) {
-            let message = "wheel_centre moves along x, and [car] wheelbase fixes the distance of the axles";
+            let message =
+                "wheel_centre moves along x, and [car] wheelbase fixes the distance of the axles";
             self.problems.add(place, message).help(
                 "give rear_offset in [car] instead of wheelbase: each axle then stays at its place on the body",
             );

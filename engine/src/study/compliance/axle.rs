@@ -12,7 +12,7 @@ use super::{
     tests, tyre_rate, wheel_parts,
 };
 use crate::axle::{Axle, AxleMotion, TestFigure, WheelMotion};
-use crate::compliance::{AxleCompliance, AxleKcRun, AxleVehicle, KcTest, TestLoad};
+use crate::compliance::{AxleCompliance, AxleKcRun, AxleVehicle, KcTest, SteeringColumn, TestLoad};
 use crate::model::{Side, Suspension};
 use std::f64::consts::TAU;
 use std::ops::Range as Span;
@@ -86,8 +86,8 @@ pub(in super::super) fn axle_compliance<'m>(
         .map(|name| name.get_ref().as_str())
         .collect();
     let found = wheel_parts(file, section, suspension, &mounts, directory, problems);
-    let rates = (rack_rate(file, axle, problems), tyre_rate(file, problems));
-    let (own, found, rack_rate, tyre_rate) = (own?, found?, rates.0?, rates.1?);
+    let rates = (steering(file, axle, problems), tyre_rate(file, problems));
+    let (own, found, (rack_rate, column), tyre_rate) = (own?, found?, rates.0?, rates.1?);
     let link_names = found.link_names();
     let right = right_parts(file, &found, suspension, directory, problems)?;
     let springs = setup.springs.clone();
@@ -114,6 +114,7 @@ pub(in super::super) fn axle_compliance<'m>(
         wheels: [wheel, right],
         subframe: own,
         rack_rate: rack_rate.filter(|_| steers),
+        column: column.filter(|_| steers),
         bar_rate: setup.bar_rate,
     };
     let vehicle = AxleVehicle {
@@ -254,25 +255,32 @@ fn refuse_stiffness(file: &File, problems: &mut Problems) -> Option<()> {
     }
 }
 
-/// Stiffness between the commanded rack and the rack, the column in series; the inner `None` if both are rigid.
-fn rack_rate(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Option<f64>> {
+/// Stiffness of the rack and the steering column; `None` in place of a rigid one.
+fn steering(
+    file: &File,
+    axle: &Axle,
+    problems: &mut Problems,
+) -> Option<(Option<f64>, Option<SteeringColumn>)> {
     let Some(steering) = file.steering.as_ref().map(Spanned::get_ref) else {
-        return Some(None);
+        return Some((None, None));
     };
-    let mut compliance = 0.0;
-    if let Some(rate) = &steering.rack_stiffness {
-        compliance += 1.0 / above_zero(rate, problems)?;
-    }
-    if let Some(rate) = &steering.column_stiffness {
-        let Some(per_turn) = axle.setup.c_factor else {
-            let message =
-                "column_stiffness needs c_factor: the rack's displacement per turn of the pinion";
-            return problems.refuse(rate.span.clone(), message);
-        };
-        let per_angle = per_turn / TAU;
-        compliance += per_angle * per_angle / above_zero(rate, problems)?;
-    }
-    Some((compliance > 0.0).then(|| 1.0 / compliance))
+    let rack = match &steering.rack_stiffness {
+        Some(rate) => Some(above_zero(rate, problems)?),
+        None => None,
+    };
+    let Some(rate) = &steering.column_stiffness else {
+        return Some((rack, None));
+    };
+    let Some(per_turn) = axle.setup.c_factor else {
+        let message =
+            "column_stiffness needs c_factor: the rack's displacement per turn of the pinion";
+        return problems.refuse(rate.span.clone(), message);
+    };
+    let column = SteeringColumn {
+        rate: above_zero(rate, problems)?,
+        rack_per_angle: per_turn / TAU,
+    };
+    Some((rack, Some(column)))
 }
 
 /// Elastic axles are driven by travels on level pads and the rack.

@@ -1,7 +1,7 @@
 //! The elastic parts of a study by their names.
 
 use super::{AxleComplianceStudy, ComplianceStudy};
-use crate::compliance::{AxialStiffness, Relaxed, Shape};
+use crate::compliance::{AxialStiffness, Parameter, Relaxed, Shape};
 use crate::model::Suspension;
 use crate::study::Study;
 
@@ -23,8 +23,23 @@ pub struct NamedParts<'s> {
     pub bushings: Vec<NamedBushing<'s>>,
     /// The links.
     pub links: Vec<(&'s str, AxialStiffness)>,
+    /// Rates that are no bushing's or link's, by the names that variables use: spring, anti-roll bar, rack and column.
+    pub rates: Vec<NamedRate>,
     /// Position in which the parts are relaxed.
     pub relaxed: Relaxed,
+}
+
+/// A rate that a part has alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NamedRate {
+    /// Name of the part.
+    pub name: &'static str,
+    /// The section and the key of a study that give it.
+    pub key: [&'static str; 2],
+    /// The rate as an input of equilibria.
+    pub parameter: Parameter,
+    /// The value.
+    pub value: f64,
 }
 
 impl<'s> NamedParts<'s> {
@@ -50,11 +65,50 @@ impl<'s> NamedParts<'s> {
             preload: mount.preload,
         });
         let links = link_names.iter().zip(&parts.links);
+        let shared = of_axle.map(|own| &own.parts);
+        let column = shared.and_then(|own| own.column);
+        let rates = [
+            (
+                "spring",
+                ["spring", "rate"],
+                Parameter::SpringRate,
+                parts.spring_rate(),
+            ),
+            (
+                "anti_roll_bar",
+                ["anti_roll_bar", "rate"],
+                Parameter::BarRate,
+                shared.and_then(|own| own.bar_rate),
+            ),
+            (
+                "rack",
+                ["steering", "rack_stiffness"],
+                Parameter::RackRate,
+                shared.and_then(|own| own.rack_rate),
+            ),
+            (
+                "column",
+                ["steering", "column_stiffness"],
+                Parameter::ColumnRate,
+                column.map(|own| own.rate),
+            ),
+        ];
+        let rates = rates
+            .into_iter()
+            .filter_map(|(name, key, parameter, value)| {
+                Some(NamedRate {
+                    name,
+                    key,
+                    parameter,
+                    value: value?,
+                })
+            });
         Some(NamedParts {
             bushings: bushings.chain(mounts).collect(),
             links: links
                 .map(|(name, link)| (name.as_str(), link.stiffness))
                 .collect(),
+            rates: rates.collect(),
             relaxed: parts.relaxed,
         })
     }

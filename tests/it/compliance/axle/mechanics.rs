@@ -25,6 +25,7 @@ fn wheels_that_share_nothing_are_single_wheels() {
     for topology in [WISHBONES, "five_link"] {
         let mut case = sample(topology, &[], Relaxed::AtDesignLoad, &mut random);
         (case.parts.rack_rate, case.parts.bar_rate) = (None, None);
+        case.parts.column = None;
         let axle = case.axle();
         let wheel = ElasticWheel::new(&case.suspension, &case.parts.wheels[0]).unwrap();
         let rack = if topology == WISHBONES { 7.0 } else { 0.0 };
@@ -98,6 +99,7 @@ fn stiff_shared_parts_are_rigid_ones() {
         parts: soft.parts.clone(),
     };
     (rigid.parts.subframe, rigid.parts.rack_rate) = (None, None);
+    rigid.parts.column = None;
     let given = random_loads(&mut random, 1000.0);
     let state = |axle: &ElasticAxle| {
         let station = axle.at([10.0, 5.0], 6.0).unwrap();
@@ -108,6 +110,7 @@ fn stiff_shared_parts_are_rigid_ones() {
     let errors = [1e3, 1e4, 1e5].map(|factor| {
         let mut stiff = soft.parts.clone();
         stiff.rack_rate = stiff.rack_rate.map(|rate| rate * factor);
+        stiff.column.as_mut().unwrap().rate *= factor;
         for mount in &mut stiff.subframe.as_mut().unwrap().mounts {
             for shape in &mut mount.shapes {
                 if let Shape::Cubic { rate, .. } = shape {
@@ -272,6 +275,7 @@ fn inputs(case: &Case) -> Vec<Parameter> {
         Parameter::Stiffness(first, 1),
         Parameter::Stiffness(first + 1, 2),
         Parameter::RackRate,
+        Parameter::ColumnRate,
         Parameter::BarRate,
         Parameter::SpringRate,
     ]
@@ -293,6 +297,7 @@ fn varied(case: &Case, parameter: Parameter, by: f64) -> Case {
     match parameter {
         Parameter::Point(id, axis) => changed.suspension.design[id.0][axis] += by,
         Parameter::RackRate => *parts.rack_rate.as_mut().unwrap() *= 1.0 + by,
+        Parameter::ColumnRate => parts.column.as_mut().unwrap().rate *= 1.0 + by,
         Parameter::BarRate => *parts.bar_rate.as_mut().unwrap() *= 1.0 + by,
         Parameter::SpringRate => {
             for wheel in &mut parts.wheels {
@@ -324,6 +329,7 @@ fn rate_of(case: &Case, parameter: Parameter) -> f64 {
     };
     match parameter {
         Parameter::RackRate => parts.rack_rate.unwrap(),
+        Parameter::ColumnRate => parts.column.unwrap().rate,
         Parameter::BarRate => parts.bar_rate.unwrap(),
         Parameter::SpringRate => match parts.wheels[0].spring.as_ref().unwrap().spring {
             Law::Linear { rate, .. } => rate,

@@ -11,7 +11,7 @@ use crate::support::random::Random;
 use hardpoint::axle::Law;
 use hardpoint::compliance::{
     AxialStiffness, AxleCompliance, AxleEquilibrium, BushingPart, ElasticAxle, HeldQuantity,
-    Relaxed, Shape, Subframe, SubframeMount, WheelFigures, WheelLoads,
+    Relaxed, Shape, SteeringColumn, Subframe, SubframeMount, WheelFigures, WheelLoads,
 };
 use hardpoint::derive::DesignedSpinAxis;
 use hardpoint::model::{Body, Constraint as Rigid, PointId, Side, Suspension};
@@ -104,6 +104,10 @@ fn sample(topology: &str, carries: &[&str], relaxed: Relaxed, random: &mut Rando
             subframe,
             rack_rate: steers.then(|| 15_000.0 * factor()),
             bar_rate: Some(4.0e5 * factor()),
+            column: steers.then(|| SteeringColumn {
+                rate: 3.0e6 * factor(),
+                rack_per_angle: 8.0,
+            }),
         },
         suspension,
     }
@@ -333,7 +337,15 @@ fn build(case: &Case, command: f64) -> Built {
         let reference = world.bodies[holder].reference;
         let rack = world.body(Freedom::Along(holder, along), reference);
         match case.parts.rack_rate {
-            Some(rate) => world.energies.push(Energy::Slide(rack, command, rate)),
+            Some(rate) => {
+                // The pinion's angle that is lost in the column, times the rack per angle, adds to the rack's own yielding.
+                let column = case
+                    .parts
+                    .column
+                    .map_or(0.0, |column| column.rack_per_angle.powi(2) / column.rate);
+                let rate = (1.0 / rate + column).recip();
+                world.energies.push(Energy::Slide(rack, command, rate));
+            }
             None => world.constraints.push(Constraint::Slide(rack, command)),
         }
         rack

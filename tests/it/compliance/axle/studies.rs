@@ -12,6 +12,7 @@ use hardpoint::study::{Study, Wanted};
 use hardpoint::sweep::SweepPlan;
 use hardpoint::tolerance::{Expansion, Problem, monte_carlo};
 use std::ops::ControlFlow;
+use std::path::Path;
 
 const SUBFRAME: &str = "subframe_axle_compliance.toml";
 
@@ -345,6 +346,101 @@ fn planted_targets_come_back() {
         assert!(tuning.before.as_ref().unwrap().misfit > 0.1);
         let best = tuning.best.as_ref().unwrap();
         assert!(best.after.misfit < 1e-6, "{seed}: {}", best.after.misfit);
+    }
+}
+
+const RATES: &str = r#"
+[outputs]
+characteristics = ["toe", "wheel_load", "compliant_roll_stiffness"]
+
+[optimise]
+variables = [
+  { rate = "spring", range = [60.0, 130.0] },
+  { rate = "anti_roll_bar", range = [0.5, 2.0], relative = true },
+  { rate = "rack", range = [0.5, 2.0], relative = true },
+  { rate = "column", range = [1.0e6, 4.0e6] },
+]
+targets = [
+  { characteristic = "wheel_load", over = "heave", at = 30.0, value = 7000.0, tolerance = 50.0, side = "left" },
+  { figure = "compliant_roll_stiffness", value = 700.0, tolerance = 5.0 },
+  { figure = "toe_by_lateral_force_trail_30", side = "left", value = 0.0, tolerance = 0.005 },
+  { figure = "toe_by_aligning_moment_opposed_locked_rack", side = "left", value = 0.0, tolerance = 0.005 },
+]
+"#;
+
+/// Rates of spring, bar, rack and column have the slopes of differences, and the moved study can be written and read.
+#[test]
+fn rates_of_springs_bar_and_steering_vary() {
+    let text = replaced(
+        &with(SUBFRAME, RATES),
+        "heave = { from = -30.0, to = 30.0, steps = 3 }",
+        MOTION,
+    );
+    let study = elastic(&text);
+    let optimise = study.optimise.as_ref().unwrap();
+    let layout = TargetLayout::of(optimise, &study.vehicle);
+    let labels: Vec<String> = optimise.variables.iter().map(|v| v.label()).collect();
+    let expected = [
+        "spring_rate",
+        "anti_roll_bar_rate",
+        "rack_stiffness",
+        "column_stiffness",
+    ];
+    assert_eq!(labels, expected);
+    let x = [8.0, 0.2, -0.3, 4.0e5];
+    let at = |x: &[f64]| {
+        let found = assessed_at(study.wheel(), &optimise.variables, &layout, x);
+        found.unwrap().unwrap().goal
+    };
+    assert_slopes(at, &x, &[0.5, 0.01, 0.01, 2.0e4], 4);
+    // With the rack locked, neither rack nor column counts.
+    let slopes = at(&x).jacobian;
+    assert_eq!([slopes[(3, 2)], slopes[(3, 3)]], [0.0; 2]);
+    assert!(slopes[(2, 2)] != 0.0 && slopes[(2, 3)] != 0.0);
+
+    let moved = study.moved(&x);
+    let written = study.with_rates_of(text.clone(), &moved);
+    for kept in ["# N/mm along the spring", "# N mm/rad at the pinion"] {
+        assert!(written.contains(kept), "{written}");
+    }
+    let read = elastic(&written);
+    assert_eq!(read.axle().unwrap().axle, moved.axle().unwrap().axle);
+    let [own, again] = [&moved, &read].map(curves);
+    for (own, again) in own.stations.iter().zip(&again.stations) {
+        for k in 0..3 {
+            assert_eq!(own.value(k), again.value(k));
+        }
+    }
+    // A rate that [axle.right] repeats is written there, too.
+    let repeated = "right = { spring = { rate = 90.0 } }\n";
+    let text = replaced(&text, "right = \"mirrored\"\n", repeated);
+    let study = elastic(&text);
+    let moved = study.moved(&x);
+    let read = elastic(&study.with_rates_of(text, &moved));
+    assert_eq!(read.axle().unwrap().axle, moved.axle().unwrap().axle);
+}
+
+/// Rates that a study does not have are refused with those that it has.
+#[test]
+fn unknown_rates_are_refused() {
+    for (rate, expected) in [
+        (
+            "rate = \"heave_spring\"",
+            "expected \"spring\", \"anti_roll_bar\", \"rack\" or \"column\"",
+        ),
+        (
+            "rate = \"rack\", stiffness = \"x\"",
+            "stiffness names an axis of a bushing",
+        ),
+        (
+            "rate = \"rack\", link = \"tie_rod\"",
+            "expected one of bushing, link and rate",
+        ),
+    ] {
+        let text = with(SUBFRAME, &replaced(RATES, "rate = \"rack\"", rate));
+        let read = Study::elastic_from_text("case.toml", &text, Path::new(""));
+        let error = read.unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
     }
 }
 

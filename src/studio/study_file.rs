@@ -1,6 +1,7 @@
 //! The study file. It is read, and written back with its comments.
 
 use super::message::{Coordinates, TextChange};
+use crate::mechanism::GeometryFault;
 use crate::model::{Axis, Frame, Suspension};
 use crate::number::Vector3;
 use crate::optimise::TargetLayout;
@@ -65,7 +66,9 @@ impl Opened {
 
     /// Study with a design from the page.
     pub(super) fn moved(&self, coordinates: &Coordinates) -> Result<Study, String> {
-        Ok(self.study.at_design(self.design(coordinates)?))
+        let study = self.study.at_design(self.design(coordinates)?);
+        check_geometry(&study)?;
+        Ok(study)
     }
 
     /// A design that came from the page, in the kernel's frame.
@@ -73,6 +76,18 @@ impl Opened {
         let suspension = self.study.wheel();
         in_kernel(coordinates, suspension, suspension.frame)
     }
+}
+
+/// Refuses points that form no suspension, as the reader of a file does: the solver does not accept them.
+pub(super) fn check_geometry(study: &Study) -> Result<(), String> {
+    let right = study.axle().and_then(|both| both.axle.right.as_ref());
+    for (wheel, side) in [(Some(study.wheel()), ""), (right, "right wheel: ")] {
+        if let Some(fault) = wheel.and_then(|wheel| GeometryFault::all_of(wheel).into_iter().next())
+        {
+            return Err(format!("{side}{fault}"));
+        }
+    }
+    Ok(())
 }
 
 /// Coordinates from the page in these axes, as a design in the kernel's frame.

@@ -5,6 +5,7 @@ use super::file::{self, File};
 use super::outputs::hardpoint;
 use super::suspension::{below_right_angle, bodies, position};
 use super::value::{RightWheel, Text};
+use crate::mechanism::GeometryFault;
 use crate::model::{PointId, SpinAxis, Suspension};
 use crate::solve::Solver;
 use toml::Spanned;
@@ -55,13 +56,16 @@ pub(super) fn right_wheel(
     if !sound {
         return None;
     }
-    if let Err(fault) = Solver::new(&right.mechanism, &right.design) {
-        let message = format!("right wheel: {}", fault.describe(&right.mechanism));
-        return problems.refuse(place, message);
-    }
     let centre = right.design[right.mechanism.wheel_centre.0];
     if centre.y < 0.0 {
         let message = "the right wheel's wheel_centre is on the left side: its hardpoints are in the study's axes, with their true y";
+        return problems.refuse(place, message);
+    }
+    if let Some(fault) = GeometryFault::all_of(&right).into_iter().next() {
+        return problems.refuse(place, format!("right wheel: {fault}"));
+    }
+    if let Err(fault) = Solver::new(&right.mechanism, &right.design) {
+        let message = format!("right wheel: {}", fault.describe(&right.mechanism));
         return problems.refuse(place, message);
     }
     Some(Some(right))

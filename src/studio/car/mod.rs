@@ -17,10 +17,9 @@ use super::message::{
     Overview, SidePlacement, SolveRequest, SolvedAnswer, TextChange, TuneRequest,
 };
 use super::reading::Reading;
-use super::study_file::{NotSaved, in_kernel};
+use super::study_file::{NotSaved, check_geometry, in_kernel};
 use crate::car::CarSolver;
 use crate::exchange::{car_point_pages, car_points_csv};
-use crate::mechanism::GeometryFault;
 use crate::number::Vector3;
 use crate::report::{CarResults, car_page};
 use crate::results::digest_of_texts;
@@ -100,10 +99,7 @@ impl OpenedCar {
     fn moved(&self, coordinates: &Coordinates) -> Result<CarStudy, String> {
         let study = self.study.at_design(self.designs(coordinates)?);
         for (end, axle) in ENDS.iter().zip(&study.axles) {
-            // As in a file: points that form no suspension are not solved.
-            if let Some(fault) = GeometryFault::all_of(axle.wheel()).first() {
-                return Err(format!("{end} axle: {fault}"));
-            }
+            check_geometry(axle).map_err(|fault| format!("{end} axle: {fault}"))?;
         }
         Ok(study)
     }

@@ -247,6 +247,18 @@ fn mistakes_in_a_right_wheel_are_named() {
             SOFT,
             "known here: hardpoints, bodies, wheel, spring",
         ),
+        (
+            STEEP,
+            "[axle.right.hardpoints]\ntie_rod_inner = [-130.0, -225000.0, 235.0]\n",
+            SOFT,
+            "right wheel: the hardpoints are 225",
+        ),
+        (
+            STEEP,
+            "[axle.right.hardpoints]\nlower_arm_rear = [160.0, -380.0, 190.0]\n",
+            SOFT,
+            "right wheel: lower_arm_rear coincides with lower_arm_front",
+        ),
     ] {
         let said = study(&text(wheel, axle, springs)).unwrap_err();
         assert!(said.contains(words), "{axle}: {said}");

@@ -72,7 +72,6 @@ pub(super) fn say_side_effects(output: &Output, effects: &[SideEffect]) -> Resul
 /// the errors of the tuned study, if it has any.
 pub(super) fn say_openings(
     output: &Output,
-    study: &Study,
     summary: &TuningSummary,
     refused: Option<StudyErrors>,
 ) -> Result<(), Stop> {
@@ -82,11 +81,10 @@ pub(super) fn say_openings(
             errors.render(false)
         ))?;
     }
-    let unit = study.wheel().length_unit.symbol();
     let unseen = summary.unseen();
     for combination in unseen.iter().take(MOST_DIRECTIONS) {
         output.say(&format!(
-            "\n  These moves together leave every target unchanged: {combination} {unit}\n"
+            "\n  These moves together leave every target unchanged: {combination}\n"
         ))?;
     }
     if unseen.len() > MOST_DIRECTIONS {
@@ -263,7 +261,7 @@ impl Finished<'_> {
         }
         let is_whole = is_complete && has_front && !summary.falls_short() && refused.is_none();
         let is_whole = is_whole && !matches!(self.tuning.expected_yield, Some(Err(_)));
-        say_openings(output, self.study, summary, refused)?;
+        say_openings(output, summary, refused)?;
         if self.is_interrupted {
             let words = summary.interrupted_in_words();
             output.say_failure(&format!("\n{words}\n"))?;

@@ -100,6 +100,9 @@ struct VariableSummary {
     design: Option<f64>,
     tuned: Option<f64>,
     offset: Option<f64>,
+    /// Unit of the offset in words: `mm`, `N/mm`. `factor` if the offset is the logarithm of a factor.
+    #[serde(default)]
+    unit: String,
     range: [f64; 2],
     /// `lower` or `upper`, if the variable ended at that bound.
     at_bound: Option<String>,
@@ -112,6 +115,13 @@ struct VariableSummary {
     /// For a fit: 95 % confidence interval of the offset.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     fitted: Option<FittedOffset>,
+}
+
+impl VariableSummary {
+    /// Kind of move without its unit: `z`, `turn about x`, `rate`.
+    fn way(&self) -> &str {
+        self.axis.split(',').next().unwrap_or_default()
+    }
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -3,6 +3,7 @@
 use super::*;
 use crate::number::Vector3;
 use crate::optimise::{StandardErrors, Start};
+use crate::report::record::readable_unit;
 use crate::study::{Constraint, Variable};
 
 impl TuningSummary {
@@ -99,18 +100,27 @@ impl TunedStudy<'_> {
             Some(point[axis as usize])
         };
         let fitted = errors.map(|e| FittedOffset::from(e.intervals[k]));
-        let unit = match (&variable.turn, &variable.rate) {
-            (Some(_), _) => ", deg",
-            (None, Some(rate)) if rate.is_relative => ", ln of a factor",
-            (None, _) => "",
+        let length = suspension.length_unit;
+        let (unit, of_axis) = match (&variable.turn, &variable.rate) {
+            (Some(_), _) => ("deg".to_owned(), ", deg".to_owned()),
+            (None, Some(rate)) => {
+                let unit = readable_unit(&rate.value_unit(length)).replace('_', " ");
+                let of_axis = match rate.is_relative {
+                    true => ", ln of a factor".to_owned(),
+                    false => format!(", {unit}"),
+                };
+                (unit, of_axis)
+            }
+            (None, None) => (length.symbol().to_owned(), String::new()),
         };
         let rate = |x: f64| variable.rate.map(|rate| rate.at(x)[0]);
         VariableSummary {
             hardpoint: variable.name.clone(),
-            axis: format!("{}{unit}", variable.way()),
+            axis: format!("{}{of_axis}", variable.way()),
             design: coordinate(&suspension.design).or(rate(0.0)),
             tuned: best.and_then(|b| coordinate(&b.design).or(rate(b.offsets[k]))),
             offset: best.map(|b| b.offsets[k] + 0.0),
+            unit,
             range: variable.range,
             at_bound: fit.and_then(|fit| match fit.active_bounds[k] {
                 ActiveBound::Free => None,

@@ -37,7 +37,12 @@ impl TuningSummary {
                 text => text,
             });
             let [low, high] = v.range;
-            let range = format!("{} .. {}", as_written(low), as_written(high));
+            // The logarithms of factors have no short form.
+            let limit = |value: f64| match v.unit.as_str() {
+                "factor" => brief(value),
+                _ => as_written(value),
+            };
+            let range = format!("{} .. {}", limit(low), limit(high));
             let bound = v.at_bound.as_ref().map(|side| format!("at {side} bound"));
             let mut row = vec![
                 Cell::from(v.hardpoint.as_str()),

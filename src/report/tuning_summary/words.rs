@@ -80,7 +80,7 @@ impl TuningSummary {
         };
         let reaching = self.variables.iter().filter(reaches);
         let reaching: Vec<String> = reaching
-            .map(|v| format!("{}.{}", v.hardpoint, v.axis))
+            .map(|v| format!("{}.{}", v.hardpoint, v.way()))
             .collect();
         if !reaching.is_empty() {
             remarks.push(format!(
@@ -125,7 +125,7 @@ impl TuningSummary {
         let missed = missed.map(|(_, output, by)| format!("missed: {output}, by up to {by}"));
         let at_bounds = self.variables.iter().filter_map(|variable| {
             let side = variable.at_bound.as_ref()?;
-            let name = format!("{} {}", variable.hardpoint, variable.axis);
+            let name = format!("{} {}", variable.hardpoint, variable.way());
             Some(format!(
                 "{} is at the {side} end of its range",
                 name.trim_end()
@@ -209,7 +209,15 @@ impl TuningSummary {
                 .zip(&self.variables)
                 .filter(|(c, v)| c.abs() > 1e-3 * (v.range[1] - v.range[0]));
             let parts: Vec<String> = parts
-                .map(|(c, v)| format!("{}.{} {c:+.3}", v.hardpoint, v.axis))
+                .map(|(c, v)| {
+                    let name = format!("{}.{}", v.hardpoint, v.way());
+                    match v.unit.as_str() {
+                        "factor" => format!("{name} x {}", brief(c.exp())),
+                        "" => format!("{name} {c:+.3}"),
+                        unit if c.abs() < 1000.0 => format!("{name} {c:+.3} {unit}"),
+                        unit => format!("{name} {c:+.0} {unit}"),
+                    }
+                })
                 .collect();
             parts.join(", ")
         };

@@ -251,7 +251,7 @@ fn mistakes_in_a_right_wheel_are_named() {
             STEEP,
             "[axle.right.hardpoints]\ntie_rod_inner = [-130.0, -225000.0, 235.0]\n",
             SOFT,
-            "right wheel: the hardpoints are 225",
+            "right wheel: the hardpoints are 224285",
         ),
         (
             STEEP,

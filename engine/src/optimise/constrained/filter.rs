@@ -12,7 +12,8 @@ pub(super) struct Filter {
 const MARGIN: f64 = 1e-5;
 
 impl Filter {
-    /// Makes an empty filter. It accepts violations up to a hundred times that of the start plus `most`.
+    /// Makes an empty filter. It accepts violations up to a hundred times that of the start (at least 100), and at most
+    /// `most` above it.
     pub(super) fn new(violation: f64, most: f64) -> Self {
         Filter {
             passed: Vec::new(),

@@ -18,8 +18,8 @@ const PLACED: f64 = 1e-9;
 /// Smallest rise above the station that counts as a separate extreme, in units of the rows. It is a hundredth of the
 /// violation that counts as kept.
 const FLAT: f64 = 1e-9;
-/// Distance from the limit beyond which a row needs no search, in the same units. A row also needs none if its distance is a
-/// few times the rise of the parabola.
+/// Distance from the limit beyond which a row needs no search, in the same units. Four times the rise of the parabola is
+/// subtracted from the distance first.
 const FAR: f64 = 1.0;
 
 /// Search for the place of an extreme, where the slope vanishes.

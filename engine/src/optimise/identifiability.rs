@@ -12,7 +12,7 @@ pub struct Direction {
     /// Change of the residuals (root mean square, in tolerances) along `change`, to first order.
     pub effect: f64,
     /// Shares of `change`, upwards and downwards, that stay within the ranges and raise the misfit by at most
-    /// [`Direction::RISE`]. 0 until [`Direction::try_out`] has run.
+    /// [`Direction::RISE`]. 0 until `try_out` has run.
     pub free: [f64; 2],
 }
 

@@ -241,7 +241,7 @@ fn variables(
             let other = other.as_ref();
             other.is_some_and(|other| {
                 other.moves == variable.moves && other.rate == variable.rate
-                    // Two variables with directions may have the same name.
+                    // Two variables with different directions would have the same name.
                     || variable.axis().is_none() && other.label() == variable.label()
             })
         };

@@ -101,7 +101,7 @@ fn whole(
 }
 
 /// Sources of scatter of both wheels, from an entry of `scatter`. The parts of each wheel scatter independently, those of
-/// the right wheel as mirror images of the left ones. Parts made in one batch are one contributor.
+/// the right wheel as mirror images of the left ones. Parts with the same tolerance form one contributor.
 pub(super) fn contributors_of_axle(
     written: &Spanned<file::Scatter>,
     study: &AxleStudy,

@@ -337,7 +337,7 @@ impl Mechanism {
         moved.map(|point| point.name.as_str()).collect()
     }
 
-    /// Bodies that a hardpoint may be assigned to. Only the study's ends of springs and rods on the suspension have a
+    /// Bodies that a study may assign to a hardpoint. Only the ends of springs and rods on the suspension have such a
     /// choice. Empty for every other hardpoint.
     pub fn possible_bodies(&self, id: PointId) -> Vec<(&'static str, Body)> {
         let is_turned = |rocker: &Rocker| {

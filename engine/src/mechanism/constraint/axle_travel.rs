@@ -1,7 +1,7 @@
 //! One of the two travels of a rigid axle (see `model/rigid_axle.rs`).
 //!
-//! With z_n and z_f the heights of the near and the far wheel centre over their design positions, s = 1 for the mean or
-//! s = -1 for the difference, and r the value that is held, where other mechanisms have the rack's displacement:
+//! z_n and z_f are the heights of the near and the far wheel centre above their design positions. s is 1 for the mean and -1
+//! for the difference. r is the given value; it takes the place of the rack's displacement in other mechanisms.
 //!
 //! ```text
 //! F  = (z_n + s z_f)/2 - r                                          (1)
@@ -9,13 +9,14 @@
 //! f  = (1 + s)/2 z,   m = (l_n + s l_f)/2 x z,   q = -1             (3)
 //! ```
 //!
-//! l_n and l_f are the levers of both centres about the origin, z the vertical unit vector. Rates along the motion (v, w):
+//! l_n and l_f are the levers of both centres about the origin, z is the vertical unit vector. Rates along the motion (v,
+//! w):
 //!
 //! ```text
 //! f' = 0,   m' = (w x (l_n + s l_f)/2) x z,   q' = 0                (4)
 //! ```
 //!
-//! F is linear in the pose. The far wheel of a twist beam stands on a rocker of the near half: then the wrench of its height and
+//! F is linear in the pose. The far wheel of a twist beam is on a rocker of the near half. Then the wrench of its height and
 //! its rate are those of a force on a rocker (see `rocker_end.rs`), and F is not linear.
 
 use super::rocker_end::constant_push_rate;
@@ -24,7 +25,7 @@ use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{AxleTravel, Body, PointId};
 use crate::number::{Each, Real, Vector3};
 
-/// A travel of a rigid axle, as a function of the pose.
+/// Travel of a rigid axle, as a function of the pose.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TravelRow {
     /// Both wheel centres, each with its factor in (1).
@@ -32,7 +33,7 @@ pub(crate) struct TravelRow {
 }
 
 impl TravelRow {
-    /// The mean or the difference of the heights of both wheel centres.
+    /// Makes the mean or the difference of the heights of both wheel centres.
     #[inline(always)]
     pub(crate) fn new(near: PointId, far: PointId, travel: AxleTravel) -> Self {
         TravelRow {
@@ -45,7 +46,7 @@ impl TravelRow {
         self.centres[1].0
     }
 
-    /// The travel in a pose: (1) without r.
+    /// Travel in a pose: (1) without r.
     #[inline(always)]
     pub(crate) fn value<T: Real>(&self, at: &Configuration<T>) -> T {
         let [near, far] = self

@@ -1,24 +1,25 @@
-//! A link of which one end is on a rocker: the second link of a Watt linkage.
+//! A link with one end on a rocker: the second link of a Watt linkage.
 //!
-//! The rocker turns about an axis in its base, the body or the knuckle, and its rod turns it (see module `rocker`). With x the end
-//! on the rocker, p the other end, d the way from the inner to the outer end, and d0 that way in the design position,
+//! The rocker rotates about an axis in its base, the body or the knuckle, and its rod rotates it (see module `rocker`). x is
+//! the end on the rocker, p the other end. d is the vector from the inner to the outer end, d0 in the design position.
 //!
 //! ```text
 //! F = (d.d - d0.d0)/(2 |d0|),   dF = g.(d outer - d inner) + ..,   g = d/|d0|                    (1)
 //! ```
 //!
-//! G and H = -G are the parts of (1) at x and p: G = (x - p)/|d0| for an outer and for an inner x. Let f be a point of the axis and e its
-//! direction, n and o the rod's ends on the rocker and off it, s = n - o. The rod's tension k balances G about the axis:
+//! G and H = -G are the forces of (1) at x and p: G = (x - p)/|d0|, whichever of the two is the outer end. Let f be a point
+//! of the axis and e its direction. n is the rod's end on the rocker, o its other end, s = n - o. The rod's tension k
+//! balances G about the axis:
 //!
 //! ```text
 //! k = N/D,   N = e.(x - f) x G,   D = e.(n - f) x s                                              (2)
 //! ```
 //!
-//! So p has the force H, o has K = k s, and the base has the rest: the force G - K with the moment of G at x less that of K
-//! at o. Those of them on the knuckle are the row (f, m).
+//! So p has the force H, and o has the force K = k s. The base has the remaining force G - K, with the moment of G at x
+//! minus that of K at o. Those forces that act on the knuckle give the row (f, m).
 //!
-//! Rates along the motion: points of the knuckle move with it, those of the body stand still. The rod keeps its length, so
-//! the rocker turns in its base with
+//! Rates along the motion: points of the knuckle move with it, those of the body do not move. The rod keeps its length, so
+//! the rocker rotates in its base with
 //!
 //! ```text
 //! w' = s.(o' - b)/(s.e x (n - f)),   b the velocity of the base at n                             (3)
@@ -30,22 +31,22 @@
 //! k' = (N' - k D')/D,   K' = k' s + k s'                                                         (4)
 //! ```
 //!
-//! A force on a point of the body that moves sideways opposite to a point c of the knuckle (the mount of a twist beam) is a force on c
-//! along y, of the other sign.
+//! A point of the body may move sideways in the opposite direction to a point c of the knuckle (the mount of a twist beam).
+//! A force on it acts on c along y with the opposite sign.
 
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{Body, PointId, Rocker};
 use crate::number::{Real, Vector3, outlined};
 
-/// The equation of the link.
+/// Equation of the link.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RockerEnd<T> {
     pub inner: PointId,
     pub outer: PointId,
-    /// d0.d0/2
+    /// Number d0.d0/2.
     half_squared_length: T,
-    /// 1/|d0|
+    /// Inverse length 1/|d0|.
     scale: T,
 }
 
@@ -89,7 +90,7 @@ impl<T: Real> Moving<T> {
 }
 
 impl<T: Real> RockerEnd<T> {
-    /// The link of a design.
+    /// Makes the link of a design.
     #[inline(always)]
     pub(crate) fn new(inner: PointId, outer: PointId, design: &[Vector3<T>]) -> Self {
         let squared = (design[outer.0] - design[inner.0]).norm_squared();
@@ -120,7 +121,7 @@ impl<T: Real> RockerEnd<T> {
         sink.hardpoint(self.inner, designed);
     }
 
-    /// Rates (4) of the row. In a function of its own: it is rare, and large.
+    /// Rates (4) of the row. A separate function, because it is rarely used, and large.
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         outlined!(
@@ -139,12 +140,12 @@ impl<T: Real> RockerEnd<T> {
             false => (outer, inner),
         };
         let Some(turned) = TurnedRocker::under(x, at, along) else {
-            // A row of its own stands for such a link, so this row has no wrench.
+            // Another row represents such a link, so this row has no wrench.
             return Wrench::zero(at.rack);
         };
         let knuckle = KnuckleMotion { at, along };
         let (place, other_end) = (turned.point(x), knuckle.point(p));
-        // G is along the way from p to x, whichever end is on the rocker.
+        // G has the direction from p to x, whichever end is on the rocker.
         let push = place.minus(other_end).times(self.scale);
         let mut wrench = turned.wrench_rate(place, push);
         knuckle.add(p, other_end, push, -at.rack.one(), &mut wrench);
@@ -152,7 +153,7 @@ impl<T: Real> RockerEnd<T> {
     }
 }
 
-/// The knuckle with its motion.
+/// Knuckle with its motion.
 #[derive(Clone, Copy)]
 struct KnuckleMotion<'a, 'c, T> {
     at: &'a Configuration<'c, T>,
@@ -160,13 +161,13 @@ struct KnuckleMotion<'a, 'c, T> {
 }
 
 impl<T: Real> KnuckleMotion<'_, '_, T> {
-    /// Velocity of the knuckle's point at this place.
+    /// Velocity of the knuckle at this place.
     #[inline(always)]
     fn velocity(&self, place: Vector3<T>) -> Vector3<T> {
         self.along.shift + self.along.turn.cross(place - self.at.pose.origin)
     }
 
-    /// A point that is not on a rocker.
+    /// Point that is not on a rocker, with its rate.
     #[inline(always)]
     fn point(&self, id: PointId) -> Moving<T> {
         let now = self.at.point(id);
@@ -181,7 +182,7 @@ impl<T: Real> KnuckleMotion<'_, '_, T> {
         Moving { now, rate }
     }
 
-    /// Adds the rate of the wrench of a force, times `sign`, on such a point.
+    /// Adds the rate of the wrench of a force, times `sign`, that acts on such a point.
     #[inline(always)]
     fn add(
         &self,
@@ -208,7 +209,7 @@ impl<T: Real> KnuckleMotion<'_, '_, T> {
         }
     }
 
-    /// The same for a place of the knuckle.
+    /// Adds the same for a force at a place of the knuckle.
     #[inline(always)]
     fn add_at(&self, place: Moving<T>, force: Moving<T>, sign: T, wrench: &mut Wrench<T>) {
         let origin = Moving {
@@ -221,7 +222,7 @@ impl<T: Real> KnuckleMotion<'_, '_, T> {
     }
 }
 
-/// A rocker that its rod turns, with its motion (3).
+/// A rocker that its rod rotates, with its motion (3).
 struct TurnedRocker<'a, 'c, T> {
     knuckle: KnuckleMotion<'a, 'c, T>,
     rocker: Rocker,
@@ -235,7 +236,7 @@ struct TurnedRocker<'a, 'c, T> {
 }
 
 impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
-    /// The rocker that a point sits on; `None` for a point of another body.
+    /// The rocker that carries a point. `None` if another body carries it.
     #[inline(always)]
     fn under(x: PointId, at: &'a Configuration<'c, T>, along: &'a Twist<T>) -> Option<Self> {
         let Body::Rocker(id) = at.mechanism.body(x) else {
@@ -267,7 +268,7 @@ impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
         })
     }
 
-    /// A point of the rocker.
+    /// Point of the rocker, with its rate.
     #[inline(always)]
     fn point(&self, id: PointId) -> Moving<T> {
         let now = self.knuckle.at.point(id);
@@ -305,8 +306,8 @@ impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
     }
 }
 
-/// Rates of the wrench on the knuckle of a force that stays the same, at a point of a rocker: (4) with G' = 0. In a function of
-/// its own: it is rare, and large.
+/// Rates of the wrench on the knuckle of a constant force at a point of a rocker: (4) with G' = 0. A separate function,
+/// because it is rarely used, and large.
 #[inline(always)]
 pub(super) fn constant_push_rate<T: Real>(
     x: PointId,

@@ -30,7 +30,7 @@ use std::ops::ControlFlow;
 /// Range of sizes whose eighth powers, and their inverses, are ordinary doubles.
 const SIZES: std::ops::Range<f64> = 1e-30..1e30;
 
-/// Finds the poses of a design. Then [`Solver::prepare`] takes the next design.
+/// Finds the poses of a design. Its `prepare` takes the next design.
 #[derive(Clone, Debug)]
 pub struct Solver<'m> {
     mechanism: &'m Mechanism,

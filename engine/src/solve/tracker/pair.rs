@@ -335,7 +335,7 @@ struct BothWheels<'w, B: SimdReal, W, V, const N: usize> {
 }
 
 impl<B: SimdReal, W, V, const N: usize> BothWheels<'_, B, W, V, N> {
-    /// Travel and rack of the left and right wheel at a place.
+    /// [rack displacement, travel] of the left and right wheel at a place. `half` is half the difference of the travels.
     #[inline(always)]
     fn motions(&self, place: &RouteStep, half: B) -> [[B; 2]; 2] {
         let (mean, _) = self.tracker.at(place);

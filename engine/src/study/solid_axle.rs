@@ -1,4 +1,4 @@
-//! Solid axles and twist beams: required and forbidden entries of a study, and the differences of the right half.
+//! Solid axles and twist beams: required and refused entries of a study, and differences of the right half.
 
 use super::error::Problems;
 use super::file::{self, File};
@@ -11,7 +11,7 @@ use crate::solve::Solver;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Refuses entries that a solid axle or a twist beam does not support; true if there are none.
+/// Refuses entries that a solid axle or a twist beam does not support. Returns true if there are none.
 pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool {
     let mut refused: Vec<(Option<Span<usize>>, &str)> = Vec::new();
     let motions = std::iter::once(&file.motion).chain(file.motions.values());
@@ -77,7 +77,8 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
     sound
 }
 
-/// Four links hold the axle: two pairs, or a pair of lower links, a single upper link and a Panhard rod or a Watt linkage.
+/// Checks that four links hold the axle: two pairs, or a pair of lower links, a single upper link and a lateral link. The
+/// lateral link is a Panhard rod or a Watt linkage.
 fn links(section: &file::Suspension, suspension: &Suspension, problems: &mut Problems) -> bool {
     let has = |name: &str| suspension.mechanism.point(name).is_some();
     let (has_panhard, has_watt) = (has("panhard_axle"), has("watt_pivot"));
@@ -138,7 +139,7 @@ fn links(section: &file::Suspension, suspension: &Suspension, problems: &mut Pro
     }
 }
 
-/// The axle seen from its left and from its right wheel; the second is `None` for an axle that is its own mirror image.
+/// Axle as seen from its left and from its right wheel. The second is `None` if the axle is its own mirror image.
 pub(super) fn wheels(
     file: &File,
     suspension: &Suspension,
@@ -187,7 +188,7 @@ pub(super) fn wheels(
     Some((left, (!is_symmetric).then_some(right)))
 }
 
-/// Points of the right half that are not mirror images.
+/// Places the points of the right half that are not mirror images.
 fn differences(
     own: &file::OwnRight,
     rigid: &RigidAxle,

@@ -113,7 +113,7 @@ impl<T: Scalar> ElasticWheel<T> {
         Some(self.moving(&tangent.state, &rate))
     }
 
-    /// Same as [`Self::figures_along`], with the tangent of an equilibrium.
+    /// Same as `figures_along`, with the tangent of an equilibrium.
     pub fn figures_by(
         &self,
         at: &Equilibrium<T>,

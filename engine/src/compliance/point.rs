@@ -128,7 +128,7 @@ impl<T: Scalar> Stretched<T> {
 /// Rocker and the rod that turns it, in the design position.
 #[derive(Clone, Debug)]
 pub(super) struct RockerSeat<T> {
-    /// Two points of the axis.
+    /// Two points of the axis; `inner` is the rod's inner end.
     pub(super) axis: [Vector3<T>; 2],
     pub(super) inner: Vector3<T>,
     /// End of the spring on the rocker.
@@ -158,7 +158,7 @@ pub(super) struct BarSeat<T> {
     pub(super) point: Vector3<T>,
     /// Rocker that carries the drop link, and the drop link's outer end on it.
     pub(super) rocker: Option<(RockerSeat<T>, Vector3<T>)>,
-    /// Two points of the lever's axis.
+    /// Two points of the lever's axis; `inner` is the drop link's inner end.
     pub(super) axis: [Vector3<T>; 2],
     pub(super) inner: Vector3<T>,
     /// Rate of half the bar: torque per angle between lever and middle.

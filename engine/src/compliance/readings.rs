@@ -51,7 +51,7 @@ impl<T: Scalar> Built<T> {
                 };
                 let found = self.system.mount(&frames, state)?;
                 let ([x, y], [a, b]) = (found.tilt, found.tilt_torque);
-                // The law's force acts on the body, as in [`BushingState`].
+                // The law's force acts on the body, as in `BushingState`.
                 let state = BushingState {
                     deflection: found.deflection,
                     rotation: Vector3::new(x, y, x.zero()),

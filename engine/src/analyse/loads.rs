@@ -129,7 +129,7 @@ pub enum Reaction<T = f64> {
         passed: Vector3<T>,
     },
     /// A force on the knuckle at a point of the body. It is one of two components of a strut's side force at its mount, or
-    /// one of the components of the force in a hinge at one of its points.
+    /// one component of the force at a point of a hinge.
     Force {
         /// Point on the wheel carrier at which the force acts.
         point: PointId,
@@ -554,8 +554,8 @@ fn far_support<T: Scalar>(rigid: &RigidAxle, support: Support, at: &Configuratio
     row
 }
 
-/// Returns true for the outer joint of an arm that carries the spring, the rod of its rocker, or a link or a second joint
-/// to the knuckle.
+/// Returns true for the outer joint of an arm that carries another part. Such parts are the spring, the rod of its rocker, a
+/// link to the knuckle and a second joint to the knuckle.
 fn is_joint_of_bent_arm(mechanism: &Mechanism, joint: PointId) -> bool {
     let arms = mechanism.constraints.iter();
     let mut arms = arms.filter_map(|constraint| mechanism.arm_under(constraint));

@@ -1,8 +1,8 @@
 //! Poses in roll at constant load: the mean travel is a result.
 //!
-//! The body of a car that rolls keeps its weight, not its height. So the mean travel z is the one at which the sum of the
-//! wheel loads equals that of the level axle, F(z) = F_0, with the rack in the middle. F grows with z, by twice the ride
-//! rate without the tyre. Newton's method finds the root. For the design p and a given roll angle,
+//! The body of a car that rolls keeps its weight, not its height. At the mean travel z, the sum of the wheel loads equals
+//! that of the level axle with the rack centred, F(z) = F_0. F grows with z, by twice the ride rate without the tyre.
+//! Newton's method finds the root. For the design p and a given roll angle,
 //!
 //! ```text
 //! dz/dp = (dF_0/dp - dF/dp)/F_z

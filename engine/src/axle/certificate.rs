@@ -29,8 +29,8 @@ pub struct AxleProof {
     pub travel_error: f64,
     /// Bound on the error of the roll angle, in radians. 0 if it is given.
     pub roll_error: f64,
-    /// Distance to any other pose. Every other pose differs by more than this in a coordinate of the origin of a wheel
-    /// carrier, in an entry of a rotation times the mechanism's size, or in the roll angle times that size.
+    /// Distance to any other pose. Smallest difference of any other pose in one of these numbers: a coordinate of a
+    /// carrier's origin, an entry of a rotation, the roll angle. The last two are times the mechanism's size.
     pub uniqueness: f64,
 }
 

@@ -1,6 +1,6 @@
 //! Limits of an axle: the travel of each wheel, the rack of both wheels, and roll.
 //!
-//! With the rack fixed and both wheel centres at the travels heave +- s, roll continues until the first wheel reaches the
+//! The rack is fixed, and both wheel centres are at the travels heave +- s. Roll continues until the first wheel reaches the
 //! end of its travel. A rigid axle rolls until its links fold. The roll angle at the end is that of the plane under both
 //! wheels.
 

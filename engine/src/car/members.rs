@@ -1,8 +1,8 @@
 //! Forces in the members of a car's suspensions in a load case.
 //!
-//! In a solved state, every force on a wheel is known: the tyre force at the contact point, the inertia force of the wheel's
-//! mass, and the forces of springs and bars. The forces of links, rods and joints follow from the equilibrium of each wheel
-//! ([`Applied`](crate::analyse::Applied)).
+//! In a solved state, every force on a wheel is known. These are the tyre force at the contact point, the inertia force of
+//! the wheel's mass, and the forces of springs and bars. The forces of links, rods and joints follow from the equilibrium of
+//! each wheel ([`Applied`](crate::analyse::Applied)).
 
 use super::equations::Balance;
 use super::solver::{CarSolver, Equilibrium};

@@ -17,8 +17,8 @@ use crate::number::{Jet, Real, Vector3};
 pub(super) const CONTACT_VELOCITY: &[Slot] = &[Slot::SpinAxis, Slot::CentreRate, Slot::Turn];
 
 /// Largest distance of an instantaneous centre, in sizes of the mechanism; a farther one counts as infinite. With rounding,
-/// a wheel that does not rotate has an angular velocity of about 1e-16 over the size, and up to a million times as much in
-/// badly conditioned poses.
+/// a wheel that does not rotate has an angular velocity of about 1e-16 over the size. In badly conditioned poses it is up to
+/// a million times as large.
 const FARTHEST_CENTRE: f64 = 1e10;
 
 /// Angular velocity in one view, in which the contact point has these velocities. It is zero if the instantaneous centre is

@@ -119,9 +119,9 @@ pub enum Measure {
 /// Direction of a joint's stud, fixed in the wheel carrier.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stud {
-    /// From one point to another, in the design position.
+    /// Direction from one point to another, in the design position.
     Between(PointId, PointId),
-    /// This direction, in the design position.
+    /// Given direction, in the design position.
     Along(Vector3<f64>),
 }
 

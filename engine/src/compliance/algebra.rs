@@ -1,6 +1,6 @@
 //! Small matrices, and rotations kept as their differences from the identity.
 //!
-//! The difference D = R - I keeps all digits of a rotation near the identity: a point at the lever l moves by u + D l (1). A
+//! The difference D = R - I keeps all digits of a rotation near the identity. A point at the lever l moves by u + D l (1). A
 //! small rotation w takes D to
 //!
 //! ```text

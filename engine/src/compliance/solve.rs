@@ -12,9 +12,9 @@
 //! next correction is left out if this estimate is far below the required last correction. In 1,300 equilibria the
 //! corrections left out were below 0.13 of that bound.
 //!
-//! A state is stable if the symmetric part of the tangent is positive definite on the free motions, which rigid joints and
-//! the held height leave. This is checked first in every eliminated part, then in the remaining equations of the carrier.
-//! The fraction that is reached is accurate to 1e-6.
+//! A state is stable if the symmetric part of the tangent is positive definite on the free motions. Rigid joints and the
+//! held height restrict these motions. This is checked first in every eliminated part, then in the remaining equations of
+//! the carrier. The fraction that is reached is accurate to 1e-6.
 
 use super::limb::is_positive;
 use super::system::{Equations, Held, Hold, Singular, State, System, Task};

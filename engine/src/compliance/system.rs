@@ -1,9 +1,9 @@
 //! Elastic suspension of one design, and its equations.
 //!
-//! Unknowns are the shift and rotation of the carrier, a force for each rigid joint, and, if the height of the wheel centre
-//! is held, the vertical force at the contact point. The parts between body and carrier are eliminated first (`limb.rs`).
-//! Let A be the sum of their tangents, C the rows of the rigid joints and h the row of the height. Let q be the wrench of a
-//! vertical force at the contact point. A Newton step solves
+//! Unknowns are the shift and rotation of the carrier, and a force for each rigid joint. If the height of the wheel centre
+//! is held, the vertical force at the contact point is unknown as well. The parts between body and carrier are eliminated
+//! first (`limb.rs`). Let A be the sum of their tangents, C the rows of the rigid joints and h the row of the height. Let q
+//! be the wrench of a vertical force at the contact point. A Newton step solves
 //!
 //! ```text
 //! | A  C' -q | | du, w |     | forces out of balance |

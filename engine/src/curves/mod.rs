@@ -50,8 +50,8 @@ pub enum Status {
     /// Solved, but no member supports the loads: the spring has too little leverage for six correct digits of the forces.
     /// The forces have no values.
     Unsupported,
-    /// Solved, but these rods are at a toggle here or nearer to the design position: those of the left (or only) wheel, then
-    /// of the right wheel. Quantities that depend on their rockers have no values.
+    /// Solved, but some rods are at a toggle here or nearer to the design position. They are listed for the left (or only)
+    /// wheel, then for the right wheel. Quantities that depend on their rockers have no values.
     Toggle([Option<Rod>; 2]),
     /// Not solved, for this reason.
     Failed(NoPose),
@@ -154,8 +154,8 @@ impl Station {
 pub struct Proof {
     /// Bound on the distance of any point of a wheel carrier from its exact position.
     pub position_error: f64,
-    /// Smallest difference of any other pose: in a coordinate of a carrier's origin, or in an entry of a rotation or the
-    /// roll angle, times the mechanism's size.
+    /// Smallest difference of any other pose in one of these numbers: a coordinate of a carrier's origin, an entry of a
+    /// rotation, the roll angle. The last two are times the mechanism's size.
     pub uniqueness: f64,
     /// All bounds, including these two, in the order of [`Curves::bounds`].
     pub bounds: Vec<f64>,

@@ -11,8 +11,8 @@ use std::ops::ControlFlow;
 
 /// Solver of one design after another.
 pub(super) trait DifferentiatesOneByOne: Send {
-    /// Evaluates the design with this index, at every station with a pose: the left wheel, and the right one if it is not
-    /// the mirror image.
+    /// Evaluates the design with this index at every station with a pose. It evaluates the left wheel, and the right wheel
+    /// unless that is the mirror image.
     fn evaluate(
         &mut self,
         design: Pairs<'_>,

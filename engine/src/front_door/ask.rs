@@ -137,8 +137,8 @@ impl Study {
     /// errors in them.
     ///
     /// A grid has the same number of values for every variable, and `samples` is that number to the power of the number of
-    /// variables: 5 values of each of 3 variables are 125 samples. To give variables different numbers of values, set the
-    /// fields of [`Sampled::variables`].
+    /// variables. For example, 5 values of each of 3 variables are 125 samples. To give variables different numbers of
+    /// values, set the fields of [`Sampled::variables`].
     pub fn sampling(
         mut self,
         method: Sampling,
@@ -249,9 +249,7 @@ impl Target {
     /// characteristic's column. A monotone cubic joins them. The curve is compared at the stations of the motion between its
     /// ends. `tolerance` is the acceptable deviation, in the same unit.
     ///
-    /// # Errors
-    /// [`Error::Lacking`]. Also if there are fewer than two points (use [`Target::at`] for a value at one travel), a number
-    /// is not finite, travels do not rise, or the tolerance is not positive.
+    /// # Errors [`Error::Lacking`]. Also if there are fewer than two points; use [`Target::at`] for a value at one travel. Also if a number is not finite, travels do not rise, or the tolerance is not positive.
     pub fn curve(
         suspension: &Suspension,
         characteristic: Characteristic,

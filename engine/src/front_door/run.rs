@@ -92,8 +92,8 @@ impl Study {
         tune(&self.vehicle, optimise, control).map_err(|fault| Error::design(self.wheel(), &fault))
     }
 
-    /// Solves the designs of the sweep on all cores and passes their rows to `sink`, block by block in the order of the
-    /// designs, while it runs. Memory holds only a few blocks, however many designs there are. Returns the names of the
+    /// Solves the designs of the sweep on all cores. While it runs, it passes their rows to `sink`, block by block in the
+    /// order of the designs. Memory holds only a few blocks, however many designs there are. Returns the names of the
     /// columns, first those of the variables, then those of the outputs. The sweep ends early if `sink` breaks or the
     /// control stops it. All earlier rows have then been passed on, and the names are returned, too. A sweep is complete if
     /// the number of received designs ([`Rows::designs`]) equals the number of its designs ([`Sampled::designs`], or the

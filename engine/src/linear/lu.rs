@@ -21,8 +21,8 @@ pub struct Lu<T, const N: usize> {
 pub type Lu6<T> = Lu<T, 6>;
 
 impl<T: Scalar> Lu6<T> {
-    /// Factorises a closure Jacobian. Its last three columns (moments) are lengths; the determinant is divided by
-    /// `size`^3, so that it is dimensionless: +-1 for six orthogonal unit lines, 0 at a singularity.
+    /// Factorises a closure Jacobian. Its last three columns (moments) are lengths, so the determinant is divided by
+    /// `size`^3 to be dimensionless. It is +-1 for six orthogonal unit lines, and 0 at a singularity.
     #[inline]
     pub fn new(jacobian: Matrix6<T>, size: f64) -> Option<Self> {
         Lu::of(jacobian, size.powi(-3))

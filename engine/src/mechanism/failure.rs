@@ -40,7 +40,7 @@ pub enum Failure {
 /// clause about a part, such as "the strut is horizontal".
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FormulationFailure {
-    /// In the requested pose, fewer than half of the digits would be correct.
+    /// Fewer than half of the digits would be correct in the requested pose.
     Singular {
         /// Part that is singular.
         cause: &'static str,

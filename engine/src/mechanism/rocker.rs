@@ -20,8 +20,9 @@
 //!
 //! # Derivatives
 //!
-//! Let f be a point of the axis, x' = f + R (x - f) a point of the rocker, and s' = n' - o' the rod from its outer end
-//! o' to its inner end n'. A change of axis and angle turns the rocker by the small rotation v, with de normal to e:
+//! Let f be a point of the axis, and x' = f + R (x - f) a point of the rocker. The vector s' = n' - o' is the rod from its
+//! outer end o' to its inner end n'. A change of axis and angle turns the rocker by the small rotation v, with de normal to
+//! e:
 //!
 //! ```text
 //! v = e dtheta + sin de + (1 - cos) e x de                                                      (5)

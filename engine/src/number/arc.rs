@@ -1,5 +1,5 @@
-//! Arc sine and arc tangent with elementary arithmetic: the same bits in all lanes and on every platform, at a fraction of
-//! the cost of a mathematical library.
+//! Arc sine and arc tangent with elementary arithmetic. They have the same bits in all lanes and on every platform, at a
+//! fraction of the cost of a mathematical library.
 //!
 //! atan t = t + t u P(u) for |t| <= tan(pi/8), asin x = x + x u Q(u) for |x| <= 1/2, with u the square of the argument. P
 //! and Q interpolate at Chebyshev points (sixty-digit arithmetic, then rounded to doubles). Their relative errors are 8e-18

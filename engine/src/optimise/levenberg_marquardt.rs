@@ -153,7 +153,7 @@ impl<'a> LevenbergMarquardt<'a> {
         self.trial.check()
     }
 
-    /// Corrects a trial reached from `x` until the cost is at most `goal`, as long as each correction is at most half as
+    /// Corrects a trial reached from `x` until the cost is at most `goal`. It stops if a correction is more than half as
     /// long as the one before. Returns the number of evaluated points. A point without residuals ends it with an error.
     fn correct(
         &mut self,

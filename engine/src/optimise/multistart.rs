@@ -38,8 +38,8 @@ impl Multistart {
     }
 }
 
-/// Minimises from `starts` points in parallel, on the threads of the current rayon pool: from the point of the box nearest
-/// to `design`, and from points of a low-discrepancy sequence over the box.
+/// Minimises from `starts` points in parallel, on the threads of the current rayon pool. The starts are the point of the box
+/// nearest to `design`, and points of a low-discrepancy sequence over the box.
 ///
 /// `problem` makes a problem for each start. The result does not depend on the number of threads. The best fit is the one
 /// with the least misfit. Fits count as equal below [`Options::misfit_below`], or if they found the same minimum. Among

@@ -48,9 +48,9 @@
 //! variable has a bound within four standard errors, neither is needed, and q is the two-sided quantile.
 //!
 //! For a linear r, (1) is a bounded linear least-squares problem, convex and piecewise quadratic in c. A bracketing search
-//! finds the end of (3). The true r and its Jacobian are then evaluated at the point x(c) of that end, and the search is
+//! finds the end of (3). Then the true r and its Jacobian are evaluated at the point x(c) of that end. The search is
 //! repeated until the end no longer moves. There, (1) holds for the true r. If the end does not settle within the budget, or
-//! if there are no residuals, it is set to the end of the range, which is correct by assumption.
+//! if there are no residuals, it is set to the end of the range. This is correct by assumption.
 
 use super::profile::Profile;
 use super::simulated_fits::SimulatedFits;

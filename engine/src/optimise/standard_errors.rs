@@ -350,8 +350,8 @@ mod tests {
         }
     }
 
-    /// One variable near its bound. The end of its interval satisfies (4) and (5), solved here in closed form for a truth at
-    /// the end: errors beyond the bound are cut off.
+    /// One variable near its bound. The end of its interval satisfies (4) and (5), which are solved here in closed form for
+    /// a truth at the end. Errors beyond the bound are cut off.
     #[test]
     fn one_variable_at_its_bound_has_a_limit() {
         let rows = 400;

@@ -180,9 +180,9 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    /// Chooses a start among those that satisfy the constraints: the nearest good enough one, or else the nearest of those
-    /// that are as good as the best. If none satisfies the constraints, chooses the one with the smallest violation. `least`
-    /// is the least misfit of those that satisfy them.
+    /// Chooses a start among those that satisfy the constraints. It is the nearest good enough start, or else the nearest
+    /// start as good as the best. If none satisfies the constraints, chooses the one with the smallest violation. `least` is
+    /// the least misfit of those that satisfy them.
     fn choose(&self, starts: &[Start], least: Option<f64>, good: f64) -> Option<usize> {
         let Some(least) = least else {
             return least_violation(starts);

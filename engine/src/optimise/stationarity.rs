@@ -6,9 +6,10 @@
 //! g + sum_i m_i a_i = 0      g, a_i: gradients of f and of the binding constraints, in half ranges       (1)
 //! ```
 //!
-//! The residual is the largest component of the left side of (1), relative to the larger of two sizes: the largest term of
-//! (1), and the largest slope that the squared residuals could have (largest pivot of their scaled Jacobian times their
-//! norm). It is 0 at a minimum and of order one elsewhere. A run has converged if it is below [`CONVERGED`].
+//! The residual is the largest component of the left side of (1), relative to the larger of two sizes. One is the largest
+//! term of (1). The other is the largest slope that the squared residuals could have: the largest pivot of their scaled
+//! Jacobian times their norm. It is 0 at a minimum and of order one elsewhere. A run has converged if it is below
+//! [`CONVERGED`].
 //!
 //! A slope is a sum of products, so it is never exactly zero. Residuals have the rounding [`Options::misfit_below`], and no
 //! method takes steps below its resolution of the variables. A slope that these two can explain counts as zero.

@@ -25,9 +25,9 @@ const UNBOUNDED_IN_TURNS: [&str; 3] = [
     "roll_centre_moment_arm",
 ];
 
-/// Largest change of a quantity that an engineer tolerates, in the printed unit: toe 0.05 degrees, camber, roll and pitch
-/// 0.1 degrees, caster and inclination of the steering axis 0.2 degrees, lengths 1 mm, the share of the front axle in the
-/// load transfer 1 %, roll gradient 0.05 degrees/g. `None` for all others.
+/// Largest change of a quantity that an engineer tolerates, in the printed unit. Angles: toe 0.05 degrees, camber, roll and
+/// pitch 0.1 degrees, caster and inclination of the steering axis 0.2 degrees. Others: lengths 1 mm, share of the front axle
+/// in the load transfer 1 %, roll gradient 0.05 degrees/g. `None` for all others.
 pub(super) fn tolerance(name: &str, unit: Unit, length: LengthUnit) -> Option<f64> {
     match (name, unit) {
         ("toe", _) => Some(0.05),

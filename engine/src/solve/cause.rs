@@ -9,10 +9,10 @@
 //! ```
 //!
 //! While only the drive moves, C has its full rank 5 there. (Otherwise [C 0; g -1] would have a rank below 6, and the path
-//! would not be a single path.) So t is the free motion of the mechanism, and (2) says that the drive value does not change
-//! along it: the wheel centre is at its highest or lowest point. In general no single part causes this. Without any one of
-//! the constraints, t is still among the free motions, and it is orthogonal to the removed constraint. By this measure all
-//! parts are equally the cause.
+//! would not be a single path.) So t is the free motion of the mechanism, and by (2) the drive value does not change along
+//! it. The wheel centre is at its highest or lowest point. In general no single part causes this. Without any one of the
+//! constraints, t is still among the free motions, and it is orthogonal to the removed constraint. By this measure all parts
+//! are equally the cause.
 //!
 //! A part is the cause if it is singular by itself. With the arm fixed, its outer joint b is fixed, and the carrier can only
 //! rotate about b, with angular velocity w. Its upper end u then moves with w x (u - b).
@@ -39,8 +39,8 @@
 //!   of the rack at fixed travel, has this cause if and only if U T = 0 there, too. (An example is an upright steering axis,
 //!   with which steering does not lift the wheel.) Otherwise no part is the cause.
 //!
-//! The links of a rigid axle have no such parts. Its limit names the link with the largest multiplier w in w J = 0, with J
-//! the whole Jacobian: the largest force that holds the axle at the fold.
+//! The links of a rigid axle have no such parts. Its limit names the link with the largest multiplier w in w J = 0, where J
+//! is the whole Jacobian. This link carries the largest force that holds the axle at the fold.
 //!
 //! If the rack moves, C has an additional column for it, and the path may be regular where C has rank 4. Then some
 //! combination of the constraints, m C = 0, is the cause, namely the links with m not 0. This occurs only in mechanisms
@@ -131,8 +131,8 @@ fn part_measures(at: &Configuration<f64>) -> Option<[PartMeasure; 2]> {
     Some([upper, tie_rod])
 }
 
-/// Links that have become dependent on each other, with the rack fixed: those with m not 0 in m C = 0, if C has lost rank.
-/// The result lists their outer ends.
+/// Links that depend on each other with the rack fixed. These links have m not 0 in m C = 0, if C has lost rank. The result
+/// lists their outer ends.
 pub(crate) fn dependent_links(
     closure: &Closure<f64>,
     at: &Configuration<f64>,

@@ -7,8 +7,8 @@ use crate::number::{Each, Jet, Real};
 use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow;
 
-/// Number of parts into which the interval between two stations is divided if a rod may have reached a toggle, and number of
-/// times that an undecided part is divided again.
+/// Number of parts into which the interval between two stations is divided if a rod may have reached a toggle. `DEPTH` is
+/// the number of times that an undecided part is divided again.
 const PARTS: usize = 16;
 const DEPTH: usize = 3;
 

@@ -1,7 +1,7 @@
 //! Description of a sweep without its results: `sweep.json`.
 //!
-//! Together with the rows and statistics of its parts, it is everything that `--resume`, `hardpoint merge` and a page need:
-//! the columns, the samples, and the division into parts.
+//! It has the columns, the samples, and the division into parts. Together with the rows and statistics of its parts, it is
+//! everything that `--resume`, `hardpoint merge` and a page need.
 
 use crate::axle::Coordinate;
 use crate::evaluate::BLOCK;

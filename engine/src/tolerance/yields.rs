@@ -10,7 +10,7 @@ use super::{Expansion, MonteCarlo, Problem};
 const SAMPLE: u64 = 20_000;
 /// Largest loss of yield by doubling a tolerance for which the tolerance can be relaxed.
 const LITTLE: f64 = 0.001;
-/// Limit for such statements: no tolerance can be relaxed if the yield is below this, or if the contributor has more than
+/// Limit for such statements. No tolerance can be relaxed if the yield is below this, or if the contributor has more than
 /// this share of a variance.
 const SMALL: f64 = 0.05;
 

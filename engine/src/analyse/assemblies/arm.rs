@@ -8,7 +8,8 @@
 //! Intervals isolate the roots. Mean-value forms about the middle m of a piece X enclose f and f': f(X) in f(m) + f'(X) (X -
 //! m). Their excess width shrinks with the square of the piece's width. Each piece has one of these outcomes:
 //!
-//! - It is dropped if f encloses no root there, or if the upper end or the tie rod has no real position anywhere on it.
+//! - It is dropped if f encloses no root there. It is also dropped if the upper end or the tie rod has no real position on
+//!   it.
 //! - If f' does not vanish on it, there is at most one root, and the signs at the ends decide.
 //! - If all its poses are closer to a known assembly than any other assembly can be, that one is the only one.
 //! - Otherwise it is halved.
@@ -31,8 +32,8 @@ const NARROWEST: f64 = 1e-10;
 /// Largest number of pieces for each of the four functions: a quarter of a second. An ordinary design takes 400 pieces. A
 /// design with parallel arms, or with a tie rod's lever of a hundredth of its arm, takes 1,500.
 const MOST_PIECES: usize = 20_000;
-/// Width (rad) below which Newton's method is tried on an undecided piece, and the factor by which the piece must be
-/// narrower for the next try.
+/// Width (rad) below which Newton's method is tried on an undecided piece. `NEXT_TRY` is the factor by which the piece must
+/// be narrower for the next try.
 const FIRST_TRY: f64 = 0.02;
 const NEXT_TRY: f64 = 0.1;
 /// Offsets (rad) from a toggle at which poses are tried if there is none at the toggle.

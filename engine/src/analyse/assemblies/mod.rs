@@ -44,13 +44,13 @@ pub struct Assembly {
 /// A feature of an assembly with two variants. An assembly has neither only at the border between them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AssemblyMode {
-    /// Whether a strut's mount is above or below the foot of the ball joint on its axis.
+    /// Position of a strut's mount, above or below the foot of the perpendicular from the ball joint to the strut's axis.
     Strut,
     /// Side of the upper arm on which the steering axis lies, seen along the arm's axis.
     UpperArm,
     /// Side of the plane through steering axis and rack joint on which the tie rod's end lies.
     TieRod,
-    /// Whether the end of an arm on a hinge rises or falls with its angle.
+    /// Motion of the end of an arm on a hinge, up or down as its angle grows.
     Arm,
     /// Sign of the determinant of the closure equations.
     Determinant,

@@ -16,8 +16,8 @@ const LEAST_LEVERAGE: f64 = 0.0625;
 const STEEPEST_SPIN_AXIS: f64 = 0.9;
 
 impl LaneReader<'_> {
-    /// Reads the inputs of formulas from a pose, with their velocities if `rates` is true. Returns the accepted lanes: those
-    /// in which every input is well determined (see [`CornerTracker`](crate::solve::CornerTracker)), and in which no rod can
+    /// Reads the inputs of formulas from a pose, with their velocities if `rates` is true. Returns the accepted lanes. Every
+    /// input of an accepted lane is well determined (see [`CornerTracker`](crate::solve::CornerTracker)), and no rod can
     /// have reached a toggle since the previous station.
     #[inline(always)]
     pub fn read<B: SimdReal>(

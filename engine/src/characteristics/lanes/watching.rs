@@ -66,7 +66,8 @@ impl<B: SimdReal> Outlined for Watching<'_, B> {
         for ([first, last], id) in rods.iter_mut().zip(self.rockers) {
             let rod = self.at.moving_rod(*id, self.motion);
             let before = match *has_begun {
-                // The rack has moved to its displacement in between.
+                // At the start, the rack has moved since the design position, so the path begins with the rod in that
+                // position.
                 false => {
                     *first = rod;
                     self.at.designed_rod(*id)

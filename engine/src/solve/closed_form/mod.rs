@@ -406,8 +406,8 @@ impl<const N: usize> ArmState<Jet<f64, N>> {
 
 impl<T: Real> ArmState<T> {
     /// Squares by which the closed form divides, or whose root it takes. Each comes with the factor that makes it the
-    /// squared sine of an angle: steering arm to the plane through steering axis and rack joint, rack joint to steering
-    /// axis, steering arm to steering axis.
+    /// squared sine of an angle. The angles are those of the steering arm to the plane through steering axis and rack joint,
+    /// the rack joint to the steering axis, and the steering arm to the steering axis.
     #[inline(always)]
     pub(crate) fn squares(&self) -> [(T, T); 3] {
         [
@@ -422,7 +422,7 @@ impl<T: Real> ArmState<T> {
         self.toggle_square
     }
 
-    /// Margin of the upper end, which is zero at its limit: the length of a strut from the foot of the ball joint's
+    /// Margin of the upper end, which is zero at its limit. It is the length of a strut from the foot of the ball joint's
     /// perpendicular to the mount, or a lever of the upper arm.
     #[inline(always)]
     pub(crate) fn upper_margin(&self) -> T {

@@ -18,9 +18,9 @@
 //! ```
 //!
 //! in an order of rows and columns that a factorisation with complete pivoting finds for the base design. Then only two
-//! determinants must not vanish. A lane is rejected if one of them is less than a fourth of the base design's, or changes by
-//! more than half (or doubles) from one place to the next. The determinants of a lane are those of the step with which it
-//! settled.
+//! determinants must not vanish. A lane is rejected if one of them is less than a fourth of the base design's. It is also
+//! rejected if one changes by more than half, or doubles, from one place to the next. The determinants of a lane are those
+//! of the step with which it settled.
 //!
 //! An instantaneous steering axis is that of the screw J t = -F_r (module `steering`). Along the motion t' follows from J t'
 //! = -(F_r' + J' t).

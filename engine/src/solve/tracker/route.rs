@@ -21,7 +21,7 @@ pub(crate) type Stencil<const PLACES: usize> = [(usize, f64); PLACES];
 /// Part of the route that a place belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Leg {
-    /// At zero drive, while the rack moves to its displacement and, for wheels in roll, the heave to its value.
+    /// Part at zero drive. The rack moves to its displacement and, for wheels in roll, the heave to its value.
     Rack,
     /// Above the design position.
     Up,

@@ -278,8 +278,8 @@ impl Solver<'_> {
         }
     }
 
-    /// Names the rod of a Watt rocker that is at its toggle, at an end beyond which the path could not be followed. Beyond
-    /// the toggle the rocker has no position.
+    /// Names the rod of a Watt rocker at an end beyond which the path could not be followed, if the rod is at its toggle
+    /// there: beyond it the rocker has no position.
     fn with_toggles(
         &mut self,
         mut range: Range,

@@ -106,7 +106,7 @@ fn push<const N: usize>(
     if places.design.centre.x.is_some() {
         Slot::DesignCentre.push(design.centre, at, sink);
     }
-    // A rotation d of the carrier moves a column c by d x c, so that g.(d x c) = d.(c x g).
+    // A turn d of the carrier moves a column c by d x c, so that g.(d x c) = d.(c x g).
     for (column, seed) in at.pose.rotation.columns.into_iter().zip(rotation) {
         sink.turn(column.cross(*seed));
     }

@@ -68,8 +68,8 @@ impl AxleColumn {
         }
     }
 
-    /// Number of the column in a pose, in radians, length units, newtons and seconds, or the reason why there is none.
-    /// `None` for a force, which needs more than the pose.
+    /// The column's number in a position, in radians, length units, newtons and seconds, or the reason for its
+    /// absence. `None` for a force, which cannot be read off the position alone.
     pub(super) fn evaluate(&self, read: &Read, time: ByTime) -> Option<Result<f64, NoValue>> {
         if !self.is_by_time {
             return self.along(read, self.order);
@@ -87,7 +87,7 @@ impl AxleColumn {
         Some(Ok(time.apply(false, along, self.order)))
     }
 
-    /// Value, or its derivative of this order along the motion.
+    /// The value, or its derivative of this order along the motion.
     pub(crate) fn along(&self, read: &Read, order: usize) -> Option<Result<f64, NoValue>> {
         match &self.of {
             Of::Quantity(quantity) => Some(self.quantity_in(*quantity, read, order)),

@@ -62,7 +62,7 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// Parts of these slots, and those that every axle reads.
+    /// The parts of these slots, and those that every axle reads.
     pub fn of(slots: &[Slot]) -> Self {
         let mut slots = Slots::default().with(ALWAYS).with(slots);
         if slots.contain_any(NumberPart::SpringLength.slots()) {
@@ -260,7 +260,7 @@ pub trait WheelParts<T: Real>: Copy {
     /// A column of the carrier's rotation, with powers as in [`WheelParts::read_vector`].
     fn column(&self, i: usize, powers: [usize; 2]) -> Vector3<T>;
 
-    /// Wheel in the design position.
+    /// The wheel in the design position.
     fn design(&self) -> DesignWheel<T>;
 
     /// Any number of the wheel, as a model for constants.
@@ -352,7 +352,7 @@ pub trait WheelParts<T: Real>: Copy {
         )
     }
 
-    /// Inputs of the catalogue of characteristics.
+    /// The inputs of the characteristics catalogue.
     #[inline(always)]
     fn inputs(&self, constants: Constants) -> Inputs<T> {
         let wheel = |powers: [usize; 2]| {

@@ -263,7 +263,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    /// Prepares one wheel in a position for loads; [`Failure::Singular`] if the support cannot carry a load.
+    /// One wheel in a position, ready to be loaded; [`Failure::Singular`] where the support cannot carry a load.
     pub fn balance(
         &self,
         side: Side,

@@ -76,8 +76,7 @@ impl Moves {
         }
     }
 
-    /// Names of the hardpoints, each with its axle and `separator` before it, and their axis. The axis is `None` unless all
-    /// share it.
+    /// Names of the hardpoints, each after `separator` and its axle, and the axis that all of them share.
     fn names(&self, car: &Car, separator: char) -> (String, Option<Axis>) {
         let points = self.points();
         let name = |at: &PointMove| {

@@ -192,7 +192,7 @@ impl<T> Compliance<T> {
     }
 }
 
-/// Hardpoints that can have a bushing, in the order of the mechanism's points.
+/// The hardpoints that may have a bushing, in the order of the mechanism's points.
 pub fn bushing_points(mechanism: &Mechanism) -> Vec<PointId> {
     let mut points = Vec::new();
     for constraint in &mechanism.constraints {
@@ -214,7 +214,7 @@ pub fn bushing_points(mechanism: &Mechanism) -> Vec<PointId> {
     points
 }
 
-/// Members that can have axial stiffness, with their names.
+/// The members that may have axial stiffness, with their names.
 pub fn link_members(mechanism: &Mechanism) -> Vec<(String, LinkMember)> {
     let mut members = Vec::new();
     for constraint in &mechanism.constraints {

@@ -31,7 +31,7 @@ pub enum Parameter {
     SpringRate,
     /// The force of a linear spring in the design position.
     SpringForce,
-    /// Stiffness between the commanded and the actual rack displacement.
+    /// The stiffness between commanded rack and rack.
     RackRate,
     /// The rate of the anti-roll bar.
     BarRate,
@@ -81,8 +81,7 @@ impl AxleParameter {
 }
 
 impl Compliance {
-    /// Sets the rate of a bushing or a link. For a curve, the value is a factor on its forces. Other parameters have no
-    /// rate.
+    /// Sets the rate of a bushing or a link; of a curve, the factor of its forces. Other parameters have none.
     pub fn set_rate(&mut self, parameter: Parameter, value: f64) {
         let number = match parameter {
             Parameter::Stiffness(bushing, axis) => match &mut self.bushings[bushing].shapes[axis] {

@@ -67,7 +67,7 @@ impl<T: Scalar> Built<T> {
         })
     }
 
-    /// Adds the vertical force with the row that holds the contact point. Refuses motions without stiffness.
+    /// Adds the vertical force with the row that holds the contact point, and refuses motions without stiffness.
     pub(super) fn border_for_preload(
         &self,
         equations: &mut Equations<T>,

@@ -86,7 +86,7 @@ impl<T: Real> WheelGeometry<T> {
 }
 
 impl<T: Scalar> WheelGeometry<T> {
-    /// Reads the points of a design.
+    /// The points of a design.
     pub(super) fn of(mechanism: &Mechanism, design: &[Vector3<T>], system: &System<T>) -> Self {
         let origin = design[mechanism.origin.0];
         let mount = system

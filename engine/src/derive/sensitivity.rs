@@ -248,7 +248,7 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
         self.adjoint.wrench(moment.zero(), moment);
     }
 
-    /// Adds the derivative by the unit spin axis a = R a0. The direction of a0 is from the inner point to the wheel centre.
+    /// Adds the derivative by the unit spin axis a = R a0, a0 along wheel centre - inner point.
     #[inline(always)]
     pub fn spin_axis(&mut self, gradient: Vector3<T>) {
         let designed = DesignedSpinAxis::of(self.at.mechanism, self.at.design);

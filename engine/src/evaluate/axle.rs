@@ -176,7 +176,7 @@ impl<'a, const N: usize> OneByOne<'a, N> {
         }))
     }
 
-    /// Evaluates the design position.
+    /// Reads the design position.
     fn read_design(&mut self, wheels: Pairs<'_>) -> Option<Read<'a>> {
         self.solver.prepare(wheels).ok()?;
         let design = self.stations.placements[self.stations.design];

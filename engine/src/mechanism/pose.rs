@@ -214,7 +214,7 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
-    /// Present position of a point of the chassis or the rack, or of a point that moves opposite to the knuckle.
+    /// Present position of a point of the chassis or the rack, or opposite to a point of the knuckle.
     #[inline(always)]
     pub(crate) fn grounded(&self, id: PointId) -> Vector3<T> {
         let p = self.designed(id);
@@ -245,7 +245,7 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
-    /// Present position of the knuckle's point that coincides with this point in the design position.
+    /// Position to which the knuckle carries the place that this point has in the design position.
     #[inline(always)]
     pub(crate) fn carried(&self, id: PointId) -> Vector3<T> {
         if id == self.mechanism.origin {

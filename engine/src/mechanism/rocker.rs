@@ -110,7 +110,7 @@ impl<T: Real> Turn<T> {
         point - lever + lever * self.cosine + self.axis.cross(lever) * self.sine
     }
 
-    /// Rotates a vector back by the rocker's angle: R'v in the formulas above.
+    /// Turns a vector back by the rocker's angle: R'v in the formulas above.
     #[inline(always)]
     fn turned_back(&self, v: Vector3<T>) -> Vector3<T> {
         let lever = v.across(self.axis);
@@ -439,8 +439,8 @@ impl<T: Real> Configuration<'_, T> {
         )
     }
 
-    /// Angle of a rocker from its design position; NaN beyond a toggle. It is positive if the rod has pushed the rocker or,
-    /// for a pullrod, pulled it.
+    /// Angle of a rocker from its design position, positive where its rod has pushed it, or a pullrod pulled
+    /// it. NaN beyond a toggle.
     #[inline(always)]
     pub fn rocker_angle(&self, id: RockerId) -> T {
         outlined!(

@@ -38,7 +38,7 @@ pub enum Rod {
     DropLink,
     /// Upper link of a Watt linkage, which rotates its rocker.
     WattLink,
-    /// No real rod: it represents a mount of a twist beam, which rotates its half of the beam relative to the other half.
+    /// No real rod: a mount of a twist beam, which turns its half of the beam against the other half.
     TwistBeam,
 }
 

@@ -97,7 +97,7 @@ impl Toggles {
         Ok(())
     }
 
-    /// Prepares another visit that begins where the previous one did.
+    /// Makes ready for another visit that begins where the last one did.
     pub fn begin_again(&self) {
         let (way, rods) = (self.way.get(), self.rods_at_start.borrow().clone());
         self.begin_with(self.at_start.get(), rods);

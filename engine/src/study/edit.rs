@@ -282,7 +282,7 @@ fn leave_out_rates(root: &mut Table) -> Vec<String> {
     names.map(|name| format!("[{name}]")).collect()
 }
 
-/// Writes the rates of the right wheel that differ from the left wheel's into `[axle.right]`. Returns true if there are any.
+/// Writes the rates of the right wheel that differ from the left one's into `[axle.right]`. Returns true if there are any.
 fn write_right_rates(
     root: &mut dyn TableLike,
     elastic: &AxleComplianceStudy,

@@ -239,7 +239,7 @@ pub(super) struct RateKeys<'a> {
     pub place: Span<usize>,
     /// Name of a bushing. Either this or `link` is given.
     pub bushing: &'a Option<Text>,
-    /// Name of a link.
+    /// or of a link.
     pub link: &'a Option<Text>,
     /// Axis of a bushing's stiffness.
     pub stiffness: &'a Option<Text>,

@@ -11,7 +11,7 @@ use crate::solve::Solver;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Refuses entries that a solid axle or a twist beam does not support. Returns true if there are none.
+/// Refuses entries that a solid axle or a twist beam does not support; true if there are none.
 pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool {
     let mut refused: Vec<(Option<Span<usize>>, &str)> = Vec::new();
     let motions = std::iter::once(&file.motion).chain(file.motions.values());
@@ -77,8 +77,7 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
     sound
 }
 
-/// Checks that four links hold the axle: two pairs, or a pair of lower links, a single upper link and a lateral link. The
-/// lateral link is a Panhard rod or a Watt linkage.
+/// Four links hold the axle: two pairs, or a pair of lower links, a single upper link and a Panhard rod or a Watt linkage.
 fn links(section: &file::Suspension, suspension: &Suspension, problems: &mut Problems) -> bool {
     let has = |name: &str| suspension.mechanism.point(name).is_some();
     let (has_panhard, has_watt) = (has("panhard_axle"), has("watt_pivot"));

@@ -196,7 +196,7 @@ impl Variable {
 /// Rate of an elastic part as a design variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rate {
-    /// Rate of a bushing along or about an axis, or of a link.
+    /// The rate: of a bushing along or about an axis, or of a link.
     pub parameter: Parameter,
     /// Value of the rate in the study.
     pub design: f64,
@@ -250,7 +250,7 @@ impl Rate {
         }
     }
 
-    /// Name of the axis. `None` for a link.
+    /// Name of the axis, of a bushing.
     pub fn axis_name(&self) -> Option<&'static str> {
         match self.parameter {
             Parameter::Stiffness(_, axis) => RATE_AXES.get(axis).copied(),

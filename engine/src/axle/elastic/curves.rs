@@ -99,7 +99,7 @@ impl StationReader<'_> {
         station: usize,
         at: ([f64; 2], f64),
     ) -> Result<Vec<Sensitivity>, NoEquilibrium> {
-        // The wheels move as mirror images, or separately.
+        // The wheels move as mirror images, or each by itself.
         let sides = match self.axle.right {
             None => &[None][..],
             Some(_) => &[Some(Side::Left), Some(Side::Right)],

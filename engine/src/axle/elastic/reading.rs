@@ -1,4 +1,4 @@
-//! Quantities of an axle in equilibrium, and their derivatives along its motions and by its design.
+//! Quantities of an axle in an equilibrium, and their derivatives along its motions and by its design.
 //!
 //! With toe t, camber, contact points C and vertical forces F at the wheels, each in the frame of its side,
 //!
@@ -7,7 +7,7 @@
 //! track = C_l.y + C_r.y                                                                           (2)
 //! ```
 //!
-//! A characteristic that contains velocities is evaluated along heave: both wheels rise together.
+//! A characteristic that is made of velocities is read along heave: both wheels rise together.
 
 use super::super::{Axle, AxleColumn, AxleQuantity, Motion, Quantity, WheelQuantity};
 use super::TestFigure;
@@ -21,8 +21,8 @@ use crate::model::{Axis, Side};
 use crate::number::{Jet, Real, Scalar, Tape, Tracked, Vector3};
 use crate::study::AxleComplianceStudy;
 
-/// Reason why an equilibrium does not have a quantity, with the alternatives. `None` if it has it. `is_derivative` asks for
-/// derivatives along a motion.
+/// The reason why an equilibrium does not have a quantity, and the alternatives; `None` if it has it. `is_derivative` asks
+/// for derivatives along a motion.
 pub fn not_in_equilibrium(quantity: Quantity, is_derivative: bool) -> Option<[&'static str; 2]> {
     use AxleQuantity as A;
     use WheelQuantity as W;
@@ -158,7 +158,7 @@ impl<T: Scalar> Reader<'_, T> {
         }
     }
 
-    /// A quantity that is no test figure.
+    /// A quantity that is no figure of a test.
     fn quantity(&mut self, read: &AxleRead) -> Option<T> {
         let AxleRead { quantity, by } = *read;
         if by.is_some() && not_in_equilibrium(quantity, true).is_some() {
@@ -199,8 +199,8 @@ impl<T: Scalar> Reader<'_, T> {
     }
 }
 
-/// Values of a station under one set of conditions. `None` for missing values. `secants` gives the differences over the
-/// window of a test.
+/// Values of a station under one kind of conditions; `None` for those that it does not have. `secants` gives the
+/// differences over the window of a test.
 fn read<T: Scalar>(
     run: &AxleKcRun<'_>,
     here: &mut Here<T>,

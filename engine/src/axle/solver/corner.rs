@@ -178,7 +178,7 @@ impl<'a, const N: usize> Corner<'a, N> {
             found = pose.and_then(|pose| read(solver, slopes, pose));
             ControlFlow::Continue(())
         });
-        // The constructor has checked the design position.
+        // The design position was looked at when the solver was made.
         let found = visited.map_err(|_| Failure::Singular).and(found);
         if let Err(failure @ Failure::Unreachable { limit, .. }) = found {
             self.ends.push(End {
@@ -190,7 +190,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         found.map_err(|failure| self.fails(travel, failure))
     }
 
-    /// Solves the wheel at a travel on this ground.
+    /// The wheel at a travel on this ground.
     pub(super) fn height(
         &mut self,
         travel: f64,

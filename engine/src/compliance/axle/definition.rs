@@ -11,9 +11,9 @@ pub struct AxleCompliance<T = f64> {
     pub wheels: [Compliance<T>; 2],
     /// Subframe; `None` if the body holds all inner ends.
     pub subframe: Option<Subframe<T>>,
-    /// Stiffness between the commanded and the actual rack displacement, as force per length. `None` for a rigid connection.
+    /// Stiffness between commanded rack and rack: force per length. `None` for a rigid one.
     pub rack_rate: Option<T>,
-    /// Rate of the anti-roll bar: torque per angle between its levers. `None` without a bar.
+    /// Rate of the anti-roll bar: torque per angle between its levers. `None` without it.
     pub bar_rate: Option<T>,
 }
 
@@ -34,7 +34,7 @@ impl AxleCompliance {
         is_rigid && self.subframe.is_none() && self.rack_rate.is_none()
     }
 
-    /// Sets the rate of a bushing, link, rack or anti-roll bar. For a curve, the value is a factor on its forces.
+    /// Sets the rate of a bushing, link, rack or anti-roll bar; of a curve, the factor of its forces.
     pub fn set_rate(&mut self, of: AxleParameter, value: f64) {
         match self.shared_number(of.parameter) {
             Some(number) => *number = value,

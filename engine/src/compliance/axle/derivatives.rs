@@ -61,7 +61,7 @@ impl<T: Scalar> ElasticAxle<T> {
         })
     }
 
-    /// Rate of all unknowns as an input changes.
+    /// Rate of all unknowns along a change of an input.
     fn rate(&self, tangent: &AxleTangent<T>, change: &AxleChange<T>) -> AxleStep<T> {
         let zero = self.like();
         let equations = &tangent.equations;

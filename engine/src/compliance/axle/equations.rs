@@ -99,7 +99,7 @@ pub(in super::super) struct SideEquations<T> {
     factors: SquareLu<T>,
     frames: Frames<T>,
     around: Surroundings<T>,
-    /// Columns of A_c^-1 B_c, one for each shared unknown that moves.
+    /// A_c^-1 B_c, a column for each shared unknown that moves.
     responses: Vec<[T; MOST]>,
 }
 
@@ -107,7 +107,7 @@ pub(in super::super) struct SideEquations<T> {
 #[derive(Clone, Debug)]
 pub(in super::super) struct AxleEquations<T> {
     pub(in super::super) sides: [SideEquations<T>; 2],
-    /// Indices of the shared unknowns that move.
+    /// Numbers of the shared unknowns that move.
     active: Vec<usize>,
     /// Forces on the shared bodies, in the left wheel's axes.
     pub(in super::super) force: [T; SHARED],

@@ -1,7 +1,7 @@
 //! One of the two travels of a rigid axle (see `model/rigid_axle.rs`).
 //!
-//! z_n and z_f are the heights of the near and the far wheel centre above their design positions. s is 1 for the mean and -1
-//! for the difference. r is the given value; it takes the place of the rack's displacement in other mechanisms.
+//! With z_n and z_f the heights of the near and the far wheel centre over their design positions, s = 1 for the mean or
+//! s = -1 for the difference, and r the value that is held, where other mechanisms have the rack's displacement:
 //!
 //! ```text
 //! F  = (z_n + s z_f)/2 - r                                          (1)
@@ -9,14 +9,13 @@
 //! f  = (1 + s)/2 z,   m = (l_n + s l_f)/2 x z,   q = -1             (3)
 //! ```
 //!
-//! l_n and l_f are the levers of both centres about the origin, z is the vertical unit vector. Rates along the motion (v,
-//! w):
+//! l_n and l_f are the levers of both centres about the origin, z the vertical unit vector. Rates along the motion (v, w):
 //!
 //! ```text
 //! f' = 0,   m' = (w x (l_n + s l_f)/2) x z,   q' = 0                (4)
 //! ```
 //!
-//! F is linear in the pose. The far wheel of a twist beam is on a rocker of the near half. Then the wrench of its height and
+//! F is linear in the pose. The far wheel of a twist beam stands on a rocker of the near half: then the wrench of its height and
 //! its rate are those of a force on a rocker (see `rocker_end.rs`), and F is not linear.
 
 use super::rocker_end::constant_push_rate;

@@ -1,25 +1,24 @@
-//! A link with one end on a rocker: the second link of a Watt linkage.
+//! A link of which one end is on a rocker: the second link of a Watt linkage.
 //!
-//! The rocker rotates about an axis in its base, the body or the knuckle, and its rod rotates it (see module `rocker`). x is
-//! the end on the rocker, p the other end. d is the vector from the inner to the outer end, d0 in the design position.
+//! The rocker turns about an axis in its base, the body or the knuckle, and its rod turns it (see module `rocker`). With x the end
+//! on the rocker, p the other end, d the way from the inner to the outer end, and d0 that way in the design position,
 //!
 //! ```text
 //! F = (d.d - d0.d0)/(2 |d0|),   dF = g.(d outer - d inner) + ..,   g = d/|d0|                    (1)
 //! ```
 //!
-//! G and H = -G are the forces of (1) at x and p: G = (x - p)/|d0|, whichever of the two is the outer end. Let f be a point
-//! of the axis and e its direction. n is the rod's end on the rocker, o its other end, s = n - o. The rod's tension k
-//! balances G about the axis:
+//! G and H = -G are the parts of (1) at x and p: G = (x - p)/|d0| for an outer and for an inner x. Let f be a point of the axis and e its
+//! direction, n and o the rod's ends on the rocker and off it, s = n - o. The rod's tension k balances G about the axis:
 //!
 //! ```text
 //! k = N/D,   N = e.(x - f) x G,   D = e.(n - f) x s                                              (2)
 //! ```
 //!
-//! So p has the force H, and o has the force K = k s. The base has the remaining force G - K, with the moment of G at x
-//! minus that of K at o. Those forces that act on the knuckle give the row (f, m).
+//! So p has the force H, o has K = k s, and the base has the rest: the force G - K with the moment of G at x less that of K
+//! at o. Those of them on the knuckle are the row (f, m).
 //!
-//! Rates along the motion: points of the knuckle move with it, those of the body do not move. The rod keeps its length, so
-//! the rocker rotates in its base with
+//! Rates along the motion: points of the knuckle move with it, those of the body stand still. The rod keeps its length, so
+//! the rocker turns in its base with
 //!
 //! ```text
 //! w' = s.(o' - b)/(s.e x (n - f)),   b the velocity of the base at n                             (3)
@@ -31,8 +30,8 @@
 //! k' = (N' - k D')/D,   K' = k' s + k s'                                                         (4)
 //! ```
 //!
-//! A point of the body may move sideways in the opposite direction to a point c of the knuckle (the mount of a twist beam).
-//! A force on it acts on c along y with the opposite sign.
+//! A force on a point of the body that moves sideways opposite to a point c of the knuckle (the mount of a twist beam) is a force on c
+//! along y, of the other sign.
 
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Configuration, Twist, Wrench};
@@ -140,7 +139,7 @@ impl<T: Real> RockerEnd<T> {
             false => (outer, inner),
         };
         let Some(turned) = TurnedRocker::under(x, at, along) else {
-            // Another row represents such a link, so this row has no wrench.
+            // A row of its own stands for such a link, so this row has no wrench.
             return Wrench::zero(at.rack);
         };
         let knuckle = KnuckleMotion { at, along };
@@ -222,7 +221,7 @@ impl<T: Real> KnuckleMotion<'_, '_, T> {
     }
 }
 
-/// A rocker that its rod rotates, with its motion (3).
+/// A rocker that its rod turns, with its motion (3).
 struct TurnedRocker<'a, 'c, T> {
     knuckle: KnuckleMotion<'a, 'c, T>,
     rocker: Rocker,
@@ -236,7 +235,7 @@ struct TurnedRocker<'a, 'c, T> {
 }
 
 impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
-    /// The rocker that carries a point. `None` if another body carries it.
+    /// The rocker that a point sits on; `None` for a point of another body.
     #[inline(always)]
     fn under(x: PointId, at: &'a Configuration<'c, T>, along: &'a Twist<T>) -> Option<Self> {
         let Body::Rocker(id) = at.mechanism.body(x) else {

@@ -254,8 +254,7 @@ fn refuse_stiffness(file: &File, problems: &mut Problems) -> Option<()> {
     }
 }
 
-/// Stiffness between the commanded rack position and the rack, with the column in series. The inner `None` means that both
-/// are rigid.
+/// Stiffness between the commanded rack and the rack, the column in series; the inner `None` if both are rigid.
 fn rack_rate(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Option<f64>> {
     let Some(steering) = file.steering.as_ref().map(Spanned::get_ref) else {
         return Some(None);

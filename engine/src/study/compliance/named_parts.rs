@@ -23,7 +23,7 @@ pub struct NamedParts<'s> {
     pub bushings: Vec<NamedBushing<'s>>,
     /// Links with their stiffness.
     pub links: Vec<(&'s str, AxialStiffness)>,
-    /// Position in which the parts carry no force.
+    /// Position in which the parts are relaxed.
     pub relaxed: Relaxed,
 }
 

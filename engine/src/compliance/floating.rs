@@ -19,7 +19,7 @@ pub(super) struct Floating<T> {
     pub(super) outer: Bushing<T>,
     /// Vector from the carrier's reference point to the outer end.
     pub(super) joint: Vector3<T>,
-    /// Stiffness vector about the link's line, as in [`Swinging::spin`].
+    /// Direction of the link's line, with the root of a stiffness as its length, as in [`Swinging::spin`].
     pub(super) spin: Vector3<T>,
 }
 

@@ -38,8 +38,8 @@ pub(super) struct Swinging<T> {
     pub(super) seat: Option<(Vector3<T>, Seat<T>)>,
     /// Drop link of an anti-roll bar, with its lever from the outer joint.
     pub(super) bar: Option<(Vector3<T>, BarSeat<T>)>,
-    /// Scaled direction of a link's line, about which only torsion holds the part; `None` for an arm. It gives a stiffness
-    /// there for the forces at the design load, as in [`Bushing::slack`].
+    /// Direction of a link's line, with the root of a stiffness as its length; `None` for an arm. Only torsion holds a link
+    /// about its line, so the search for the forces at the design load adds this stiffness there.
     pub(super) spin: Option<Vector3<T>>,
 }
 

@@ -22,8 +22,8 @@
 //!
 //! The equation contains only the cosine, so psi stays in the half-turn of the design position. When theta passes a multiple
 //! of pi, the arm does not pass its highest or lowest position (its dead centre), but turns back. At the dead centre itself,
-//! no finite speed of the arm gives the speed of theta. If point 1 is not beside point 5 (d51 > rho), there are no positions
-//! near it.
+//! no finite speed of the arm gives the speed of theta. If the line 1-5 is not normal to the axis (d51 > rho), there are no
+//! positions near it.
 
 use crate::mechanism::DesignFault;
 use crate::mechanism::constraint::axis_ends;
@@ -110,7 +110,8 @@ mod tests {
         PaperTheta::of(&mechanism, &design).unwrap()
     }
 
-    /// If 1 is beside 5 on a horizontal axis, theta equals psi. The arm falls as theta grows, and rises again beyond pi.
+    /// If the line 1-5 is normal to a horizontal axis, theta equals psi. The arm falls as theta grows, and rises again
+    /// beyond pi.
     #[test]
     fn the_arm_turns_back_at_pi() {
         let drive = sample();

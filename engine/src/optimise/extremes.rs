@@ -24,7 +24,7 @@ const FAR: f64 = 1.0;
 
 /// Search for the place of an extreme, where the slope vanishes.
 pub(super) struct Search {
-    /// Index of the sought extreme among [`Leg::extremes`].
+    /// Index of the extreme to follow among [`Leg::extremes`].
     pub of: usize,
     /// Row that receives the extreme.
     pub row: usize,

@@ -337,7 +337,7 @@ impl Solver<'_> {
 
 /// Places before an end at which the leverage of a rod is checked, as shares of the distance to the end.
 const BEFORE_END: [f64; 4] = [0.99, 0.9999, 0.999_999, 0.999_999_99];
-/// Leverage below which a rod is at its toggle. The angle between its line and the axis is then half a degree.
+/// A rod whose leverage is below this is at its toggle: its line passes the axis at half a degree.
 const AT_TOGGLE: f64 = 0.01;
 
 impl Curve<'_> {

@@ -1,4 +1,4 @@
-//! Forces in the constraints under a load on the wheel.
+//! The forces that constraints carry under a load on the wheel.
 //!
 //! By virtual work, multipliers l of the closure equations balance a wrench w on the knuckle:
 //!
@@ -6,15 +6,16 @@
 //! J^T l + w = 0                                                                   (1)
 //! ```
 //!
-//! The row of a rod is the unit force along it, so its multiplier is the force with which the rod pushes the knuckle. The
-//! row of a strut line is a unit force on the knuckle across the strut. The rows of a hinge are unit forces at its points.
-//! The sixth row is the support, which holds the suspension: the spring or, if a study has none, a vertical force at the
-//! wheel centre. A spring on a rocker acts through the rod, whose tension follows from the moments about the rocker's axis.
+//! The row of a rod is the unit force along it, so its multiplier is the force with which the rod pushes the knuckle.
+//! The row of a strut line is a unit force on the knuckle across the strut. The rows of a hinge are unit forces at its
+//! points. The sixth row is the support, which keeps the suspension from moving: the spring or, if a study has none, a
+//! vertical force at the wheel centre. A spring on a rocker acts through the rod, whose tension follows from the moments
+//! about the rocker's axis.
 //!
-//! A rigid axle has two supports, one at each wheel. The far one takes the row of the held travel, which is no part of the
-//! mechanism.
+//! A rigid axle has two supports, one at each wheel. The far one stands in the row of the held travel, which is no part of
+//! the mechanism.
 //!
-//! All of it is generic over the number type. With series along a design variable, a force includes its derivative by that
+//! All of it is generic over the number. On series along a design variable, a force comes with its derivative by that
 //! variable. The factors of the matrix are those of its constant part.
 
 use crate::linear::lu::{Lu6, Matrix6, Vector6};
@@ -262,7 +263,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
         }
     }
 
-    /// Value of one reaction. `None` if the mechanism has no such reaction.
+    /// Value of one reaction; `None` if it names nothing in the mechanism.
     pub fn force(&self, carried: &Reactions<T>, what: Carried) -> Option<T> {
         match what {
             Carried::Tension(inner, outer) => tension(&carried.constraints, inner, outer),

@@ -16,8 +16,8 @@ use crate::solve::Solver;
 pub struct AxleLimits {
     /// Ranges of the travels.
     pub travels: TravelRanges,
-    /// Smallest and largest displacement of the rack towards the left wheel's outside, at zero travel. `None` if no part is
-    /// on the rack.
+    /// The least and the largest displacement of the rack towards the left wheel's outside, at zero travel. `None` if
+    /// nothing is on the rack.
     pub rack: Option<[AxleEnd; 2]>,
     /// Smallest and largest roll angle (radians) at zero heave, with the rack in the middle. `None` if it is not known.
     pub roll: [Option<AxleEnd>; 2],
@@ -103,7 +103,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         })
     }
 
-    /// Range of the mean travel of a rigid axle, with equal travels of both wheels.
+    /// The range of the mean travel of a rigid axle, with equal travels of both wheels.
     fn heave_range(&self) -> Result<Range, (Side, DesignFault)> {
         let [left, _] = self.designs();
         let mechanism = self.axle.left.mechanism.holding(AxleTravel::Difference);

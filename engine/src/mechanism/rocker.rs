@@ -585,7 +585,7 @@ impl<T: Scalar> Configuration<'_, T> {
         -moment(at, force) / moment(inner, (outer - inner).normalised())
     }
 
-    /// Tension in the rod for a moment on its rocker, positive in the sense of the rocker's angle.
+    /// Tension in the rod of a rocker for a moment on the rocker, in the sense of its angle.
     pub(crate) fn rod_tension_by_moment(&self, id: RockerId, moment: T) -> T {
         let rocker = self.mechanism.rocker(id);
         let [first, second] = [rocker.first, rocker.second].map(|id| self.designed(id));

@@ -1,13 +1,13 @@
 //! Curves as a pure function of the design: offsets of variables in, values and exact Jacobians out.
 //!
-//! Optimisers, surrogate models and differentiable programs need such a function. A [`DesignFunction`] owns its data,
-//! is `Send + Sync` and has no lifetime. Every thread takes its own [`Evaluation`] from it. Arrays are plain slices;
-//! the last index runs fastest. Values are in the units of the column names. Offsets are in the study's length unit and
-//! axes. A value that does not exist is NaN, with a status that gives the reason. No row is dropped.
+//! Optimisers, surrogate models and differentiable programs need such a function. A [`DesignFunction`] owns its data, is
+//! `Send + Sync` and has no lifetime. Every thread takes its own [`Evaluation`] from it. Arrays are plain slices; the last
+//! index runs fastest. Values are in the units of the column names. Offsets are in the study's length unit and axes. A value
+//! that does not exist is NaN, with a status that gives the reason. No row is dropped.
 //!
-//! A variable of an axle moves the same points of both wheels, each in the frame of its side. So a derivative is the
-//! sum of both wheels' gradients along the variable's rates. A right wheel with hardpoints of its own moves as the left one
-//! does.
+//! A variable of an axle moves the same points of both wheels, each in the frame of its side. So a derivative is the sum of
+//! both wheels' gradients along the variable's rates. A right wheel with its own hardpoints moves by the same displacements
+//! as the left wheel.
 
 mod variable;
 
@@ -32,19 +32,19 @@ use std::sync::Arc;
 /// Curves of a study as a function of its variables.
 #[derive(Clone, Debug)]
 pub struct DesignFunction {
-    /// The wheel of a corner, or the left wheel of an axle.
+    /// Single wheel, or left wheel of an axle.
     suspension: Arc<Suspension>,
-    /// The right wheel of an axle, if it has hardpoints of its own.
+    /// Right wheel of an axle, if it has its own hardpoints.
     right: Option<Arc<Suspension>>,
     names: Vec<DesignVariable>,
-    /// The points that the variables of `names` move.
+    /// Points that the variables of `names` move.
     variables: Vec<Variable>,
     request: Arc<Request<'static>>,
-    /// Numbers of the motion's stations among those of the request, in the order of the results.
+    /// Indices of the motion's stations among those of the request, in the order of the results.
     of_motion: Vec<usize>,
-    /// Drive value and rack displacement of each station of the motion, as results print them.
+    /// Drive value and rack displacement of each station of the motion, in printed units.
     motion: Vec<[f64; 2]>,
-    /// The points that any variable moves.
+    /// Points that any variable moves.
     moved: Vec<PointId>,
 }
 
@@ -54,20 +54,20 @@ pub struct DesignFunction {
 pub enum DesignStatus {
     /// Every station has a pose.
     Ok = 0,
-    /// Some station cannot be reached, or has no derivatives.
+    /// Some station has no pose or no derivatives.
     Failed = 1,
     /// The design cannot be solved at all.
     Faulty = 2,
 }
 
 impl DesignFunction {
-    /// The outputs of a study over its motion, as a function of its variables ([`DesignVariable::of`]). Fails for the
-    /// reasons in [`FunctionError`].
+    /// Makes the function of a study: its outputs over its motion, with the variables of [`DesignVariable::of`]. Fails for
+    /// the reasons in [`FunctionError`].
     pub fn of(study: &Study) -> Result<Self, FunctionError> {
         DesignFunction::with_variables(study, DesignVariable::of(study))
     }
 
-    /// The outputs of a study over its motion, as a function of these variables.
+    /// Makes the function of a study with these variables.
     pub fn with_variables(
         study: &Study,
         names: Vec<DesignVariable>,
@@ -100,24 +100,24 @@ impl DesignFunction {
             let values = function.values().map(drop);
             values.map_err(|fault| fault.describe(&study.wheel().mechanism))
         });
-        // From here on workspaces can be made.
+        // A workspace made earlier proves that later ones can be made.
         solved.map_err(FunctionError::Design)?;
         Ok(function)
     }
 
-    /// The variables, with names and ranges, in the order of a row of `x`.
+    /// Variables with names and ranges, in the order of a row of `x`.
     pub fn variables(&self) -> &[DesignVariable] {
         &self.names
     }
 
-    /// Names of the outputs with their units, as columns have them.
+    /// Names of the outputs with their units, as in column headings.
     pub fn outputs(&self) -> Vec<String> {
         let columns = self.request.columns().iter();
         columns.map(|column| column.name.clone()).collect()
     }
 
-    /// Drive value and rack displacement of each station in the units and axes of the results. For an axle the drive
-    /// value is that of the first number that moves.
+    /// Drive value and rack displacement of each station, in the units and axes of the results. For an axle, the drive value
+    /// is that of the first coordinate that moves.
     pub fn motion(&self) -> Vec<[f64; 2]> {
         self.motion.clone()
     }
@@ -127,7 +127,7 @@ impl DesignFunction {
         self.of_motion.len()
     }
 
-    /// Numbers of an evaluation of one design: outputs times stations.
+    /// Number of values for one design: outputs times stations.
     pub fn len(&self) -> usize {
         self.request.columns().len() * self.stations()
     }
@@ -137,8 +137,8 @@ impl DesignFunction {
         self.len() == 0
     }
 
-    /// A workspace to evaluate with, one for each thread. Its evaluators are made when values, or derivatives, are first
-    /// requested.
+    /// Makes a workspace for evaluations, one for each thread. The first request for values makes its evaluator; so does the
+    /// first request for derivatives.
     pub fn evaluation(&self) -> Evaluation<'_> {
         Evaluation {
             function: self,
@@ -163,7 +163,8 @@ impl DesignFunction {
     }
 }
 
-/// The request of a corner's outputs over its motion, and drive value and rack of each station as results print them.
+/// Request of a wheel's outputs over its motion. Also returns drive value and rack displacement of each station in printed
+/// units.
 fn of_corner(own: &WheelStudy) -> Result<(Request<'static>, Vec<[f64; 2]>), FunctionError> {
     let is_own_drive = own.motion.drive != crate::study::Drive::PaperTheta;
     if own.formulation != Formulation::KnucklePose || !is_own_drive {
@@ -201,8 +202,8 @@ fn of_corner(own: &WheelStudy) -> Result<(Request<'static>, Vec<[f64; 2]>), Func
     Ok((request, motion))
 }
 
-/// The request of an axle's quantities over its motion, and for each station the value of the first number that moves and
-/// the rack displacement, as results print them.
+/// Request of an axle's quantities over its motion. Also returns, for each station, the value of the first moving coordinate
+/// and the rack displacement in printed units.
 fn of_axle(
     AxleStudy { axle, plan, .. }: &AxleStudy,
 ) -> Result<(Request<'static>, Vec<[f64; 2]>), FunctionError> {
@@ -220,33 +221,33 @@ fn of_axle(
     Ok((Request::of_axle(stations), motion))
 }
 
-/// A workspace of a [`DesignFunction`]. It computes on the calling thread. If the engine is compiled without
-/// optimisation, as in the dev profile of a program that embeds it, that takes 8 MiB of stack. A thread of
-/// `std::thread` or rayon has a quarter of that by default.
+/// Workspace of a [`DesignFunction`]. It computes on the calling thread. If the engine is compiled without optimisation, as
+/// in the dev profile of a program that embeds it, it needs 8 MiB of stack. A thread of `std::thread` or rayon has a quarter
+/// of that by default.
 pub struct Evaluation<'f> {
     function: &'f DesignFunction,
     values: Option<Values<'f>>,
     gradients: Option<Gradients<'f>>,
     designs: Vec<Vector3<f64>>,
-    /// Designs of right wheels with hardpoints of their own; empty if the function has none.
+    /// Designs of right wheels with their own hardpoints. Empty if the function has none.
     rights: Vec<Vector3<f64>>,
     offsets: DVector<f64>,
-    /// Point rates of the left wheel (or the only one) and of the right wheel.
+    /// Point rates of the left (or only) wheel and of the right wheel.
     point_rates: [Vec<PointRate>; 2],
 }
 
-/// The evaluator of values, and the block it fills.
+/// Evaluator of values, and the block for its results.
 type Values<'f> = (Evaluator<'f>, Block);
 
-/// The evaluator of values with derivatives, and room for its results.
+/// Evaluator of values with derivatives, and memory for its results.
 type Gradients<'f> = (GradientEvaluator<'f>, Evaluated);
 
 impl<'f> Evaluation<'f> {
-    /// The values of several designs, in SIMD lanes: `x` has a row of variables for each, `values` gets
-    /// `[design][output][station]`, `status` an entry for each.
+    /// Computes the values of several designs in SIMD lanes. `x` has a row of variables for each design, `values` has the
+    /// shape `[design][output][station]`, and `status` has an entry for each design.
     ///
     /// # Panics
-    /// If the slices do not fit each other.
+    /// If the lengths of the slices do not match.
     pub fn values(&mut self, x: &[f64], values: &mut [f64], status: &mut [DesignStatus]) {
         let f = self.function;
         let width = f.variables.len();
@@ -284,12 +285,12 @@ impl<'f> Evaluation<'f> {
         }
     }
 
-    /// The values of several designs and their derivatives by the variables, exact, found together: `jacobian` gets
-    /// `[design][output][station][variable]`, per length unit (per degree of a turn). Designs go side by side in
-    /// SIMD lanes where their outputs can be differentiated there, else one by one.
+    /// Computes the values of several designs together with their exact derivatives by the variables. `jacobian` has the
+    /// shape `[design][output][station][variable]`, per length unit (per degree for a rotation). SIMD lanes hold several
+    /// designs if lanes can differentiate the outputs; otherwise designs are computed one by one.
     ///
     /// # Panics
-    /// If the slices do not fit each other.
+    /// If the lengths of the slices do not match.
     pub fn value_and_jacobian(
         &mut self,
         x: &[f64],
@@ -328,7 +329,7 @@ impl<'f> Evaluation<'f> {
         self.gradients = Some((evaluator, found));
     }
 
-    /// Forms the `count` designs whose variables are `x`.
+    /// Makes the `count` designs of the variables `x`.
     fn place(&mut self, x: &[f64], count: usize) {
         let f = self.function;
         let (width, points) = (self.offsets.len(), f.suspension.design.len());
@@ -347,7 +348,7 @@ impl<'f> Evaluation<'f> {
         }
     }
 
-    /// Finds how the variables move the points at `x`.
+    /// Computes the rates at which the variables move the points, at `x`.
     fn differentiate(&mut self, x: &[f64]) {
         let f = self.function;
         f.offsets(x, &mut self.offsets);
@@ -360,8 +361,7 @@ impl<'f> Evaluation<'f> {
         }
     }
 
-    /// Copies the values of design `number`, and its derivatives by the variables, which are formed from those by
-    /// points.
+    /// Copies the values of design `number`. Computes its derivatives by the variables from the derivatives by points.
     fn read(
         &self,
         found: &Evaluated,
@@ -403,7 +403,7 @@ impl<'f> Evaluation<'f> {
         }
     }
 
-    /// Stations without a pose of the designs whose values were last requested: (design, station of the motion, reason).
+    /// Stations without a pose in the latest call of values: (design, station of the motion, reason).
     pub fn failures(&self) -> impl Iterator<Item = (usize, usize, &NoPose)> {
         let f = self.function;
         let failures = self.values.iter().flat_map(|(_, block)| block.failures());
@@ -415,14 +415,14 @@ impl<'f> Evaluation<'f> {
 }
 
 impl DesignFunction {
-    /// Writes the offsets from the design into `into`; those of variables that are coordinates are 0.
+    /// Writes the offsets from the design into `into`. They are 0 for variables that are coordinates.
     fn offsets(&self, x: &[f64], into: &mut DVector<f64>) {
         for ((variable, x), into) in self.names.iter().zip(x).zip(into.iter_mut()) {
             *into = if variable.absolute { 0.0 } else { *x };
         }
     }
 
-    /// The study of this function with the variables at `x`.
+    /// Returns the study of this function with the variables at `x`.
     pub fn moved(&self, study: &Study, x: &[f64]) -> Study {
         let mut offsets = DVector::zeros(self.names.len());
         self.offsets(x, &mut offsets);
@@ -439,7 +439,8 @@ impl DesignFunction {
         moved
     }
 
-    /// Writes the design of a right wheel with hardpoints of its own, which moves as the left one does, into `into`.
+    /// Writes the design of a right wheel with its own hardpoints into `into`. It moves by the same displacements as the
+    /// left wheel.
     fn right_design(
         &self,
         own: &Suspension,
@@ -458,7 +459,7 @@ impl DesignFunction {
         }
     }
 
-    /// Writes the design at `x` into `into`: variables are offsets, or coordinates for those that are absolute.
+    /// Writes the design at `x` into `into`. Variables are offsets, or coordinates if they are absolute.
     fn design(&self, x: &[f64], offsets: &DVector<f64>, into: &mut [Vector3<f64>]) {
         let Suspension { design, frame, .. } = &*self.suspension;
         moved_design(design, frame, &self.variables, offsets, into);

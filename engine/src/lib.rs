@@ -26,16 +26,16 @@
 //! | axes | x forward, y left, z up (ISO 8855), a left wheel, unless [`SuspensionBuilder::frame`] and [`SuspensionBuilder::side`] say otherwise |
 //! | travel | height of the wheel centre above its design position, jounce positive |
 //! | rack | displacement along the suspension's +y |
-//! | units | lengths in the suspension's unit ([`LengthUnit`]: millimetres), angles in degrees, per length unit of travel where differentiated; column names end in the unit |
-//! | signs | camber is positive with the top of the wheel outboard, toe with its front inboard; of the others [`Characteristic::info`] has them |
-//! | kernel's frame | designs ([`Suspension::design`], [`Best::design`]), loads and the fields of targets are kept as those of a left wheel in ISO 8855 axes, angles in radians |
+//! | units | lengths in the suspension's unit ([`LengthUnit`], by default millimetres), angles in degrees, derivatives per length unit of travel; column names end with the unit |
+//! | signs | camber is positive with the top of the wheel outboard, toe with its front inboard; [`Characteristic::info`] gives the other signs |
+//! | kernel's frame | designs ([`Suspension::design`], [`Best::design`]), loads and fields of targets are those of a left wheel in ISO 8855 axes, with angles in radians |
 //!
-//! [`Study::sweep`] and [`Study::tune`] have examples; [`DesignFunction`] gives exact Jacobians to an optimiser of one's own.
+//! [`Study::sweep`] and [`Study::tune`] have examples. [`DesignFunction`] gives exact Jacobians to your own optimiser.
 //! `hardpoint` re-exports the public items of this crate, and its first page has a map of its modules. A program that
 //! embeds the solver depends on this crate alone and begins with `use hardpoint_engine as hardpoint`. In the
 //! repository, `docs/rust.md` is the manual of both crates. It also gives the settings of a development profile.
 
-// The engine prints nothing; only commands do.
+// The engine prints nothing. Only commands print.
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 #![warn(clippy::allow_attributes_without_reason, unreachable_pub)]
 
@@ -86,7 +86,7 @@ pub mod threads;
 #[doc(hidden)]
 pub mod tolerance;
 
-// Suspensions.
+// Suspensions and their parts.
 pub use mechanism::{BuildError, GeometryFault, HardpointFault, SuspensionBuilder};
 pub use model::{
     Axis, AxlePosition, Frame, FrameConvention, Group, Hardpoint, LengthUnit, PointId, Rod, Side,
@@ -94,7 +94,7 @@ pub use model::{
 };
 pub use number::Vector3;
 
-// What is asked of them.
+// Requests.
 pub use ask::{Info, Need, Unit};
 pub use axle::Axle;
 pub use characteristics::{Characteristic, Measure, Quantity};
@@ -106,7 +106,7 @@ pub use study::{
     WheelStudy,
 };
 
-// The answers.
+// Results.
 pub use curves::{Column, Curves, Proof, Sensitivity, Station, Status};
 pub use front_door::{Error, SuspensionPose, SweepControl};
 pub use function::{DesignFunction, DesignStatus, DesignVariable, Evaluation, FunctionError};

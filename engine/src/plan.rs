@@ -1,4 +1,4 @@
-//! The plan of a computation: the values that the outputs of a study need, and no others.
+//! Plan of a computation: the values that the outputs of a study need, and no others.
 //!
 //! The plan makes every decision on cost:
 //!
@@ -15,14 +15,14 @@ use crate::model::{Axis, PointId};
 use crate::solve::StationOrder;
 use crate::study::{Drive, ElasticFigure, Formulation, Load, Optimise, Order, TimeLaw, WheelStudy};
 
-/// One quantity with the derivatives asked for.
+/// One quantity with its requested derivatives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Output {
-    /// The quantity.
+    /// Quantity to compute.
     pub quantity: Quantity,
-    /// Name of the value, as column names write it: `camber`.
+    /// Name of the value, as in column names: `camber`.
     pub name: String,
-    /// Unit of the value, as column names write it: `deg`. Empty for a plain number.
+    /// Unit of the value, as in column names: `deg`. Empty for a plain number.
     pub unit: String,
     /// Factor from a value in the kernel's frame (radians or length units) to the printed value.
     pub factor: f64,
@@ -30,14 +30,14 @@ pub struct Output {
     pub highest: usize,
 }
 
-/// Everything that one computation of curves needs to know: motion, outputs, gradients, loads.
+/// Complete description of a computation of curves: motion, outputs, gradients, loads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// Input of the mechanism that the motion gives.
+    /// Coordinate of the mechanism that drives the motion.
     pub drive: Drive,
     /// Equations that give the poses.
     pub formulation: Formulation,
-    /// Drive values and the order in which they are visited.
+    /// Drive values, and the order in which the solver visits them.
     pub station_order: StationOrder,
     /// Rack displacements, in the study's axes.
     pub racks: Vec<f64>,
@@ -53,25 +53,25 @@ pub struct Plan {
     pub reads: Slots,
     /// Coefficients of the power series of a pose: 1 for positions alone.
     pub coefficients: usize,
-    /// Hardpoints by which gradients are computed; empty for none.
+    /// Hardpoints for which gradients are computed. May be empty.
     pub sensitivities: Vec<PointId>,
-    /// True if each pose is proved.
+    /// True if each pose is certified.
     pub certify: bool,
-    /// Loads whose forces in links and joints are computed.
+    /// Loads for which the forces in links and joints are computed.
     pub loads: Vec<Load>,
-    /// Figures of the study that formulas read.
+    /// Data of the study that formulas read, for example dimensions of the vehicle.
     pub constants: Constants,
-    /// Figures of tests on elastic parts. Their columns follow those of the outputs.
+    /// Test figures of elastic parts. Their columns follow those of the outputs.
     pub figures: Vec<ElasticFigure>,
 }
 
 impl Plan {
-    /// The plan of a wheel's curves.
+    /// Plan of a wheel's curves.
     pub fn of(own: &WheelStudy) -> Plan {
         Plan::with(own, &own.outputs.characteristics, &own.outputs.figures)
     }
 
-    /// The plan of the curves before and after an optimisation: outputs of the study, then quantities of its targets.
+    /// Plan of the curves before and after an optimisation: outputs of the study, then quantities of its targets.
     pub fn with_targets(own: &WheelStudy, optimise: Option<&Optimise>) -> Plan {
         let mut characteristics = own.outputs.characteristics.clone();
         let targets = optimise.iter().flat_map(|o| &o.targets);
@@ -173,7 +173,7 @@ impl Plan {
 }
 
 impl Order {
-    /// The order in words.
+    /// Name of the order.
     pub fn name(self) -> &'static str {
         ["position", "velocity", "acceleration"][self as usize]
     }

@@ -1,5 +1,4 @@
-//! Pools of threads for the numerics, with stacks that are large enough for every profile, and the flags that end their
-//! work.
+//! Thread pools for the numerics, with stacks that are large enough for every profile, and flags that stop their work.
 
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use std::cell::{Cell, RefCell};
@@ -7,12 +6,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A flag that ends work early; `None` if nothing can end it.
+/// A flag that stops work. `None` if nothing can stop it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Interrupt<'a>(pub(crate) Option<&'a AtomicBool>);
 
 impl Interrupt<'_> {
-    /// Returns true if the work is to end.
+    /// Returns true if the work must stop.
     #[inline]
     pub(crate) fn is_raised(self) -> bool {
         match self.0 {
@@ -23,15 +22,15 @@ impl Interrupt<'_> {
 }
 
 thread_local! {
-    /// Flag that ends the work of this thread at its next checkpoint.
+    /// Flag that stops the work of this thread at its next checkpoint.
     static STOP: RefCell<Option<Arc<AtomicBool>>> = const { RefCell::new(None) };
 }
 
-/// Payload of the unwinding that ends work at a checkpoint.
+/// Payload of the unwinding that stops work at a checkpoint.
 struct Stopped;
 
-/// Runs work on this thread that ends at its next checkpoint when the flag is raised: between stations, steps of a path, and
-/// equilibria. Returns `None` if it ended so. Parallel parts of the work ask their own flags.
+/// Runs work on this thread. If the flag is raised, the work stops at its next checkpoint: between stations, steps of a
+/// path, or equilibria. Returns `None` if it was stopped. Parallel parts of the work check their own flags.
 pub fn stoppable<T>(flag: &Arc<AtomicBool>, work: impl FnOnce() -> T) -> Option<T> {
     let outer = STOP.replace(Some(flag.clone()));
     let found = catch_unwind(AssertUnwindSafe(work));
@@ -43,7 +42,7 @@ pub fn stoppable<T>(flag: &Arc<AtomicBool>, work: impl FnOnce() -> T) -> Option<
     }
 }
 
-/// Ends the work of this thread if it is to stop ([`stoppable`]).
+/// Stops the work of this thread if its flag is raised ([`stoppable`]).
 pub(crate) fn checkpoint() {
     let is_raised = |flag: &Option<Arc<AtomicBool>>| {
         flag.as_ref()
@@ -54,21 +53,21 @@ pub(crate) fn checkpoint() {
     }
 }
 
-/// Bytes of stack of every thread. Without optimisation every temporary has its own place in a frame: at opt-level 0 a sweep
-/// overflows 4 MiB and a certificate 10 MiB. (Threads of rayon have 2 MiB, a main thread usually 8.) The profile of an
-/// embedding program is outside the engine's control, and a stack overflow ends the process. Untouched pages take address
-/// space only.
+/// Stack size of every thread in bytes. Without optimisation every temporary has its own place in a frame: at opt-level 0 a
+/// sweep overflows 4 MiB, and a certificate 10 MiB. (Threads of rayon have 2 MiB, a main thread usually 8.) The profile of
+/// an embedding program is outside the engine's control, and a stack overflow ends the process. Unused pages only take
+/// address space.
 const STACK: usize = 64 << 20;
 
 thread_local! {
-    /// True if this thread belongs to a pool that was made here.
+    /// True if this thread belongs to a pool that this module made.
     static HAS_LARGE_STACK: Cell<bool> = const { Cell::new(false) };
 }
 
-/// A pool with this number of threads; 0 for rayon's default.
+/// Makes a pool with this number of threads; 0 means rayon's default.
 ///
 /// # Errors
-/// The system cannot start the threads.
+/// If the system cannot start the threads.
 pub fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
     ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -77,8 +76,8 @@ pub fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
         .build()
 }
 
-/// Runs a task on a large stack, with this number of threads for its parallel parts. It uses a pool of its own, or this
-/// thread if it belongs to such a pool already. If no thread can be started, it also runs on this thread, whose stack may
+/// Runs a task on a large stack, with this number of threads for its parallel parts. It uses a new pool, or this thread if
+/// it already belongs to such a pool. If no thread can be started, the task also runs on this thread, whose stack may
 /// suffice.
 pub(crate) fn on_large_stacks<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
     let own = match HAS_LARGE_STACK.get() {
@@ -95,7 +94,7 @@ pub(crate) fn on_large_stacks<T: Send>(threads: usize, run: impl FnOnce() -> T +
 mod tests {
     use super::*;
 
-    /// Touches so many KiB of stack.
+    /// Uses this many KiB of stack.
     fn descend(kib: usize) -> usize {
         let frame = std::hint::black_box([1_u8; 1024]);
         match kib {
@@ -104,7 +103,7 @@ mod tests {
         }
     }
 
-    /// A stack of 8 MiB, let alone the 2 MiB of rayon's threads, would end this test's process.
+    /// A stack of 8 MiB, or the 2 MiB of rayon's threads, would overflow in this test and end the process.
     #[test]
     fn stacks_are_larger_than_those_of_a_main_thread() {
         assert_eq!(on_large_stacks(1, || descend(12 << 10)), 12 << 10);
@@ -112,7 +111,7 @@ mod tests {
         assert_eq!(all, [12 << 10; 2]);
     }
 
-    /// Work ends at the checkpoint after the flag is raised, and outer work only by its own flag.
+    /// Work stops at the checkpoint after its flag is raised. Outer work stops only by its own flag.
     #[test]
     fn work_ends_at_a_checkpoint() {
         let [outer, inner] = [(); 2].map(|()| Arc::new(AtomicBool::new(false)));

@@ -1,8 +1,8 @@
 """Exact suspension kinematics with analytic derivatives, and the tuning of hardpoints.
 
-Units are those of the column names (degrees, the study's length unit), axes the study's. Arrays are float64 in C
-order. NaN is "no value", never an exception in a batch; a study that is wrong raises `StudyError`, with `line`,
-`column`, `key` and `help`.
+Units are those of the column names (degrees, the study's length unit). Axes are those of the study. Arrays are float64 in C
+order. NaN means "no value"; batch functions return it and raise no exception. A wrong study raises `StudyError`, with
+`line`, `column`, `key` and `help`.
 
 >>> import hardpoint as hp
 >>> study = hp.loads(hp.template("macpherson"))
@@ -88,11 +88,11 @@ __all__ = [
 
 
 def run(arguments: Sequence[str | PathLike[str]]) -> int:
-    """Runs a command of the program in this process, as in run(["report", "out/front"]), printing as it does; its exit
-    code: 0 done, 1 something could not be solved, 2 wrong input. Ctrl-C stops it."""
+    """Runs a command of the program in this process, as in run(["report", "out/front"]), and prints its messages. Returns
+    the exit code: 0 done, 1 something could not be solved, 2 wrong input. Ctrl-C stops the command."""
     return _hardpoint.command([str(a) for a in arguments])
 
 
 def _main() -> None:
-    """The program `hardpoint`, installed with the module."""
+    """Runs the program `hardpoint`, which is installed with the module."""
     sys.exit(_hardpoint.command(sys.argv[1:], is_program=True))

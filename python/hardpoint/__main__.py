@@ -1,4 +1,4 @@
-"""`python -m hardpoint` is the program."""
+"""Runs the program with `python -m hardpoint`."""
 
 from . import _main
 

@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 
 
 class Cases(Frame):
-    """Results of load cases: the columns of `cases.csv`, a row for each case."""
+    """Results of load cases: the columns of `cases.csv`, with a row for each case."""
 
     cases: tuple[str, ...]
     """Names of the cases, `static` first."""
@@ -37,7 +37,7 @@ class Cases(Frame):
         self.cases = cases
 
     def of(self, case: str) -> dict[str, float]:
-        """The results of one case by column."""
+        """Results of one case, by column."""
         row = self.cases.index(case)
         return {name: float(values[row]) for name, values in self.items()}
 
@@ -48,14 +48,14 @@ class Cases(Frame):
 
 @dataclass(frozen=True, eq=False)
 class CarTuning:
-    """Result of a tuning of a car. Names are those of SciPy's OptimizeResult where it has them."""
+    """Result of a tuning of a car. Names follow SciPy's OptimizeResult if it has the same quantity."""
 
     x: Floats
-    """Values of the variables (k): offsets of hardpoints, values of rates and figures."""
+    """Values of the variables (k): offsets of hardpoints, values of rates and parameters of the car."""
     success: bool
     """True if the tuning ended at a minimum."""
     message: str
-    """How it ended."""
+    """Outcome in words."""
     misfit: float
     """Root of the weighted mean of squared deviations, in tolerances."""
     variables: tuple[str, ...]
@@ -63,13 +63,13 @@ class CarTuning:
     targets: Frame
     """A row for each target: output, case, tolerance, deviation in tolerances, wanted and values (before, after) as pairs."""
     side_effects: Frame
-    """Changes that no target asks for, those beyond a customary tolerance first: output, unit, before_min, before_max, after_min,
-    after_max, largest_change, case, wheel, at, tolerance, flagged, lost; empty with side_effects = false in [optimise]."""
+    """Changes without a target, those beyond a customary tolerance first: output, unit, before_min, before_max, after_min,
+    after_max, largest_change, case, wheel, at, tolerance, flagged, lost. Empty with side_effects = false in [optimise]."""
     studies: dict[str, str]
-    """Texts of the tuned studies by the name of the file: optimised.toml, optimised_front.toml, optimised_rear.toml."""
+    """Texts of the tuned studies by file name: optimised.toml, optimised_front.toml, optimised_rear.toml."""
 
     def save(self, directory: str | PathLike[str]) -> Path:
-        """Writes the three studies into a directory; returns the path of the car's."""
+        """Writes the three studies into a directory. Returns the path of the car's study."""
         place = Path(directory)
         place.mkdir(parents=True, exist_ok=True)
         for name, text in self.studies.items():
@@ -81,13 +81,13 @@ class CarTuning:
 
 
 class Car:
-    """The study of a car, validated: immutable, pickled as its text and those of its axles."""
+    """Validated study of a car. It is immutable, and pickles as its text and the texts of its axles."""
 
     __slots__ = ("_car",)
 
     def __init__(self, path: str | PathLike[str], overrides: Overrides | None = None) -> None:
-        """The car of a file with [car], which names the files of both axles. `overrides` such as
-        {"car.wheelbase": 2700.0, "front.spring.rate": 32.0} as the program's `--set`."""
+        """Reads the car of a file with [car], which names the files of both axles. `overrides`, such as {"car.wheelbase":
+        2700.0, "front.spring.rate": 32.0}, act like the program's `--set`."""
         self._car = _hardpoint.Car.load(path, written(overrides))
 
     @classmethod
@@ -102,9 +102,9 @@ class Car:
         name: str = "car",
         **sections: Any,
     ) -> Car:
-        """The car of two axles and numbers, without TOML. `car` is the section [car] without the names of files, as in
-        {"wheelbase": 2650.0, "mass": 1500.0, "cg": [-1290.0, 0.0, 550.0]}; `cases` are mappings as {"name": "turn",
-        "ay": 0.8}; `outputs` are names of results or the section [outputs]. Other sections go by their names, as in
+        """Makes a car from two axles and numbers, without TOML. `car` is the section [car] without file names, as in
+        {"wheelbase": 2650.0, "mass": 1500.0, "cg": [-1290.0, 0.0, 550.0]}. `cases` are mappings, as in {"name": "turn",
+        "ay": 0.8}. `outputs` are names of results, or the section [outputs]. Give other sections by name, as in
         `optimise={"variables": [...], "targets": [...]}`; docs/car.md explains them."""
         own: dict[str, Any] = {"car": {"front": "front.toml", "rear": "rear.toml", **car}}
         if cases:
@@ -116,27 +116,27 @@ class Car:
 
     @property
     def text(self) -> str:
-        """The TOML text, with overrides applied."""
+        """TOML text with overrides applied."""
         return self._car.text
 
     @property
     def front(self) -> Study:
-        """The study of the front axle."""
+        """Study of the front axle."""
         return Study(self._car.axles[0])
 
     @property
     def rear(self) -> Study:
-        """The study of the rear axle."""
+        """Study of the rear axle."""
         return Study(self._car.axles[1])
 
     @property
     def name(self) -> str:
-        """Name, from the file's name."""
+        """Name from the file name."""
         return self._car.name
 
     @property
     def length_unit(self) -> str:
-        """Unit of every length."""
+        """Unit of all lengths."""
         return self._car.length_unit
 
     @property
@@ -146,35 +146,35 @@ class Car:
 
     @property
     def results(self) -> tuple[str, ...]:
-        """Columns of the results that the study asks for."""
+        """Columns of the results in the study's outputs."""
         return tuple(self._car.results)
 
     @property
     def variables(self) -> tuple[str, ...]:
-        """Columns of the variables of [optimise], else of [sweep]."""
+        """Columns of the variables of [optimise], otherwise of [sweep]."""
         return tuple(self._car.variables)
 
     def solve(self) -> Cases:
-        """The results of every load case; the numbers of `hardpoint solve`, to the bit. A case without equilibrium has
-        NaN, a status and a reason."""
+        """Results of all load cases, equal bit for bit to those of `hardpoint solve`. A case without equilibrium has NaN, a
+        status and a reason."""
         return Cases(_hardpoint.car_solve(self._car), self.cases)
 
     def derivatives(self) -> Floats:
-        """Exact derivatives (cases, results, variables) of `results` by `variables`, in the units of both columns. NaN where
-        a result is not defined in a case."""
+        """Exact derivatives (cases, results, variables) of `results` by `variables`, in the units of both columns. NaN if a
+        result is not defined in a case."""
         found: Floats = _hardpoint.car_derivatives(self._car)
         return found
 
     def sweep(
         self, *, threads: int | None = None, progress: Callable[[int, int], object] | None = None
     ) -> Sweep:
-        """The designs of the study's [sweep]; the numbers of `hardpoint sweep`, to the bit. `progress(done, all)` is
-        called about twenty times a second."""
+        """Solves the designs of the study's [sweep]. Results equal those of `hardpoint sweep` bit for bit. `progress(done,
+        all)` is called about twenty times a second."""
         found = _hardpoint.car_sweep(self._car, threads, progress)
         return Sweep(found["columns"], found)
 
     def optimise(self, *, threads: int | None = None) -> CarTuning:
-        """Tunes the car as the study's [optimise] says; the numbers of `hardpoint optimise`."""
+        """Tunes the car by the study's [optimise]. Results equal those of `hardpoint optimise`."""
         found = _hardpoint.car_optimise(self._car, threads)
         names = ("optimised.toml", "optimised_front.toml", "optimised_rear.toml")
         return CarTuning(
@@ -196,7 +196,7 @@ class Car:
 
 
 def _effect(record: dict[str, Any]) -> dict[str, Any]:
-    """A row of `CarTuning.side_effects`."""
+    """Row of `CarTuning.side_effects`."""
     return {"case": "", **effect_row(record)}
 
 

@@ -1,4 +1,4 @@
-"""Set-up, builds, assemblies, comparisons, and files for and from other tools."""
+"""Set-up, builds, assemblies, comparisons, and exchange of files with other tools."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ Source = Study | Run | str | os.PathLike[str]
 
 
 def _program(*arguments: Any) -> str:
-    """Runs a command in this process; its text for standard error. Exit code 1, that something could not be solved, is no
-    exception: the rest is there."""
+    """Runs a command in this process and returns its text for standard error. Exit code 1 means that something could not be
+    solved. It raises no exception, since all other results exist."""
     code, said = _hardpoint.command_captured([str(a) for a in arguments])
     if code not in (0, 1):
         raise HardpointError(said_here(said) or f"exit code {code}")
@@ -31,7 +31,7 @@ def _program(*arguments: Any) -> str:
 
 
 def said_here(text: str) -> str:
-    """A message of the program; options of the command line are parameters here."""
+    """Converts a message of the program: options of the command line become parameters."""
     text = text.replace("in a file for --map", "in names")
     text = re.sub(r"--force\b", "force=True", text.strip().removeprefix("error: "))
     return re.sub(r"(?<![\w-])--([a-z][a-z-]*)", lambda option: option[1].replace("-", "_"), text)
@@ -39,7 +39,7 @@ def said_here(text: str) -> str:
 
 @contextmanager
 def _in_words_of_python() -> Iterator[None]:
-    """Errors of the program in the words of this module."""
+    """Converts errors of the program to the names of this module."""
     try:
         yield
     except StudyError:
@@ -49,31 +49,32 @@ def _in_words_of_python() -> Iterator[None]:
 
 
 def _options(**values: Any) -> list[str]:
-    """Options of the command line; those that are None are left out."""
+    """Options of the command line, without those that are None."""
     given = {name.rstrip("_").replace("_", "-"): value for name, value in values.items() if value is not None}
     return [f"--{name}={value}" for name, value in given.items()]
 
 
 def kc(study: Study | Place, values: Overrides | None = None, /, *, names: str | None = None) -> Results:
-    """Tests of a kinematics and compliance rig, of a wheel or an axle, with the elastic parts of [compliance] or without
-    any. `values` replace fields of the study.
+    """Runs the tests of a kinematics and compliance rig on a wheel or an axle. The elastic parts of [compliance] are
+    optional. `values` replace fields of the study.
 
-    Tables: "kc" has a row for each station, test and figure, with its value, secant and unit; "levels" the equilibria under
-    each level of a load, with the forces of bushings and links; "compliance_matrix" displacement and rotation of the wheel
-    centre by forces and moments there; "sensitivities" exact derivatives of the figures, if [outputs] asks for them.
-    `names` ("adams", "altair") adds names and values by the definitions of these programs. `summary["design_load_N"]` is the
-    wheel load of the design position; `summary["without_equilibrium"]` lists loads that the wheel does not hold."""
+    Tables: "kc" has a row for each station, test and figure, with value, secant and unit. "levels" has the equilibria at
+    each level of a load, with the forces of bushings and links. "compliance_matrix" has displacement and rotation of the
+    wheel centre per force and moment there. "sensitivities" has exact derivatives of the figures, if [outputs] requests
+    them. `names` ("adams", "altair") adds names and values by the definitions of these programs. `summary["design_load_N"]`
+    is the wheel load of the design position. `summary["without_equilibrium"]` lists loads at which the wheel has no
+    equilibrium."""
     study = study_of(study).replace(values)
     return Results(_hardpoint.kc(study._study, names), study)
 
 
 def setup(study: Study | Place) -> Results:
-    """Solves for the adjustments that give the static values that [setup] wants.
+    """Finds the adjustments that give the static values of [setup].
 
-    Tables: "setup" (the instructions and the static values after each step), "effects" (effect of each adjustment) and
-    "curves". `summary["met"]` says whether every wanted value is met but for half steps of shims and turns. Each of
-    `summary["statics"]` has its value and error with the computed amounts (`set`, `miss`) and with those rounded to what
-    a mechanic can make (`set_rounded`, `miss_rounded`). `ride_height_change` is positive where the car becomes higher."""
+    Tables: "setup" (instructions, and static values after each step), "effects" (effect of each adjustment) and "curves".
+    `summary["met"]` is true if all wanted values are met up to half steps of shims and turns. Each of `summary["statics"]`
+    has value and error for the computed amounts (`set`, `miss`), and for amounts rounded to real steps (`set_rounded`,
+    `miss_rounded`). `ride_height_change` is positive if the car becomes higher."""
     study = study_of(study)
     return Results(_hardpoint.setup(study._study), study)
 
@@ -81,9 +82,9 @@ def setup(study: Study | Place) -> Results:
 def tolerance(
     study: Study | Car | Place, *, threads: int | None = None, progress: Callable[[int, int], object] | None = None
 ) -> Results:
-    """Effect of the scatter of [tolerance]: tables "tolerance", "contributors", "curves" and percentiles of them.
-    `progress(done, all)` is called about twenty times a second. `study.built(number)` is the study of one build. Of a `Car`
-    there are "tolerance" and "contributors"."""
+    """Computes the effect of the scatter of [tolerance]: tables "tolerance", "contributors", "curves", and percentiles of
+    them. `progress(done, all)` is called about twenty times a second. `study.built(number)` is the study of one build. For
+    a `Car` the tables are "tolerance" and "contributors"."""
     if is_car(study):
         return Results(_hardpoint.car_tolerance(study._car, threads, progress))
     study = study_of(study)
@@ -91,8 +92,8 @@ def tolerance(
 
 
 def assemblies(study: Study | Place, travel: float = 0.0, rack: float = 0.0) -> Frame:
-    """Every way to assemble the design's lengths at a travel and rack displacement, a row for each. Where the search could
-    not decide whether there are more, `HardpointError` says so."""
+    """Finds all assemblies of the design's lengths at a travel and a rack displacement, with a row for each. Raises
+    `HardpointError` if the search cannot decide whether there are more."""
     csv, undecided = _hardpoint.assemblies(study_of(study)._study, float(travel), float(rack))
     if undecided:
         raise HardpointError("undecided: whether there " + "; ".join(undecided))
@@ -100,9 +101,9 @@ def assemblies(study: Study | Place, travel: float = 0.0, rack: float = 0.0) -> 
 
 
 def compare(**studies: Study | Car | Place) -> Results:
-    """Curves and points of two or more studies side by side, as in `compare(before=a, after=b)`; columns bear these names.
-    Tables: "comparison" has every value and difference, "moved" the points that differ. `files["report.html"]` is a page
-    with the curves over each other. Cars are compared with cars: "comparison" has the results of all cases, "changes" their
+    """Compares curves and points of two or more studies, as in `compare(before=a, after=b)`. Columns carry these names.
+    Tables: "comparison" has all values and differences, "moved" has the points that differ. `files["report.html"]` is a
+    page with overlaid curves. Cars compare with cars: "comparison" has the results of all cases, "changes" has their
     largest changes."""
     if len(studies) < 2:
         raise HardpointError(f"compare takes two or more studies by name, as in compare(before=a, after=b); found {len(studies)}")
@@ -113,14 +114,14 @@ def compare(**studies: Study | Car | Place) -> Results:
 
 
 def merge(parts: Sequence[Place], out: Place) -> Run:
-    """Joins the directories of parts of a sweep to one, for those who want one file."""
+    """Joins the directories of a sweep's parts to one directory with one file."""
     _program("merge", *parts, "--out", out)
     return Run(out)
 
 
 def report(run: Run | Place, plots: Place | None = None, force: bool = False) -> Path:
-    """Makes one self-contained page of a run's directory, and pictures of its curves in the directory `plots`; the page's
-    path. Pictures that are there are replaced. Results in memory have a method `report(path)`."""
+    """Makes one self-contained page of a run's directory, and pictures of its curves in the directory `plots`. Replaces
+    existing pictures. Returns the path of the page. Results in memory have a method `report(path)`."""
     if not isinstance(run, (str, os.PathLike, Run)):
         raise HardpointError(f"report takes a Run or its directory; use .report(path) of {type(run).__name__}")
     path = run.path if isinstance(run, Run) else Path(run)
@@ -131,7 +132,7 @@ def report(run: Run | Place, plots: Place | None = None, force: bool = False) ->
 
 
 def _plain(value: Any) -> Any:
-    """Mappings, lists and numbers as JSON has them, from arrays and the like."""
+    """Converts arrays and similar objects to mappings, lists and numbers for JSON."""
     if isinstance(value, Mapping):
         return {str(key): _plain(inner) for key, inner in value.items()}
     if isinstance(value, (str, bool, int, float)) or value is None:
@@ -153,9 +154,9 @@ def import_points(
     side: str | None = None,
     sheet: str | None = None,
 ) -> tuple[Study, list[str]]:
-    """A study of points, and what was guessed, assumed and left over, a line each. `source` is a table (CSV, XLSX), a map
-    in JSON or an Adams/Car subsystem, or a mapping from names to (x, y, z), nested as it likes; `names` are those in it by
-    hardpoint."""
+    """Makes a study from points. Also returns remarks, one per line: guesses, assumptions and unused points. `source` is a
+    table (CSV, XLSX), a map in JSON, an Adams/Car subsystem, or a mapping from names to (x, y, z) with any nesting. `names`
+    gives the name in the source for a hardpoint."""
     if isinstance(source, Mapping):
         file, points = Path("points.json"), json.dumps(_plain(source))
     else:
@@ -184,11 +185,11 @@ def export(
     grow: float | None = None,
     force: bool = False,
 ) -> list[str]:
-    """Writes a study or run to the file `out` for other tools, in a `unit` and a `frame`. Returns a line for each thing that
-    this cost or left out. `to` is "csv", "xlsx", "adams", "optimumk", "assetto", "dxf" or "stl", by default as the file's
-    name ends (`.sub` is Adams/Car's, `.ini` Assetto Corsa's). `into` is a subsystem whose copy takes the points,
-    `design` a number in a sweep, `round` a length. `curves` and `names` ("adams", "altair") are for "csv", `travel` and
-    `rack` (as "-30..30") and `grow` for "stl"."""
+    """Writes a study or a run to the file `out` for other tools, in a `unit` and a `frame`. Returns a line for each loss or
+    omission. `to` is "csv", "xlsx", "adams", "optimumk", "assetto", "dxf" or "stl"; the default follows the file name
+    (`.sub` is Adams/Car, `.ini` is Assetto Corsa). `into` is a subsystem file; its copy receives the points. `design` is a
+    number in a sweep, and `round` is a length. `curves` and `names` ("adams", "altair") apply to "csv". `travel`, `rack`
+    (as "-30..30") and `grow` apply to "stl"."""
     kinds = {".csv": "csv", ".xlsx": "xlsx", ".sub": "adams", ".ini": "assetto", ".dxf": "dxf", ".stl": "stl"}
     kind = to or kinds.get(Path(out).suffix)
     options = _options(to=kind, into=into, design=design, unit=unit, frame=frame, round=round, names=names, travel=travel)
@@ -205,11 +206,11 @@ def export(
 
 
 def schema() -> dict[str, Any]:
-    """The JSON schema of studies."""
+    """JSON schema of studies."""
     found: dict[str, Any] = json.loads(_hardpoint.schema())
     return found
 
 
 def template(topology: str, parts: Sequence[str] = ()) -> str:
-    """A commented study of a topology that runs as it is, with parts such as "pushrod", "sweep", "optimise"."""
+    """Commented study of a topology, ready to run, with parts such as "pushrod", "sweep", "optimise"."""
     return _hardpoint.template(topology, list(parts))

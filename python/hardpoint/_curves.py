@@ -20,14 +20,14 @@ Floats = NDArray[np.float64]
 
 
 class Curves(Frame):
-    """Curves of a design: the columns of `curves.csv`, a row for each station. Columns of the motion come first."""
+    """Curves of a design: the columns of `curves.csv`, with a row for each station. Columns of the motion come first."""
 
     outputs: tuple[str, ...]
-    """Columns of the outputs that the study asks for."""
+    """Columns of the study's outputs."""
     sensitivities: Floats | None
-    """Derivatives (S, C, P, 3) of the C `outputs` by the hardpoints that the study names, in the column's unit per length
-    unit. Of an axle (sides, S, C, P, 3): one side where the right wheel is the mirror image and moves with the left one,
-    else by the left and the right hardpoints."""
+    """Derivatives (S, C, P, 3) of the C `outputs` by the study's sensitivity hardpoints, in the column's unit per length
+    unit. An axle has (sides, S, C, P, 3). There is one side if the right wheel is a mirror image and moves with the left
+    wheel. Otherwise the sides are derivatives by the left and by the right hardpoints."""
     sensitivity_points: tuple[str, ...]
     """Names of the P hardpoints."""
 
@@ -56,12 +56,12 @@ class Curves(Frame):
         return Results(_hardpoint.solve_files(self._study._study, self._of_motion), self._study)
 
     def save(self, directory: str | PathLike[str]) -> Path:
-        """Writes the files of `hardpoint solve` into a directory that is new or empty; the directory."""
+        """Writes the files of `hardpoint solve` into a new or empty directory. Returns the directory."""
         return self._results().save(directory)
 
     def report(self, path: str | PathLike[str], plots: str | PathLike[str] | None = None) -> Path:
-        """Writes one self-contained page to the file `path`, which is replaced, and pictures of the curves into the directory
-        `plots`; the path."""
+        """Writes one self-contained page to the file `path`, which is replaced, and pictures of the curves into the
+        directory `plots`. Returns the path."""
         return self._results().report(path, plots)
 
     def __repr__(self) -> str:

@@ -1,4 +1,4 @@
-"""The one base of results: a mapping of columns."""
+"""Common base of results: a mapping of columns."""
 
 from __future__ import annotations
 
@@ -28,22 +28,22 @@ class Column:
     """Meaning of a column."""
 
     name: str
-    """With its unit, as in `camber_deg`."""
+    """Name with the unit, as in `camber_deg`."""
     output: str
-    """Without order and unit."""
+    """Name without order and unit."""
     unit: str
-    """The unit alone; empty for a plain number."""
+    """Unit; empty for a plain number."""
     positive: str | None = None
-    """When it is positive, in words."""
+    """Meaning of a positive value, in words."""
 
     @property
     def formula(self) -> str:
-        """Formula of the output in the symbols of docs/characteristics.md; empty for what is no quantity of the catalogue."""
+        """Formula of the output in the symbols of docs/characteristics.md; empty for a column outside the catalogue."""
         return _catalogue().get(self._quantity, ("", ""))[0]
 
     @property
     def source(self) -> str:
-        """Source of the definition; empty where there is none."""
+        """Source of the definition; empty without a source."""
         return _catalogue().get(self._quantity, ("", ""))[1]
 
     @property
@@ -60,24 +60,24 @@ def _catalogue() -> dict[str, tuple[str, str]]:
 
 
 def column_of(name: str) -> Column:
-    """Meaning of a column as its name says it."""
+    """Meaning of a column, from its name."""
     unit = _UNIT.search(name)
     return Column(name, name[: unit.start()], unit[1]) if unit else Column(name, name, "")
 
 
 class Frame(dict[str, Array]):
-    """Columns of equal length by name, the names of the CSV files. Arrays are read-only, NaN is "no value".
+    """Columns of equal length by name, as in the CSV files. Arrays are read-only, and NaN means "no value".
 
-    It is a dict, so that `pandas.DataFrame(frame)` works, but nothing can be written to it. Two frames are equal if they
-    are the same object.
+    A frame is a dict, so `pandas.DataFrame(frame)` works, but it cannot be changed. Two frames are equal only if they are
+    the same object.
     """
 
     info: Mapping[str, Column]
     """Unit and sign of each column."""
     status: NDArray[np.uint8]
-    """Code of each row: a place in `hardpoint.STATUS`; 0 is ok."""
+    """Code of each row, an index into `hardpoint.STATUS`; 0 is ok."""
     motion: Mapping[str, Floats]
-    """The columns that say where a row is on the motion; empty where the rows are no stations."""
+    """Columns that give the station of a row; empty if rows are not stations."""
 
     def __init__(
         self,
@@ -99,7 +99,7 @@ class Frame(dict[str, Array]):
 
     @classmethod
     def of_records(cls, records: Iterable[Mapping[str, Any]]) -> Self:
-        """A frame of mappings, one for each row; inner mappings become columns such as "after_rms"."""
+        """Frame of mappings, one for each row. Inner mappings become columns such as "after_rms"."""
         rows = [_flat(record) for record in records]
         names = list(dict.fromkeys(name for row in rows for name in row))
         return cls({name: _cells([row.get(name) for row in rows]) for name in names})
@@ -111,12 +111,12 @@ class Frame(dict[str, Array]):
 
     @property
     def failed(self) -> NDArray[np.int64]:
-        """Numbers of the rows whose status is not 0."""
+        """Numbers of the rows with a status other than 0."""
         return np.flatnonzero(self.status)
 
     @property
     def reasons(self) -> tuple[str, ...]:
-        """Why the status of each row is not 0; empty where it is."""
+        """Reason for the status of each row; empty for rows with status 0."""
         if self._all_reasons is None:
             all_reasons = [""] * self.rows
             for row, reason in self._reasons.items():
@@ -125,8 +125,8 @@ class Frame(dict[str, Array]):
         return self._all_reasons
 
     def to_pandas(self, index: str | None = "motion") -> Any:
-        """A pandas DataFrame that shares the columns' memory. Its index is the motion where there is one; `index=None`
-        leaves all columns in place."""
+        """Pandas DataFrame that shares the columns' memory. The motion is the index if there is one; `index=None` keeps all
+        columns."""
         import pandas
 
         table = pandas.DataFrame(dict(self), copy=False)
@@ -135,7 +135,7 @@ class Frame(dict[str, Array]):
         return table if index is None else table.set_index(index)
 
     def to_xarray(self) -> Any:
-        """An xarray Dataset over one dimension, with units as attributes and the motion as coordinates."""
+        """Xarray Dataset over one dimension, with units as attributes and the motion as coordinates."""
         import xarray
 
         dimension = "station" if self.motion else "row"
@@ -148,7 +148,7 @@ class Frame(dict[str, Array]):
         return xarray.Dataset(variables, coords={**places, "status": (dimension, self.status)})
 
     def to_parquet(self, path: str | PathLike[str]) -> None:
-        """Writes the columns as Apache Parquet (zstd), a row group for each 131,072 rows; needs pyarrow."""
+        """Writes the columns as Apache Parquet (zstd), with a row group for each 131,072 rows. Needs pyarrow."""
         import pyarrow
         import pyarrow.parquet
 
@@ -165,7 +165,7 @@ class Frame(dict[str, Array]):
         )
 
     def plot(self, *names: str, ax: Any = None) -> Any:
-        """Draws columns over the first column of the motion, or over the row number; returns the axes of matplotlib."""
+        """Draws columns over the first column of the motion, or over the row number. Returns the axes of matplotlib."""
         for name in names:
             if name not in self:
                 raise HardpointError(f"there is no column {name!r}; there are {', '.join(self)}")
@@ -185,13 +185,13 @@ class Frame(dict[str, Array]):
         return ax
 
     def __arrow_c_stream__(self, requested_schema: Any = None) -> Any:
-        """The columns for programs that read Arrow (polars, DuckDB, pyarrow); needs pyarrow."""
+        """Exports the columns to programs that read Arrow (polars, DuckDB, pyarrow). Needs pyarrow."""
         import pyarrow
 
         return pyarrow.table(_for_arrow(self)).__arrow_c_stream__(requested_schema)
 
     def _repr_html_(self) -> str:
-        """The first and last rows, for notebooks."""
+        """First and last rows, for notebooks."""
         rows: list[int | None] = list(range(self.rows))
         if self.rows > _SHOWN_ROWS:
             half = _SHOWN_ROWS // 2
@@ -253,7 +253,7 @@ def _for_arrow(frame: Frame) -> dict[str, Any]:
 
 
 def html_of(title: str, head: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
-    """A table in HTML."""
+    """Table in HTML."""
     columns = "".join(f"<th>{html.escape(name)}</th>" for name in head)
     body = "".join("<tr>" + "".join(f"<td>{_shown(cell)}</td>" for cell in row) + "</tr>" for row in rows)
     return f"<p>{html.escape(title)}</p><table><thead><tr>{columns}</tr></thead><tbody>{body}</tbody></table>"
@@ -274,7 +274,7 @@ def _flat(record: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 
 
 def _cells(values: list[Any]) -> Array:
-    """An array of a column's cells: numbers with NaN for none, truth values, text with "" for none, or objects."""
+    """Array of a column's cells: numbers (NaN without a value), truth values, text ("" without a value), or objects."""
     known = [v for v in values if v is not None]
     if known and all(isinstance(v, bool) for v in known) and len(known) == len(values):
         return np.array(values, bool)
@@ -288,5 +288,5 @@ def _cells(values: list[Any]) -> Array:
 
 
 def status_words(status: Iterable[int]) -> Iterator[str]:
-    """The words of status codes."""
+    """Words for status codes."""
     return (STATUS[code] for code in status)

@@ -19,8 +19,8 @@ Designs = ArrayLike | Mapping[str, Any]
 
 
 def rows_of(x: Designs, names: list[str], unit: str = "") -> tuple[Floats, bool]:
-    """Designs as an array (n, k), and whether it was one alone. Tables and mappings are read by the names of their columns,
-    which may end in the length unit. A masked number is NaN."""
+    """Designs as an array (n, k), and true if x was a single design. Tables and mappings are read by column names, which
+    can end in the length unit. A masked number is NaN."""
     k = len(names)
     if isinstance(x, Mapping) or hasattr(x, "columns"):
         x = _by_name(x, names, unit)
@@ -40,7 +40,7 @@ def rows_of(x: Designs, names: list[str], unit: str = "") -> tuple[Floats, bool]
 
 
 def _by_name(table: Any, names: list[str], unit: str) -> Floats:
-    """The columns of these names, side by side."""
+    """Columns of these names, side by side."""
     there = set(table.columns if hasattr(table, "columns") else table)
     chosen = [name if name in there else f"{name}_{unit}" for name in names]
     missing = [name for name, column in zip(names, chosen, strict=True) if column not in there]
@@ -51,7 +51,7 @@ def _by_name(table: Any, names: list[str], unit: str) -> Floats:
 
 
 def _single(read: tuple[Floats, bool]) -> Floats:
-    """The one design of an array, with finite numbers."""
+    """Single design of an array, with finite numbers."""
     rows, single = read
     if not single:
         raise HardpointError(f"x has shape {rows.shape}; expected ({rows.shape[1]},), one design")
@@ -80,7 +80,7 @@ class _Constrained:
         self._last = {}
 
     def _found(self, kind: Literal["residuals", "constraints"], x: Designs, rows: int) -> tuple[Floats, Floats]:
-        """Values and derivatives; SciPy asks for both apart, so the last ones are remembered."""
+        """Values and derivatives. SciPy requests them separately, so the last ones are kept."""
         if self._constraints is None:
             raise HardpointError("this function has no constraints; make it with study.function(..., constraints=True)")
         designs, single = rows_of(x, self.variables, self._study.length_unit)
@@ -102,8 +102,8 @@ class _Constrained:
         return last[1].copy(), last[2].copy()
 
     def constraints(self, x: Designs) -> Floats:
-        """The constraints of [optimise] (c,) of one design: 0 or more where a limit is kept, and 0 where an equality is. A
-        violation of 1 is a visible one, such as a millimetre or a degree."""
+        """Constraints of [optimise] (c,) for one design. A limit is satisfied at 0 or above, an equality at 0. A violation
+        of 1 is a visible difference, such as a millimetre or a degree."""
         return self._kept(self._found("constraints", x, len(self.constraint_rows))[0])
 
     def constraint_jacobian(self, x: Designs) -> Floats:
@@ -111,12 +111,12 @@ class _Constrained:
         return self._kept(self._found("constraints", x, len(self.constraint_rows))[1])
 
     def _kept(self, rows: Floats) -> Floats:
-        """Rows of limits with the sign that SciPy expects."""
+        """Rows of limits, with the sign that SciPy expects."""
         rows[self.equalities :] *= -1.0
         return rows
 
     def scipy_constraints(self) -> list[dict[str, Any]]:
-        """The constraints as `scipy.optimize.minimize(method="SLSQP", constraints=...)` takes them."""
+        """Constraints in the form for `scipy.optimize.minimize(method="SLSQP", constraints=...)`."""
         parts = [("eq", slice(self.equalities)), ("ineq", slice(self.equalities, None))]
         return [
             {
@@ -132,9 +132,9 @@ class _Constrained:
 class Function(_Constrained):
     """Curves as a pure function of the design.
 
-    `f(x)` takes offsets (k,) and gives (A, S), or (n, k) and gives (n, A, S): A outputs at S stations. A variable such as
-    "tie_rod_inner_z" is a coordinate, not an offset. A table with columns of these names may be given for x. The methods
-    for constraints are of a function that was made with `constraints=True`.
+    `f(x)` takes offsets (k,) and returns (A, S), or takes (n, k) and returns (n, A, S): A outputs at S stations. A variable
+    such as "tie_rod_inner_z" is a coordinate, not an offset. A table with columns of these names can replace x. The methods
+    for constraints need a function made with `constraints=True`.
     """
 
     on_failure: Literal["nan", "raise"] = "nan"
@@ -143,9 +143,9 @@ class Function(_Constrained):
         self._study = study
         self._function = _hardpoint.Function(study._study, variables)
         self.variables: list[str] = self._function.variables
-        """Names (k)."""
+        """Names of the variables (k)."""
         self.bounds: Floats = self._function.bounds
-        """Lowest and highest value (k, 2), in the length unit; degrees of a turn."""
+        """Lowest and highest value (k, 2), in the length unit; in degrees for rotations."""
         self.outputs: list[str] = self._function.outputs
         """Column names (A)."""
         self._motion: Mapping[str, Floats] | None = None
@@ -153,7 +153,7 @@ class Function(_Constrained):
 
     @property
     def motion(self) -> Mapping[str, Floats]:
-        """Where the stations are, each (S,), as in `Curves.motion`."""
+        """Motion at the stations, each column (S,), as in `Curves.motion`."""
         if self._motion is None:
             from ._study import solve
 
@@ -162,32 +162,32 @@ class Function(_Constrained):
 
     @property
     def shape(self) -> tuple[int, int]:
-        """(A, S): numbers of outputs and stations."""
+        """Numbers of outputs and stations, (A, S)."""
         return len(self.outputs), self._function.stations
 
     def _rows(self, x: Designs) -> tuple[Floats, bool]:
         return rows_of(x, self.variables, self._study.length_unit)
 
     def __call__(self, x: Designs, threads: int | None = None) -> Floats:
-        """Values (A, S) or (n, A, S); NaN where a design has none."""
+        """Values (A, S) or (n, A, S); NaN for values that a design does not have."""
         rows, single = self._rows(x)
         values, _ = self._function.values(rows, threads)
         return values[0] if single else values
 
     def value_and_jacobian(self, x: Designs, threads: int | None = None) -> tuple[Floats, Floats]:
-        """Values, and their exact derivatives by the variables: (A, S, k) or (n, A, S, k)."""
+        """Values with their exact derivatives by the variables: (A, S, k) or (n, A, S, k)."""
         rows, single = self._rows(x)
         values, jacobian, _ = self._function.value_and_jacobian(rows, threads)
         return (values[0], jacobian[0]) if single else (values, jacobian)
 
     def status(self, x: Designs, threads: int | None = None) -> NDArray[np.uint8]:
-        """Code of each design (n,), a place in `hardpoint.STATUS`: "ok" if every station has a pose, "incomplete" if some
-        has none, "degenerate" if the design cannot be solved."""
+        """Code of each design (n,), an index into `hardpoint.STATUS`: "ok" if every station has a pose, "incomplete" if
+        some have none, "degenerate" if the design cannot be solved."""
         rows, _ = self._rows(x)
         return self._function.values(rows, threads)[1]
 
     def study(self, x: Designs) -> Study:
-        """The study of the design at x (k,)."""
+        """Study of the design at x (k,)."""
         from ._study import Study
 
         return Study(self._function.moved(_single(self._rows(x)).tolist()))
@@ -200,8 +200,8 @@ class Function(_Constrained):
 
 
 class Residuals(_Constrained):
-    """The targets of [optimise] as least squares: r(x) (m,) in tolerances, weighted so that the misfit is the root of
-    their mean square. SciPy asks for r and its Jacobian apart; the last x is remembered."""
+    """Targets of [optimise] as least squares: r(x) (m,) in tolerances. Weights make the misfit the root mean square of r.
+    SciPy requests r and its Jacobian separately, so the results for the last x are kept."""
 
     def __init__(self, study: Study, on_failure: Literal["nan", "raise"] = "nan") -> None:
         if on_failure not in ("nan", "raise"):
@@ -210,7 +210,7 @@ class Residuals(_Constrained):
         residuals = _hardpoint.Residuals(study._study)
         self._residuals = residuals
         self.on_failure: Literal["nan", "raise"] = on_failure
-        """What a design without residuals gives: "nan", so that an optimiser shortens its step, or "raise"."""
+        """Result for a design without residuals: "nan", so that an optimiser shortens its step, or "raise"."""
         self.variables: list[str] = residuals.variables
         """Names of the variables (k)."""
         self.bounds: Floats = residuals.bounds
@@ -220,19 +220,20 @@ class Residuals(_Constrained):
         self._constrain(residuals)
 
     def value_and_jacobian(self, x: Designs) -> tuple[Floats, Floats]:
-        """r (m,) and its derivatives (m, k). A design that cannot be solved gives NaN, or raises `HardpointError`."""
+        """Residuals r (m,) with their derivatives (m, k). A design that cannot be solved gives NaN, or raises
+        `HardpointError`."""
         return self._found("residuals", x, len(self.rows))
 
     def __call__(self, x: Designs) -> Floats:
-        """r (m,)."""
+        """Residuals r (m,)."""
         return self.value_and_jacobian(x)[0]
 
     def jacobian(self, x: Designs) -> Floats:
-        """Derivatives (m, k)."""
+        """Derivatives (m, k) of the residuals."""
         return self.value_and_jacobian(x)[1]
 
     def study(self, x: Designs) -> Study:
-        """The study of the design at the offsets x (k,)."""
+        """Study of the design at the offsets x (k,)."""
         from ._study import Study
 
         return Study(self._residuals.moved(_single(rows_of(x, self.variables, self._study.length_unit)).tolist()))

@@ -1,4 +1,4 @@
-"""Results of runs: in memory, or read back from their directories."""
+"""Results of runs, in memory or read back from their directories."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ._study import Study, load
 
 
 def write_pictures(pictures: Mapping[str, bytes], place: str | os.PathLike[str]) -> None:
-    """Writes pictures into a directory, by their names."""
+    """Writes pictures into a directory, under their names."""
     Path(place).mkdir(parents=True, exist_ok=True)
     for name, contents in pictures.items():
         (Path(place) / name).write_bytes(contents)
@@ -28,16 +28,16 @@ class Results(Mapping[str, Frame]):
         self.files: dict[str, bytes] = dict(files)
         """Contents of the files that the command writes, by name."""
         self.study = study
-        """The study; None of several studies."""
+        """Study of the command; None for several studies."""
         self._tables: dict[str, Frame] = {}
 
     @property
     def summary(self) -> Any:
-        """The contents of `summary.json`."""
+        """Contents of `summary.json`."""
         return json.loads(self.files.get("summary.json", b"{}"))
 
     def save(self, directory: str | os.PathLike[str]) -> Path:
-        """Writes the files into a directory that is new or empty; the directory."""
+        """Writes the files into a new or empty directory. Returns the directory."""
         path = Path(directory)
         path.mkdir(parents=True, exist_ok=True)
         if any(path.iterdir()):
@@ -49,8 +49,8 @@ class Results(Mapping[str, Frame]):
         return path
 
     def report(self, path: str | os.PathLike[str], plots: str | os.PathLike[str] | None = None) -> Path:
-        """Writes one self-contained page to the file `path`, which is replaced, and pictures of the curves into the directory
-        `plots`; the path."""
+        """Writes one self-contained page to the file `path`, which is replaced, and pictures of the curves into the
+        directory `plots`. Returns the path."""
         page: str | bytes | None = self.files.get("report.html")
         pictures: dict[str, bytes] = {}
         if "report.json" in self.files:
@@ -80,24 +80,24 @@ class Results(Mapping[str, Frame]):
         return f"<hardpoint.Results: {', '.join(self)}>"
 
     def _repr_html_(self) -> str:
-        """The tables, for notebooks."""
+        """Tables, for notebooks."""
         rows = [[name, self[name].rows, ", ".join(self[name])] for name in self]
         return html_of("hardpoint.Results", ["table", "rows", "columns"], rows)
 
 
 class Run(Mapping[str, Frame]):
-    """The results of a run: a mapping from the tables of its directory, such as "curves", to their columns.
+    """Results of a run: a mapping from the tables of its directory, such as "curves", to their columns.
 
-    The rows of a sweep are its table "designs", whether they stand in one file or in parts.
+    The table "designs" has the rows of a sweep, from one file or from several parts.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
-        """The directory."""
+        """Directory of the run."""
         if not self.path.is_dir():
             raise HardpointError(f"{self.path}: there is no such directory")
         self.files: list[str] = sorted(p.name for p in self.path.iterdir() if p.is_file() and not p.name.startswith("."))
-        """Names of its files."""
+        """Names of the files."""
         names = [name for name in self.files if name.endswith((".csv", ".parquet"))]
         self._tables: dict[str, list[Path]] = {}
         for name in names:
@@ -112,7 +112,7 @@ class Run(Mapping[str, Frame]):
 
     @property
     def command(self) -> str | None:
-        """The command, such as "solve"."""
+        """Command of the run, such as "solve"."""
         found = self.summary.get("command")
         if found is None and (self.path / "run.json").is_file():
             runs = json.loads((self.path / "run.json").read_text(encoding="utf-8"))["runs"]
@@ -121,22 +121,22 @@ class Run(Mapping[str, Frame]):
 
     @property
     def summary(self) -> dict[str, Any]:
-        """The contents of `summary.json`."""
+        """Contents of `summary.json`."""
         path = self.path / "summary.json"
         return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
 
     @property
     def study(self) -> Study:
-        """The study that was run."""
+        """Study of the run."""
         return load(self.path / "study.toml")
 
     @property
     def tuned(self) -> Study:
-        """The tuned study of a tuning."""
+        """Tuned study of a tuning."""
         return load(self.path / "optimised.toml")
 
     def scan(self) -> Any:
-        """The rows of a sweep as a pyarrow dataset, which need not fit into memory; takes pyarrow."""
+        """Rows of a sweep as a pyarrow dataset, which can be larger than memory. Needs pyarrow."""
         import pyarrow.dataset
 
         files = [str(path) for path in self._tables["designs"]]
@@ -166,5 +166,5 @@ def _parquet(files: list[Path]) -> dict[str, Any]:
 
 
 def read_run(directory: str | os.PathLike[str]) -> Run:
-    """The results in a run's directory."""
+    """Results in a run's directory."""
     return Run(directory)

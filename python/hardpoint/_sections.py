@@ -19,8 +19,8 @@ Member = str | Sequence[str]
 
 
 class Variable(TypedDict, total=False):
-    """A variable of [optimise], as in `Variable(hardpoint="tie_rod_inner", axis="z", range=(-5.0, 5.0))`. It is a dict with
-    the keys of the study; docs/study.md explains each."""
+    """Variable of [optimise], as in `Variable(hardpoint="tie_rod_inner", axis="z", range=(-5.0, 5.0))`. It is a dict with
+    the keys of the study, which docs/study.md explains."""
 
     hardpoint: str
     hardpoints: Sequence[str]
@@ -39,7 +39,7 @@ class Variable(TypedDict, total=False):
 
 
 class SweepVariable(TypedDict, total=False):
-    """A variable of [sweep]."""
+    """Variable of [sweep]."""
 
     hardpoint: str
     hardpoints: Sequence[str]
@@ -56,7 +56,7 @@ class SweepVariable(TypedDict, total=False):
 
 
 class Target(TypedDict, total=False):
-    """A target of [optimise], as in `Target(characteristic="toe", points=curve, tolerance=0.01)`."""
+    """Target of [optimise], as in `Target(characteristic="toe", points=curve, tolerance=0.01)`."""
 
     characteristic: str
     point: str
@@ -87,7 +87,7 @@ class Target(TypedDict, total=False):
 
 
 class Constraint(TypedDict, total=False):
-    """A constraint of [optimise], as in `Constraint(length="tie_rod", between=(345.0, 375.0))`."""
+    """Constraint of [optimise], as in `Constraint(length="tie_rod", between=(345.0, 375.0))`."""
 
     name: str
     length: Member
@@ -114,7 +114,7 @@ class Constraint(TypedDict, total=False):
 
 
 class Scatter(TypedDict, total=False):
-    """Scattering parts of [tolerance], as in `Scatter(hardpoint="tie_rod_inner", sigma=0.5)`."""
+    """Parts of [tolerance] that scatter, as in `Scatter(hardpoint="tie_rod_inner", sigma=0.5)`."""
 
     hardpoint: str
     hardpoints: Sequence[str]
@@ -151,7 +151,7 @@ class Band(TypedDict, total=False):
 
 
 class Adjustment(TypedDict, total=False):
-    """An adjustment of [setup], as in `Adjustment(length="tie_rod", per_turn=1.5)`."""
+    """Adjustment of [setup], as in `Adjustment(length="tie_rod", per_turn=1.5)`."""
 
     length: Member
     shim: str
@@ -173,15 +173,15 @@ def vehicle(
     name: str = "study.toml",
     **sections: Any,
 ) -> Study:
-    """A study from numbers, without TOML.
+    """Makes a study from numbers, without TOML.
 
-    `points` are the hardpoints of the topology, `motion` is as `{"travel": numpy.linspace(-80, 80, 41)}`, `outputs` are
-    names of characteristics or the section [outputs]. `right` makes it an axle: "mirrored", or the points of the right
-    wheel that are no mirror image, with their true y. Other sections go by their names, as in `wheel={"radius": 300.0}`
-    or `optimise={"variables": [Variable(...)], "targets": [Target(...)]}`; what a study with a section needs and means
-    is in docs/study.md.
+    `points` are the hardpoints of the topology. `motion` is a mapping, as in `{"travel": numpy.linspace(-80, 80, 41)}`.
+    `outputs` are names of characteristics, or the section [outputs]. `right` makes the study an axle: "mirrored", or the
+    points of the right wheel that differ from mirror images, with their true y. Give other sections by name, as in
+    `wheel={"radius": 300.0}` or `optimise={"variables": [Variable(...)], "targets": [Target(...)]}`. docs/study.md explains
+    the sections.
 
-    Raises `StudyError` where the study is wrong; `study.text` is the TOML of one that is right.
+    Raises `StudyError` if the study is wrong. `study.text` is the TOML of a correct study.
     """
     suspension: dict[str, Any] = {"topology": topology, "side": side, "length_unit": length_unit, "frame": frame}
     more = sections.pop("suspension", {})

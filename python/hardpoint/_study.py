@@ -1,4 +1,4 @@
-"""Studies, and what is asked of one design."""
+"""Studies, and functions that solve one design."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _BARE = re.compile("[A-Za-z0-9_-]+")
 
 
 def _toml(value: Any) -> str:
-    """A value in TOML: JSON's strings, numbers, lists and booleans are TOML's."""
+    """Value in TOML. Strings, numbers, lists and booleans of JSON are valid TOML."""
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{json.dumps(k)} = {_toml(v)}" for k, v in value.items()) + "}"
     if isinstance(value, (list, tuple, np.ndarray)):
@@ -48,7 +48,7 @@ def _is_tables(value: Any) -> bool:
 
 
 def _lines(section: Mapping[str, Any], path: str = "") -> Iterator[str]:
-    """A mapping as lines of TOML: a header for each table, a line for each value, so that errors have useful places."""
+    """Mapping as lines of TOML: a header for each table and a line for each value, so errors have useful places."""
     tables: list[tuple[str, str, Any]] = []
     for key, value in section.items():
         name = key if _BARE.fullmatch(key) else json.dumps(key)
@@ -71,7 +71,7 @@ def text_of(sections: Mapping[str, Any]) -> str:
 
 
 def written(overrides: Overrides | None) -> list[str]:
-    """Overrides as the program writes them: `motion.rack=5.0`."""
+    """Overrides in the form of the program: `motion.rack=5.0`."""
     return [f"{path}={_toml(v)}" for path, v in (overrides or {}).items()]
 
 
@@ -88,20 +88,20 @@ def _positions(values: ArrayLike, name: str) -> Floats:
 
 
 def load(path: str | PathLike[str], overrides: Overrides | None = None) -> Study:
-    """The study in a file; `overrides` such as {"motion.rack": 5.0} as the program's `--set`."""
+    """Reads the study in a file. `overrides`, such as {"motion.rack": 5.0}, act like the program's `--set`."""
     return Study(_hardpoint.Study.load(path, written(overrides)))
 
 
 def loads(
     text: str, overrides: Overrides | None = None, *, name: str = "study.toml", directory: str | PathLike[str] | None = None
 ) -> Study:
-    """The study of a text; `directory` is where the files that it names are."""
+    """Reads the study in a text. `directory` is the directory of the files that it names."""
     study = Study(_hardpoint.Study.loads(text, name, directory))
     return study.replace(overrides) if overrides else study
 
 
 class Study:
-    """A study, validated: immutable, hashable by its text, pickled as it."""
+    """Validated study. It is immutable, and hashes and pickles by its text."""
 
     __slots__ = ("_study",)
 
@@ -115,33 +115,33 @@ class Study:
 
     @property
     def name(self) -> str:
-        """The name, from the file's."""
+        """Name from the file name."""
         return self._study.name
 
     @property
     def text(self) -> str:
-        """The TOML text, with overrides applied and target curves from files written out."""
+        """TOML text with overrides applied and target curves from files written out."""
         return self._study.text
 
     @property
     def topology(self) -> str:
-        """Such as "macpherson"."""
+        """Topology, such as "macpherson"."""
         return self._study.topology
 
     @property
     def length_unit(self) -> str:
-        """The unit of every length, of the study and its results."""
+        """Unit of all lengths, in the study and its results."""
         return self._study.length_unit
 
     @property
     def variables(self) -> list[str]:
-        """Names of what moves by default: in [optimise], else in [sweep], else every coordinate, such as
+        """Names of the default variables: those of [optimise], otherwise of [sweep], otherwise all coordinates, such as
         "tie_rod_inner_dz" for an offset."""
         return self._study.variables
 
     @property
     def sweep_variables(self) -> list[str]:
-        """Names of the variables of [sweep]; empty without it."""
+        """Names of the variables of [sweep]; empty without [sweep]."""
         return self._study.sweep_variables
 
     @property
@@ -156,11 +156,11 @@ class Study:
 
     @property
     def design(self) -> Floats:
-        """Design positions (P, 3) in the study's axes and unit: a copy."""
+        """Copy of the design positions (P, 3), in the study's axes and unit."""
         return self._study.design
 
     def __getitem__(self, name: str) -> Any:
-        """The position (3,) of a point, as a copy; else the value of a key such as "motion.rack"."""
+        """Copy of the position (3,) of a point, or the value of a key such as "motion.rack"."""
         points = self._study.points
         if name in points:
             return self._study.design[points.index(name)].copy()
@@ -179,8 +179,8 @@ class Study:
         points: Mapping[str, ArrayLike] | None = None,
         design: ArrayLike | None = None,
     ) -> Study:
-        """The study with other values, as in {"motion.rack": 5.0}, and with other positions: of `points` by name, or the
-        whole `design` (P, 3). Positions alone are replaced without reading the text again."""
+        """Study with other values, as in {"motion.rack": 5.0}, and with other positions: `points` by name, or the whole
+        `design` (P, 3). If only positions change, the text is not read again."""
         study = self._study
         if values:
             study = study.with_overrides(written(values))
@@ -200,38 +200,39 @@ class Study:
         return Study(study.with_design(place))
 
     def to_dict(self) -> dict[str, Any]:
-        """The sections of the study as nested dicts and lists, which `Study.from_dict` takes."""
+        """Sections of the study as nested dicts and lists, for `Study.from_dict`."""
         return tomllib.loads(self.text)
 
     @classmethod
     def from_dict(cls, sections: Mapping[str, Any], name: str = "study.toml") -> Study:
-        """The study of a mapping as a TOML reader would give it: {"suspension": {...}, "motion": {...}}."""
+        """Makes a study from a mapping like that of a TOML reader: {"suspension": {...}, "motion": {...}}."""
         return loads(text_of(sections), name=name)
 
     def function(self, variables: Sequence[str] | None = None, *, constraints: bool = False) -> Function:
-        """The curves as a pure function of the design: by `variables` such as "tie_rod_inner_dz" for offsets,
-        "tie_rod_inner_z" for coordinates; by default those of [optimise], else of [sweep], else every coordinate of
-        every hardpoint. With `constraints` also the constraints of [optimise], by the same variables."""
+        """Curves as a pure function of the design. `variables` are names such as "tie_rod_inner_dz" for offsets and
+        "tie_rod_inner_z" for coordinates. The default is those of [optimise], otherwise of [sweep], otherwise all
+        coordinates of all hardpoints. With `constraints`, the function also has the constraints of [optimise], by the same
+        variables."""
         return Function(self, None if variables is None else list(variables), constraints)
 
     def residuals(self, on_failure: Literal["nan", "raise"] = "nan") -> Residuals:
-        """The targets of [optimise] as a function of its variables, in tolerances. Where a design has none they are NaN, so
-        that an optimiser shortens its step, or an exception."""
+        """Targets of [optimise] as a function of its variables, in tolerances. A design without residuals gives NaN, so
+        that an optimiser shortens its step, or raises an exception."""
         return Residuals(self, on_failure)
 
     def swept(self, number: int) -> Study:
-        """The study of one design of [sweep], by its number from 0."""
+        """Study of one design of [sweep], by its number from 0."""
         return Study(_hardpoint.swept_design(self._study, number))
 
     def built(self, number: int) -> Study:
-        """The study of one build of [tolerance], by its number from 0: the design that its parts make at rest."""
+        """Study of one build of [tolerance], by its number from 0. Its design is the assembly of the build's parts at rest."""
         return Study(_hardpoint.build(self._study, number))
 
     def _ipython_key_completions_(self) -> list[str]:
         return self.points
 
     def _repr_html_(self) -> str:
-        """The hardpoints, for notebooks."""
+        """Hardpoints, for notebooks."""
         rows = [[name, *position] for name, position in zip(self.points, self.design.tolist(), strict=True)]
         return html_of(repr(self), ["hardpoint", *(f"{axis}_{self.length_unit}" for axis in "xyz")], rows)
 
@@ -256,7 +257,7 @@ def is_car(source: object) -> TypeGuard[Car]:
 
 
 def study_of(source: Study | Car | str | PathLike[str]) -> Study:
-    """A study, or the study in a file."""
+    """Returns a study as it is, or reads the study in a file."""
     if isinstance(source, Study):
         return source
     if isinstance(source, (str, PathLike)):
@@ -273,9 +274,9 @@ def solve(study: Car, *, threads: int | None = None) -> Cases: ...
 def solve(
     study: Study | Car | str | PathLike[str], *, motion: str | None = None, threads: int | None = None
 ) -> Curves | Cases:
-    """The curves of the study's design over its motion, of both wheels where it is of an axle; the numbers of
-    `hardpoint solve`, to the bit. `motion` names one of [motions]. A `Car` gives its load cases. One design is solved on one
-    thread; `threads` is there as in other calls."""
+    """Solves the curves of the study's design over its motion; for an axle, of both wheels. Results equal those of
+    `hardpoint solve` bit for bit. `motion` names one of [motions]. A `Car` gives its load cases. One design uses one
+    thread; `threads` exists for uniformity with other calls."""
     if is_car(study):
         if motion is not None:
             raise HardpointError("a car has load cases and no motions; leave out motion")
@@ -286,31 +287,30 @@ def solve(
 
 @dataclass(frozen=True)
 class End:
-    """An end of a range."""
+    """End of a range."""
 
     value: float
-    """In the length unit, or degrees."""
+    """Limit, in the length unit or degrees."""
     cause: str
-    """Why it goes no further."""
+    """Reason for the limit."""
     build: int | None = None
-    """Number of the build that ends here; None of the nominal design."""
+    """Number of the build with this limit; None for the nominal design."""
 
 
 @dataclass(frozen=True)
 class Extent:
-    """How far something moves from the design position."""
+    """Range of a motion from the design position."""
 
     low: End
     high: End
 
 
 class Limits(Mapping[str, Extent | None]):
-    """How far things move, by name: of a wheel `travel`, `rack` and `arm_angle_deg`, of an axle `left_travel`,
-    `right_travel`, `rack` and `roll_deg`; None where there is nothing to move. Also as attributes:
-    `limits.travel.low.value`."""
+    """Ranges of motions by name: `travel`, `rack` and `arm_angle_deg` for a wheel; `left_travel`, `right_travel`, `rack`
+    and `roll_deg` for an axle. None if the study has no such motion. Ranges are also attributes: `limits.travel.low.value`."""
 
     rejected: int | None
-    """Number of builds that cannot be assembled or cannot move; None of the nominal design."""
+    """Number of builds that cannot be assembled or cannot move; None for the nominal design."""
 
     def __init__(self, found: Mapping[str, Any], rejected: int | None = None) -> None:
         ends = {name: both and Extent(*(End(*end) for end in both)) for name, both in found.items()}
@@ -339,7 +339,7 @@ class Limits(Mapping[str, Extent | None]):
         return f"<hardpoint.Limits: {'; '.join(ranges)}>"
 
     def _repr_html_(self) -> str:
-        """A row for each end, for notebooks."""
+        """Row for each end, for notebooks."""
         rows = [
             [name, end.value, end.cause, "" if end.build is None else end.build]
             for name, extent in self._ends.items()
@@ -365,10 +365,11 @@ def limits(
     threads: int | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> Limits | Frame:
-    """How far travel, rack and arm go, and why no further. With `builds` the nearest limits of the first builds of
-    [tolerance], each with the number of its build; `progress(done, all)` is called about twenty times a second.
+    """Limits of travel, rack and arm, with their reasons. `builds` gives the closest limits of the first builds of
+    [tolerance], each with the number of its build. `progress(done, all)` is called about twenty times a second.
 
-    Of a `Car` a frame: the acceleration at which the first wheel lifts, and the end of equilibrium, by direction and case."""
+    For a `Car` the result is a frame: the acceleration at which the first wheel lifts, and the end of equilibrium, by
+    direction and case."""
     if is_car(study):
         if builds is not None:
             raise HardpointError("limits of builds are those of a suspension; leave out builds")
@@ -380,9 +381,9 @@ def limits(
 
 
 def check(study: Study | Car | str | PathLike[str]) -> list[str]:
-    """Solves the study as `hardpoint check` does; a line for each doubt and remark, and a line that begins with
-    "not solved" (of a named motion "motion NAME: not solved") for each stretch of the motion without a pose. Of a `Car` the
-    position at rest is solved. A wrong study was refused before."""
+    """Solves the study like `hardpoint check`. Returns a line for each doubt and remark, and for each part of the motion
+    without a pose. The latter begins with "not solved" (for a named motion with "motion NAME: not solved"). For a `Car` it
+    solves the position at rest. A wrong study raises an error when it is loaded."""
     if is_car(study):
         remarks, failures = _hardpoint.car_check(study._car)
         return [*remarks, *(f"not solved: {failure}" for failure in failures)]

@@ -24,13 +24,13 @@ _NOT_FINITE = STATUS.index("not_finite")
 
 
 class Sweep(Frame):
-    """Rows of a sweep: the columns of `designs.csv`, a row for each design."""
+    """Rows of a sweep: the columns of `designs.csv`, with a row for each design."""
 
     variables: tuple[str, ...]
     """Columns of the variables, which come first."""
 
     curves: Frame | None
-    """With curves = true in [sweep] every station of every design: the columns of `curves.csv`. None without it. Designs
+    """Every station of every design, with curves = true in [sweep]: the columns of `curves.csv`. None otherwise. Designs
     that are not finite have no rows."""
 
     def __init__(
@@ -43,7 +43,7 @@ class Sweep(Frame):
         self._names = names
 
     def _source(self) -> tuple[Study, Floats | None]:
-        """The study, and the designs if they are not those of its [sweep]."""
+        """Study, and the designs if they do not come from its [sweep]."""
         if self._study is None:
             raise HardpointError('the sweep of a car is written by hp.run(["sweep", "car.toml", "--report"])')
         if self._names is None:
@@ -54,13 +54,14 @@ class Sweep(Frame):
         return self._study, np.ascontiguousarray(x)
 
     def save(self, directory: str | PathLike[str]) -> Path:
-        """Solves the designs again and writes the files of `hardpoint sweep` into a directory; the directory."""
+        """Solves the designs again and writes the files of `hardpoint sweep` into a directory. Returns the directory."""
         study, x = self._source()
         _hardpoint.sweep_into(study._study, Path(directory), x, self._names)
         return Path(directory)
 
     def report(self, path: str | PathLike[str]) -> Path:
-        """Solves the designs again and writes one self-contained page to the file `path`, which is replaced; the path."""
+        """Solves the designs again and writes one self-contained page to the file `path`, which is replaced. Returns the
+        path."""
         study, x = self._source()
         Path(path).write_text(_hardpoint.sweep_page(study._study, x, self._names), encoding="utf-8")
         return Path(path)
@@ -70,7 +71,7 @@ class Sweep(Frame):
 
 
 def _curves(csv: bytes, status: NDArray[np.uint8]) -> Frame:
-    """Curves of the designs that were solved."""
+    """Curves of the designs without those that are not finite."""
     table = _hardpoint.parse_table(csv)
     bad = np.flatnonzero(status == _NOT_FINITE)
     kept = ~np.isin(table["design"], bad)
@@ -98,11 +99,11 @@ def sweep(
     threads: int | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> Sweep:
-    """The designs of the study's [sweep], in arrays; the numbers of `hardpoint sweep`, to the bit.
+    """Solves the designs of the study's [sweep] into arrays. Results equal those of `hardpoint sweep` bit for bit.
 
-    With `x` (n, k) the designs are its rows, and no [sweep] is needed. Its columns are `variables`, by default those of
-    [sweep], else those of `study.variables`. A row with a number that is not finite has no values, and a status.
-    `progress(done, all)` is called about twenty times a second. The designs of a `Car` are those of its [sweep].
+    With `x` (n, k) the designs are its rows, and the study needs no [sweep]. Its columns are `variables`; the default is
+    the variables of [sweep], otherwise `study.variables`. A row with a number that is not finite has a status but no
+    values. `progress(done, all)` is called about twenty times a second. The designs of a `Car` are those of its [sweep].
     """
     if is_car(study):
         if x is not None or variables is not None:

@@ -27,46 +27,47 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Tuning:
-    """Result of a tuning. Names are those of SciPy's OptimizeResult where it has them."""
+    """Result of a tuning. Names follow SciPy's OptimizeResult if it has the same quantity."""
 
     x: Floats | None
     """Offsets of the best design (k,); None if no start succeeded."""
     success: bool
-    """True if every constraint is kept, no target is missed for want of a variable, and every curve of the tuned design was
-    found: where it is False, `hardpoint optimise` ends with exit code 1."""
+    """True if all constraints are satisfied, all curves of the tuned design exist, and no target is missed for lack of a
+    variable. Otherwise `hardpoint optimise` ends with exit code 1."""
     message: str
     """Outcome in words: misfit, violated constraints, how the kept start ended."""
     misfit: float
     """Root of the weighted mean of squared deviations, in tolerances; NaN if no start succeeded."""
     before: float | None
-    """The same of the study's own design."""
+    """Misfit of the study's own design."""
     variables: list[str]
     """Names of the variables (k)."""
     moves: Frame
-    """A row for each variable: design, tuned, offset, low, high, at_bound ("lower", "upper" or ""); of a fit its standard
-    error and interval."""
+    """A row for each variable: design, tuned, offset, low, high, at_bound ("lower", "upper" or ""). For a fit also its
+    standard error and interval."""
     targets: Frame
     """A row for each target: rms and worst deviation in tolerances, before and after."""
     constraints: Frame
     """A row for each constraint: margin (negative if violated), status "kept", "binds" or "violated", price."""
     side_effects: Frame
-    """A row for each change that no target asks for, flagged ones first: output, unit, before_min .. after_max,
-    largest_change, at, tolerance, flagged, lost; empty with side_effects = false in [optimise]."""
+    """A row for each change without a target, flagged ones first: output, unit, before_min .. after_max, largest_change,
+    at, tolerance, flagged, lost. Empty with side_effects = false in [optimise]."""
     front: Frame | None
-    """The trade-off of `front` in [optimise], a row for each design; None without it."""
+    """Trade-off of `front` in [optimise], with a row for each design; None without it."""
     prices: Frame | None
-    """The least misfit by size of the move, with `prices=True`."""
+    """Smallest misfit for each size of the move, with `prices=True`."""
     history: Frame
     """A row for each iteration of each start."""
     starts: Frame
-    """A row for each start: how it ended."""
+    """A row for each start, with its outcome."""
     scatter: float | None
     """Scatter of the measurements about a fit, in tolerances; None if the tuning is no fit."""
     expected_yield: dict[str, float] | None
-    """With robust = "yield": shares of builds within all bands, `without_scatter` and `tuned`, of so many `builds`, and the
-    `surrogate` of the search; None in other tunings."""
+    """Shares of builds within all bands, with robust = "yield": `without_scatter` and `tuned`, from `builds` builds, and
+    the `surrogate` of the search. None in other tunings."""
     study: Study | None
-    """The tuned study, comments kept; None if there is none or if it is refused, which `message` says."""
+    """Tuned study with the comments of the original. None if there is none, or if it is refused; `message` then gives the
+    reason."""
     _source: Study = field(repr=False)
     _files: Mapping[str, bytes] = field(repr=False)
     _front: str | None = field(repr=False)
@@ -79,13 +80,13 @@ class Tuning:
         return Results(files, self._source)
 
     def save(self, directory: str | PathLike[str]) -> Path:
-        """Writes curves before and after, summary, history, front and the tuned study into a directory that is new or empty,
-        under the names of `hardpoint optimise`; the directory."""
+        """Writes curves before and after, summary, history, front and the tuned study into a new or empty directory, under
+        the names of `hardpoint optimise`. Returns the directory."""
         return self._results().save(directory)
 
     def report(self, path: str | PathLike[str], plots: str | PathLike[str] | None = None) -> Path:
-        """Writes one self-contained page to the file `path`, which is replaced, and pictures of the curves into the directory
-        `plots`; the path."""
+        """Writes one self-contained page to the file `path`, which is replaced, and pictures of the curves into the
+        directory `plots`. Returns the path."""
         return self._results().report(path, plots)
 
     def __repr__(self) -> str:
@@ -98,13 +99,13 @@ class Tuning:
 
 
 def _move(name: str, record: dict[str, Any]) -> dict[str, Any]:
-    """A row of `Tuning.moves`."""
+    """Row of `Tuning.moves`."""
     low, high = record.pop("range")
     return {"name": name, **record, "low": low, "high": high, "at_bound": record["at_bound"] or ""}
 
 
 def effect_row(record: dict[str, Any]) -> dict[str, Any]:
-    """A row of `Tuning.side_effects`, its station in words."""
+    """Row of `Tuning.side_effects`, with its station in words."""
     at = ", ".join(f"{place['name']} {place['value']:g} {place['unit']}" for place in record["at"])
     return {**record, "at": at, "wheel": record["wheel"] or ""}
 
@@ -128,11 +129,11 @@ def optimise(
     threads: int | None = None,
     callback: Callable[[int, int, float], object] | None = None,
 ) -> Tuning | CarTuning:
-    """Tunes the hardpoints as the study's [optimise] says, of a `Car` also rates; the numbers of `hardpoint optimise`.
+    """Tunes the hardpoints by the study's [optimise]; for a `Car` also rates. Results equal those of `hardpoint optimise`.
 
-    `front` names targets to be traded against each other, in place of those of the study; False makes no front. With
-    `prices` the least misfit by size of the move is found, too. `callback(start, iteration, misfit)` is called on this
-    thread; `StopIteration` or a true answer ends the tuning with what it has.
+    `front` names targets for a trade-off, in place of those of the study; False computes no front. With `prices`, the
+    smallest misfit for each size of the move is found as well. `callback(start, iteration, misfit)` is called on this
+    thread; `StopIteration` or a true result ends the tuning with its present result.
     """
     if is_car(study):
         if front is not None or prices or callback is not None:

@@ -1,4 +1,4 @@
-"""A study with sliders in a notebook."""
+"""Study with sliders in a notebook."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from ._study import Study, solve, study_of
 def view(
     study: Study | str | PathLike[str], variables: Sequence[str] | None = None, *, columns: Sequence[str] | None = None
 ) -> Any:
-    """A widget for notebooks: a slider for each variable, curves of the nominal and the moved design, and the mechanism.
-    It needs anywidget (`pip install hardpoint[notebook]`).
+    """Makes a widget for notebooks: a slider for each variable, curves of the nominal and the changed design, and the
+    mechanism. Needs anywidget (`pip install hardpoint[notebook]`).
 
-    `variables` are those of `study.function`, `columns` the curves, by default the first four outputs. The widget's
-    `offsets` are the values of the sliders, which can also be set, and `study` is the moved study."""
+    `variables` are those of `study.function`. `columns` are the curves; the default is the first four outputs. The widget's
+    `offsets` are the values of the sliders, which can also be set. Its `study` is the changed study."""
     try:
         import anywidget
         import traitlets

@@ -1,9 +1,9 @@
-"""Sweeps on many workers: any executor with `submit()` does, of Dask (`client.get_executor()`), of dask-jobqueue, of
-`concurrent.futures` or of an adapter of three lines.
+"""Sweeps on many workers. Any executor with `submit()` works: Dask (`client.get_executor()`), dask-jobqueue,
+`concurrent.futures`, or a short adapter.
 
-The directory is the result. It consists of parts of 131,072 designs, each written under another name and renamed when
-it is whole, with its statistics; nothing goes through the driver. Whoever does a part, its bytes are the same. A killed
-worker, node or driver loses the part under way: run the same call again, and what is whole is passed over.
+The directory is the result. It consists of parts of 131,072 designs. Each part is written under a temporary name with its
+statistics, and renamed when complete; no results pass through the driver. The bytes of a part do not depend on its worker.
+If a worker, node or driver stops, only the current part is lost. Run the same call again: it skips complete parts.
 
 >>> from dask.distributed import Client                                   # doctest: +SKIP
 >>> import hardpoint as hp
@@ -29,17 +29,17 @@ _log = logging.getLogger(__name__)
 
 
 def parts(study: Study) -> int:
-    """The number of parts of the study's sweep: a constant of the sweep, never of the cluster."""
+    """Number of parts of the study's sweep. It depends on the sweep alone, not on the cluster."""
     return _hardpoint.sweep_parts(study._study)
 
 
 class Refused(HardpointError):
-    """A part cannot be done by any worker: the study or the directory is wrong."""
+    """Error that no worker can avoid: the study or the directory is wrong."""
 
 
 def sweep_part(text: str, name: str, out: str, part: int, of: int) -> int:
-    """Does a part (from 0) of so many into the directory `out`, on one thread; its number. One that is whole is
-    passed over, one that another process is at is waited for."""
+    """Solves one part (from 0) of the sweep into the directory `out`, on one thread. Returns the number of the part. It
+    skips a complete part, and waits for a part that another process is solving."""
     try:
         is_whole = _hardpoint.sweep_into(_hardpoint.Study.loads(text, f"{name}.toml"), Path(out), part=(part, of), threads=1)
     except HardpointError as error:
@@ -57,10 +57,12 @@ def sweep(
     executor: Executor | Callable[[], Executor],
     tries: int = 4,
 ) -> Path:
-    """Does the study's sweep into the directory `out`, which every worker must see under this path; the directory.
+    """Solves the study's sweep into the directory `out`, and returns the directory. Every worker must see `out` under this
+    path.
 
-    `executor` is one, or makes one: a process pool that lost a worker is of no more use, so give a function there. What
-    fails is tried again, `tries` times in all. A study that names files (`designs = "x.csv"`) needs them by absolute paths.
+    `executor` is an executor, or a function that makes one. A process pool that lost a worker is no longer usable, so give
+    a function for such pools. Failed parts are tried again, `tries` times in total. A study that names files (`designs =
+    "x.csv"`) needs absolute paths for them.
     """
     count = parts(study)
     directory = Path(out).absolute()
@@ -104,8 +106,7 @@ def _done(futures: list[Future[int]], is_last: bool) -> set[int]:
 
 
 def _stop(engine: Executor, futures: list[Future[int]], is_own: bool) -> None:
-    """Cancels parts that have not begun, and ends the workers of an engine that was made here: a part that is not whole is
-    not there."""
+    """Cancels parts that have not started, and ends the workers of an executor made here. Incomplete parts do not count as results."""
     for future in futures:
         future.cancel()
     if is_own:

@@ -1,8 +1,8 @@
-//! The forces that constraints, rods and joints carry if all forces on a wheel are known.
+//! Forces in constraints, rods and joints if all external forces on a wheel are known.
 //!
-//! Beside the load at the wheel, springs and bars push arms, rockers or the carrier. By virtual work each of them acts like a
-//! wrench on the carrier, and the constraints balance the sum of all. The forces are in equilibrium along the suspension's
-//! motion if the support, a vertical force at the wheel centre, is left with nothing.
+//! In addition to the load at the wheel, springs and bars push arms, rockers or the carrier. By virtual work each of them
+//! acts like a wrench on the carrier, and the constraints balance the sum of all. The forces are in equilibrium along the
+//! suspension's motion if the support, a vertical force at the wheel centre, is zero.
 
 use super::loads::{Balance, Balanced, Factors, Reaction, tension};
 use crate::mechanism::Wrench;
@@ -15,9 +15,9 @@ use crate::number::Vector3;
 pub enum Applied<T = f64> {
     /// A force at a point that moves.
     Point(PointId, Vector3<T>),
-    /// A moment on a rocker, in the sense of its angle.
+    /// A moment on a rocker, positive in the sense of its angle.
     Rocker(RockerId, T),
-    /// A force at a place of the wheel carrier, and a moment.
+    /// A force at a place of the wheel carrier, with a moment.
     Carrier {
         /// Place where the force acts.
         point: Vector3<T>,
@@ -28,16 +28,16 @@ pub enum Applied<T = f64> {
     },
 }
 
-/// Forces that balance known forces.
+/// Forces that balance the known forces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Carrying<T = f64> {
-    /// Forces of the equations of the constraints; some constraints have two.
+    /// Forces of the equations of the constraints. Some constraints have two equations.
     pub constraints: [Reaction<T>; 5],
     /// Tension of the rod of each rocker.
     pub rods: Vec<T>,
-    /// Force at the outer joint of each arm, from the known forces on the arm, such as those of a spring or a rod.
+    /// Force at the outer joint of each arm that comes from the known forces on the arm, such as those of a spring or a rod.
     pub passed: Vec<Vector3<T>>,
-    /// Vertical force at the wheel centre that equilibrium lacks.
+    /// Vertical force at the wheel centre that is missing for equilibrium.
     pub lacking: T,
 }
 
@@ -48,7 +48,8 @@ impl<T: Copy> Carrying<T> {
     }
 }
 
-/// The body, no rocker, on which a point stands or on which the rods stand that turn its rocker.
+/// Body that carries a point. For a point on a rocker it is the body that carries the outer end of the last rod that moves
+/// the rocker.
 fn seat(mechanism: &Mechanism, id: PointId) -> Body {
     let last = mechanism.rockers_moving(id).last();
     mechanism.body(last.map_or(id, |rocker| mechanism.rocker(rocker).outer))
@@ -65,7 +66,7 @@ pub fn bears(mechanism: &Mechanism, arm: ArmId) -> bool {
 }
 
 impl<T: Balanced> Balance<'_, T> {
-    /// The forces that balance known ones.
+    /// Forces that balance known ones.
     pub fn under_all(&self, applied: &[Applied<T>]) -> Carrying<T> {
         let at = &self.at;
         let mechanism = at.mechanism;
@@ -109,7 +110,8 @@ impl<T: Balanced> Balance<'_, T> {
         }
     }
 
-    /// Tensions of the rods, from the moments about the axes of their rockers. A rod may stand on an earlier rocker.
+    /// Tensions of the rods, from the moments about the axes of their rockers. The outer end of a rod may be on an earlier
+    /// rocker.
     fn rods(&self, applied: &[Applied<T>]) -> Vec<T> {
         let at = &self.at;
         let mechanism = at.mechanism;
@@ -140,14 +142,14 @@ impl<T: Balanced> Balance<'_, T> {
         tensions
     }
 
-    /// Everything that acts on the wheel carrier at the outer joint of an arm.
+    /// Total force on the wheel carrier at the outer joint of an arm.
     pub fn joint_force(&self, arm: ArmId, carried: &Carrying<T>) -> Vector3<T> {
         let outer = self.at.mechanism.arms[arm.0].outer;
         let joint = carried.passed[arm.0];
         joint + self.constraint_force(outer, &carried.constraints)
     }
 
-    /// The force of the constraints on the wheel carrier at a point.
+    /// Force of the constraints on the wheel carrier at a point.
     pub fn constraint_force(&self, point: PointId, constraints: &[Reaction<T>; 5]) -> Vector3<T> {
         let place = |id: PointId| self.at.point(id);
         let zero = self.at.rack.zero();
@@ -182,7 +184,7 @@ impl<T: Balanced> Balance<'_, T> {
     }
 }
 
-/// Name of the rod of a rocker, as a member.
+/// Name of a rocker's rod as a member.
 pub fn rod_name(rod: Rod) -> String {
     rod.key().to_owned()
 }

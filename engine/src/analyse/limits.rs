@@ -1,13 +1,13 @@
 //! Range of a mechanism: the exact values at which it folds, the reasons, and their derivatives by the design.
 //!
-//! At a fold the pose can still move while the drive stands still: F_x t = 0. With the multipliers w for
-//! which w F_x = 0 and w F_q = 1, the limit q obeys
+//! At a fold the pose can still move while the drive value does not change: F_x t = 0. With the multipliers w for which w
+//! F_x = 0 and w F_q = 1, the limit q satisfies
 //!
 //! ```text
 //! F(x, q, p) = 0   =>   dq/dp = - w . F_p                                         (1)
 //! ```
 //!
-//! The change of the pose drops out, so the gradient costs one back-substitution.
+//! The change of the pose cancels, so the gradient costs one back-substitution.
 //!
 //! `solve::cause` finds the reason for the fold.
 
@@ -29,16 +29,16 @@ use std::ops::ControlFlow;
 /// A value at which the mechanism folds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limit {
-    /// The value, in the mechanism's length unit or in radians.
+    /// Value, in the mechanism's length unit or in radians.
     pub value: f64,
     /// Reason why the mechanism stops here.
     pub cause: LimitCause,
-    /// The part nearest to a singular position, if the mechanism has an arm and a tie rod.
+    /// Part nearest to a singular position, if the mechanism has an arm and a tie rod.
     pub nearest: Option<PartMeasure>,
-    /// Outer ends of the links that are at a dead centre with each other, if that is the reason. Of a rigid axle the end of
-    /// the link that holds it at the fold with the largest force.
+    /// Outer ends of the links that are at a dead centre with each other, if that is the reason. For a rigid axle, the end
+    /// of the link with the largest force at the fold.
     pub dependent: Vec<PointId>,
-    /// The pose at the fold.
+    /// Pose at the fold.
     pub pose: Pose<f64>,
     /// Derivative of the value by every point of the design.
     pub gradient: Vec<Vector3<f64>>,
@@ -49,13 +49,13 @@ pub struct Limit {
 pub enum RangeEnd {
     /// The mechanism folds.
     Fold(Limit),
-    /// The arm can be turned right round: there is no limit before +-pi.
+    /// The arm can rotate fully: there is no limit before +-pi.
     FullTurn,
-    /// A rod that turns a rocker of the mechanism itself, such as a Watt rocker, is in line with its lever and the axis.
+    /// A rod that rotates a rocker of the mechanism itself, such as a Watt rocker, is in line with its lever and the axis.
     Toggle {
-        /// The value there.
+        /// Value at the toggle.
         value: f64,
-        /// The rod.
+        /// Kind of rod.
         rod: Rod,
     },
     /// The path could not be followed beyond this value.
@@ -73,29 +73,29 @@ impl RangeEnd {
     }
 }
 
-/// Range of one quantity about the design position, with the others held.
+/// Range of one coordinate about the design position, with the others fixed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Range {
-    /// The end at negative values.
+    /// End at negative values.
     pub lower: RangeEnd,
-    /// The end at positive values.
+    /// End at positive values.
     pub upper: RangeEnd,
 }
 
 impl Range {
-    /// Distance from `value` to the nearer end; negative beyond it.
+    /// Distance from `value` to the nearer end. Negative beyond it.
     pub fn margin(&self, value: f64) -> f64 {
         let [lower, upper] = self.ends();
         (upper - value).min(value - lower)
     }
 
-    /// Returns true if the range is empty, because the rack does not reach its value.
+    /// Returns true if the range is empty, because the rack cannot reach its displacement.
     pub fn is_empty(&self) -> bool {
         use RangeEnd::Unresolved;
         matches!((&self.lower, &self.upper), (Unresolved(lower), Unresolved(upper)) if lower == upper)
     }
 
-    /// Both ends; half a turn each if the quantity turns all the way round.
+    /// Both ends. If the coordinate can rotate fully, they are -pi and pi.
     pub fn ends(&self) -> [f64; 2] {
         let lower = match &self.lower {
             RangeEnd::FullTurn => -std::f64::consts::PI,
@@ -108,13 +108,13 @@ impl Range {
 /// Ranges of a suspension about its design position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limits {
-    /// Wheel travel, the rack in the middle.
+    /// Wheel travel, with the rack in the middle.
     pub travel: Range,
-    /// Rack displacement towards the kernel's +y, at zero travel; `None` if no point is on the rack.
+    /// Rack displacement towards the kernel's +y, at zero travel. `None` if no point is on the rack.
     pub rack: Option<Range>,
-    /// Angle of the first arm (radians), the rack in the middle; `None` where there is no arm.
+    /// Angle of the first arm (radians), with the rack in the middle. `None` if there is no arm.
     pub arm_angle: Option<Range>,
-    /// Toggles of rockers within that travel, with the rack in the middle.
+    /// Toggles of rockers within this travel, with the rack in the middle.
     pub rockers: Vec<RockerRange>,
 }
 
@@ -123,17 +123,17 @@ pub struct Limits {
 pub struct RockerRange {
     /// The rocker.
     pub rocker: RockerId,
-    /// The toggle in droop; `None` if the wheel's own travel ends first.
+    /// Toggle in droop. `None` if the wheel's own travel ends first.
     pub lower: Option<Toggle>,
-    /// The toggle in jounce; `None` if the wheel's own travel ends first.
+    /// Toggle in jounce. `None` if the wheel's own travel ends first.
     pub upper: Option<Toggle>,
 }
 
-/// Places at which a rocker is looked at on the way to the end of the travel.
+/// Number of places at which a rocker is checked before the end of the travel.
 const LOOKS: u32 = 256;
 
 impl Solver<'_> {
-    /// The ranges of travel, rack and arm angle.
+    /// Ranges of travel, rack and arm angle.
     ///
     /// # Errors
     /// If the design position itself is singular.
@@ -166,7 +166,7 @@ impl Solver<'_> {
         })
     }
 
-    /// The first toggle of a rocker on the way of the wheel to `end`.
+    /// First toggle of a rocker as the wheel moves to `end`.
     fn toggle_towards(
         &mut self,
         rocker: RockerId,
@@ -193,7 +193,7 @@ impl Solver<'_> {
         }))
     }
 
-    /// The first of some travels, in outward order, at which a rocker is stuck, and by which rod.
+    /// First of some travels, in outward order, at which a rocker is stuck, and the rod at its toggle.
     fn first_toggle(
         &mut self,
         rocker: RockerId,
@@ -219,11 +219,11 @@ impl Solver<'_> {
         Ok(first)
     }
 
-    /// The range of a drive with the rack displaced by `rack` (towards the kernel's +y).
+    /// Range of a drive with the rack displaced by `rack` (towards the kernel's +y).
     ///
     /// # Errors
-    /// If the design position itself is singular. Where the rack cannot be displaced so far the range is
-    /// empty, with both ends at zero and unresolved.
+    /// If the design position itself is singular. If the rack cannot be displaced so far, the range is empty, with both ends
+    /// at zero and unresolved.
     pub fn drive_range(&mut self, drive: Drive, rack: f64) -> Result<Range, DesignFault> {
         self.range(drive, Moving::Drive, rack)
     }
@@ -305,7 +305,7 @@ impl Solver<'_> {
         Ok(range)
     }
 
-    /// Leverage of a rod in the last pose that is found on the way to a value of the drive.
+    /// Leverage of a rod in the last pose that is found before a value of the drive.
     fn least_leverage(
         &mut self,
         rocker: RockerId,
@@ -335,13 +335,13 @@ impl Solver<'_> {
     }
 }
 
-/// Places on the way to an end at which the leverage of a rod is looked at, as shares of the way.
+/// Places before an end at which the leverage of a rod is checked, as shares of the distance to the end.
 const BEFORE_END: [f64; 4] = [0.99, 0.9999, 0.999_999, 0.999_999_99];
 /// A rod whose leverage is below this is at its toggle: its line passes the axis at half a degree.
 const AT_TOGGLE: f64 = 0.01;
 
 impl Curve<'_> {
-    /// The outer end of the link with the largest multiplier w of (1), the force that holds the mechanism at the fold.
+    /// Outer end of the link with the largest multiplier w of (1), the force that holds the mechanism at the fold.
     fn holding_link(&self, fold: &CurvePoint) -> Option<PointId> {
         let ends = outer_ends(self.mechanism).into_iter();
         let forces = ends.zip(self.fold_multipliers(fold));

@@ -28,17 +28,17 @@ use crate::model::{
 use crate::number::{Each, Jet, Scalar, Vector3};
 use crate::solve::{Conditioning, Solver};
 
-/// Start of the names of members of the far half of a rigid axle.
+/// Prefix of the names of members of the far half of a rigid axle.
 pub const FAR: &str = "right_";
-/// The row of a rigid axle's held travel: its last constraint.
+/// Index of the row of a rigid axle's held travel: its last constraint.
 const FAR_ROW: usize = 4;
 
 /// Point at which a load acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LoadPoint {
-    /// The contact point of wheel and ground.
+    /// Contact point of wheel and ground.
     ContactPoint,
-    /// The centre of the wheel.
+    /// Centre of the wheel.
     WheelCentre,
 }
 
@@ -53,7 +53,7 @@ pub struct Load<T = f64> {
     pub moment: Vector3<f64>,
 }
 
-/// Support that keeps the suspension from moving under a load.
+/// Support that holds the suspension under a load.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Support {
     /// A spring between two points.
@@ -63,14 +63,14 @@ pub enum Support {
 }
 
 impl Support {
-    /// The spring, if there is one.
+    /// The spring as support, if there is one, else a vertical force at the wheel centre.
     pub fn of(mechanism: &Mechanism) -> Self {
         mechanism
             .spring
             .map_or(Support::WheelCentre, Support::Spring)
     }
 
-    /// The rocker through which it holds the suspension.
+    /// Rocker through which the spring holds the suspension.
     pub fn rocker(self, mechanism: &Mechanism) -> Option<RockerId> {
         match self {
             Support::Spring(spring) => mechanism.rockers_moving(spring.lower).next(),
@@ -79,13 +79,13 @@ impl Support {
     }
 }
 
-/// The factors of a matrix, of the constant part of one of series.
+/// Factors of a matrix. For a matrix of series, those of its constant part.
 #[derive(Clone, Copy)]
 pub struct Factors<'f>(pub(super) &'f Lu6<f64>);
 
-/// A number that balances can be made of.
+/// A number type for which balances can be computed.
 pub trait Balanced: Scalar {
-    /// The x with A^T x = b, from the factors of the constant part of A.
+    /// Solves A^T x = b for x, with the factors of the constant part of A.
     fn multipliers(factors: Factors<'_>, a: &Matrix6<Self>, b: Vector6<Self>) -> Vector6<Self>;
 }
 
@@ -101,7 +101,7 @@ impl<const N: usize> Balanced for Jet<f64, N> {
     }
 }
 
-/// The part of the load that one equation carries.
+/// Part of the load that one equation carries.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reaction<T = f64> {
     /// A rod, or a leg of an arm.
@@ -110,30 +110,31 @@ pub enum Reaction<T = f64> {
         inner: PointId,
         /// Outer joint of the rod.
         outer: PointId,
-        /// Force in the rod; negative in compression.
+        /// Force in the rod, positive in tension.
         tension: T,
     },
-    /// A link between an arm and the knuckle, or a second joint of both. The arm holds against it at its own outer joint.
+    /// A link between an arm and the knuckle, or a second joint between them. The arm's own outer joint carries the
+    /// reaction.
     ArmEnd {
         /// End of the link on the arm.
         inner: PointId,
         /// End of the link on the knuckle, or the joint.
         outer: PointId,
-        /// Tension of the link; without meaning for a joint.
+        /// Tension of the link. Meaningless for a joint.
         tension: T,
         /// Force on the knuckle at the outer end.
         force: Vector3<T>,
-        /// The arm's outer joint.
+        /// Outer joint of the arm.
         joint: PointId,
         /// Force of the arm on the knuckle at its outer joint.
         passed: Vector3<T>,
     },
-    /// A force on the knuckle at a point of the body: the side force of a strut at its mount, one of two
-    /// components, or the force in a hinge at one of its points, one of three or two.
+    /// A force on the knuckle at a point of the body. It is one of two components of a strut's side force at its mount, or
+    /// one component of the force at a point of a hinge.
     Force {
-        /// The point on the wheel carrier at which the force acts.
+        /// Point on the wheel carrier at which the force acts.
         point: PointId,
-        /// The component.
+        /// Component of the force.
         force: Vector3<T>,
     },
 }
@@ -145,22 +146,21 @@ pub struct Reactions<T = f64> {
     pub constraints: [Reaction<T>; 5],
     /// Force of the support: that of the spring, positive in compression, or the upward force at the wheel centre.
     pub support: T,
-    /// The same of the far wheel of a rigid axle.
+    /// Force of the support at the far wheel of a rigid axle.
     pub far_support: Option<T>,
     /// Tension in the pushrod or pullrod, if the spring is on a rocker.
     pub rod: Option<T>,
-    /// The force of the support on the knuckle. If the spring, or the rod of its rocker, is mounted on an arm, it is the force
-    /// that the arm passes on at its outer joint. The legs of that arm are then also loaded in bending. Their forces and this
-    /// one add up to the force in the joint.
+    /// Force of the support on the knuckle. If the spring, or the rod of its rocker, is mounted on an arm, it is the force
+    /// that the arm transmits at its outer joint. The legs of that arm are then also loaded in bending. Their forces and
+    /// this one add up to the force in the joint.
     pub support_force: Vector3<T>,
 }
 
-/// A pose with its support, ready to be loaded: its equations are factorised once for any number of
-/// loads.
+/// A pose with its support, prepared for loads. Its equations are factorised once for any number of loads.
 pub struct Balance<'a, T = f64> {
     pub(super) closure: &'a Closure<T>,
     pub(super) at: Configuration<'a, T>,
-    /// The equation of the support.
+    /// Equation of the support.
     support: Wrench<T>,
     /// Tension in the rod of the spring's rocker for a spring force of one.
     rod_per_spring: Option<T>,
@@ -170,8 +170,8 @@ pub struct Balance<'a, T = f64> {
 }
 
 impl<'a, T: Balanced> Balance<'a, T> {
-    /// The pose of a mechanism of this size; `None` where the support has no leverage, or so little that
-    /// fewer than six digits of the forces could be trusted.
+    /// Balance in the pose of a mechanism of this size. `None` if the support has no leverage, or so little that fewer than
+    /// six digits of the forces would be correct.
     pub(crate) fn new(
         closure: &'a Closure<T>,
         at: Configuration<'a, T>,
@@ -241,7 +241,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
         reactions
     }
 
-    /// The forces that carry a load.
+    /// Forces that carry a load.
     pub fn under(&self, load: &Load<T>) -> Reactions<T> {
         let like = self.at.rack;
         let (force, moment) = (
@@ -282,7 +282,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
         }
     }
 
-    /// Tension of the rod of a Watt rocker: it balances the other link about the rocker's axis.
+    /// Tension of the rod of a Watt rocker. It balances the other link about the rocker's axis.
     fn watt_rod(&self, rocker: RockerId, carried: &Reactions<T>) -> Option<T> {
         let is_on_it = |id: PointId| self.at.mechanism.body(id) == Body::Rocker(rocker);
         carried.constraints.iter().find_map(|reaction| {
@@ -305,7 +305,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
         })
     }
 
-    /// Everything that acts on the wheel carrier at a point.
+    /// Total force on the wheel carrier at a point.
     fn force_at(&self, point: PointId, carried: &Reactions<T>) -> Vector3<T> {
         let place = |id: PointId| self.at.point(id);
         let forces = carried
@@ -356,7 +356,7 @@ pub(super) fn tension<T: Copy>(
 }
 
 impl<T: Scalar> Row<T> {
-    /// The force that the multiplier of this equation stands for.
+    /// Force that corresponds to the multiplier of this equation.
     pub(super) fn reaction(&self, at: &Configuration<T>, multiplier: T) -> Reaction<T> {
         match self {
             Row::Link(row) => Reaction::Rod {
@@ -388,7 +388,7 @@ impl<T: Scalar> Row<T> {
                     passed,
                 }
             }
-            // The far wheel's support; no part of the mechanism carries it.
+            // The support of the far wheel. No part of the mechanism carries it.
             Row::AxleTravel(row) => Reaction::Force {
                 point: row.far(),
                 force: at.spin_axis().zero(),
@@ -398,8 +398,8 @@ impl<T: Scalar> Row<T> {
 }
 
 impl Solver<'_> {
-    /// A pose found by this solver, the rack at `rack`, ready to be loaded; [`Failure::Singular`] where the
-    /// support cannot carry a load.
+    /// A pose found by this solver, with the rack at `rack`, prepared for loads. [`Failure::Singular`] if the support cannot
+    /// carry a load.
     pub fn balance(
         &self,
         pose: &Pose<f64>,
@@ -414,22 +414,22 @@ impl Solver<'_> {
 /// One of the reactions to a load, in the kernel's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Carried {
-    /// Tension of the rod with these ends, or of a leg of an arm that bears no spring.
+    /// Tension of the rod with these ends, or of a leg of an arm that carries no spring.
     Tension(PointId, PointId),
     /// Force at a point on the wheel carrier.
     Force(PointId, Axis),
-    /// The force with which the support keeps the suspension from moving.
+    /// Force with which the support holds the suspension.
     Support(Support),
-    /// The same at the far wheel of a rigid axle.
+    /// Force of the support at the far wheel of a rigid axle.
     FarSupport(Support),
     /// Tension of the rod of the spring's rocker.
     Rod,
-    /// Tension of the rod that turns the rocker of a Watt linkage.
+    /// Tension of the rod that rotates the rocker of a Watt linkage.
     WattRod(RockerId),
 }
 
 impl Carried {
-    /// When it is positive.
+    /// Meaning of a positive value.
     pub fn positive(&self) -> &'static str {
         match self {
             Carried::Tension(..) | Carried::Rod | Carried::WattRod(_) => "tension",
@@ -445,7 +445,7 @@ impl Carried {
         }
     }
 
-    /// The axis along which it is a component.
+    /// Axis of the component, if the reaction is one.
     pub fn axis(&self) -> Option<Axis> {
         match self {
             Carried::Force(_, axis) => Some(*axis),
@@ -454,12 +454,12 @@ impl Carried {
     }
 }
 
-/// A force that is reported, for every load.
+/// A force in the results, for every load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Member {
-    /// The part of its column's name that follows the load's name.
+    /// Part of its column's name after the load's name.
     pub name: String,
-    /// The reaction.
+    /// Reaction that is the force.
     pub what: Carried,
 }
 
@@ -475,7 +475,7 @@ pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
     };
     for constraint in &mechanism.constraints {
         match *constraint {
-            // The legs of an arm with a spring or a link on it are bent, and no force along them is the whole.
+            // The legs of an arm with a spring or a link on it are bent, and no force along them is the whole load.
             Constraint::Link { outer, .. } if is_joint_of_bent_arm(mechanism, outer) => {}
             Constraint::Link { inner, outer } => {
                 members.push(Member {
@@ -491,7 +491,7 @@ pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
             Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => {
                 members.extend(force(mechanism.name(at), at));
             }
-            // Studies refuse the loads of a twist beam.
+            // Studies refuse loads on a twist beam.
             Constraint::Mount { .. } | Constraint::AxleTravel { .. } => {}
         }
     }
@@ -535,7 +535,7 @@ pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
     members
 }
 
-/// The support of the far wheel of a rigid axle.
+/// Support of the far wheel of a rigid axle.
 fn far_support<T: Scalar>(rigid: &RigidAxle, support: Support, at: &Configuration<T>) -> Wrench<T> {
     let like = at.rack;
     let mut row = Wrench::zero(like);
@@ -555,15 +555,15 @@ fn far_support<T: Scalar>(rigid: &RigidAxle, support: Support, at: &Configuratio
     row
 }
 
-/// Returns true for the outer joint of an arm that carries the spring, the rod of its rocker, or a link or a second joint
-/// to the knuckle.
+/// Returns true for the outer joint of an arm that carries another part. Such parts are the spring, the rod of its rocker, a
+/// link to the knuckle and a second joint to the knuckle.
 fn is_joint_of_bent_arm(mechanism: &Mechanism, joint: PointId) -> bool {
     let arms = mechanism.constraints.iter();
     let mut arms = arms.filter_map(|constraint| mechanism.arm_under(constraint));
     sprung_joint(mechanism) == Some(joint) || arms.any(|arm| mechanism.arms[arm.0].outer == joint)
 }
 
-/// The outer joint of the arm that carries the spring or the rod of its rocker; `None` if no arm carries them.
+/// Outer joint of the arm that carries the spring or the rod of its rocker. `None` if no arm carries them.
 fn sprung_joint(mechanism: &Mechanism) -> Option<PointId> {
     match mechanism.body(mechanism.spring_seat()?) {
         Body::Arm(arm) => Some(mechanism.arms[arm.0].outer),

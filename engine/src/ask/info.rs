@@ -9,26 +9,26 @@ use crate::characteristics::{Slot, Slots};
 pub struct Info {
     /// Name in studies and column names.
     pub name: &'static str,
-    /// Kind of number.
+    /// Kind of unit.
     pub unit: Unit,
     /// Meaning of a positive value.
     pub positive: &'static str,
-    /// The formula in the notation of the manual.
+    /// Formula in the notation of the manual.
     pub formula: &'static str,
     /// Source of the definition.
     pub source: &'static str,
     /// Inputs of the formula. An axle's formula also reads position and rotation of both carriers.
     pub reads: &'static [Slot],
-    /// Figures and parts that the study must give.
+    /// Inputs and parts that the study must give.
     pub needs: &'static [Need],
-    /// Highest order of the derivatives by the motion that the value itself is made of.
+    /// Highest order of the derivatives by the motion from which the value is computed.
     pub rate_order: usize,
-    /// True if the value is made of derivatives by the rack.
+    /// True if the value is computed from derivatives by the rack.
     pub by_rack: bool,
 }
 
 impl Info {
-    /// An entry without content, from which others take the fields that they do not state.
+    /// An empty entry. Other entries take the fields from it that they do not set.
     pub(crate) const EMPTY: Info = Info {
         name: "",
         unit: Unit::Ratio,
@@ -41,7 +41,7 @@ impl Info {
         by_rack: false,
     };
 
-    /// The entry of a wheel's formula: its order of derivatives is 1 if it reads a velocity, else 0.
+    /// Returns the entry of a wheel's formula. Its order of derivatives becomes 1 if it reads a velocity, else 0.
     pub(crate) const fn of_wheel(self) -> Info {
         let mut reads_rates = false;
         let mut k = 0;
@@ -55,7 +55,7 @@ impl Info {
         }
     }
 
-    /// Returns true if the formula reads velocities. The pose must then be known with its rates.
+    /// Returns true if the formula reads velocities. It then needs the rates of the pose.
     #[inline]
     pub fn reads_rates(&self) -> bool {
         self.rate_order > 0

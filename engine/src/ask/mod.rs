@@ -1,7 +1,7 @@
-//! The language of requests: plain data without numerics.
+//! Vocabulary of requests: plain data without numerics.
 //!
-//! [`Unit`] is the kind of a number and its printed unit, [`Need`] a figure or part that a quantity requires, and
-//! [`Info`] the catalogue's entry of a quantity, of a wheel or of an axle. [`NoValue`] says why a quantity has no value.
+//! [`Unit`] is the kind of a number and its printed unit. [`Need`] is an input or part that a quantity requires. [`Info`] is
+//! the catalogue entry of a quantity, of a wheel or of an axle. [`NoValue`] is the reason why a quantity has no value.
 
 mod info;
 mod need;

@@ -1,8 +1,8 @@
-//! Input data and suspension parts that each quantity requires.
+//! Inputs and suspension parts that each quantity requires.
 
 use crate::model::{AxlePosition, Suspension};
 
-/// A figure or part beyond the hardpoints that a quantity requires.
+/// An input or part, besides the hardpoints, that a quantity requires.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Need {
@@ -16,7 +16,7 @@ pub enum Need {
     FrontBraking,
     /// A driven rear axle: `position`, `drive_torque` and `drive_share_front` in `[vehicle]`.
     RearDrive,
-    /// A braked rear axle, or a driven front axle.
+    /// A braked rear axle or a driven front axle.
     RearBrakingOrFrontDrive,
     /// A spring or strut in the topology.
     Spring,
@@ -24,7 +24,7 @@ pub enum Need {
     Rocker,
     /// An anti-roll bar with its drop link.
     AntiRollBar,
-    /// A steering axis in the topology: the wheel can be steered, or is held against steering.
+    /// A steering axis in the topology: the wheel can be steered, or something prevents it from steering.
     SteeringAxis,
     /// `strut_upper` in `[suspension.hardpoints]`.
     StrutUpper,
@@ -32,7 +32,7 @@ pub enum Need {
     CFactor,
     /// `[spring]`, and a spring or strut in the topology.
     SpringForce,
-    /// A spring that carries: `[spring]`, `[heave_spring]` or `[heave_bar]`.
+    /// A spring that carries load: `[spring]`, `[heave_spring]` or `[heave_bar]`.
     Springs,
     /// `[heave_spring]`, and the hardpoint `heave_spring`.
     HeaveSpring,
@@ -53,7 +53,7 @@ pub enum Need {
 }
 
 impl Need {
-    /// Returns true if the suspension of one wheel meets the need. Figures of an axle are never met here; see
+    /// Returns true if the suspension of one wheel meets the need. Needs of axles are never met here; see
     /// [`Axle::meets`](crate::axle::Axle::meets).
     pub fn met_by(self, suspension: &Suspension) -> bool {
         let (mechanism, vehicle) = (&suspension.mechanism, &suspension.vehicle);
@@ -95,7 +95,7 @@ impl Need {
         }
     }
 
-    /// Description of the figure or part, for messages of the library.
+    /// Description of the input or part, for messages of the library.
     pub fn words(self) -> &'static str {
         match self {
             Need::WheelRadius => "the radius of the wheel",
@@ -123,7 +123,7 @@ impl Need {
         }
     }
 
-    /// The study's key or part that meets the need; `None` if more than one key does.
+    /// Key or part of a study that meets the need. `None` if more than one key does.
     pub fn key(self) -> Option<&'static str> {
         Some(match self {
             Need::WheelRadius => "radius in [wheel]",

@@ -5,24 +5,24 @@
 pub enum NoValue {
     /// The station has no pose.
     NoPose,
-    /// The quantity is a quotient of differences of steer angles that are zero straight ahead.
+    /// The quantity is a quotient of two differences of steer angles, and both are zero straight ahead.
     StraightAhead,
-    /// The quantity is the meeting point of normals that are parallel.
+    /// The quantity is the intersection of two normals, and they are parallel.
     ParallelNormals,
-    /// The quantity is a derivative along roll, and the wheels stand on pads of different heights.
+    /// The quantity is a derivative along roll on a plane ground, and the wheels stand on pads of different heights.
     NoPlane,
     /// A rocker is at a toggle or beyond it.
     Toggle,
-    /// Nothing can carry the load.
+    /// No member can carry the load.
     Unsupported,
     /// The formula divides by zero here.
     NotFinite,
-    /// The formula of a wheel characteristic has no value under this condition.
+    /// The formula of a wheel characteristic has no value for the reason given.
     Undefined(&'static str),
 }
 
 impl NoValue {
-    /// The reason in words, as the end of a sentence.
+    /// Reason in words, as the end of a sentence.
     pub fn reason(self) -> &'static str {
         match self {
             NoValue::NoPose => "the station has no pose",

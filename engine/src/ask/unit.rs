@@ -6,7 +6,7 @@
 use crate::model::LengthUnit;
 use std::f64::consts::PI;
 
-/// Kind of a number. It decides the printed unit.
+/// Kind of a number. It determines the printed unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Unit {
@@ -28,7 +28,7 @@ pub enum Unit {
     Force,
     /// Force per length, in newtons or pounds-force per length unit.
     ForcePerLength,
-    /// Torque, in newton metres for every length unit, or in pound-feet.
+    /// Torque. Printed in newton metres, or in pound-feet.
     Torque,
     /// Torque per angle, in newton metres or pound-feet per degree.
     TorquePerAngle,
@@ -49,7 +49,7 @@ pub enum Unit {
 const DEGREES: f64 = 180.0 / PI;
 
 impl Unit {
-    /// The unit in column names; empty for a plain number.
+    /// Unit in column names. Empty for a plain number.
     pub fn suffix(self, length: LengthUnit) -> String {
         let (force, (_, lever)) = (length.force_symbol(), length.lever());
         let length = length.symbol();

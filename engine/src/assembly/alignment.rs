@@ -1,14 +1,14 @@
-//! Toe and camber set again after assembly.
+//! Toe and camber, set again after assembly.
 //!
-//! Adjustments a hold wanted values w of the resting position. With M the pseudo-inverse of dw/da of the nominal
+//! Adjustments a keep values w of the static position at their targets. With M the pseudo-inverse of dw/da of the nominal
 //! design,
 //!
 //! ```text
 //! a <- a - M (w(parts + a) - wanted)
 //! ```
 //!
-//! converges faster, the closer the parts are to nominal. In derivative numbers it corrects order by order. Pose and
-//! adjustments settle together (module `settle`), by the derivative of the pose by each adjustment.
+//! converges faster, the closer the parts are to nominal. With derivative numbers it corrects order by order. Pose and
+//! adjustments settle together (module `settle`), with the derivative of the pose by each adjustment.
 
 use super::assembler::{Assembler, AssemblyError};
 use super::parts::{BuildParameter, Parts};
@@ -27,7 +27,7 @@ use nalgebra::DMatrix;
 pub(super) const MOST_HELD: usize = 2;
 /// Maximum number of corrections of a build.
 const MOST_ROUNDS: usize = 30;
-/// Corrections below this, in parts of the size, are rounding.
+/// Size of corrections, as a share of the suspension's size, that counts as rounding.
 pub(super) const ROUNDING: f64 = 1e-14;
 
 /// Adjustments that keep toe and camber at their nominal values.
@@ -36,7 +36,7 @@ pub(crate) struct Alignment {
     adjust: Vec<(BuildParameter, f64)>,
     /// Characteristics that keep their nominal values.
     held: Vec<Characteristic>,
-    /// M, a row for each adjustment.
+    /// Matrix M, with a row for each adjustment.
     inverse: DMatrix<f64>,
     /// Derivative of the carrier's pose by each adjustment, at the nominal design.
     follow: Vec<Vector6<f64>>,
@@ -44,8 +44,8 @@ pub(crate) struct Alignment {
 }
 
 impl Alignment {
-    /// Holds toe and camber at nominal by the adjustments of the set-up. A single adjustment holds toe alone. No other
-    /// wanted value of the set-up is held.
+    /// Keeps toe and camber at nominal with the adjustments of the set-up. A single adjustment keeps only toe. Other targets
+    /// of the set-up are ignored.
     pub(crate) fn of(adjust: &[Adjustment], assembler: &Assembler) -> Result<Self, SetUpError> {
         let suspension = assembler.suspension();
         let held: &[Characteristic] = match adjust.len() {
@@ -65,7 +65,7 @@ impl Alignment {
         let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
         let by = alignment.by(assembler, &built);
         alignment.inverse = inverse(&by).ok_or(SetUpError::Unsettled)?;
-        // A wanted value that no adjustment moves cannot be held.
+        // A value that no adjustment changes cannot be kept.
         let held_all =
             (&by * &alignment.inverse - DMatrix::identity(held.len(), held.len())).amax();
         match held_all < 1e-6 {
@@ -74,7 +74,7 @@ impl Alignment {
         }
     }
 
-    /// dw/da of a build: a row for each held characteristic, a column for each adjustment.
+    /// Matrix dw/da of a build, with a row for each held characteristic and a column for each adjustment.
     fn by(&self, assembler: &Assembler, built: &Built) -> DMatrix<f64> {
         let mut by = DMatrix::zeros(self.held.len(), self.adjust.len());
         for (k, change) in self.adjust.iter().enumerate() {
@@ -86,8 +86,8 @@ impl Alignment {
         by
     }
 
-    /// The alignment with the M of a build, so that derivatives about that build are exact after one correction for
-    /// each order.
+    /// The alignment with the matrix M of a build. Derivatives about that build are then exact after one correction for each
+    /// order.
     pub(crate) fn about(&self, assembler: &Assembler, built: &Built) -> Option<Self> {
         Some(Alignment {
             inverse: inverse(&self.by(assembler, built))?,
@@ -131,7 +131,7 @@ impl Alignment {
             *parts = aligned;
             return assembler.place_checked(parts, &pose, into);
         }
-        // Far from nominal: put the parts together anew for every correction.
+        // Far from nominal, the parts are assembled anew after every correction.
         let mechanism = &assembler.suspension().mechanism;
         for _ in 0..MOST_ROUNDS {
             assembler.assemble(parts, 0.0, into)?;
@@ -149,7 +149,7 @@ impl Alignment {
         Err(AssemblyError::Unaligned)
     }
 
-    /// The nominal values of the held characteristics.
+    /// Nominal values of the held characteristics.
     #[inline(always)]
     pub(super) fn wanted<T: Real>(
         &self,
@@ -164,7 +164,7 @@ impl Alignment {
         wanted
     }
 
-    /// Corrects the adjustments, and the pose with them. `apply` gets every correction and returns the one to make.
+    /// Corrects the adjustments, and the pose with them. `apply` gets every correction and returns the one to apply.
     #[inline(always)]
     pub(super) fn correct<T: Real>(
         &self,
@@ -234,12 +234,12 @@ impl Alignment {
     }
 }
 
-/// A characteristic of a built design at rest.
+/// Value of a characteristic of a built design in its static position.
 fn value<T: Real>(mechanism: &Mechanism, design: &[Vector3<T>], c: Characteristic) -> T {
     c.of_spin_axis(DesignedSpinAxis::of(mechanism, design).direction)
 }
 
-/// The pseudo-inverse.
+/// Pseudo-inverse of a matrix.
 fn inverse(by: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     by.clone().pseudo_inverse(1e-9 * by.amax()).ok()
 }

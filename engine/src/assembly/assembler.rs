@@ -1,25 +1,24 @@
-//! Putting parts together.
+//! Assembly of parts.
 //!
-//! The knuckle's pose q obeys the closure equations with the lengths and shapes of the parts. A sixth equation gives
-//! the height of the wheel centre. With A the inverse of the Jacobian in the nominal position,
+//! The knuckle's pose q satisfies the closure equations with the lengths and shapes of the parts. A sixth equation gives the
+//! height of the wheel centre. With A the inverse of the Jacobian in the nominal position,
 //!
 //! ```text
 //! q <- q - A F(q, parts)
 //! ```
 //!
-//! reduces the error in proportion to the deviation of the parts, to about a thousandth each time (module `settle`).
-//! The same few lines serve plain numbers, SIMD lanes and derivative numbers; they correct derivatives order by order.
-//! If the error does not halve, the assembler changes the nominal parts to the built ones step by step, with the
-//! Jacobian of each step. The determinant keeps its sign. So a build is always the assembly connected to the nominal
-//! one.
+//! reduces the error in proportion to the deviation of the parts, to about a thousandth each time (module `settle`). The
+//! same few lines serve plain numbers, SIMD lanes and derivative numbers. They correct derivatives order by order. If the
+//! error does not halve, the assembler changes the nominal parts to the built ones step by step, with the Jacobian of each
+//! step. The determinant keeps its sign. So a build is always the assembly connected to the nominal one.
 //!
 //! Other carriers then follow:
 //!
-//! - A point of an arm keeps its place in the frame of arm axis and outer joint. The origin is at the joint, one axis
+//! - A point of an arm keeps its position in the frame of arm axis and outer joint. The origin is at the joint, one axis
 //!   along the pivots, one from them to the joint.
-//! - A point of a rocker keeps its place along and about the rocker's axis. The rod, with its own length, turns the
+//! - A point of a rocker keeps its position along and about the rocker's axis. The rod, with its own length, rotates the
 //!   rocker.
-//! - The upper part of a strut turns with the knuckle about its mount.
+//! - The upper part of a strut rotates with the knuckle about its mount.
 
 use super::alignment::Alignment;
 use super::parts::{BuildParameter, Member, Parts, is_of_body};
@@ -33,41 +32,41 @@ use crate::model::{PointId, RockerId, SPINDLE_INNER};
 use crate::number::{Dual, Matrix3, Outlined, Real, Vector3};
 use crate::solve::Solver;
 
-/// The shortest step from the nominal to the built parts.
+/// Shortest step from the nominal to the built parts.
 const SHORTEST_STEP: f64 = 1.0 / 1024.0;
 
-/// Reason why parts cannot be put together.
+/// Reason why parts cannot be assembled.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum AssemblyError {
-    /// Between the nominal parts and these, the mechanism reaches a singular position. Beyond it, the links cannot
-    /// reach.
+    /// Between the nominal parts and these, the mechanism reaches a singular position. Beyond it, the links are too short or
+    /// too long.
     #[error(
         "the links cannot reach: the mechanism can be assembled with up to {:.0} % of these deviations",
         100.0 * share
     )]
     OutOfReach {
-        /// Share of the deviations with which it can still be put together, from 0 to 1.
+        /// Share of the deviations with which it can still be assembled, from 0 to 1.
         share: f64,
     },
-    /// The rod of a rocker cannot reach, or is at toggle.
+    /// The rod of a rocker is too short or too long, or at a toggle.
     #[error("the {0} cannot reach, or is at toggle")]
     Rod(Rod),
     /// The named member would have a length of zero or less.
     #[error("{0} would have no length")]
     NoLength(String),
-    /// The spring cannot be given its length at any height nearby.
+    /// The spring does not have its length at any height nearby.
     #[error("at no height nearby does the spring have its length")]
     Spring,
     /// Toe and camber cannot be set to their nominal values.
     #[error("toe and camber cannot be set to their design values")]
     Unaligned,
-    /// The parts can be put together, but the result cannot move.
+    /// The parts can be assembled, but the result cannot move.
     #[error("the assembled mechanism cannot move")]
     Immovable(DesignFault),
 }
 
 impl AssemblyError {
-    /// Returns the name of the reason, for counts.
+    /// Name of the reason, for counts.
     pub fn word(&self) -> &'static str {
         match self {
             AssemblyError::OutOfReach { .. } => "out_of_reach",
@@ -80,12 +79,12 @@ impl AssemblyError {
     }
 }
 
-/// Puts the parts of one suspension together, build after build.
+/// Assembles the parts of one suspension, build after build.
 #[derive(Clone, Debug)]
 pub struct Assembler {
     suspension: Suspension,
     drawn: Parts<f64>,
-    /// The pose of the nominal design and the inverse of the Jacobian there.
+    /// Pose of the nominal design, and the inverse of the Jacobian there.
     home: Linearised,
     size: f64,
     /// Rounding of positions, as a length.
@@ -101,7 +100,7 @@ pub(crate) struct Linearised {
 }
 
 impl Assembler {
-    /// Prepares to put builds of a suspension together. Fails if its nominal design cannot move.
+    /// Prepares to assemble builds of a suspension. Fails if its nominal design cannot move.
     pub fn new(suspension: &Suspension) -> Result<Self, DesignFault> {
         let suspension = with_spindle(suspension);
         let (mechanism, design) = (&suspension.mechanism, &suspension.design);
@@ -139,13 +138,13 @@ impl Assembler {
         Ok(())
     }
 
-    /// The nominal suspension. Its spin axis always runs through a point of the carrier. If the study gives static
-    /// camber and toe instead, the assembler adds `spindle_inner`.
+    /// Nominal suspension. Its spin axis always runs through a point of the carrier. If the study gives static camber and
+    /// toe instead, the assembler adds `spindle_inner`.
     pub fn suspension(&self) -> &Suspension {
         &self.suspension
     }
 
-    /// The nominal parts.
+    /// Nominal parts.
     pub fn drawn(&self) -> &Parts<f64> {
         &self.drawn
     }
@@ -154,7 +153,7 @@ impl Assembler {
         &self.home
     }
 
-    /// The largest distance of a point from the carrier's origin.
+    /// Largest distance of a point from the carrier's origin.
     pub(super) fn size(&self) -> f64 {
         self.size
     }
@@ -164,7 +163,7 @@ impl Assembler {
         self.rounding
     }
 
-    /// Puts parts together with the wheel centre `height` above its nominal height, and writes the built design.
+    /// Assembles parts with the wheel centre `height` above its nominal height, and writes the built design.
     pub fn assemble(
         &self,
         parts: &Parts<f64>,
@@ -175,7 +174,7 @@ impl Assembler {
         self.place_checked(parts, &pose, into)
     }
 
-    /// Writes the built design of parts in their pose, unless a rod does not reach.
+    /// Writes the built design of parts in their pose. Fails if a rod is too short or too long.
     pub(super) fn place_checked(
         &self,
         parts: &Parts<f64>,
@@ -187,8 +186,8 @@ impl Assembler {
         self.check_rods(into)
     }
 
-    /// Checks that every member has a positive length, and names one that has not. The equations contain squares of
-    /// lengths, so they would accept a negative length.
+    /// Checks that every member has a positive length, and names one that has not. The equations contain squares of lengths,
+    /// so they would accept a negative length.
     fn check_lengths(&self, parts: &Parts<f64>) -> Result<(), AssemblyError> {
         let mut pairs = parts.lengths.iter().zip(&self.drawn.lengths);
         // Only rods have a length; other constraints store 0.
@@ -203,7 +202,7 @@ impl Assembler {
         ))
     }
 
-    /// The derivative of the carrier's pose by a dimension of the parts, at the nominal design: shift, then turn.
+    /// Derivative of the carrier's pose by a dimension of the parts, at the nominal design: displacement, then rotation.
     pub(super) fn twist_by(&self, (parameter, share): (BuildParameter, f64)) -> Vector6<f64> {
         let mut parts = self.drawn.map(Dual::<f64, 1>::constant);
         let along = Dual {
@@ -274,7 +273,7 @@ impl Assembler {
         }
     }
 
-    /// Returns the pose of parts by corrections from a known pose. If there is an alignment, the parts receive the
+    /// Finds the pose of parts by corrections from a known pose. If there is an alignment, the parts receive its
     /// adjustments.
     pub(super) fn settle(
         &self,
@@ -325,7 +324,7 @@ impl Assembler {
         )
     }
 
-    /// The wheel centre at a height above its nominal height, for any place of it in the carrier.
+    /// Equation for the wheel centre at a height above its nominal height, for any position of it in the carrier.
     #[inline(always)]
     fn driver<T: Real>(&self, parts: &Parts<T>, height: T) -> Driver<T> {
         let centre = self.suspension.mechanism.wheel_centre.0;
@@ -347,7 +346,7 @@ impl Assembler {
         )
     }
 
-    /// The closure equations of parts.
+    /// Closure equations of parts.
     pub(crate) fn closure<T: Real>(&self, parts: &Parts<T>) -> Closure<T> {
         self.closure_in(parts, &mut Vec::new())
     }
@@ -362,7 +361,7 @@ impl Assembler {
         }
     }
 
-    /// Returns a pose with the inverse of its Jacobian; `None` if the Jacobian is singular.
+    /// Returns a pose with the inverse of its Jacobian. `None` if the Jacobian is singular.
     pub(crate) fn linearise(
         &self,
         closure: &Closure<f64>,
@@ -387,7 +386,7 @@ impl Assembler {
         })
     }
 
-    /// Returns the pose in another kind of number. One correction per order makes its derivatives exact.
+    /// Returns the pose in another number type. One correction per order makes its derivatives exact.
     pub(crate) fn pose_series<T: Real>(
         &self,
         parts: &Parts<T>,
@@ -405,7 +404,7 @@ impl Assembler {
         pose
     }
 
-    /// The built design: every point of parts put together in a pose of the carrier.
+    /// Writes the built design: positions of all points of parts, assembled in a pose of the carrier.
     #[inline(always)]
     pub(crate) fn place<T: Real>(&self, parts: &Parts<T>, pose: &Pose<T>, into: &mut [Vector3<T>]) {
         let mechanism = &self.suspension.mechanism;
@@ -436,7 +435,7 @@ impl Assembler {
             let along = tilt.apply((drawn(rocker.outer) - drawn(rocker.inner)).normalised());
             let length = parts.lengths[mechanism.constraints.len() + number];
             let outer = inner + along * length;
-            // The rod turns the rocker as far as its own length takes it.
+            // The rod with its own length determines the rotation of the rocker.
             let turn = Turn::of([first, second, inner, outer, into[rocker.outer.0]]);
             for (i, (place, &point)) in into.iter_mut().zip(&parts.points).enumerate() {
                 if mechanism.body(PointId(i)) == Body::Rocker(RockerId(number)) {
@@ -446,7 +445,7 @@ impl Assembler {
         }
     }
 
-    /// Names the rod that could not reach.
+    /// Names a rod that is too short or too long.
     fn check_rods(&self, built: &[Vector3<f64>]) -> Result<(), AssemblyError> {
         for rocker in &self.suspension.mechanism.rockers {
             let inner = built[rocker.inner.0];
@@ -460,7 +459,7 @@ impl Assembler {
     }
 }
 
-/// The frame of an arm: its outer joint, the way of its axis, and the way from there to the joint.
+/// Frame of an arm: its outer joint, the direction of its axis, and the direction from the axis to the joint.
 struct ArmFrame<T> {
     origin: Vector3<T>,
     axes: Matrix3<T>,
@@ -480,21 +479,21 @@ impl<T: Real> ArmFrame<T> {
         }
     }
 
-    /// The coordinates of a point in the frame.
+    /// Coordinates of a point in the frame.
     #[inline(always)]
     fn read(&self, point: Vector3<T>) -> Vector3<T> {
         self.axes.apply_transposed(point - self.origin)
     }
 
-    /// The point with these coordinates.
+    /// Point with these coordinates.
     #[inline(always)]
     fn place(&self, coordinates: Vector3<T>) -> Vector3<T> {
         self.origin + self.axes.apply(coordinates)
     }
 }
 
-/// The least rotation from one direction to another: with k = a x b and c = a.b of the unit vectors,
-/// v + k x v + k x (k x v)/(1 + c).
+/// Smallest rotation from one direction to another. With k = a x b and c = a.b of the unit vectors it is v + k x v + k x (k
+/// x v)/(1 + c).
 struct Tilt<T> {
     across: Vector3<T>,
     factor: T,
@@ -518,14 +517,14 @@ impl<T: Real> Tilt<T> {
     }
 }
 
-/// The suspension with a point of the carrier on its spin axis, which a built carrier takes with it.
+/// The suspension with a point of the carrier on its spin axis. In a built carrier the point keeps its position.
 fn with_spindle(suspension: &Suspension) -> Suspension {
     let mut suspension = suspension.clone();
     if let SpinAxis::Along(direction) = suspension.mechanism.spin_axis {
         let centre = suspension.design[suspension.mechanism.wheel_centre.0];
         let size = suspension.size();
         let length = suspension.wheel_radius.unwrap_or(0.25 * size);
-        // A radius out of all proportion would put it where the wheel centre is, or where rounding turns the axis.
+        // With an extreme radius the point would be too close to the wheel centre, or so far that rounding rotates the axis.
         let length = length.clamp(0.01 * size, 100.0 * size);
         let id = PointId(suspension.design.len());
         suspension.design.push(centre - direction * length);

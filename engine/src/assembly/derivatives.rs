@@ -10,17 +10,17 @@ use crate::plan::Plan;
 /// Curves of a built mechanism.
 #[derive(Clone, Debug)]
 pub struct BuiltCurves {
-    /// The curves; they carry no sensitivities.
+    /// Curves, without sensitivities.
     pub curves: Curves,
-    /// Derivative of the resting height along each direction.
+    /// Derivative of the static height along each direction.
     pub height: Vec<f64>,
-    /// Derivatives of the columns by direction, station and column, in the column's unit per length unit. A column is a
+    /// Derivatives of the columns, `[direction][station][column]`, in the column's unit per length unit. A column is a
     /// value, a rate or a curvature.
     derivatives: Vec<f64>,
 }
 
 impl BuiltCurves {
-    /// The derivative of a column at a station along a direction.
+    /// Derivative of a column at a station along a direction.
     pub fn derivative(&self, direction: usize, station: usize, column: usize) -> f64 {
         let columns = self.curves.columns.len();
         let stations = self.curves.stations.len();
@@ -60,7 +60,7 @@ pub fn built_curves(
         for s in &sensitivities {
             let along = moves[s.point.0][s.axis];
             let sign = suspension.frame.sign(s.axis);
-            // What does not move adds nothing, even where the sensitivity by it has no value.
+            // A point that does not move contributes nothing, even if the sensitivity by it has no value.
             if along != 0.0 {
                 of_direction[s.station * columns + s.column] += s.value * sign * along;
             }

@@ -1,20 +1,19 @@
-//! The parts of a suspension, with a separate dimension for each.
+//! Parts of a suspension, with a separate dimension for each.
 
 use crate::model::{Axis, Body, Constraint, Mechanism, PointId, RockerId, Suspension};
 use crate::number::{Real, SimdReal, Vector3};
 
-/// A member with a length of its own.
+/// A member with its own length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Member {
-    /// A rod, or a leg of an arm, by its place among [`Mechanism::constraints`].
+    /// A rod or a leg of an arm, by the index of its constraint in [`Mechanism::constraints`].
     Link(usize),
     /// The rod of a rocker.
     Rod(RockerId),
 }
 
 impl Member {
-    /// The members of a mechanism with their names: those of the columns of loads, and `pushrod`, `pullrod`,
-    /// `drop_link`.
+    /// Members of a mechanism with their names: those in the columns of loads, and `pushrod`, `pullrod`, `drop_link`.
     pub fn all(mechanism: &Mechanism) -> Vec<(String, Member)> {
         let links = mechanism.constraints.iter().enumerate();
         let links = links.filter_map(|(number, constraint)| match *constraint {
@@ -32,7 +31,7 @@ impl Member {
         links.chain(rods).collect()
     }
 
-    /// The two ends of the member, the end nearer to the body first.
+    /// Both ends of the member. The end nearer to the body comes first.
     pub fn ends(self, mechanism: &Mechanism) -> Option<(PointId, PointId)> {
         match self {
             Member::Link(number) => match mechanism.constraints[number] {
@@ -73,24 +72,24 @@ pub enum BuildParameter {
     Length(Member),
 }
 
-/// The dimensions of all parts, over any number.
+/// Dimensions of all parts, over any number type.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parts<T> {
-    /// Position of every point in its part: the body, or its carrier in nominal position.
+    /// Position of every point in its part: the body, or its carrier in its nominal position.
     pub points: Vec<Vector3<T>>,
-    /// Lengths of members, by the place of the constraint; 0 for a constraint that is no rod.
+    /// Lengths of members, by the index of the constraint. 0 for a constraint that is not a rod.
     pub lengths: Vec<T>,
     /// Nominal position of every point. Carriers are defined in their nominal position.
     pub drawn: Vec<Vector3<T>>,
 }
 
 impl Parts<f64> {
-    /// The nominal parts.
+    /// Makes the nominal parts.
     pub fn drawn(suspension: &Suspension) -> Self {
         Parts::of_drawing(&suspension.mechanism, &suspension.design)
     }
 
-    /// The same parts over another kind of number.
+    /// Converts the parts to another number type.
     pub fn map<T: Copy>(&self, f: impl Fn(f64) -> T + Copy) -> Parts<T> {
         Parts {
             points: self.points.iter().map(|p| p.map(f)).collect(),
@@ -122,7 +121,7 @@ impl Parts<f64> {
 }
 
 impl<T: Real> Parts<T> {
-    /// Returns the parts of a design, over any kind of number.
+    /// Makes the parts of a design, over any number type.
     pub fn of_drawing(mechanism: &Mechanism, design: &[Vector3<T>]) -> Self {
         let none = design[0].x.zero();
         let mut lengths = vec![none; mechanism.constraints.len() + mechanism.rockers.len()];
@@ -162,9 +161,9 @@ impl<T: Real> Parts<T> {
 }
 
 impl<B: SimdReal> Parts<B> {
-    /// Sets these parts to the nominal parts `drawn` plus scatter, one build per lane. Each source lists the dimensions
-    /// that change with one random number, with the change per unit. `draws` holds the random numbers,
-    /// `[source][build]`. `first` is the place of the first build, and `stride` the distance from source to source.
+    /// Sets these parts to the nominal parts `drawn` plus scatter, one build per lane. Each source lists the dimensions that
+    /// change with one random number, with the change per unit. `draws` holds the random numbers, `[source][build]`. `first`
+    /// is the index of the first build, and `stride` the distance from source to source.
     #[inline(always)]
     pub(crate) fn scatter<'c>(
         &mut self,

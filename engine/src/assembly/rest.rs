@@ -1,4 +1,4 @@
-//! The position in which a built mechanism rests.
+//! Static position of a built mechanism.
 
 use super::assembler::{Assembler, AssemblyError, Linearised};
 use super::parts::{BuildParameter, Parts};
@@ -15,28 +15,28 @@ pub enum Rest {
     Spring(f64),
 }
 
-/// Parts put together.
+/// Assembled parts.
 #[derive(Clone, Debug)]
 pub struct Built {
-    /// The built design, at rest.
+    /// Built design in its static position.
     pub suspension: Suspension,
     /// The parts.
     pub parts: Parts<f64>,
-    /// Definition of the resting height.
+    /// Definition of the static height.
     pub rest: Rest,
     /// Height of the wheel centre above its nominal height.
     pub height: f64,
     at: Linearised,
 }
 
-/// Direction of a change of parts: dimensions that change together, each with its share of the change.
+/// Direction of a change of parts: dimensions that change together, each with its factor.
 pub type Direction = [(BuildParameter, f64)];
 
-/// Maximum number of steps in the search for the height at which the spring has its length.
+/// Largest number of steps in the search for the height at which the spring has its length.
 const MOST_STEPS: usize = 30;
 
 impl Assembler {
-    /// Puts parts together.
+    /// Assembles parts.
     pub fn build(&self, parts: &Parts<f64>, rest: Rest) -> Result<Built, AssemblyError> {
         let suspension = self.suspension();
         let mut built = Built {
@@ -68,7 +68,7 @@ impl Assembler {
         Ok(())
     }
 
-    /// Newton's method in the height, damped where the mechanism does not go so far at once.
+    /// Applies Newton's method to the height. It shortens steps that the mechanism cannot follow.
     fn settle_on_spring(&self, built: &mut Built, wanted: f64) -> Result<(), AssemblyError> {
         self.rebuild(built, 0.0)?;
         let size = self.suspension().size();
@@ -81,7 +81,7 @@ impl Assembler {
             if step.is_nan() || step.abs() > size {
                 return Err(AssemblyError::Spring);
             }
-            // The last step is taken where it halves no more: rounding.
+            // The last step is accepted if it no longer halves: it is rounding.
             if step.abs() <= 1e-13 * size || (step.abs() <= 1e-10 * size && step.abs() >= before) {
                 return Ok(());
             }
@@ -97,15 +97,14 @@ impl Assembler {
         Err(AssemblyError::Spring)
     }
 
-    /// The length of the spring, and its derivative along a direction of the parts and `rise` of the height.
+    /// Length of the spring, and its derivative along a direction of the parts with `rise` as the derivative of the height.
     fn spring_by(&self, built: &Built, direction: &Direction, rise: f64) -> Option<[f64; 2]> {
         let design = self.design_along(built, dual, 1, direction, rise);
         let length = spring_length(self.suspension(), &design)?;
         Some([length.value, length.partials[0]])
     }
 
-    /// The built design over another kind of number along a direction; `number` makes one of a value and its
-    /// slope.
+    /// Built design in another number type along a direction. `number` makes a number from a value and its slope.
     fn design_along<T: Real>(
         &self,
         built: &Built,
@@ -147,8 +146,7 @@ impl Assembler {
         self.placed_series(built, parts, height, orders)
     }
 
-    /// Returns derivatives along a direction of the parts: of every point of the built design, and of the resting
-    /// height.
+    /// Derivatives of every point of the built design, and of the static height, along a direction of the parts.
     pub fn design_by(&self, built: &Built, direction: &Direction) -> (Vec<Vector3<f64>>, f64) {
         let rise = match built.rest {
             Rest::Height(_) => 0.0,
@@ -182,7 +180,7 @@ fn dual(value: f64, by: f64) -> Dual<f64, 1> {
     }
 }
 
-/// The spring's length from seat to seat in a design.
+/// Length of the spring from seat to seat in a design.
 pub(super) fn spring_length<T: Real>(suspension: &Suspension, design: &[Vector3<T>]) -> Option<T> {
     let spring = suspension.mechanism.spring?;
     Some((design[spring.upper.0] - design[spring.lower.0]).norm())

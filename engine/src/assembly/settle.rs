@@ -6,8 +6,8 @@
 //! q <- q - A F(q, parts)                                                                       (1)
 //! ```
 //!
-//! converges faster, the closer the parts are to those of that position. If toe and camber are set again, adjustments a
-//! of the parts are further unknowns ([`Alignment`]). Then (2) follows (1), with M and T of the nominal design:
+//! converges faster, the closer the parts are to those of that position. If toe and camber are set again, adjustments a of
+//! the parts are further unknowns ([`Alignment`]). Then (2) follows (1), with M and T of the nominal design:
 //!
 //! ```text
 //! da = -M (w(q, parts) - wanted),   parts <- parts + da,   q <- q + T da                       (2)
@@ -15,8 +15,7 @@
 //!
 //! T is the derivative of the pose by an adjustment. So this is Newton's method in all unknowns, with one inverse. The
 //! method continues as long as each correction is at most half of the previous one. With adjustments, a quarter of the
-//! correction before the previous one also suffices. A lane that has settled no longer changes, so it depends on its
-//! own build alone.
+//! correction before the previous one also suffices. A settled lane no longer changes, so it depends on its own build alone.
 
 use super::alignment::{Alignment, ROUNDING};
 use super::assembler::{Assembler, Linearised};
@@ -28,9 +27,9 @@ use crate::number::{Each, Jet, Matrix3, Outlined, Real, SimdReal, Vector3};
 
 /// Maximum number of corrections. A build whose corrections halve each time settles much earlier.
 const MOST_ROUNDS: usize = 40;
-/// Largest move of the carrier in one correction, relative to the size, and largest turn in rad.
+/// Largest move of the carrier in one correction, relative to the size, and largest rotation in rad.
 const FARTHEST: f64 = 0.2;
-/// Smallest squared leverage of a rocker of a build in lanes. Above it, a toggle is far away.
+/// Smallest squared leverage of a rocker of a build in lanes. With more leverage, a toggle is far away.
 const LEAST_LEVERAGE: f64 = 0.0625;
 
 /// Settles a pose.
@@ -42,7 +41,7 @@ pub(super) struct Settling<'s, B> {
     /// Height of the wheel centre above its nominal height.
     pub(super) height: f64,
     pub(super) from: &'s Linearised,
-    /// Room for the points of the undisplaced carrier.
+    /// Buffer for the points of the undisplaced carrier.
     pub(super) carrier: &'s mut Vec<Vector3<B>>,
 }
 
@@ -63,7 +62,7 @@ impl<B: SimdReal> Outlined for Settling<'_, B> {
         let like = parts.points[0].x;
         let (one, height) = (like.one(), like.constant(height));
         let size = like.constant(assembler.size());
-        // Adjustments are rounded as the angles are that they hold.
+        // Adjustments have the rounding of the angles that they set.
         let rounding = like.constant(match alignment {
             None => assembler.rounding(),
             Some(_) => assembler.rounding().max(ROUNDING * assembler.size()),
@@ -73,7 +72,7 @@ impl<B: SimdReal> Outlined for Settling<'_, B> {
         let mut closure = assembler.closure_in(parts, carrier);
         let mut pose = constant(like, &from.pose);
         let mut before = like.constant(FARTHEST * assembler.size());
-        // The correction before that one.
+        // Size of the correction before the previous one.
         let mut earlier = before + before;
         let mut settled = one.less(like.zero());
         let mut rejected = settled;
@@ -99,7 +98,7 @@ impl<B: SimdReal> Outlined for Settling<'_, B> {
                 );
             }
             pose = selected(open, &next, &pose);
-            // The next correction, if it shrinks by the same ratio again.
+            // Size of the next correction, if it shrinks by the same ratio again.
             let ratio = moved / before;
             let ahead = moved * B::select(ratio.less(one), ratio, one);
             let ends = open & ahead.less(rounding) & !before.less(moved);
@@ -108,7 +107,7 @@ impl<B: SimdReal> Outlined for Settling<'_, B> {
             if alignment.is_some() {
                 contracts = contracts | (twice + twice).less(earlier);
             }
-            // So that NaN is rejected.
+            // With this form, NaN is rejected.
             rejected = rejected | (open & !ends & !contracts);
             settled = settled | ends;
             round += 1;
@@ -123,7 +122,7 @@ impl<B: SimdReal> Outlined for Settling<'_, B> {
     }
 }
 
-/// Writes the built designs of settled parts.
+/// Work piece that writes the built designs of settled parts.
 struct Placing<'s, B> {
     assembler: &'s Assembler,
     parts: &'s Parts<B>,
@@ -132,7 +131,7 @@ struct Placing<'s, B> {
 }
 
 impl<B: SimdReal> Outlined for Placing<'_, B> {
-    /// The lanes whose members have lengths and whose rockers are far from their toggles.
+    /// Lanes whose members have positive lengths and whose rockers are far from their toggles.
     type Output = B::Mask;
 
     #[inline(always)]
@@ -158,17 +157,17 @@ impl<B: SimdReal> Outlined for Placing<'_, B> {
     }
 }
 
-/// A build in each lane, put together.
+/// Assembled builds, one in each lane.
 #[derive(Clone, Copy)]
 pub(crate) struct InLanes<B: SimdReal> {
     pose: Pose<B>,
-    /// The accepted lanes. The caller puts the builds of other lanes together one by one.
+    /// Accepted lanes. The caller assembles the builds of other lanes one by one.
     pub(crate) accepted: B::Mask,
 }
 
 impl Assembler {
-    /// Puts parts together, one build per lane, with the wheel centre at its nominal height. Aligns them if there is an
-    /// `alignment`. Writes the built designs. `carrier` is working memory with any content.
+    /// Assembles parts, one build per lane, with the wheel centre at its nominal height. Aligns them if there is an
+    /// `alignment`. Writes the built designs. `carrier` is a buffer with any content.
     #[inline(always)]
     pub(crate) fn assemble_in_lanes<B: SimdReal>(
         &self,
@@ -198,8 +197,8 @@ impl Assembler {
         }
     }
 
-    /// Writes the built designs of such builds as series. The values of `parts` must be those after assembly. Returns
-    /// the accepted lanes.
+    /// Writes the built designs of such builds as series. The values of `parts` must be those after assembly. Returns the
+    /// accepted lanes.
     #[inline(always)]
     pub(crate) fn series_in_lanes<B: SimdReal>(
         &self,
@@ -219,7 +218,7 @@ impl Assembler {
         })
     }
 
-    /// Returns the closure equations of parts. `carrier` is working memory.
+    /// Returns the closure equations of parts. `carrier` is a buffer.
     #[inline(always)]
     pub(super) fn closure_in<T: Real>(
         &self,
@@ -241,7 +240,7 @@ impl Assembler {
     }
 }
 
-/// The larger of two lengths; NaN if the first is.
+/// Larger of two lengths. NaN if the first is NaN.
 #[inline(always)]
 pub(super) fn larger<B: SimdReal>(a: B, b: B) -> B {
     B::select(a.less(b), b, a)

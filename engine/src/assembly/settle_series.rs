@@ -1,8 +1,8 @@
 //! Derivatives of built designs by the nominal design, one build per lane.
 //!
-//! The parts are series p + p' e in one variable of the nominal design. They settle as plain parts do (module
-//! `settle`). Each correction uses the inverse of the nominal design. The closer the parts are to nominal, the more a
-//! correction reduces the error of the pose's derivative. The values are already settled.
+//! The parts are series p + p' e in one variable of the nominal design. They settle like plain parts (module `settle`). Each
+//! correction uses the inverse of the nominal design. The closer the parts are to nominal, the more a correction reduces the
+//! error of the pose's derivative. The values are already settled.
 
 use super::alignment::Alignment;
 use super::assembler::Assembler;
@@ -16,26 +16,26 @@ const MOST_ROUNDS: usize = 40;
 /// A derivative has settled if its next correction would be below this limit. The limit is relative to the fastest
 /// nominal point or to the largest correction.
 const FINE: f64 = 1e-15;
-/// If corrections no longer shrink, a derivative has settled if its last correction is below this limit.
+/// Limit on the last correction of a derivative, below which it has settled, if corrections no longer shrink.
 const COARSE: f64 = 1e-12;
 
 /// A series.
 type Series<B> = Jet<B, 2>;
 
-/// Mends the derivative of a settled pose and writes the built design as a series.
+/// Corrects the derivative of a settled pose and writes the built design as a series.
 pub(super) struct SettlingSeries<'s, B> {
     pub(super) assembler: &'s Assembler,
     pub(super) alignment: Option<&'s Alignment>,
     /// The parts as series. If they are aligned, they receive the derivatives of the adjustments.
     pub(super) parts: &'s mut Parts<Series<B>>,
     pub(super) pose: &'s Pose<B>,
-    /// Room for the points of the undisplaced carrier.
+    /// Buffer for the points of the undisplaced carrier.
     pub(super) carrier: &'s mut Vec<Vector3<Series<B>>>,
     pub(super) into: &'s mut [Vector3<Series<B>>],
 }
 
 impl<B: SimdReal> Outlined for SettlingSeries<'_, B> {
-    /// The lanes in which it has settled.
+    /// Lanes in which the derivative has settled.
     type Output = B::Mask;
 
     #[inline(always)]
@@ -59,7 +59,7 @@ impl<B: SimdReal> Outlined for SettlingSeries<'_, B> {
         let mut settled = like.one().less(like.zero());
         let mut rejected = settled;
         let (mut before, mut earlier) = (like.zero(), like.zero());
-        // Where the pose hardly moves, what is rounded is how the parts do.
+        // If the pose hardly moves, the rates of the parts determine the rounding.
         let mut largest = like.zero();
         for point in &parts.drawn {
             let rate = Vector3::new(point.x.0[1], point.y.0[1], point.z.0[1]).norm();
@@ -82,7 +82,7 @@ impl<B: SimdReal> Outlined for SettlingSeries<'_, B> {
                     |by: Series<B>| {
                         moved = larger(moved, by.0[1].abs());
                         let none = by.0[0].zero();
-                        // The values of the adjustments are settled.
+                        // The values of the adjustments are already settled.
                         Jet([none, B::select(open, by.0[1], none)])
                     },
                 );
@@ -133,7 +133,7 @@ fn constant<B: SimdReal>(pose: &Pose<B>) -> Pose<Series<B>> {
     }
 }
 
-/// The values of `no`, with the derivatives of `yes` in the lanes of the mask and of `no` in the others.
+/// Values of `no`, with the derivatives of `yes` in the lanes of the mask and of `no` in the others.
 #[inline(always)]
 fn selected<B: SimdReal>(
     mask: B::Mask,

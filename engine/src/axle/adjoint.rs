@@ -1,4 +1,4 @@
-//! The adjoint of an axle's formulas: wheels on a tape, and gradients by the hardpoints from it.
+//! Adjoint of an axle's formulas: wheels on a tape, and the gradients by the hardpoints.
 
 use super::reading::{MOST_LINES, Parts, Reading, Snapshot, WheelPose, zipped};
 use super::taylor::Taylor;
@@ -7,13 +7,13 @@ use crate::derive::{Linearised, Seeds};
 use crate::number::{Each, Jet, Real, Tape, Tracked, Vector3, array_of};
 use std::cell::Cell;
 
-/// The most coefficients of a number along a line.
+/// Largest number of coefficients of a number along a line.
 const MOST_POWERS: usize = 4;
-/// Count of the numbers of a wheel: bytes of a wheel whose numbers are bytes.
+/// Largest count of numbers of a wheel. A wheel of bytes has one number per byte.
 const MOST_NUMBERS: usize = size_of::<WheelPose<u8>>();
 
 impl<'t> Reading<Tracked<'t>> {
-    /// The wheel with every number an input on the tape: line by line, part by part, power by power.
+    /// Wheel whose numbers are all inputs on the tape, in the order of lines, parts and powers.
     pub fn on_tape<const N: usize>(tape: &'t Tape, lines: &[Snapshot<N>], parts: &Parts) -> Self {
         const { assert!(N <= MOST_POWERS) };
         let zero = Tracked::constant(0.0);
@@ -42,16 +42,16 @@ impl<'t> Reading<Tracked<'t>> {
     }
 }
 
-/// Count of numbers that a reading along `lines` lines puts on a tape.
+/// Count of numbers that a reading with `lines` lines puts on a tape.
 pub(super) fn inputs_on_tape<const N: usize>(parts: &Parts, lines: usize) -> usize {
     parts.count * N * lines
 }
 
-/// Adds the gradient by every hardpoint of an output to `gradient`. `by` holds the output's derivatives by the numbers
-/// of one line, in the order of [`Reading::on_tape`]. `buffer` has a place for each point.
+/// Adds the gradient by every hardpoint of an output to `gradient`. `by` holds the output's derivatives by the numbers of
+/// one line, in the order of [`Reading::on_tape`]. `buffer` has a place for each point.
 ///
-/// An adjoint pass on series yields the series of S.u_p for any seed series S. With the derivative by the coefficient of
-/// e^k as the coefficient of e^(N-1-k) of S, the coefficient of e^(N-1) is the wanted sum.
+/// An adjoint pass on series yields the series of S.u_p for any seed series S. The coefficient of e^(N-1-k) of S is the
+/// derivative by the coefficient of e^k. Then the coefficient of e^(N-1) of the result is the required sum.
 pub(super) fn add_gradient<const N: usize>(
     linearised: &Linearised<'_, N>,
     parts: &Parts,
@@ -74,7 +74,7 @@ pub(super) fn add_gradient<const N: usize>(
     }
 }
 
-/// Pushes the seeds of all parts that are read.
+/// Pushes the seeds of all parts that the formulas read.
 fn push<const N: usize>(
     linearised: &Linearised<'_, N>,
     parts: &Parts,

@@ -1,8 +1,8 @@
-//! Positions in roll at a load: the mean travel follows.
+//! Poses in roll at constant load: the mean travel is a result.
 //!
-//! The body of a car that rolls keeps its weight, not its height: of the mean travel z it is asked that the sum of the wheel
-//! loads be that of the axle standing level, F(z) = F_0, the rack in the middle. F grows with z, by twice the ride rate
-//! without the tyre, and Newton's method meets the root. With the design p and the roll angle given,
+//! The body of a car that rolls keeps its weight, not its height. At the mean travel z, the sum of the wheel loads equals
+//! that of the level axle with the rack centred, F(z) = F_0. F grows with z, by twice the ride rate without the tyre.
+//! Newton's method finds the root. For the design p and a given roll angle,
 //!
 //! ```text
 //! dz/dp = (dF_0/dp - dF/dp)/F_z
@@ -16,18 +16,18 @@ use crate::mechanism::NoPose;
 use crate::model::Side;
 use crate::number::Vector3;
 
-/// Terms of the series: loads are made of velocities, and are differentiated by the travel and by the design.
+/// Number of terms of the series. Loads contain velocities, and are differentiated by the travel and by the design.
 pub(super) const LOAD_TERMS: usize = 3;
-/// The most Newton steps, those back included.
+/// Largest number of Newton steps, including steps back.
 const MOST_STEPS: usize = 60;
 
-/// The loads whose sum is held.
+/// Wheel loads whose sum is constant.
 const LOADS: [Quantity; 2] = [
     Quantity::Wheel(Side::Left, WheelQuantity::WheelLoad),
     Quantity::Wheel(Side::Right, WheelQuantity::WheelLoad),
 ];
 
-/// The sum of the wheel loads in a position, and its derivative by the mean travel.
+/// Sum of the wheel loads in a pose, and its derivative by the mean travel.
 struct Carried {
     placed: AxlePose,
     load: f64,
@@ -43,14 +43,14 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
             load: axle_load(&state),
             by_heave: axle_load(&state.moving(Motion::Heave))[1],
         };
-        // NaN does not grow.
+        // This condition also excludes NaN.
         match carried.by_heave > 0.0 && carried.load.is_finite() {
             true => Ok(carried),
             false => Err(NoPose::NoLoad),
         }
     }
 
-    /// The position at the load of a level axle.
+    /// Finds the pose with the load of a level axle.
     fn found(&mut self, level: f64, roll: f64, rack: f64) -> Result<AxlePose, NoPose> {
         let size = self.size();
         let wanted = self.carried(level, 0.0, 0.0)?.load;
@@ -58,7 +58,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         for _ in 0..MOST_STEPS {
             let here = match self.carried(heave, roll, rack) {
                 Ok(here) => here,
-                // Half the way back to where both wheels could stand.
+                // Goes half the way back to the last travel at which both wheels have a pose.
                 Err(failure) => {
                     let back: f64 = reached.ok_or(failure)?;
                     if (heave - back).abs() <= 1e-9 * size {
@@ -82,7 +82,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         Err(NoPose::NoLoad)
     }
 
-    /// The gradients of the sum of the wheel loads by the hardpoints of both sides, added to `into` times a factor.
+    /// Adds the gradients of the sum of the wheel loads by the hardpoints of both sides to `into`, times a factor.
     fn add_load_gradients(
         &mut self,
         placed: &AxlePose,
@@ -98,7 +98,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         })
     }
 
-    /// The derivative of the mean travel by the hardpoints of both sides, at a load that is held.
+    /// Derivative of the mean travel by the hardpoints of both sides, at constant load.
     pub(super) fn heave_by_design(
         &mut self,
         level: f64,
@@ -116,7 +116,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
 }
 
 impl<'a, const N: usize> AxleSolver<'a, N> {
-    /// The solver for loads, of the designs that this one has.
+    /// Solver for loads, with the designs of this solver.
     pub(super) fn loads(&mut self) -> Result<&mut AxleSolver<'a, LOAD_TERMS>, NoPose> {
         if self.loads.is_none() {
             let made = AxleSolver::new(self.axle, &LOADS, false);
@@ -129,7 +129,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.loads.as_deref_mut().ok_or(NoPose::NoLoad)
     }
 
-    /// Finds the position at the load of a level axle.
+    /// Finds the pose with the load of a level axle.
     pub(super) fn at_load(&mut self, level: f64, roll: f64, rack: f64) -> Result<AxlePose, NoPose> {
         self.loads()?.found(level, roll, rack)
     }

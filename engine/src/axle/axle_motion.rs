@@ -1,11 +1,11 @@
-//! The stations of an axle's motion: every combination of the values that the study gives.
+//! Stations of an axle's motion: all combinations of the values that the study gives.
 
 use super::solver::Placement;
 use super::{Axle, Coordinate};
 use crate::study::TimeLaw;
 
-/// The motion of an axle. Lengths are in the study's unit, angles in radians; the rack is positive towards the left
-/// wheel's outside.
+/// Motion of an axle. Lengths are in the study's unit, angles in radians. The rack is positive towards the left wheel's
+/// outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleMotion {
     /// Motion of the wheels.
@@ -14,13 +14,13 @@ pub struct AxleMotion {
     pub racks: Vec<f64>,
     /// True if results have a column for the rack.
     pub shows_rack: bool,
-    /// Angles of the steering wheel that make these displacements, if the study gives angles.
+    /// Angles of the steering wheel for these displacements, if the study gives angles.
     pub steering_wheel: Option<Vec<f64>>,
-    /// The law that moves one coordinate over time, if the study gives one. Results are then by time.
+    /// Law of one coordinate over time, if the study gives one. Results are then over time.
     pub time: Option<AxleTime>,
 }
 
-/// A coordinate that is a function of time. Its values in the motion are those at the times of the law.
+/// A coordinate as a function of time. Its values in the motion are those at the times of the law.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleTime {
     /// Coordinate that moves. For the steering wheel the law gives the displacement of the rack.
@@ -34,17 +34,16 @@ pub struct AxleTime {
 pub enum WheelMotion {
     /// Equal travels on level pads.
     Heave(Vec<f64>),
-    /// Roll on a plane ground at some heave: every combination.
+    /// Roll on a plane ground at some heave values, in all combinations.
     Roll {
         /// Mean travels of the wheel centres.
         heave: Vec<f64>,
         /// Roll angles.
         roll: Vec<f64>,
-        /// True if the mean travel follows from the load. The axle then carries the load that it carries when it
-        /// stands level at this heave.
+        /// True if the mean travel follows from the load. The load is that of the level axle at this heave.
         at_load: bool,
     },
-    /// Travels of both wheels: every combination.
+    /// Travels of both wheels, in all combinations.
     Travels {
         /// Travels of the left wheel.
         left: Vec<f64>,
@@ -98,8 +97,8 @@ impl AxleMotion {
         wheels.saturating_mul(self.racks.len())
     }
 
-    /// The positions of the stations: rack by rack, then heave by heave, roll angles running fastest; if both travels
-    /// are given, the right one runs fastest.
+    /// Poses of the stations. They are ordered by rack, then heave, then roll angle, which changes fastest. If both travels
+    /// are given, the right one changes fastest.
     pub fn placements(&self) -> Vec<Placement> {
         let mut placements = Vec::with_capacity(self.stations());
         for rack in self.racks.iter().copied() {
@@ -142,7 +141,7 @@ impl AxleMotion {
         placements
     }
 
-    /// The design position of a run: everything at zero, on the same ground.
+    /// Motion with only the design position, on the same ground: all coordinates are zero.
     pub fn at_design(&self) -> AxleMotion {
         let zero = || vec![0.0];
         AxleMotion {
@@ -166,10 +165,10 @@ impl AxleMotion {
         }
     }
 
-    /// The number of the time at a station of this number; 0 without a law.
+    /// Index of the time at a station with this index. 0 without a law.
     pub(super) fn time_at(&self, station: usize) -> usize {
         let Some(time) = &self.time else { return 0 };
-        // How many neighbouring stations share the value of this coordinate.
+        // Number of neighbouring stations with the same value of this coordinate.
         let repeated = match (time.coordinate, &self.wheels) {
             (Coordinate::Rack | Coordinate::SteeringWheel, _) => self.stations() / self.racks.len(),
             (Coordinate::Heave, WheelMotion::Roll { roll, .. }) => roll.len(),
@@ -179,17 +178,17 @@ impl AxleMotion {
         station / repeated % time.law.times.len()
     }
 
-    /// The angle of the steering wheel at a station of this number.
+    /// Angle of the steering wheel at a station with this index.
     pub fn steering_wheel_at(&self, station: usize) -> Option<f64> {
         let per_rack = self.stations() / self.racks.len();
         Some(self.steering_wheel.as_ref()?[station / per_rack])
     }
 
-    /// The same motion of another axle: lengths in its unit, angles of its steering wheel.
+    /// The same motion for another axle, with lengths in its unit and angles of its steering wheel.
     ///
     /// # Errors
     ///
-    /// A sentence that names the key which the other study lacks.
+    /// A sentence that names the key which is missing in the other study.
     pub fn for_axle(&self, own: &Axle, other: &Axle) -> Result<AxleMotion, String> {
         let mut motion = self.clone();
         let lacks = |key: &str, of: &str| Err(format!("{of} needs {key}, which this study lacks"));

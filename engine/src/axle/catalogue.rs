@@ -1,7 +1,7 @@
-//! The catalogue of axle quantities: name, unit, sign, formula, source, one function each.
+//! Catalogue of axle quantities: name, unit, sign, formula, source, and one function for each.
 //!
-//! Beside these every wheel characteristic of [`crate::characteristics`] is a quantity of either wheel, but
-//! for the corner's `roll_centre_height`, which gives way to the axle's.
+//! In addition, every wheel characteristic of [`crate::characteristics`] is a quantity of either wheel. The exception is the
+//! corner's `roll_centre_height`, which the axle's replaces.
 
 use super::AxleKind;
 use super::elastic::TestFigure;
@@ -24,10 +24,17 @@ const LINK_LOADS: &str =
     "virtual work along both travels of the axle; agrees with the statics of the links";
 const VIRTUAL_WORK: &str = "virtual work of springs and anti-roll bar; parts weigh nothing";
 
-/// Defines the catalogue. A line has, in this order: variant, name, unit, meaning of a positive value, formula, source,
-/// and needs; the slots of each wheel that it reads beside position and carrier; the order of its derivatives;
-/// `by_rack` (axle only); `lanes` or `one_by_one` for sweeps; its function; and a reason for having no value (axle
-/// only). Functions for lanes are generic over [`Real`](crate::number::Real) and inlined throughout.
+/// Defines the catalogue. A line has, in this order:
+///
+/// - variant, name, unit, meaning of a positive value, formula, source, and needs
+/// - the slots of each wheel that it reads besides position and carrier
+/// - the order of its derivatives
+/// - `by_rack` (axle only)
+/// - `lanes` or `one_by_one` for sweeps
+/// - its function
+/// - a reason for a missing value (axle only)
+///
+/// Functions for lanes are generic over [`Real`](crate::number::Real) and inlined throughout.
 macro_rules! catalogue {
     (@is_for lanes) => { true };
     (@is_for one_by_one) => { false };
@@ -38,7 +45,7 @@ macro_rules! catalogue {
      axle { $($axle:ident, $name:literal, $unit:expr, $positive:literal, $formula:literal,
         $source:expr, [$($need:ident),*], [$($reads:ident),*], $order:literal, $rack:literal, $lanes:ident, $function:expr, $void:expr;)* }
     ) => {
-        /// A quantity that each wheel has, beside the wheel characteristics.
+        /// A quantity of each wheel, in addition to the wheel characteristics.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum WheelQuantity {
             $(#[doc = concat!("`", $wname, "`: `", $wformula, "`")] $wheel,)*
@@ -54,7 +61,7 @@ macro_rules! catalogue {
             /// All variants, in their order.
             pub const ALL: &'static [WheelQuantity] = &[$(WheelQuantity::$wheel),*];
 
-            /// The catalogue's entry.
+            /// Catalogue entry.
             pub fn info(self) -> &'static Info {
                 match self {
                     $(WheelQuantity::$wheel => &Info {
@@ -65,7 +72,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// The value at one wheel; each formula a function of its own.
+            /// Value at one wheel. Each formula is compiled as a function of its own.
             pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &AxleState<T, W>, side: Side) -> T {
                 match self {
                     $(WheelQuantity::$wheel => call_outlined((state, side), |(state, side)| $wfunction(state, side)),)*
@@ -79,7 +86,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// The value in lanes; NaN where it is not for lanes.
+            /// Value in lanes. NaN if the quantity is not available in lanes.
             #[inline(always)]
             pub fn evaluate_in_lanes<B: SimdReal, W: WheelParts<B>>(self, state: &AxleState<B, W>, side: Side) -> B {
                 match self {
@@ -92,7 +99,7 @@ macro_rules! catalogue {
             /// All variants, in their order.
             pub const ALL: &'static [AxleQuantity] = &[$(AxleQuantity::$axle),*];
 
-            /// The catalogue's entry.
+            /// Catalogue entry.
             pub fn info(self) -> &'static Info {
                 match self {
                     $(AxleQuantity::$axle => &Info {
@@ -103,7 +110,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// The value; each formula a function of its own.
+            /// Value. Each formula is compiled as a function of its own.
             pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &AxleState<T, W>) -> T {
                 match self {
                     $(AxleQuantity::$axle => call_outlined(state, $function),)*
@@ -117,7 +124,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// The value in lanes; NaN where it is not for lanes.
+            /// Value in lanes. NaN if the quantity is not available in lanes.
             #[inline(always)]
             pub fn evaluate_in_lanes<B: SimdReal, W: WheelParts<B>>(self, state: &AxleState<B, W>) -> B {
                 match self {
@@ -125,7 +132,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Why it may have no value in some positions.
+            /// Reason for a missing value, if the quantity has none in some poses.
             pub(super) fn possible_void(self) -> Option<NoValue> {
                 match self {
                     $(AxleQuantity::$axle => $void,)*
@@ -200,17 +207,17 @@ catalogue! {
 pub enum Quantity {
     /// A wheel characteristic of one wheel.
     Corner(Side, Characteristic),
-    /// A further quantity of one wheel.
+    /// A quantity of one wheel that is no wheel characteristic.
     Wheel(Side, WheelQuantity),
-    /// A quantity of the axle.
+    /// A quantity of the axle as a whole.
     Axle(AxleQuantity),
-    /// A figure of a test on elastic parts.
+    /// A test figure of elastic parts.
     Figure(TestFigure),
 }
 
 impl Quantity {
-    /// The quantities of a name, left before right; empty if no quantity has the name. Both the wheels and the axle
-    /// have a `roll_steer`.
+    /// Quantities with this name, left before right. Empty if there are none. Both the wheels and the axle have a
+    /// `roll_steer`.
     pub fn named(name: &str) -> Vec<Quantity> {
         let sides = Side::ALL;
         let mut found = Vec::new();
@@ -227,8 +234,8 @@ impl Quantity {
         found
     }
 
-    /// Returns true if an axle of this kind has it. A derivative by a wheel's own travel means nothing for an axle whose wheels
-    /// move each other. Only a solid axle has a line, a pitch and an angular velocity of its own.
+    /// Returns true if an axle of this kind has the quantity. If the wheels of an axle move each other, derivatives by a
+    /// wheel's own travel are not defined. Only a solid axle has an axle line, a pitch angle and an angular velocity.
     pub fn is_of(self, kind: AxleKind) -> bool {
         use AxleQuantity as A;
         use WheelQuantity as W;
@@ -273,7 +280,7 @@ impl Quantity {
         }
     }
 
-    /// Every name a study may ask for.
+    /// All names that a study may request.
     pub fn names() -> Vec<&'static str> {
         let corner = Characteristic::ALL.iter().map(|c| c.info().name);
         let wheel = WheelQuantity::ALL.iter().map(|q| q.info().name);
@@ -295,7 +302,7 @@ impl Quantity {
         }
     }
 
-    /// The wheel, if it is of one.
+    /// Wheel of the quantity, if it belongs to one.
     pub fn side(self) -> Option<Side> {
         match self {
             Quantity::Corner(side, _) | Quantity::Wheel(side, _) => Some(side),
@@ -314,12 +321,12 @@ impl Quantity {
         }
     }
 
-    /// Highest order of the derivatives by travel and rack that the value is made of.
+    /// Highest order of the derivatives by travel and rack from which the value is computed.
     pub fn rate_order(self) -> usize {
         self.info().rate_order
     }
 
-    /// The value.
+    /// Value in a state of the axle.
     pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &AxleState<T, W>) -> T {
         match self {
             Quantity::Corner(side, c) => {
@@ -328,18 +335,18 @@ impl Quantity {
             }
             Quantity::Wheel(side, q) => q.evaluate(state, side),
             Quantity::Axle(q) => q.evaluate(state),
-            // A rigid mechanism has no tests.
+            // A rigid mechanism has no test figures.
             Quantity::Figure(_) => state.like().constant(f64::NAN),
         }
     }
 
-    /// Returns true if the quantity moves with a rocker of a side.
+    /// Returns true if a rocker on this side influences the quantity.
     pub fn moves_with_rocker(self, side: Side) -> bool {
         let of_side = self.side().is_none_or(|own| own == side);
         of_side && self.info().reads.iter().any(|slot| slot.may_turn())
     }
 
-    /// Largest height difference of two contact points on one plane, in tracks.
+    /// Largest height difference of two contact points that count as on one plane, in tracks.
     pub(super) const SAME_PLANE: f64 = 1e-9;
 
     /// Returns true if the quantity is a derivative along a motion on a plane ground.
@@ -362,7 +369,7 @@ impl Quantity {
         )
     }
 
-    /// Why it may have no value in a position that is solved, in words.
+    /// Reason, in words, why the quantity may have no value in a solved pose.
     pub fn undefined_where(self) -> &'static str {
         let void = match self {
             Quantity::Corner(_, c) => return c.undefined_where(),
@@ -373,7 +380,7 @@ impl Quantity {
         void.or(plane).unwrap_or(NoValue::NotFinite).reason()
     }
 
-    /// The value in a state, or the reason for its absence.
+    /// Value in a state, or the reason why there is none.
     pub fn value(self, state: &AxleState<f64>) -> Result<f64, NoValue> {
         let is_void = |void: &NoValue| match void {
             NoValue::StraightAhead => steering::is_straight_ahead(state),

@@ -1,16 +1,16 @@
-//! Proof of an axle's position: of both poses, and of the conditions at the ground.
+//! Proof of an axle's pose: of the poses of both wheels, and of the conditions at the ground.
 //!
-//! On a plane ground one number is a result: half the difference s of the travels, where the roll angle is given, or
-//! the roll angle, where both travels are. It is the root of f = h_l - h_r, the difference in height of the contact
-//! points. With f enclosed at the number u that was found, and f' over [u - d, u + d],
+//! On a plane ground one number is a result. If the roll angle is given, it is half the difference s of the travels. If both
+//! travels are given, it is the roll angle. It is the root of f = h_l - h_r, the difference in height of the contact points.
+//! With f enclosed at the number u that was found, and f' over [u - d, u + d],
 //!
 //! ```text
 //! f' > 0 and |f(u)| <= d f'   =>   one and only one root in [u - d, u + d], and |root - u| <= |f(u)|/f'
 //! ```
 //!
-//! In roll f' = n.C_l' + n.C_r', on poses enclosed over the intervals of travel ([`Certifier::over_travels`]); by
-//! the roll angle it is the track. Sine and cosine of the angle, the design and the radius are enclosed too: the proof
-//! is about the exact axle whose numbers are the given doubles.
+//! In roll f' = n.C_l' + n.C_r', on poses enclosed over the intervals of travel ([`Certifier::over_travels`]). For the
+//! derivative by the roll angle, f' is the track. Sine and cosine of the angle, the design and the radius are enclosed, too.
+//! So the proof concerns the exact axle whose numbers are the given doubles.
 
 use super::solver::{AxlePose, Placement};
 use super::{Axle, Ground};
@@ -20,25 +20,25 @@ use crate::mechanism::{Configuration, Failure, NoPose};
 use crate::model::{Mechanism, Side};
 use crate::number::{Interval, Jet, Real, Vector3};
 
-/// Proved bounds on an axle's position. Lengths and angles as in the study, the angles in radians.
+/// Proved bounds on an axle's pose. Lengths are in the study's unit, angles in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxleProof {
-    /// No point of the left or right wheel carrier is further than this from its exact position.
+    /// Bound on the distance of any point of the left and right wheel carrier from its exact position.
     pub position_errors: [f64; 2],
-    /// Neither travel is further than this from the exact one; 0 if they are given.
+    /// Bound on the error of both travels. 0 if they are given.
     pub travel_error: f64,
-    /// The roll angle is no further than this from the exact one, in radians; 0 if it is given.
+    /// Bound on the error of the roll angle, in radians. 0 if it is given.
     pub roll_error: f64,
-    /// Any other position differs by more than this in a coordinate of the origin of a wheel carrier, in an entry of a
-    /// rotation times the mechanism's size, or in the roll angle times that size.
+    /// Distance to any other pose. Smallest difference of any other pose in one of these numbers: a coordinate of a
+    /// carrier's origin, an entry of a rotation, the roll angle. The last two are times the mechanism's size.
     pub uniqueness: f64,
 }
 
-/// Proves positions of one axle.
+/// Proves poses of one axle.
 pub struct AxleCertifier<'a> {
     wheels: [Wheel<'a>; 2],
     radius: f64,
-    /// One body carries both wheels: the difference of the travels drives it, and the mean takes the rack's place.
+    /// True if one body carries both wheels. The difference of the travels then drives it, and the mean replaces the rack.
     is_rigid: bool,
 }
 
@@ -47,28 +47,28 @@ struct Wheel<'a> {
     prover: Prover<'a>,
     mechanism: &'a Mechanism,
     design: Vec<Vector3<Jet<Interval, 2>>>,
-    /// Largest rise of the wheel centre when no coordinate of the pose changes by more than 1.
+    /// Bound on the rise of the wheel centre if each coordinate of the pose changes by at most 1.
     rise: f64,
 }
 
-/// Number of times that an interval is cut to a quarter before the proof is given up.
+/// Largest number of times that an interval is reduced to a quarter before the proof fails.
 const MOST_QUARTERINGS: usize = 24;
-/// Share of an interval that is tried next when the proof fails in it. It changes the path, not the result.
+/// Factor for the interval after a failed proof. It changes the path, not the result.
 const NARROWER: f64 = 0.25;
-/// Half the widest interval in which a root is looked for, of a roll angle.
+/// Half the widest interval for the root of a roll angle, in radians.
 const WIDEST_ROLL: f64 = 0.1;
 
-/// A root that is proved.
+/// A proved root.
 struct Root {
     /// Bound on the distance between the root and the number found.
     off: f64,
-    /// Half-width of the interval in which this is proved to be the only root.
+    /// Half-width of the interval in which it is proved to be the only root.
     alone: f64,
 }
 
 impl Root {
-    /// Proves a root near `at`. `function` returns enclosures of the value and the derivative over an interval. `None`
-    /// if nothing can be proved.
+    /// Proves a root near `at`. `function` returns enclosures of the value and the derivative over an interval. `None` if
+    /// the proof fails.
     fn near(
         at: f64,
         widest: f64,
@@ -83,7 +83,7 @@ impl Root {
         let mut alone = widest;
         for _ in 0..MOST_QUARTERINGS {
             if let Some(off) = off_by(alone) {
-                // The root is known to be so near, where the slope is known better.
+                // Now the root is known to be near, and the slope has a narrower enclosure there.
                 let off = off_by(off).unwrap_or(off);
                 return Some(Root { off, alone });
             }
@@ -121,12 +121,12 @@ impl<'a> Wheel<'a> {
             prover,
             mechanism,
             design: suspension.design.iter().map(exact).collect(),
-            // Some roundings of positive numbers.
+            // Allows for a few roundings of positive numbers.
             rise: rise * (1.0 + 8.0 * f64::EPSILON),
         }
     }
 
-    /// Height of the contact point over the origin, in any of the enclosed poses.
+    /// Height of the contact point above the origin, over all enclosed poses.
     fn height(
         &self,
         inclusion: &Inclusion,
@@ -156,16 +156,16 @@ impl<'a> AxleCertifier<'a> {
         }
     }
 
-    /// The proofs of the poses of one wheel.
+    /// Certifier for the poses of one wheel.
     pub fn wheel(&self, side: Side) -> &Certifier<'a> {
         &self.wheels[side as usize].prover.certifier
     }
 
-    /// Proves a position that was found for a placement.
+    /// Proves a pose that was found for a placement.
     ///
     /// # Errors
-    /// [`NoPose::Wheel`] if a pose is not proved, [`NoPose::Unproven`] if the poses are, but not that travels
-    /// or roll angle are right for the ground.
+    /// [`NoPose::Wheel`] if the pose of a wheel is not proved. [`NoPose::Unproven`] if both are proved, but the travels or
+    /// the roll angle are not proved to fit the ground.
     pub fn prove(&self, placement: &Placement, placed: &AxlePose) -> Result<AxleProof, NoPose> {
         let over = |side: Side, travel: Interval, rack: f64| {
             let pose = &placed.poses()[side as usize];
@@ -177,7 +177,7 @@ impl<'a> AxleCertifier<'a> {
             })
         };
         let over = |[left, right]: [Interval; 2]| {
-            // In its own frame the rack of the right wheel moves the other way.
+            // In its own frame, the rack of the right wheel moves in the opposite direction.
             let rack = placement.rack();
             let coordinates = match self.is_rigid {
                 false => [(left, rack), (right, -rack)],
@@ -190,7 +190,7 @@ impl<'a> AxleCertifier<'a> {
             Ok([over(Side::Left, left, one)?, over(Side::Right, right, two)?])
         };
         match *placement {
-            // A load is not enclosed.
+            // Loads have no enclosure.
             Placement::AtLoad { .. } => Err(NoPose::Unproven),
             Placement::Roll { heave, roll, .. } => {
                 self.in_roll([heave, roll], placed.travels, over)
@@ -201,7 +201,7 @@ impl<'a> AxleCertifier<'a> {
                 let wheels = over(travels.map(Interval::point))?;
                 let roll = on_plane.then_some(placed.roll);
                 let proof = self.at_travels(&wheels, roll)?;
-                // The mean of both travels is rounded.
+                // Accounts for the rounding of the mean of both travels.
                 let rounding = match self.is_rigid {
                     true => f64::EPSILON * (travels[0].abs() + travels[1].abs()),
                     false => 0.0,
@@ -214,7 +214,7 @@ impl<'a> AxleCertifier<'a> {
         }
     }
 
-    /// The heights of both contact points.
+    /// Heights of both contact points.
     fn heights(
         &self,
         wheels: &[Inclusion; 2],
@@ -227,7 +227,8 @@ impl<'a> AxleCertifier<'a> {
         ]
     }
 
-    /// Proves a position with given heave and roll angle; `over` encloses both poses over intervals of their travels.
+    /// Proves a pose with given heave and roll angle. `over` encloses the poses of both wheels over intervals of their
+    /// travels.
     fn in_roll(
         &self,
         [heave, roll]: [f64; 2],
@@ -238,7 +239,7 @@ impl<'a> AxleCertifier<'a> {
         let ground = Ground { sine, cosine }.map(Jet::constant);
         let half = 0.5 * (travels[0] - travels[1]);
         let written = travels.map(Interval::point);
-        // With the travels as they are written, at which the poses are proved to be of the design's branch.
+        // Uses the travels as written. At these the poses are proved to be on the branch of the design.
         let travels = |half: Interval| {
             let heave = Interval::point(heave);
             let [left, right] = written;
@@ -248,14 +249,14 @@ impl<'a> AxleCertifier<'a> {
         let root = Root::near(half, 0.25 * nearest_other(&here), |half| {
             let wheels = over(travels(half)).ok()?;
             let [left, right] = self.heights(&wheels, ground);
-            // The right wheel goes the other way.
+            // The right wheel moves in the opposite direction.
             Some(Jet([left[0] - right[0], left[1] + right[1]]))
         });
         let root = root.ok_or(NoPose::Unproven)?;
         let found = travels(around(half, root.off));
         let wheels = over(found)?;
         let errors = [0, 1].map(|wheel| (found[wheel] - written[wheel]).magnitude());
-        // Another position so near both of these poses has travels in the interval that has one root.
+        // Any other pose close to both of these poses would have travels in the interval, which contains only one root.
         let nearest = nearest_other(&over(travels(around(half, root.alone)))?);
         let reach = |wheel: usize| {
             let error = wheels[wheel].certificate.error;
@@ -265,12 +266,12 @@ impl<'a> AxleCertifier<'a> {
             position_errors: self.position_errors(&wheels),
             travel_error: errors[0].max(errors[1]),
             roll_error: 0.0,
-            // Less some roundings.
+            // Subtracts a few roundings.
             uniqueness: nearest.min(reach(0).min(reach(1)) * (1.0 - 1e-12)).max(0.0),
         })
     }
 
-    /// Proves a position with given travels, on pads or, if there is a roll angle, on a plane.
+    /// Proves a pose with given travels, on pads or, if there is a roll angle, on a plane.
     fn at_travels(&self, wheels: &[Inclusion; 2], roll: Option<f64>) -> Result<AxleProof, NoPose> {
         let nearest = nearest_other(wheels);
         let proof = AxleProof {
@@ -282,7 +283,7 @@ impl<'a> AxleCertifier<'a> {
         let Some(roll) = roll else {
             return Ok(proof);
         };
-        // By the roll angle, the poses held.
+        // For the derivative by the roll angle the poses are constant.
         let held = wheels.map(|wheel| Inclusion {
             pose: wheel.pose.map(|c| Jet::constant(c[0])),
             ..wheel

@@ -18,11 +18,11 @@ pub struct AxleColumn {
     pub of: Of,
     /// The motion along which it is a derivative; `None` for a value.
     pub by: Option<Motion>,
-    /// True if the column is the derivative by time, in a motion along `by`.
+    /// True for a derivative by time, in a motion along `by`.
     pub is_by_time: bool,
     /// Order of the derivative; 0 for a value.
     pub order: usize,
-    /// Unit alone; empty for a plain number.
+    /// Unit of the column. Empty for a plain number.
     pub unit: String,
     /// Factor from radians, length units and newtons to the unit of the column.
     pub factor: f64,
@@ -37,7 +37,7 @@ pub enum Of {
     Point {
         /// The wheel.
         side: Side,
-        /// Number of the point among those of the plan.
+        /// Index of the point in the plan.
         number: usize,
         /// The point.
         id: PointId,
@@ -50,7 +50,7 @@ pub enum Of {
     },
     /// A component of the angular velocity of one wheel carrier.
     Turn(Side, Axis),
-    /// A force that carries a load on one wheel.
+    /// A force in a member that carries a load on one wheel.
     Force {
         /// Name without the unit.
         name: String,
@@ -60,7 +60,7 @@ pub enum Of {
 }
 
 impl AxleColumn {
-    /// The quantity, if it is of one.
+    /// Quantity of the column, if it contains one.
     pub fn quantity(&self) -> Option<Quantity> {
         match &self.of {
             Of::Quantity(quantity) => Some(*quantity),
@@ -120,7 +120,7 @@ impl AxleColumn {
         })
     }
 
-    /// The derivative of this value along a motion. `rack_sign` is the sign of the rack's axis in the study.
+    /// Column for the derivative of this value along a motion. `rack_sign` is the sign of the rack's axis in the study.
     fn by_motion(
         &self,
         order: usize,
@@ -128,7 +128,7 @@ impl AxleColumn {
         rack_sign: f64,
     ) -> AxleColumn {
         let (stem, per) = match (order, &self.of) {
-            // An angular velocity is a first derivative already.
+            // An angular velocity is already a first derivative.
             (1, _) => (format!("{}_by_{by}", self.output()), per.clone()),
             (_, Of::Turn(side, axis)) => {
                 let stem = format!("{}_knuckle_alpha_{}", side.name(), axis.name());
@@ -155,7 +155,7 @@ impl AxleColumn {
         }
     }
 
-    /// The derivative of this value by the time of a law along a motion.
+    /// Column for the derivative of this value by the time of a law along a motion.
     fn by_time(&self, order: usize, (motion, ..): &ByMotion) -> AxleColumn {
         let unit = per(&self.unit, "s", order);
         let stem = match &self.of {
@@ -183,7 +183,7 @@ impl AxleColumn {
         }
     }
 
-    /// When it is positive, in words; `None` for derivatives.
+    /// Meaning of a positive value, in words. `None` for derivatives.
     pub fn positive(&self) -> Option<&'static str> {
         match &self.of {
             _ if self.by.is_some() => None,
@@ -194,7 +194,7 @@ impl AxleColumn {
     }
 }
 
-/// The derivative of a coordinate, which is a function of the wheel's own travel and rack.
+/// Derivative of a coordinate, which is a function of the wheel's own travel and rack.
 fn of_point(
     place: &Taylor<f64>,
     motion: Motion,
@@ -218,7 +218,7 @@ fn of_point(
     moving.along(motion, side, [by_travel, by_rack])[1]
 }
 
-/// A component of an angular velocity, or its derivative.
+/// Component of an angular velocity, or its derivative.
 fn of_turn(
     axis: Axis,
     motion: Motion,
@@ -255,14 +255,14 @@ impl From<&AxleColumn> for Column {
 /// A motion, its name and unit in columns, and the factor from a derivative along it to its printed value.
 type ByMotion = (Motion, &'static str, String, f64);
 
-/// Three components of the left wheel, three of the right one.
+/// All three components for the left wheel, then for the right one.
 fn by_wheel() -> impl Iterator<Item = (Side, Axis)> {
     let sides = Side::ALL.into_iter();
     sides.flat_map(|side| Axis::ALL.map(|axis| (side, axis)))
 }
 
 impl AxlePlan {
-    /// The motions along which derivatives are reported, with the name and unit of each.
+    /// Motions along which results have derivatives, with the name and unit of each.
     fn motions(&self, length: LengthUnit) -> Vec<ByMotion> {
         if self.derivatives == 0 {
             return Vec::new();
@@ -292,7 +292,8 @@ impl AxlePlan {
         motions
     }
 
-    /// The columns: each value before its derivatives; quantities, points, wheel carriers, forces.
+    /// Columns of the plan. Each value comes before its derivatives. The order is: quantities, points, wheel carriers,
+    /// forces.
     pub fn columns(&self, axle: &Axle) -> Vec<AxleColumn> {
         let length = axle.left.length_unit;
         let motions = self.motions(length);
@@ -324,7 +325,7 @@ impl AxlePlan {
             let unit = quantity.info().unit;
             let (suffix, factor) = (unit.suffix(length), unit.printed_factor(length));
             let value = value(Of::Quantity(*quantity), suffix, factor);
-            // A figure of a test is a derivative already.
+            // A test figure is already a derivative.
             let derivatives = match quantity {
                 Quantity::Figure(_) => Vec::new(),
                 _ => derivatives(&value),
@@ -374,7 +375,7 @@ impl AxlePlan {
         columns
     }
 
-    /// The loads on one wheel, and the parts that carry them.
+    /// Loads on one wheel, and the members that carry them.
     pub(super) fn carried<'a>(&'a self, axle: &'a Axle, side: Side) -> Loads<'a> {
         let mechanism = &axle.suspension(side).mechanism;
         let units = (axle.frame(side), axle.left.length_unit);

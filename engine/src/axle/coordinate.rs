@@ -1,10 +1,10 @@
-//! The numbers that give the position of an axle, and how a study writes them.
+//! Coordinates of an axle's pose, and their form in a study.
 
 use super::state::Motion;
 use super::{Axle, AxleMotion, Placement, WheelMotion};
 use crate::model::{Axis, LengthUnit};
 
-/// One of the numbers that a motion of an axle is made of.
+/// Coordinate of an axle's motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coordinate {
     /// Roll angle of the body.
@@ -44,7 +44,7 @@ impl Coordinate {
         }
     }
 
-    /// The unit of its values as the study writes them.
+    /// Unit of the coordinate's values in a study.
     pub fn unit(self, length: LengthUnit) -> &'static str {
         match self {
             Coordinate::Roll | Coordinate::SteeringWheel => "deg",
@@ -55,12 +55,12 @@ impl Coordinate {
         }
     }
 
-    /// Returns true if it is a length as the study writes it.
+    /// Returns true if the coordinate is a length in a study.
     pub fn is_length(self) -> bool {
         !matches!(self, Coordinate::Roll | Coordinate::SteeringWheel)
     }
 
-    /// The motion along which this coordinate alone changes.
+    /// Motion along which only this coordinate changes.
     pub fn motion(self) -> Motion {
         match self {
             Coordinate::Roll => Motion::Roll,
@@ -76,8 +76,8 @@ impl Coordinate {
         format!("{}_{}", self.key(), self.unit(length))
     }
 
-    /// Converts a value as the study writes it (degrees, lengths along the study's axes) to one of a [`AxleMotion`]. The
-    /// angle of the steering wheel becomes the displacement of the rack that it makes.
+    /// Converts a value in a study (degrees, lengths along the study's axes) to a value of an [`AxleMotion`]. The angle of
+    /// the steering wheel becomes the displacement of the rack.
     pub fn in_kernel(self, written: f64, axle: &Axle) -> f64 {
         match self {
             Coordinate::Roll => written.to_radians(),
@@ -87,8 +87,7 @@ impl Coordinate {
         }
     }
 
-    /// Converts a value of a motion to one as the study writes it; an angle becomes the shortest decimal that stands
-    /// for it.
+    /// Converts a value of a motion to the form of a study. An angle becomes the shortest decimal number that represents it.
     pub fn written(self, value: f64, axle: &Axle) -> f64 {
         let short = |value: f64| format!("{value:.12e}").parse().unwrap_or(value);
         match self {
@@ -99,7 +98,7 @@ impl Coordinate {
 }
 
 impl Placement {
-    /// The value of a coordinate in the form of a motion; 0 for a coordinate that does not define this placement.
+    /// Value of a coordinate in the form of a motion. 0 for a coordinate that does not define this placement.
     pub fn along(&self, coordinate: Coordinate) -> f64 {
         match (coordinate, *self) {
             (Coordinate::Rack | Coordinate::SteeringWheel, placement) => placement.rack(),
@@ -120,7 +119,7 @@ impl Placement {
 }
 
 impl AxleMotion {
-    /// The numbers that move, at least one. Curves are over the first.
+    /// Coordinates that move, at least one. Curves are over the first one.
     pub fn moving(&self) -> Vec<Coordinate> {
         let mut motion = self.clone();
         let by_wheel = motion.steering_wheel.is_some();
@@ -136,14 +135,14 @@ impl AxleMotion {
         if moving.is_empty() {
             moving.push(available[0]);
         }
-        // Steering before the rest of what curves are not over.
+        // Steering comes before the other coordinates that curves are not over.
         let steers = |c: &Coordinate| matches!(c, Coordinate::Rack | Coordinate::SteeringWheel);
         moving[1..].sort_by_key(|c| !steers(c));
         moving
     }
 
-    /// The values of a coordinate; `None` if this motion does not have it. Rack and steering wheel have the same
-    /// values, displacements of the rack.
+    /// Values of a coordinate. `None` if this motion does not have it. Rack and steering wheel have the same values, which
+    /// are displacements of the rack.
     pub fn along(&mut self, coordinate: Coordinate) -> Option<&mut Vec<f64>> {
         let wheels = &mut self.wheels;
         match (coordinate, wheels) {

@@ -17,15 +17,15 @@ use crate::threads::on_large_stacks;
 pub struct AxlePlan {
     /// The stations.
     pub motion: AxleMotion,
-    /// Quantities, in the order asked.
+    /// Quantities, in the order of the study.
     pub quantities: Vec<Quantity>,
-    /// Highest derivative along the motions that is reported, 2 at most.
+    /// Highest derivative along the motions in the results, at most 2.
     pub derivatives: usize,
-    /// Hardpoints by which gradients are formed; empty for none.
+    /// Hardpoints for which gradients are computed. May be empty.
     pub sensitivities: Vec<PointId>,
-    /// True if the program proves each position.
+    /// True if each pose must be certified.
     pub certify: bool,
-    /// Points whose coordinates are reported.
+    /// Points whose coordinates are in the results.
     pub points: Vec<PointId>,
     /// True if results contain the angular velocities of the wheel carriers.
     pub knuckle: bool,
@@ -34,7 +34,7 @@ pub struct AxlePlan {
 }
 
 impl AxlePlan {
-    /// Quantities over a motion, and nothing else.
+    /// Plan with only these quantities over a motion.
     pub fn of(motion: AxleMotion, quantities: Vec<Quantity>) -> AxlePlan {
         AxlePlan {
             motion,
@@ -57,12 +57,12 @@ impl AxlePlan {
         }
     }
 
-    /// A plan of the same quantities over the same motion, and nothing else.
+    /// Plan with only the same quantities over the same motion.
     pub fn quantities_alone(&self) -> AxlePlan {
         AxlePlan::of(self.motion.clone(), self.quantities.clone())
     }
 
-    /// A plan of the same quantities in the design position.
+    /// Plan of the same quantities in the design position.
     pub fn at_design(&self) -> AxlePlan {
         AxlePlan {
             motion: self.motion.at_design(),
@@ -72,7 +72,7 @@ impl AxlePlan {
 }
 
 impl Axle {
-    /// Returns true if the steering wheel, turned to the left, steers the wheels to the right.
+    /// Returns true if turning the steering wheel to the left steers the wheels to the right.
     pub fn turns_against(&self, plan: &AxlePlan) -> bool {
         if self.setup.c_factor.is_none() || self.setup.wheel_radius.is_none() {
             return false;
@@ -88,26 +88,27 @@ impl Axle {
     }
 }
 
-/// Curves of an axle, and the positions that they were read in.
+/// Curves of an axle, and their poses.
 #[derive(Clone, Debug)]
 pub struct AxleCurves {
     /// The curves.
     pub curves: Curves,
-    /// For each station the position of both wheels, or the reason for its absence; empty with elastic parts.
+    /// Pose of both wheels at each station, or the reason why there is none. Empty with elastic parts.
     pub placed: Vec<Result<AxlePose, NoPose>>,
 }
 
 impl AxlePlan {
-    /// Highest derivative by travel and rack that is read of a wheel.
+    /// Highest derivative of a wheel by travel and rack that the plan reads.
     pub fn degree(&self) -> usize {
         self.degree_for(!self.sensitivities.is_empty())
     }
 
-    /// Highest derivative by travel and rack that is read of a wheel, if derivatives by the design are formed or not.
+    /// Highest derivative of a wheel by travel and rack that the plan reads. `by_design` says whether derivatives by the
+    /// design are computed.
     pub(crate) fn degree_for(&self, by_design: bool) -> usize {
         let orders = self.quantities.iter().map(|q| q.rate_order());
         let along = self.derivatives;
-        // On a plane, a derivative by the design moves the travels too.
+        // On a plane, the travels also change with the design.
         let by_design = usize::from(by_design && self.is_on_plane());
         orders.max().unwrap_or(0) + along.max(by_design)
     }
@@ -117,7 +118,7 @@ impl AxlePlan {
     }
 }
 
-/// Computes the curves of an axle under a plan. Errors if the design position of a wheel cannot be solved.
+/// Computes the curves of an axle. An error says why the design position of a wheel cannot be solved.
 pub fn axle_curves(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side, DesignFault)> {
     if let Some(elastic) = &axle.elastic {
         return super::elastic::curves(axle, elastic, plan);
@@ -157,7 +158,7 @@ fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side
         placed: Vec::with_capacity(placements.len()),
     };
     let mut of_wheels = WheelCurves::default();
-    // In roll all positions are found together; travels that are given are read off curves.
+    // In roll all poses are found together. If travels are given, poses come from the curves of the wheels.
     let mut rolled = match plan.motion.wheels {
         WheelMotion::Roll { .. } => solver.place_all(&placements).into_iter(),
         _ => Vec::new().into_iter(),
@@ -200,7 +201,7 @@ fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side
     Ok(found)
 }
 
-/// A station that has no position, or none that could be proved.
+/// Makes a failed station: it has no pose, or its pose could not be proved.
 fn failed(at: Vec<Option<f64>>, reason: NoPose, columns: usize) -> Station {
     Station {
         at,
@@ -211,8 +212,8 @@ fn failed(at: Vec<Option<f64>>, reason: NoPose, columns: usize) -> Station {
     }
 }
 
-/// Proves every position: that it is right, and that the pose of each wheel lies on the branch of its design position.
-/// A station that cannot be proved becomes a failed station.
+/// Proves that every pose is right, and that the pose of each wheel lies on the branch of its design position. A station
+/// that cannot be proved becomes a failed station.
 fn certify<const N: usize>(
     axle: &Axle,
     plan: &AxlePlan,
@@ -255,7 +256,7 @@ fn certify<const N: usize>(
     }
 }
 
-/// The curves of both wheels at one rack displacement, for placements that give their travels.
+/// Curves of both wheels at one rack displacement, for placements with given travels.
 #[derive(Default)]
 struct WheelCurves {
     rack: Option<f64>,
@@ -264,7 +265,7 @@ struct WheelCurves {
 }
 
 impl WheelCurves {
-    /// Finds and reads a position: from the curves of both wheels if their travels are given, else by itself.
+    /// Finds and reads a pose. If the travels are given, it uses the curves of both wheels; otherwise it solves the pose.
     fn position<'a, const N: usize>(
         &mut self,
         solver: &mut AxleSolver<'a, N>,
@@ -306,7 +307,7 @@ impl WheelCurves {
     }
 }
 
-/// The values of a station, which is still without its place.
+/// Values of a station whose coordinates are not set yet.
 fn values(
     columns: &[AxleColumn],
     read: &Read,
@@ -342,7 +343,7 @@ fn values(
     }
 }
 
-/// The forces that carry the loads on both wheels.
+/// Forces in the members that carry the loads on both wheels.
 fn forces<const N: usize>(
     loads: &[Loads<'_>; 2],
     solver: &AxleSolver<N>,
@@ -378,7 +379,7 @@ fn gradients<const N: usize>(
     station: usize,
 ) -> Result<Vec<Sensitivity>, NoPose> {
     let mut found = Vec::new();
-    // Derivatives of a rigid axle are by the left half, which the right one follows.
+    // Derivatives of a rigid axle are by the left half. The right half follows it.
     let is_own = axle.right.is_some() && !axle.is_rigid();
     let values = columns.iter().enumerate().filter(|(_, c)| c.by.is_none());
     let sought = values.filter_map(|(column, c)| match c.of {

@@ -1,20 +1,20 @@
-//! Positions in which a spring or bump stop is beyond the ends of its force curve.
+//! Poses in which a spring or bump stop is beyond the ends of its force curve.
 
 use super::spring::{ForceCurve, Law};
 use super::{Axle, AxleCurves};
 use crate::mechanism::Configuration;
 use crate::model::Side;
 
-/// The part whose force a curve gives.
+/// Part whose force a curve gives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ForcePart {
-    /// The spring, over its length.
+    /// Spring, with its length as abscissa.
     Spring,
-    /// The bump stop, over its compression.
+    /// Bump stop, with its compression as abscissa.
     BumpStop,
 }
 
-/// The position that is farthest beyond an end of a force curve.
+/// Pose that is farthest beyond an end of a force curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeyondCurve {
     /// The wheel.
@@ -23,7 +23,7 @@ pub struct BeyondCurve {
     pub part: ForcePart,
     /// Length or compression, in the study's unit.
     pub value: f64,
-    /// The end of the curve.
+    /// End of the curve, in the same unit.
     pub end: f64,
     /// Travel of the wheel.
     pub travel: f64,
@@ -36,7 +36,7 @@ impl BeyondCurve {
 }
 
 impl Axle {
-    /// For each force curve of each wheel and each of its ends, the station that is farthest beyond it.
+    /// Finds, for each end of each wheel's force curves, the station farthest beyond it.
     pub fn beyond_force_curves(&self, curves: &AxleCurves) -> Vec<BeyondCurve> {
         let mut found: Vec<BeyondCurve> = Vec::new();
         for placed in &curves.placed {
@@ -68,7 +68,7 @@ impl Axle {
         found
     }
 
-    /// The parts of a wheel that are beyond an end of their curve in a pose: value and end.
+    /// Parts of a wheel that are beyond an end of their curve in a pose, with value and end.
     fn beyond_at(
         &self,
         side: Side,
@@ -96,7 +96,7 @@ impl Axle {
     }
 }
 
-/// The end that a value is beyond.
+/// End that a value is beyond. `None` if the value is within the curve.
 fn beyond(curve: &ForceCurve, value: f64) -> Option<f64> {
     let (first, last) = (curve.points().first()?[0], curve.points().last()?[0]);
     if value < first {

@@ -1,7 +1,7 @@
-//! Positions of all points of both wheels along a motion, for drawings: on level ground, with the body rolled.
+//! Positions of all points of both wheels along a motion, for drawings: the ground is level and the body rolls.
 //!
-//! The curves of an axle are in the body's axes, in which the ground tilts. A drawing is turned back by the roll angle
-//! about x, and raised so that the ground stays where it is in the design position.
+//! Curves of an axle are in the body's axes, in which the ground tilts. A drawing rotates everything back by the roll angle
+//! about x. It then moves the body vertically, so that the ground keeps its height of the design position.
 
 use super::formulas::steering::turn;
 use super::reading::WheelParts;
@@ -13,14 +13,14 @@ use crate::mechanism::{Configuration, DesignFault, NoPose};
 use crate::model::{Frame, PointId, Side};
 use crate::number::Vector3;
 
-/// Both wheels in every position, in the study's axes, or the reason why a position does not exist. Errors if the
-/// design position of a wheel cannot be solved.
+/// Both wheels in every pose, in the study's axes, or the reason why a pose does not exist. An error says why the design
+/// position of a wheel cannot be solved.
 pub fn axle_frames(
     axle: &Axle,
     placements: &[Placement],
 ) -> Result<Vec<Result<Drawn, NoPose>>, (Side, DesignFault)> {
     let mut quantities = Vec::new();
-    // Roll centres are of the rigid mechanism.
+    // Roll centres belong to the rigid mechanism.
     if axle.setup.wheel_radius.is_some() && axle.elastic.is_none() {
         quantities.push(Quantity::Axle(AxleQuantity::RollCentreHeight));
         quantities.push(Quantity::Axle(AxleQuantity::RollCentreLateral));
@@ -36,7 +36,7 @@ pub fn axle_frames(
     Ok(drawn.collect())
 }
 
-/// The height of the ground in the design position.
+/// Height of the ground in the design position.
 fn design_ground(axle: &Axle, solver: &mut AxleSolver<2>) -> f64 {
     let radius = axle.setup.wheel_radius.unwrap_or(0.0);
     let [left, right] = Side::ALL.map(|side| {
@@ -49,7 +49,7 @@ fn design_ground(axle: &Axle, solver: &mut AxleSolver<2>) -> f64 {
     0.5 * (left + right)
 }
 
-/// Place of an axle in the drawing: the body turned by the roll angle, the ground at its height.
+/// Attitude of an axle in the drawing: the body rotated by the roll angle, the ground at its height.
 struct Attitude<'a> {
     frame: &'a Frame,
     sine: f64,
@@ -59,7 +59,8 @@ struct Attitude<'a> {
 }
 
 impl Attitude<'_> {
-    /// Turns a vector with the body. The vector is given in the frame of its side; the right frame mirrors the left.
+    /// Rotates a vector with the body. The vector is in the frame of its side; the right frame is the mirror image of the
+    /// left.
     fn turned(&self, side: Side, v: Vector3<f64>) -> Vector3<f64> {
         let y = match side {
             Side::Left => v.y,
@@ -69,12 +70,12 @@ impl Attitude<'_> {
         Vector3::new(v.x, y * cosine - v.z * sine, y * sine + v.z * cosine)
     }
 
-    /// A point, in the kernel's axes of the drawing.
+    /// Position of a point, in the kernel's axes of the drawing.
     fn placed(&self, side: Side, v: Vector3<f64>) -> Vector3<f64> {
         self.turned(side, v) + Vector3::new(0.0, 0.0, self.lifted)
     }
 
-    /// A vector in the study's axes, without -0.
+    /// A vector in the study's axes, with -0 replaced by 0.
     fn written(&self, v: Vector3<f64>) -> [f64; 3] {
         self.frame.vector(v).to_array().map(|x| x + 0.0)
     }
@@ -108,7 +109,7 @@ impl Attitude<'_> {
         drawn
     }
 
-    /// The roll centre: between both contact points, along the ground and above it.
+    /// Roll centre, at its position along the ground and its height above it.
     fn roll_centre(&self, state: &AxleState<f64>) -> Option<[f64; 3]> {
         let value = |quantity| Quantity::Axle(quantity).value(state).ok();
         let height = value(AxleQuantity::RollCentreHeight)?;

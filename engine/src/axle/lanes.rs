@@ -12,8 +12,8 @@ use crate::characteristics::{
 use crate::model::Side;
 use crate::number::{Outlined, SimdReal, Vector3, outlined};
 
-/// A wheel read in lanes: its parts and their first derivatives by travel. Derivatives by the rack are known of the
-/// carrier only.
+/// A wheel read in lanes: its parts and their first derivatives by travel. Derivatives by the rack are available only for
+/// the carrier.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneWheel<'i, B> {
     inputs: &'i Inputs<B>,
@@ -21,7 +21,7 @@ pub struct LaneWheel<'i, B> {
 }
 
 impl<'i, B> LaneWheel<'i, B> {
-    /// The wheel as its inputs in lanes describe it.
+    /// Makes the wheel from its inputs in lanes.
     #[inline(always)]
     pub fn of(read: &'i LaneInputs<B>) -> Self {
         LaneWheel {
@@ -57,7 +57,7 @@ impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
         }
     }
 
-    /// Lanes know the angular velocities of the carrier, not its rotation.
+    /// Lanes have the angular velocities of the carrier, but not its rotation.
     #[inline(always)]
     fn column(&self, _: usize, _: [usize; 2]) -> Vector3<B> {
         self.unknown()
@@ -88,7 +88,7 @@ impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
 }
 
 impl<B: SimdReal> LaneWheel<'_, B> {
-    /// The wheel, or its derivatives by travel; `None` for other powers of travel and rack.
+    /// The wheel, or its derivatives by travel. `None` for other powers of travel and rack.
     #[inline(always)]
     fn wheel(&self, powers: [usize; 2]) -> Option<&Wheel<B>> {
         match powers {
@@ -106,8 +106,8 @@ impl<B: SimdReal> LaneWheel<'_, B> {
 }
 
 impl Quantity {
-    /// Returns true if lanes can provide the quantity. They provide every characteristic of a wheel, and the
-    /// quantities that the axle's catalogue marks.
+    /// Returns true if lanes can compute the quantity. They compute every characteristic of a wheel, and the quantities that
+    /// the axle's catalogue marks.
     pub fn is_for_lanes(self) -> bool {
         match self {
             Quantity::Corner(..) => true,
@@ -117,7 +117,7 @@ impl Quantity {
         }
     }
 
-    /// The slots of a wheel that it reads in lanes.
+    /// Slots of a wheel that the quantity reads in lanes.
     pub fn lane_slots(self, side: Side) -> Slots {
         match self {
             Quantity::Corner(own, _) if own != side => Slots::default(),
@@ -127,7 +127,7 @@ impl Quantity {
         }
     }
 
-    /// The value in lanes; NaN where it has none, as [`Quantity::value`] has it.
+    /// Value in lanes. NaN if it has none, under the same conditions as [`Quantity::value`].
     #[inline(always)]
     pub fn value_in_lanes<B: SimdReal>(self, state: &AxleState<B, LaneWheel<B>>) -> B {
         let like = state.like();
@@ -158,7 +158,7 @@ impl<B: SimdReal> Outlined for OfAxle<'_, '_, B> {
         let OfAxle { quantity, state } = self;
         let unknown = state.like().constant(f64::NAN);
         let value = match quantity {
-            // Characteristics of a wheel are read of that wheel alone; a rigid mechanism has no figures of tests.
+            // Characteristics of a wheel are read from that wheel alone. A rigid mechanism has no test figures.
             Quantity::Corner(..) | Quantity::Figure(_) => unknown,
             Quantity::Wheel(side, q) => q.evaluate_in_lanes(state, side),
             Quantity::Axle(q) => q.evaluate_in_lanes(state),

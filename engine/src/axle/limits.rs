@@ -1,7 +1,7 @@
-//! Limits of an axle: each wheel's travel, the rack that both are on, and roll.
+//! Limits of an axle: the travel of each wheel, the rack of both wheels, and roll.
 //!
-//! With the rack held and both wheel centres at travels heave +- s, roll continues until the first wheel reaches the
-//! end of its travel. A rigid axle rolls until its links fold. The roll angle there is that of the plane under both
+//! The rack is fixed, and both wheel centres are at the travels heave +- s. Roll continues until the first wheel reaches the
+//! end of its travel. A rigid axle rolls until its links fold. The roll angle at the end is that of the plane under both
 //! wheels.
 
 use super::Axle;
@@ -19,14 +19,14 @@ pub struct AxleLimits {
     /// The least and the largest displacement of the rack towards the left wheel's outside, at zero travel. `None` if
     /// nothing is on the rack.
     pub rack: Option<[AxleEnd; 2]>,
-    /// The least and the largest roll angle (radians) at zero heave, the rack in the middle. `None` if it is not known.
+    /// Smallest and largest roll angle (radians) at zero heave, with the rack in the middle. `None` if it is not known.
     pub roll: [Option<AxleEnd>; 2],
 }
 
 /// Limits of the travels of an axle's wheels, from the design position.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TravelRanges {
-    /// Travel of the left and of the right wheel, each by itself, the rack in the middle.
+    /// Travels of the left and right wheel separately, with the rack in the middle.
     OfWheels([Range; 2]),
     /// Travels of a rigid axle.
     OfAxle {
@@ -37,20 +37,21 @@ pub enum TravelRanges {
     },
 }
 
-/// The end of an axle's range: the first wheel reaches an end there.
+/// End of an axle's range, at which the first wheel reaches an end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleEnd {
-    /// The value at the end: a travel, a rack displacement or a roll angle in radians.
+    /// Value at the end: a travel, a rack displacement or a roll angle in radians.
     pub value: f64,
-    /// The wheel that reaches its end.
+    /// Wheel that reaches its end.
     pub side: Side,
     /// End of that wheel's travel, in its own frame.
     pub end: RangeEnd,
 }
 
-/// Share of the roll angle at the end that must be reached for the end to be believed.
+/// Share of the roll angle at the end that must be reachable. Otherwise the end is not reported.
 const BEFORE_END: f64 = 0.999;
-/// The same for a rigid axle. Near its fold the heights of the wheels change with the root of the way that is left.
+/// The same share for a rigid axle. Near its fold the heights of the wheels change with the square root of the distance to
+/// the fold.
 const BEFORE_FOLD: f64 = 0.97;
 
 impl Axle {
@@ -64,7 +65,7 @@ impl Axle {
 }
 
 impl<const N: usize> AxleSolver<'_, N> {
-    /// The ranges of both travels, of the rack and of roll.
+    /// Ranges of both travels, of the rack and of roll.
     ///
     /// # Errors
     /// If the design position of a wheel is singular.
@@ -72,14 +73,14 @@ impl<const N: usize> AxleSolver<'_, N> {
         let left = self.limits_of(Side::Left)?;
         let right = self.limits_of(Side::Right)?;
         let rack = left.rack.as_ref().zip(right.rack.as_ref());
-        // The right wheel's own rack moves the other way.
+        // The right wheel's own rack moves in the opposite direction.
         let rack = rack.map(|(left, right)| {
             let lower = nearer([(&left.lower, 1.0), (&right.upper, -1.0)]);
             let upper = nearer([(&left.upper, 1.0), (&right.lower, -1.0)]);
             [lower, upper]
         });
         let (left, right) = (left.travel, right.travel);
-        // Rolled to the left, the left wheel is in droop.
+        // In roll to the left, the left wheel is in droop.
         let mut roll = |ends: [&RangeEnd; 2]| {
             let end = nearer([(ends[0], 1.0), (ends[1], -1.0)]);
             let value = self.roll_at(&end)?;
@@ -111,7 +112,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         limits.map_err(|fault| (Side::Left, fault))
     }
 
-    /// The roll angle where the first wheel, at half the difference of travels that is the end's value, comes to its end.
+    /// Roll angle at which the first wheel reaches its end. There, half the difference of travels has the end's value.
     fn roll_at(&mut self, end: &AxleEnd) -> Option<f64> {
         let RangeEnd::Fold(limit) = &end.end else {
             return None;
@@ -139,8 +140,8 @@ impl<const N: usize> AxleSolver<'_, N> {
     }
 }
 
-/// Returns whichever of the two wheels' ends is nearer to the design position. Each end comes with the sign that
-/// converts the wheel's value to the axle's.
+/// Returns the end that is nearer to the design position. Each wheel's end comes with the sign that converts the wheel's
+/// value to the axle's.
 fn nearer(ends: [(&RangeEnd, f64); 2]) -> AxleEnd {
     let [left, right] = ends.map(|(end, sign)| (end, sign * end.value()));
     let (side, (end, value)) = match left.1.abs() <= right.1.abs() {

@@ -1,9 +1,9 @@
 //! Both wheels of an axle: roll on a plane ground, steering, springs.
 //!
-//! An independent axle is two corners at travels z_l and z_r and racks r and -r, each in the kernel's frame
-//! of a left wheel. Nothing in the solution of a corner changes but that the contact point takes the
-//! ground's normal for the vertical. Signs are those of ISO 8855 at both wheels; `steer`, `mean_steer` and
-//! roll are positive to the left and about +x.
+//! An independent axle has two corners at travels z_l and z_r and racks r and -r, each in the kernel's frame of a left
+//! wheel. A corner is solved like a single wheel, with one difference: its contact point depends on the ground's normal
+//! instead of the vertical. Signs are those of ISO 8855 at both wheels. `steer` and `mean_steer` are positive to the left;
+//! roll is positive about +x.
 
 mod adjoint;
 mod at_load;
@@ -61,18 +61,17 @@ use crate::study::AxleComplianceStudy;
 /// An axle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axle {
-    /// The left wheel.
+    /// Left wheel.
     pub left: Suspension,
-    /// The right wheel in the kernel's frame, as if it were a left one. `None` if it is the mirror image of the left
-    /// wheel.
+    /// Right wheel in the kernel's frame, as if it were a left one. `None` if it is the mirror image of the left wheel.
     pub right: Option<Suspension>,
-    /// Figures of the study.
+    /// Further inputs of the study: steering, springs, masses.
     pub setup: Setup,
-    /// The elastic parts and their tests, if there are any.
+    /// Elastic parts and their tests, if there are any.
     pub elastic: Option<Box<AxleComplianceStudy>>,
 }
 
-/// Kinds of axles, which have different quantities.
+/// Kinds of axles. Each has its own set of quantities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxleKind {
     /// Each wheel has its own suspension.
@@ -84,7 +83,7 @@ pub enum AxleKind {
 }
 
 impl Axle {
-    /// The suspension of a side, in the kernel's frame of that side.
+    /// Suspension of a side, in the kernel's frame of that side.
     pub fn suspension(&self, side: Side) -> &Suspension {
         match (side, &self.right) {
             (Side::Right, Some(right)) => right,
@@ -97,7 +96,7 @@ impl Axle {
         self.left.mechanism.rigid_axle.is_some()
     }
 
-    /// The kind of axle.
+    /// Kind of this axle.
     pub fn kind(&self) -> AxleKind {
         match &self.left.mechanism.rigid_axle {
             None => AxleKind::Independent,
@@ -106,17 +105,17 @@ impl Axle {
         }
     }
 
-    /// Why the design of a wheel cannot be solved, in words with the names of its points.
+    /// Reason why the design of a wheel cannot be solved, in words with the names of its points.
     pub fn describe_fault(&self, (side, fault): (Side, DesignFault)) -> String {
         let words = fault.describe(&self.suspension(side).mechanism);
         match fault {
-            // It names the wheel, if one is the reason.
+            // The description already names the wheel, if one wheel is the reason.
             DesignFault::Elastic(_) => words,
             _ => side.about(&words),
         }
     }
 
-    /// The study's axes in the kernel's frame of a side.
+    /// Axes of the study in the kernel's frame of a side.
     pub fn frame(&self, side: Side) -> Frame {
         match side {
             Side::Left => self.left.frame,
@@ -124,9 +123,9 @@ impl Axle {
         }
     }
 
-    /// The points of a right wheel with hardpoints of its own, if the left wheel's points are moved to `left`. Each
-    /// point moves as the left one does, and one that is a mirror image stays so to the last digit. `None` if the whole
-    /// wheel is a mirror image.
+    /// Points of a right wheel with its own hardpoints, after the left wheel's points have moved to `left`. Each point moves
+    /// by the same displacement as the left one. A point that is a mirror image stays one exactly. `None` if the whole wheel
+    /// is a mirror image.
     pub fn right_design(
         &self,
         left: &[Vector3<f64>],
@@ -151,8 +150,8 @@ impl Axle {
         )
     }
 
-    /// Completes a left design whose points were moved, as the reader of a study does: the far half of a rigid axle follows
-    /// the near half, and points without a place in a study are placed anew.
+    /// Completes a left design after its points have moved, as the reader of a study does. The far half of a rigid axle
+    /// follows the near half, and points that a study does not give are computed anew.
     pub fn complete(&self, left: &mut [Vector3<f64>]) {
         let Some(rigid) = &self.left.mechanism.rigid_axle else {
             return;
@@ -166,8 +165,8 @@ impl Axle {
         }
     }
 
-    /// The axle with other wheels of the same topology at rest; `right` is `None` for a mirror image. The springs are the
-    /// same parts: where a spring now is shorter, it presses harder.
+    /// Returns the axle with other wheels of the same topology at rest. `right` is `None` for a mirror image. The springs
+    /// stay the same parts: a spring that is shorter now exerts more force.
     pub fn with_wheels(&self, left: Suspension, right: Option<Suspension>) -> Axle {
         let mut changed = Axle {
             left,
@@ -230,7 +229,7 @@ impl Axle {
         }
     }
 
-    /// The quantities of a name that this axle has, left before right; empty if it has none.
+    /// Quantities of this axle with this name, left before right. Empty if it has none.
     pub fn quantities(&self, name: &str) -> Vec<Quantity> {
         let mut found = Quantity::named(name);
         found.retain(|quantity| quantity.is_of(self.kind()));
@@ -251,12 +250,12 @@ impl Axle {
         names
     }
 
-    /// The figures of the tests on its elastic parts.
+    /// Test figures of its elastic parts.
     pub fn figures(&self) -> &[TestFigure] {
         self.elastic.as_ref().map_or(&[], |own| &own.figures)
     }
 
-    /// Returns true if the study gives everything that a quantity requires.
+    /// Returns true if the study gives all inputs of a quantity.
     pub fn has(&self, quantity: Quantity) -> bool {
         let in_equilibrium =
             self.elastic.is_none() || not_in_equilibrium(quantity, false).is_none();
@@ -264,7 +263,7 @@ impl Axle {
         in_equilibrium && quantity.is_of(self.kind()) && needs.iter().all(|need| self.meets(*need))
     }
 
-    /// The rockers that quantities move with, on one side.
+    /// Rockers on one side that influence the quantities.
     fn rockers(&self, side: Side, quantities: &[Quantity]) -> Vec<RockerId> {
         let mechanism = &self.suspension(side).mechanism;
         let reads = |slots: &[Slot]| {

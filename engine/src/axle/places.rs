@@ -1,4 +1,4 @@
-//! The numbers that locate the stations of an axle's motion, and the proved bounds, as they are printed.
+//! Printed coordinates of the stations of an axle's motion, and printed bounds of proofs.
 
 use super::certificate::AxleProof;
 use super::solver::{AxlePose, Placement};
@@ -6,8 +6,8 @@ use super::{Axle, AxleMotion, AxlePlan, WheelMotion};
 use crate::curves::{MotionColumn, Proof};
 use crate::model::Axis;
 
-/// The numbers of a motion: roll, heave, both travels, rack, steering wheel and time. Travels follow in roll, and the roll angle
-/// follows from given travels.
+/// Coordinates of a motion: roll, heave, both travels, rack, steering wheel and time. In roll, the travels are results. If
+/// travels are given, the roll angle is a result.
 pub(super) fn motion_columns(motion: &AxleMotion, axle: &Axle) -> Vec<MotionColumn> {
     let length = axle.left.length_unit.symbol();
     let given = MotionColumn::given;
@@ -41,7 +41,7 @@ pub(super) fn motion_columns(motion: &AxleMotion, axle: &Axle) -> Vec<MotionColu
     columns
 }
 
-/// These numbers at the station of a number, which takes a placement; `placed` is the position, if there is one.
+/// Values of these coordinates at a station with this index and placement. `placed` is the pose, if there is one.
 pub(super) fn place(
     motion: &AxleMotion,
     axle: &Axle,
@@ -68,7 +68,7 @@ pub(super) fn place(
     at
 }
 
-/// An angle in degrees: the shortest decimal that means this angle, if fourteen digits do.
+/// Converts an angle to degrees. Returns the shortest decimal number that gives this angle, if fourteen digits suffice.
 fn degrees(angle: f64) -> f64 {
     let exact = angle.to_degrees();
     let short: f64 = format!("{exact:.13e}").parse().unwrap_or(exact);
@@ -78,13 +78,13 @@ fn degrees(angle: f64) -> f64 {
     }
 }
 
-/// Returns two flags: true if the travels follow from the position, and true if the roll angle does.
+/// Returns two flags: true if the travels are results, and true if the roll angle is a result.
 fn follows(plan: &AxlePlan) -> [bool; 2] {
     let rolls = matches!(plan.motion.wheels, WheelMotion::Roll { .. });
     [rolls, plan.motion.shows_roll() && !rolls]
 }
 
-/// Names of the proved bounds; none unless the plan requests proofs.
+/// Names of the proved bounds. Empty unless the plan requests proofs.
 pub(super) fn bounds(plan: &AxlePlan, axle: &Axle) -> Vec<String> {
     if !plan.certify {
         return Vec::new();
@@ -99,13 +99,13 @@ pub(super) fn bounds(plan: &AxlePlan, axle: &Axle) -> Vec<String> {
     names
 }
 
-/// The proof of a station, with the bounds in the order of [`bounds`].
+/// Proof of a station, with the bounds in the order of [`bounds`].
 pub(super) fn proof(plan: &AxlePlan, proved: &AxleProof) -> Proof {
     let [travels, roll] = follows(plan);
     let [left, right] = proved.position_errors;
     let mut bounds = vec![left, right];
     bounds.extend(travels.then_some(proved.travel_error));
-    // Up by more than the rounding of the conversion.
+    // Increased by more than the rounding of the conversion.
     bounds.extend(roll.then(|| proved.roll_error.to_degrees() * (1.0 + 1e-12)));
     bounds.push(proved.uniqueness);
     Proof {

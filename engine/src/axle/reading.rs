@@ -1,6 +1,6 @@
 //! Reads one wheel as a function of its own travel and rack.
 //!
-//! All of it is in the kernel's frame of a left wheel. A right wheel is read as its mirror image.
+//! Everything is in the kernel's frame of a left wheel. A right wheel is read as its mirror image.
 
 use super::taylor::{Line, Taylor};
 use crate::characteristics::{
@@ -12,10 +12,10 @@ use crate::model::Drive;
 use crate::number::{Each, Jet, Matrix3, Real, Vector3, outlined};
 use std::cell::Cell;
 
-/// The most lines along which a wheel is read.
+/// Largest number of lines along which a wheel is read.
 pub(super) const MOST_LINES: usize = 4;
 
-/// Slots that every axle reads of its wheels.
+/// Slots that every axle reads from its wheels.
 pub(super) const ALWAYS: &[Slot] = &[
     Slot::SpinAxis,
     Slot::Centre,
@@ -42,7 +42,7 @@ impl<T: Copy> WheelPose<T> {
         }
     }
 
-    /// The pose over another kind of number. `f` takes the numbers in a fixed order.
+    /// Converts the pose to another number type. `f` gets the numbers in a fixed order.
     pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> WheelPose<U> {
         WheelPose {
             wheel: self.wheel.map(f),
@@ -52,11 +52,11 @@ impl<T: Copy> WheelPose<T> {
     }
 }
 
-/// The parts that are read, and the order of their numbers on a tape.
+/// Parts to read, and the order of their numbers on a tape.
 #[derive(Clone, Copy, Debug)]
 pub struct Parts {
     slots: Slots,
-    /// Place of each number that is read; `None` for the others.
+    /// Index of each number on the tape. `None` for numbers that are not read.
     pub(super) places: WheelPose<Option<usize>>,
     pub(super) count: usize,
 }
@@ -109,7 +109,7 @@ impl Parts {
 pub struct Snapshot<const N: usize>(pub(super) WheelPose<Jet<f64, N>>);
 
 impl<const N: usize> Snapshot<N> {
-    /// A snapshot with nothing read yet: all NaN.
+    /// A snapshot without any values: all NaN.
     pub fn unknown() -> Self {
         Snapshot(WheelPose::filled(Jet::constant(f64::NAN)))
     }
@@ -125,7 +125,7 @@ impl<const N: usize> Snapshot<N> {
     }
 }
 
-/// The motion along a line, from a point.
+/// Motion along a line, from a point.
 pub(super) fn along<const N: usize>(
     line: &Line,
     travel: f64,
@@ -155,7 +155,7 @@ pub struct Reading<T> {
 }
 
 impl<T: Real> Reading<T> {
-    /// The wheel whose moving numbers `moving` makes into polynomials, and whose fixed numbers `fixed` takes over.
+    /// Makes a wheel from a pose. `moving` converts moving numbers to polynomials, and `fixed` converts fixed numbers.
     pub(super) fn made_of<U: Copy>(
         pose: &WheelPose<U>,
         moving: impl Fn(U) -> Taylor<T> + Copy,
@@ -168,7 +168,7 @@ impl<T: Real> Reading<T> {
         }
     }
 
-    /// The wheel about a point moved a little in travel; see [`Taylor::shifted`].
+    /// The wheel about a point with a slightly different travel; see [`Taylor::shifted`].
     pub fn shifted(&self, travel: T) -> Self {
         let shifted = |polynomial: Taylor<T>| polynomial.shifted(travel);
         Reading {
@@ -180,7 +180,7 @@ impl<T: Real> Reading<T> {
 }
 
 impl Reading<f64> {
-    /// The wheel that the series along the lines of [`Line::needed`] determine.
+    /// Makes the wheel from the series along the lines of [`Line::needed`].
     pub fn of<const N: usize>(lines: &[Snapshot<N>]) -> Self {
         let mut along = [WheelPose::filled(Jet::constant(f64::NAN)); MOST_LINES];
         for (along, line) in along.iter_mut().zip(lines) {
@@ -195,7 +195,7 @@ impl Reading<f64> {
         Reading::made_of(&pairs, moving, |((first, _), _): SeriesOfLines<N>| first[0])
     }
 
-    /// The numbers of the wheel; fixed ones as constants.
+    /// Numbers of the wheel. Fixed ones are constants.
     pub(super) fn pose(&self) -> WheelPose<Taylor<f64>> {
         WheelPose {
             wheel: self.wheel,
@@ -212,10 +212,10 @@ impl Reading<f64> {
     }
 }
 
-/// The series of one number along up to four lines.
+/// Series of one number along up to four lines.
 type SeriesOfLines<const N: usize> = ((Jet<f64, N>, Jet<f64, N>), (Jet<f64, N>, Jet<f64, N>));
 
-/// Each number with its partner in another pose.
+/// Pairs each number with the same number in another pose.
 pub(super) fn zipped<T: Copy, U: Copy>(
     one: &WheelPose<T>,
     other: &WheelPose<U>,
@@ -237,7 +237,7 @@ pub(super) fn zipped<T: Copy, U: Copy>(
 }
 
 impl<const N: usize> Reading<Jet<f64, N>> {
-    /// A wheel whose numbers are series in another variable than its motion. Its derivatives by travel and rack are
+    /// Makes a wheel whose numbers are series in a variable other than its motion. Its derivatives by travel and rack are
     /// unknown.
     pub fn without_rates(read: &Snapshot<N>) -> Self {
         let value = |series: Jet<f64, N>| Taylor::through(&[&[series]]);
@@ -245,26 +245,28 @@ impl<const N: usize> Reading<Jet<f64, N>> {
     }
 }
 
-/// The parts of one wheel as functions of its travel and the rack, for formulas.
+/// Parts of one wheel as functions of its travel and the rack, for formulas.
 ///
-/// Vectors and twists are formed out of line, because formulas use many of them.
+/// Vectors and twists are compiled as separate functions, because many formulas use them.
 pub trait WheelParts<T: Real>: Copy {
-    /// A vector for powers `[0, 0]` of travel and rack, else its coefficient with these powers; NaN if it is unknown.
+    /// Value of a vector for the powers `[0, 0]` of travel and rack, else its coefficient with these powers. NaN if it is
+    /// unknown.
     fn read_vector(&self, part: VectorPart, powers: [usize; 2]) -> Vector3<T>;
 
-    /// A number for powers `[0, 0]` of travel and rack, else its coefficient with these powers; NaN if it is unknown.
+    /// Value of a number for the powers `[0, 0]` of travel and rack, else its coefficient with these powers. NaN if it is
+    /// unknown.
     fn number(&self, part: NumberPart, powers: [usize; 2]) -> T;
 
-    /// A column of the carrier's rotation, as [`WheelParts::read_vector`].
+    /// A column of the carrier's rotation, with powers as in [`WheelParts::read_vector`].
     fn column(&self, i: usize, powers: [usize; 2]) -> Vector3<T>;
 
     /// The wheel in the design position.
     fn design(&self) -> DesignWheel<T>;
 
-    /// A number in the shape of the others.
+    /// Any number of the wheel, as a model for constants.
     fn like(&self) -> T;
 
-    /// The same as [`WheelParts::read_vector`], out of line.
+    /// The same as [`WheelParts::read_vector`], compiled as a separate function.
     #[inline(always)]
     fn vector(&self, part: VectorPart, powers: [usize; 2]) -> Vector3<T> {
         outlined!(
@@ -287,13 +289,13 @@ pub trait WheelParts<T: Real>: Copy {
         self.centre().z - self.design().centre.z
     }
 
-    /// Unit vector along the spin axis, outboard.
+    /// Unit vector along the spin axis, positive outboard.
     #[inline(always)]
     fn spin_axis(&self) -> Vector3<T> {
         self.vector(VectorPart::SpinAxis, [0, 0])
     }
 
-    /// Length of spring or strut with its derivative by travel, and the length in the design position.
+    /// Length of the spring or strut, its derivative by travel, and its length in the design position.
     #[inline(always)]
     fn spring_length(&self) -> (T, T, T) {
         let part = NumberPart::SpringLength;
@@ -326,8 +328,8 @@ pub trait WheelParts<T: Real>: Copy {
         self.twist([1, 0])
     }
 
-    /// Velocity of the wheel centre and angular velocity of the carrier by the rack displacement, at held height of the
-    /// wheel centre.
+    /// Velocity of the wheel centre and angular velocity of the carrier by the rack displacement. The height of the wheel
+    /// centre is constant.
     #[inline(always)]
     fn by_rack(&self) -> [Vector3<T>; 2] {
         self.twist([0, 1])
@@ -369,8 +371,8 @@ pub trait WheelParts<T: Real>: Copy {
         }
     }
 
-    /// The wheel as series in a motion with these rates of travel and rack; `None` for a rack at rest. One degree less
-    /// is known.
+    /// The wheel as series in a motion with these rates of travel and rack. `None` for a rack at rest. The series lose one
+    /// degree.
     #[inline(always)]
     fn moving(&self, travel: T, rack: Option<T>) -> Moving<'_, Self, T> {
         Moving {
@@ -410,7 +412,7 @@ impl<T: Real> WheelParts<T> for Reading<T> {
     }
 }
 
-/// A wheel that moves. Its parts are formed when they are read.
+/// A moving wheel. Its parts are computed when they are read.
 #[derive(Debug)]
 pub struct Moving<'w, W, T> {
     of: &'w W,
@@ -427,7 +429,7 @@ impl<W, T: Copy> Clone for Moving<'_, W, T> {
 impl<W, T: Copy> Copy for Moving<'_, W, T> {}
 
 impl<T: Real, W: WheelParts<T>> Moving<'_, W, T> {
-    /// A vector along the motion, from its coefficients.
+    /// Series of a vector along the motion, from its coefficients.
     #[inline(always)]
     fn vector_series(
         &self,

@@ -1,7 +1,7 @@
-//! Springs that act between the rockers of both wheels: heave spring, T-bar and heave bar.
+//! Springs between the rockers of both wheels: heave spring, T-bar and heave bar.
 //!
-//! l is the distance of the points `heave_spring` of both rockers, l0 that in the design position, rho_l and rho_r the
-//! angles of the rockers. The energies are
+//! l is the distance between the points `heave_spring` of both rockers, l0 its value in the design position. rho_l and rho_r
+//! are the angles of the rockers. The energies are
 //!
 //! ```text
 //! heave spring    F s + k s^2/2                  s = l0 - l                                                     (1)
@@ -9,13 +9,13 @@
 //! heave bar       M r + k r^2/2                  r = rho_l + rho_r                                              (3)
 //! ```
 //!
-//! A monoshock is a heave spring or a heave bar without a spring at each wheel.
+//! A monoshock is a heave spring or a heave bar without springs at the wheels.
 
 use super::reading::WheelParts;
 use crate::characteristics::{NumberPart, VectorPart};
 use crate::number::{Real, Vector3};
 
-/// A linear law about the design position.
+/// A linear force law with a preload in the design position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Preloaded<T = f64> {
     /// Force or torque in the design position.
@@ -24,29 +24,29 @@ pub struct Preloaded<T = f64> {
     pub rate: T,
 }
 
-/// Laws of the springs between the rockers.
+/// Laws of the springs between the rockers. `None` for missing springs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RockerSprings<T = f64> {
-    /// Force of the heave spring over its shortening.
+    /// Force of the heave spring as a function of its shortening.
     pub heave_spring: Option<Preloaded<T>>,
     /// Rate of the T-bar: torque per difference of the rocker angles.
     pub t_bar: Option<T>,
-    /// Torque of the heave bar over the sum of the rocker angles.
+    /// Torque of the heave bar as a function of the sum of the rocker angles.
     pub heave_bar: Option<Preloaded<T>>,
 }
 
-/// Motion of one wheel's rocker by the wheel's travel, in the frame of its side. A part that the wheel does not have is NaN.
+/// Motion of one wheel's rocker by the wheel's travel, in the frame of its side. Missing parts are NaN.
 #[derive(Clone, Copy, Debug)]
 pub struct RockerMotion<T> {
-    /// End of the heave spring, and its rate by the wheel's travel.
+    /// End point of the heave spring, and its rate by the wheel's travel.
     pub end: [Vector3<T>; 2],
-    /// End of the heave spring in the design position.
+    /// End point of the heave spring in the design position.
     pub design_end: Vector3<T>,
     /// Angle of the rocker, and its rate by the wheel's travel.
     pub angle: [T; 2],
 }
 
-/// Forces of the springs between the rockers. Those that an axle does not have are NaN.
+/// Forces of the springs between the rockers. Forces of missing springs are NaN.
 #[derive(Clone, Copy, Debug)]
 pub struct RockerForces<T> {
     /// Force of the heave spring, positive in compression.
@@ -55,24 +55,24 @@ pub struct RockerForces<T> {
     pub heave_spring_length: T,
     /// Shortening of the heave spring from the design position.
     pub heave_spring_travel: T,
-    /// Torque of the T-bar on the left rocker, against its angle.
+    /// Torque of the T-bar on the left rocker, opposite to its angle.
     pub t_bar: T,
-    /// Torque of the heave bar on both rockers, against their angles.
+    /// Torque of the heave bar on both rockers, opposite to their angles.
     pub heave_bar: T,
     /// Rates of the energy by the travels of left and right wheel.
     pub work: [T; 2],
-    /// Energy (1) to (3), from the design position.
+    /// Energy, (1) to (3), relative to the design position.
     pub energy: T,
 }
 
-/// The vector from the right wheel's end of the heave spring to the left one's, in the frame of the left wheel. Each end is
-/// in the frame of its side.
+/// Vector from the right wheel's end of the heave spring to the left wheel's end, in the frame of the left wheel. Each
+/// argument is in the frame of its side.
 pub(super) fn between<T: Real>(left: Vector3<T>, right: Vector3<T>) -> Vector3<T> {
     Vector3::new(left.x - right.x, left.y + right.y, left.z - right.z)
 }
 
 impl RockerSprings {
-    /// Returns true if one of them carries the body.
+    /// Returns true if one of these springs carries the body.
     pub fn carry(&self) -> bool {
         self.heave_spring.is_some() || self.heave_bar.is_some()
     }
@@ -93,7 +93,7 @@ impl<T: Copy> Preloaded<T> {
 }
 
 impl<T: Copy> RockerSprings<T> {
-    /// The laws over another kind of number.
+    /// Converts the laws to another number type.
     pub fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> RockerSprings<U> {
         RockerSprings {
             heave_spring: self.heave_spring.map(|law| law.map(f)),
@@ -104,7 +104,7 @@ impl<T: Copy> RockerSprings<T> {
 }
 
 impl<T: Real> RockerSprings<T> {
-    /// Forces between the rockers of left and right wheel.
+    /// Forces of the springs between the rockers of left and right wheel.
     pub fn forces(&self, [left, right]: &[RockerMotion<T>; 2]) -> RockerForces<T> {
         let like = left.angle[0];
         let none = like.constant(f64::NAN);
@@ -123,7 +123,7 @@ impl<T: Real> RockerSprings<T> {
             let along = apart * (length.one() / length);
             let shortened = between(left.design_end, right.design_end).norm() - length;
             let force = law.load + law.rate * shortened;
-            // Rates of the length by both travels; the right wheel's frame is a mirror image.
+            // Rates of the length by both travels. The right wheel's frame is a mirror image.
             let rates = [
                 along.dot(left.end[1]),
                 Vector3::new(-along.x, along.y, -along.z).dot(right.end[1]),
@@ -155,7 +155,7 @@ impl<T: Real> RockerSprings<T> {
 }
 
 impl<T: Real> RockerMotion<T> {
-    /// The motion of a wheel as it was read.
+    /// Reads the motion of a wheel's rocker.
     pub fn read(wheel: &impl WheelParts<T>) -> Self {
         let (end, angle) = (VectorPart::HeaveSpring, NumberPart::RockerAngle);
         RockerMotion {

@@ -1,22 +1,22 @@
-//! Figures of an axle beside its two linkages, which formulas read.
+//! Inputs of an axle's formulas besides its two linkages.
 
 use super::rocker_springs::RockerSprings;
 use super::spring::SpringLaw;
 use crate::characteristics::Constants;
 use crate::model::AxlePosition;
 
-/// Figures of the study. Lengths in its unit, forces in newtons, angles in radians.
+/// Further inputs of the study. Lengths are in its unit, forces in newtons, angles in radians.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Setup {
     /// Loaded radius of the wheels.
     pub wheel_radius: Option<f64>,
-    /// Distance between the axles.
+    /// Distance between front and rear axle.
     pub wheelbase: Option<f64>,
     /// Position of this axle, front or rear; `None` counts as front.
     pub position: Option<AxlePosition>,
     /// Rack displacement towards the kernel's +y per turn (2 pi) of the steering wheel to the left.
     pub c_factor: Option<f64>,
-    /// The springs of left and right wheel.
+    /// Springs of the left and right wheel.
     pub springs: Option<[SpringLaw; 2]>,
     /// Springs between the rockers of both wheels.
     pub rocker_springs: RockerSprings,
@@ -24,13 +24,13 @@ pub struct Setup {
     pub bar_rate: Option<f64>,
     /// Tyre rate: force per deflection. `None` means a rigid tyre.
     pub tyre_rate: Option<f64>,
-    /// Load at which the wheel's radius holds, for a car.
+    /// Tyre load at which the wheel has the given radius, for a car.
     pub tyre_load: Option<f64>,
-    /// Mass that the axle carries, kg.
+    /// Sprung mass on the axle, kg.
     pub sprung_mass: Option<f64>,
-    /// Mass of the axle itself, kg.
+    /// Unsprung mass of the axle, kg.
     pub unsprung_mass: Option<f64>,
-    /// Figures that wheel characteristics read.
+    /// Inputs that wheel characteristics read.
     pub constants: Constants,
     /// Length units per metre.
     pub per_metre: f64,

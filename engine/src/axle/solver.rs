@@ -1,9 +1,9 @@
 //! Solver for the position of an axle: both corners, and the conditions at the ground.
 //!
-//! On a plane ground both contact points are at one height, f = h_l(z_l) - h_r(z_r) = 0 with h = n.C. With
-//! the roll angle given and z_l, z_r = heave +- s this is one equation in s. Its slope n.C_l' + n.C_r' is
-//! near 2 and positive while neither wheel is at a fold of its travel, so that the root is the only one
-//! and Newton's method meets it. With both travels given it is one in the roll angle, of slope -track.
+//! On a plane ground both contact points have the same height, f = h_l(z_l) - h_r(z_r) = 0 with h = n.C. For a given roll
+//! angle and z_l, z_r = heave +- s, this is one equation in s. Its slope n.C_l' + n.C_r' is near 2. It stays positive while
+//! neither wheel is at a fold of its travel, so Newton's method finds the only root. For given travels it is one equation in
+//! the roll angle, with the slope -track.
 
 mod corner;
 mod linearised;
@@ -32,7 +32,7 @@ use corner::{Corner, read_wheel};
 use linearised::{LinearisedAxle, linearise};
 use std::ops::ControlFlow;
 
-/// Magnitude of the rack displacement at which the wheel can no longer follow, if that is the failure.
+/// Size of the rack displacement at which the wheel can no longer follow; `None` for another failure.
 fn rack_end(failure: &NoPose) -> Option<f64> {
     match failure.of_wheel()? {
         Failure::RackUnreachable { limit, .. } => Some(limit.abs()),
@@ -40,7 +40,7 @@ fn rack_end(failure: &NoPose) -> Option<f64> {
     }
 }
 
-/// Joins the results of both wheels. If neither can follow the rack, the failure is that of the wheel which ends first.
+/// Joins the results of both wheels. If neither wheel can follow the rack, the failure is that of the wheel that ends first.
 pub(super) fn join_results<T>(
     left: Result<T, NoPose>,
     right: Result<T, NoPose>,
@@ -56,61 +56,61 @@ pub(super) fn join_results<T>(
     }
 }
 
-/// Receives the index of a requested quantity, and its gradients by the points of the left and of the right wheel.
+/// Callback that receives the index of a requested quantity, and its gradients by the points of the left and right wheel.
 pub(super) type ReceiveGradients<'r> = dyn FnMut(usize, [&[Vector3<f64>]; 2]) + 'r;
 
 /// A position that was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxlePose {
-    /// Travel of left and right wheel.
+    /// Travels of the left and the right wheel.
     pub travels: [f64; 2],
     /// Roll angle, radians.
     pub roll: f64,
-    /// Displacement of the rack towards the left wheel's outside.
+    /// Displacement of the rack, positive to the outside of the left wheel.
     pub rack: f64,
     /// Quantities that stay fixed in motions from this position.
     pub hold: Hold,
-    /// Only if the mean travel followed from a load: the heave at which the level axle carries that load.
+    /// Heave at which the level axle carries the same load; `None` unless the mean travel followed from a load.
     pub(super) at_load: Option<f64>,
     poses: [Pose<f64>; 2],
 }
 
 impl AxlePose {
-    /// The poses of both carriers, each in the kernel's frame of its own side.
+    /// Poses of both carriers, each in the kernel's frame of its own side.
     pub fn poses(&self) -> &[Pose<f64>; 2] {
         &self.poses
     }
 }
 
-/// Solves the positions of one axle, one design after another. `N` coefficients of every power series are
-/// known: one more than the highest derivative that is read.
+/// Solver for the positions of one axle, one design after another. Every power series has `N` coefficients, one more than
+/// the order of its highest derivative.
 #[derive(Clone, Debug)]
 pub struct AxleSolver<'a, const N: usize> {
     pub(super) axle: &'a Axle,
     corners: [Corner<'a, N>; 2],
     setup: &'a Setup,
-    /// Solver of loads for positions at a load; made when first needed.
+    /// Solver for positions at a load; made on first use.
     pub(super) loads: Option<Box<AxleSolver<'a, LOAD_TERMS>>>,
     parts: Parts,
     lines: &'static [Line],
-    /// Both designs of a rigid axle, complete.
+    /// Complete designs of both halves of a rigid axle.
     whole: [Vec<Vector3<f64>>; 2],
     tape: Tape,
     buffer: Vec<Vector3<Jet<f64, N>>>,
     gradients: [Vec<Vector3<f64>>; 2],
 }
 
-/// The most Newton steps in the difference of travels, those back included.
+/// Largest number of Newton steps in the difference of travels. Steps back count as well.
 const MOST_STEPS: usize = 80;
-/// Terms of the series of heights.
+/// Number of terms in the series of heights.
 const TERMS: usize = 4;
-/// Rounds in which all open placements are solved together; placements still open after them are solved one by one.
+/// Rounds that solve all open placements together. Placements that are open after these rounds are solved one by one.
 const MOST_ROUNDS: usize = 4;
-/// The farthest a pose is moved along its series, in sizes: four terms then leave less than rounding.
+/// Largest step along a pose's series, in sizes of the mechanism. Within it, four terms leave less than rounding error.
 const NEAR: f64 = 1e-4;
 
-/// Returns true if the wheels rise with their travels, given the slopes of both heights. Independent wheels must both rise. A
-/// rigid axle needs the sum of the slopes to be positive. Returns false for NaN.
+/// Returns true if the wheels rise with their travels, given the slopes of both heights. Independent wheels must both rise.
+/// A rigid axle needs a positive sum of the slopes. Returns false for NaN.
 fn rise(is_rigid: bool, [left, right]: [f64; 2]) -> bool {
     match is_rigid {
         true => left + right > 0.0,
@@ -118,49 +118,49 @@ fn rise(is_rigid: bool, [left, right]: [f64; 2]) -> bool {
     }
 }
 
-/// A number whose gradient is sought.
+/// Number whose gradient is requested.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Sought {
     Quantity(Quantity),
-    /// A coordinate of a point of one wheel.
+    /// Coordinate of a point of one wheel.
     Point(Side, PointId, Axis),
 }
 
-/// One wheel as it was read at a travel.
+/// Reading of one wheel at a travel.
 #[derive(Clone, Debug)]
 pub struct WheelRead {
     travel: f64,
     pose: Pose<f64>,
     reading: Reading<f64>,
     condition: f64,
-    /// A rod that is at or beyond a toggle, if any.
+    /// Rod at or beyond a toggle; `None` if there is none.
     toggle: Option<Rod>,
-    /// Positions of the points as power series in the wheel's own travel and rack.
+    /// Positions of the points, as power series in the wheel's own travel and rack.
     points: Vec<Vector3<Taylor<f64>>>,
 }
 
 impl WheelRead {
-    /// The wheel; `None` where a rocker is at toggle or beyond.
+    /// Reading of the wheel; `None` if a rocker is at or beyond a toggle.
     pub(super) fn without_toggle(self) -> Option<Reading<f64>> {
         self.toggle.is_none().then_some(self.reading)
     }
 }
 
-/// State of an axle in a position, with everything that its quantities need.
+/// State of an axle in a position, with all numbers that its quantities need.
 pub struct Read<'a> {
-    /// The state.
+    /// State of the axle.
     pub state: AxleState<'a, f64>,
     /// The larger condition number of the two wheels.
     pub condition: f64,
-    /// For each wheel: the rod that is at or beyond a toggle, if any.
+    /// Rod of each wheel at or beyond a toggle; `None` if there is none.
     pub toggles: [Option<Rod>; 2],
-    /// For each wheel: the positions of the points of [`AxleSolver::read_points`] as power series in its own travel and
-    /// rack, in the kernel's frame of its side.
+    /// Positions of the points of [`AxleSolver::read_points`], for each wheel. They are power series in the wheel's own
+    /// travel and rack, in the kernel's frame of its side.
     pub points: [Vec<Vector3<Taylor<f64>>>; 2],
 }
 
 impl Read<'_> {
-    /// The value of a quantity, or the reason for its absence.
+    /// Value of a quantity, or the reason for its absence.
     pub fn value(&self, quantity: Quantity) -> Result<f64, NoValue> {
         match self.is_stuck(quantity) {
             true => Err(NoValue::Toggle),
@@ -168,7 +168,8 @@ impl Read<'_> {
         }
     }
 
-    /// Why what rockers carry is nowhere, where one of them is at toggle or beyond.
+    /// Failure at a rocker that is at or beyond a toggle, so that parts on it have no position. `None` if there is no such
+    /// rocker.
     pub fn toggle_failure(&self, placed: &AxlePose) -> Option<NoPose> {
         Side::ALL.into_iter().find_map(|side| {
             Some(NoPose::Wheel {
@@ -179,7 +180,7 @@ impl Read<'_> {
         })
     }
 
-    /// Returns true if a quantity moves with a rocker that is at toggle or beyond.
+    /// Returns true if a quantity moves with a rocker that is at or beyond a toggle.
     pub fn is_stuck(&self, quantity: Quantity) -> bool {
         let mut sides = Side::ALL.into_iter();
         sides.any(|side| self.toggles[side as usize].is_some() && quantity.moves_with_rocker(side))
@@ -187,8 +188,8 @@ impl Read<'_> {
 }
 
 impl<'a, const N: usize> AxleSolver<'a, N> {
-    /// A solver for positions in which these quantities are read. `by_rack` requests derivatives by the rack beyond
-    /// those that the quantities themselves need. Errors if the design position of a wheel cannot be solved.
+    /// Makes a solver for positions in which these quantities are read. `by_rack` requests derivatives by the rack beyond
+    /// those that the quantities need. It fails if a wheel has no solution in the design position.
     pub fn new(
         axle: &'a Axle,
         quantities: &[Quantity],
@@ -202,7 +203,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let parts = Parts::of(&slots);
         let order = |q: &Quantity| q.rate_order();
         let orders_by_rack = quantities.iter().filter(|q| q.info().by_rack).map(order);
-        // Orders beyond those that the quantities need themselves are for derivatives along motions.
+        // Terms beyond those that the quantities need serve derivatives along motions.
         let further = (N - 1).saturating_sub(quantities.iter().map(order).max().unwrap_or(0));
         let degree_with_rack = match by_rack {
             true => N - 1,
@@ -224,7 +225,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             setup: &axle.setup,
             parts,
             lines: Line::needed(match axle.is_rigid() {
-                // Each wheel moves with both travels.
+                // Each wheel of a rigid axle moves with both travels.
                 true => N - 1,
                 false => degree_with_rack,
             }),
@@ -235,7 +236,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         })
     }
 
-    /// Looks for toggles of every rocker, not only of those that the quantities move with.
+    /// Checks every rocker for toggles, not only those that move requested quantities.
     pub fn watch_all_rockers(&mut self) {
         for corner in &mut self.corners {
             let rockers = (0..corner.mechanism.rockers.len()).map(RockerId);
@@ -244,14 +245,14 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    /// Looks for toggles of these rockers of one wheel, beside those that the quantities move with.
+    /// Checks these rockers of one wheel for toggles, besides those that move requested quantities.
     pub fn watch(&mut self, side: Side, rockers: impl IntoIterator<Item = RockerId>) {
         let corner = &mut self.corners[side as usize];
         corner.toggles = corner.toggles.and(corner.mechanism, rockers);
         corner.begun = None;
     }
 
-    /// Reads these points of both wheels with every position.
+    /// Reads these points of both wheels in every position.
     pub fn read_points(&mut self, points: &[PointId]) {
         for side in Side::ALL {
             let corner = &mut self.corners[side as usize];
@@ -276,13 +277,13 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             .balance(&placed.poses[side as usize], rack, support)
     }
 
-    /// Both wheels of a position, ready for gradients of formulas.
+    /// Prepares both wheels of a position for gradients of formulas.
     pub(crate) fn linearised(&self, placed: &AxlePose) -> Result<LinearisedAxle<'_, N>, NoPose> {
         let coordinates = self.coordinates(placed.travels, placed.rack);
         linearise(&self.corners, (self.lines, self.parts), placed, coordinates)
     }
 
-    /// Takes over other designs of the same mechanisms, each in the frame of its side.
+    /// Takes new designs of the same mechanisms, each in the frame of its side.
     pub fn prepare(&mut self, designs: [&[Vector3<f64>]; 2]) -> Result<(), (Side, DesignFault)> {
         let Some(rigid) = self.rigid() else {
             return self.prepare_whole(designs);
@@ -305,12 +306,13 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.axle.is_rigid()
     }
 
-    /// The far half, if one body carries both wheels.
+    /// Other half of the axle, if one body carries both wheels.
     fn rigid(&self) -> Option<&'a RigidAxle> {
         self.axle.left.mechanism.rigid_axle.as_ref()
     }
 
-    /// Drive and rack of each wheel, in its own frame, at these travels. A rigid axle has its two travels there.
+    /// Drive and rack of each wheel at these travels, in its own frame. For a rigid axle they are the mean of the travels
+    /// and half their difference, the held one in place of the rack.
     pub(super) fn coordinates(&self, travels: [f64; 2], rack: f64) -> [(f64, f64); 2] {
         let [left, right] = travels;
         match self.rigid() {
@@ -325,8 +327,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    /// Drive of both wheels and rack when the axle stands level at `heave`. Roll moves the drives of the wheels
-    /// oppositely.
+    /// Drive of both wheels and rack at a level position with this `heave`. Roll changes the drives of the wheels in
+    /// opposite directions.
     fn level(&self, heave: f64, rack: f64) -> (f64, f64) {
         match self.rigid() {
             Some(_) => (0.0, heave),
@@ -349,8 +351,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.setup.wheel_radius.unwrap_or(f64::NAN)
     }
 
-    /// Proves that poses of one wheel, at these values of its drive and one rack displacement, lie on the branch of its design
-    /// position. The mean travel of a rigid axle takes the place of the rack.
+    /// Proves that poses of one wheel lie on the branch of its design position. The poses have these values of the drive and
+    /// one rack displacement. For a rigid axle the mean travel replaces the rack.
     pub(super) fn prove_branch(
         &mut self,
         certifier: &Certifier,
@@ -363,7 +365,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let found: Vec<_> = poses.iter().copied().map(Ok).collect();
         let mut proved = vec![Err(Failure::Uncertified(Unproven::Branch)); travels.len()];
         let rack = rack * corner.rack_sign;
-        // The design position was looked at when the solver was made.
+        // The constructor has checked the design position.
         let _ = corner.solver.prove_poses(
             certifier,
             Drive::Travel,
@@ -381,24 +383,24 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         proved.into_iter().zip(travels).map(wheel).collect()
     }
 
-    /// Returns the limits of one wheel alone, in the frame of its side.
+    /// Limits of one wheel alone, in the frame of its side.
     pub(super) fn limits_of(&mut self, side: Side) -> Result<Limits, (Side, DesignFault)> {
         let limits = self.corners[side as usize].solver.limits();
         limits.map_err(|fault| (side, fault))
     }
 
-    /// The pose of one wheel at a travel, the rack in the middle.
+    /// Pose of one wheel at a travel, with the rack centred.
     pub(super) fn pose(&mut self, side: Side, travel: f64) -> Option<Pose<f64>> {
         let corner = &mut self.corners[side as usize];
         corner.at(travel, 0.0, |_, _, pose| Ok(*pose)).ok()
     }
 
-    /// The roll angle of a plane under both wheels in these poses.
+    /// Roll angle of a plane under both wheels in these poses.
     pub(super) fn plane_under(&self, poses: &[Pose<f64>; 2]) -> Option<f64> {
         self.tilted(poses).ok()
     }
 
-    /// The spin axis of a wheel in the design position, in the frame of its side.
+    /// Spin axis of a wheel in the design position, in the frame of its side.
     pub fn spin_axis(&self, side: Side) -> Vector3<f64> {
         let corner = &self.corners[side as usize];
         corner
@@ -406,19 +408,19 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             .spin_axis()
     }
 
-    /// The designs of both wheels, each in the frame of its side.
+    /// Designs of both wheels, each in the frame of its side.
     pub(super) fn designs(&self) -> [Vec<Vector3<f64>>; 2] {
         self.corners
             .each_ref()
             .map(|corner| corner.solver.design().to_vec())
     }
 
-    /// The size of the left wheel's mechanism, against which lengths are measured.
+    /// Size of the left wheel's mechanism, the reference for lengths.
     pub(super) fn size(&self) -> f64 {
         self.corners[0].solver.size()
     }
 
-    /// The points of each wheel.
+    /// Points of each wheel.
     pub fn points(&self) -> impl Iterator<Item = PointId> {
         (0..self.buffer.len()).map(PointId)
     }

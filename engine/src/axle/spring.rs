@@ -1,11 +1,11 @@
-//! The force of a spring with its bump stop.
+//! Force of a spring with its stops.
 
 use crate::number::{Jet, Scalar};
 
-/// Force over length, positive in compression.
+/// Force as a function of the length, positive in compression.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Law<T = f64> {
-    /// `force` in the design position, growing by `rate` per length that the spring is shortened.
+    /// Linear law: `force` in the design position, plus `rate` times the shortening of the spring.
     Linear {
         /// Force in the design position.
         force: T,
@@ -16,28 +16,28 @@ pub enum Law<T = f64> {
     Curve(ForceCurve),
 }
 
-/// A spring, and the bump stop that acts beside it.
+/// A spring with its stops, which act in parallel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpringLaw<T = f64> {
     /// The spring.
     pub spring: Law<T>,
-    /// The bump stop, by its compression.
+    /// Bump stop. Its abscissa is its compression.
     pub bump_stop: Option<BumpStop>,
-    /// The rebound stop, by its deformation: the spring's extension beyond the gap.
+    /// Rebound stop. Its abscissa is its deformation: the spring's extension minus the gap.
     pub rebound_stop: Option<BumpStop>,
 }
 
-/// A bump stop. For a rebound stop read "lengthened" in place of "shortened".
+/// A stop. The field comments describe a bump stop; for a rebound stop, read extension in place of compression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BumpStop {
-    /// Compression of the spring from the design position at which it meets the stop.
+    /// Compression of the spring, from the design position, at which it touches the stop.
     pub gap: f64,
-    /// Force over its own compression, from 0 at 0.
+    /// Force as a function of the stop's compression, 0 at 0.
     pub curve: ForceCurve,
 }
 
 impl<T: Copy> SpringLaw<T> {
-    /// The law over another kind of number.
+    /// Converts the law to another number type.
     pub fn map<U: Copy>(&self, f: impl Fn(T) -> U) -> SpringLaw<U> {
         SpringLaw {
             spring: match &self.spring {
@@ -52,7 +52,7 @@ impl<T: Copy> SpringLaw<T> {
         }
     }
 
-    /// The force at a length in numbers to which `over` takes those of the law.
+    /// Force at a length. `over` converts the numbers of the law to the type of the length.
     #[inline(always)]
     fn force_over<U: Scalar>(&self, length: U, design: U, over: impl Fn(T) -> U) -> U {
         let shortened = design - length;
@@ -76,7 +76,7 @@ impl<T: Copy> SpringLaw<T> {
 }
 
 impl<T: Scalar> SpringLaw<T> {
-    /// Force and rate (force per shortening) at a length, the length in the design position being `design`.
+    /// Force and rate (force per shortening) at a length. `design` is the length in the design position.
     #[inline(always)]
     pub(crate) fn at(&self, length: T, design: T) -> (T, T) {
         let series = Jet([length, -length.one()]);
@@ -84,7 +84,7 @@ impl<T: Scalar> SpringLaw<T> {
         (force[0], force[1])
     }
 
-    /// Returns true if a stop is in touch at a length.
+    /// Returns true if a stop is in contact at a length.
     pub(crate) fn meets_stop(&self, length: T, design: T) -> bool {
         let shortened = (design - length).value();
         let meets = |stop: &Option<BumpStop>, by: f64| stop.as_ref().is_some_and(|s| by > s.gap);
@@ -102,12 +102,12 @@ impl<T> SpringLaw<T> {
 }
 
 impl SpringLaw {
-    /// The force at a length, the length in the design position being `design`.
+    /// Force at a length. `design` is the length in the design position.
     pub fn force<T: Scalar>(&self, length: T, design: T) -> T {
         self.force_over(length, design, |c| length.constant(c))
     }
 
-    /// Energy at a length, from the design position: the force over the shortening.
+    /// Energy at a length, relative to the design position: integral of the force over the shortening.
     pub fn energy<T: Scalar>(&self, length: T, design: T) -> T {
         let shortened = design - length;
         let spring = match &self.spring {
@@ -126,15 +126,15 @@ impl SpringLaw {
         spring + touched(&self.bump_stop, shortened) + touched(&self.rebound_stop, -shortened)
     }
 
-    /// The law of the same parts in a design whose spring is shorter by `shortened`: the force there is that of this
-    /// law, and the bump stop is nearer.
+    /// Law of the same parts in a design whose spring is shorter by `shortened`. Its force in the new design position is
+    /// that of this law at the same length, and the gap to the bump stop is smaller.
     pub fn of_shorter_design(&self, shortened: f64) -> SpringLaw {
         let spring = match &self.spring {
             Law::Linear { force, rate } => Law::Linear {
                 force: force + rate * shortened,
                 rate: *rate,
             },
-            // A curve is over the length itself.
+            // A curve depends on the length itself.
             Law::Curve(curve) => Law::Curve(curve.clone()),
         };
         let bump_stop = self.bump_stop.as_ref().map(|stop| BumpStop {
@@ -153,9 +153,9 @@ impl SpringLaw {
     }
 }
 
-/// A smooth curve through points: cubics whose slopes at the points make it monotone between them where
-/// the points are (F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17, 1980), straight beyond its ends.
-/// Second derivative jumps at the points.
+/// A smooth curve through points. It consists of cubics, whose slopes make it monotone wherever the points are (F. N.
+/// Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17, 1980). Beyond its ends it is straight. The second derivative jumps at
+/// the points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForceCurve {
     points: Vec<[f64; 2]>,
@@ -163,7 +163,7 @@ pub struct ForceCurve {
 }
 
 impl ForceCurve {
-    /// Through two or more points of rising abscissa; `None` of anything else.
+    /// Makes a curve through two or more points with rising abscissa. `None` for any other points.
     pub fn through(points: &[[f64; 2]]) -> Option<Self> {
         let rises = points.windows(2).all(|p| p[0][0] < p[1][0]);
         if points.len() < 2 || !rises {
@@ -174,8 +174,8 @@ impl ForceCurve {
             .map(|p| (p[1][1] - p[0][1]) / (p[1][0] - p[0][0]))
             .collect();
         let last = secants.len() - 1;
-        // Inside, the weighted harmonic mean of the neighbours (Fritsch and Butland 1984), 0 where they
-        // differ in sign.
+        // Inside, the slope is the weighted harmonic mean of the neighbouring secants (Fritsch and Butland 1984). It is 0 if
+        // they differ in sign.
         let inside = |i: usize| {
             let (a, b) = (secants[i - 1], secants[i]);
             if a * b <= 0.0 {
@@ -226,16 +226,16 @@ impl ForceCurve {
         let t = (x - x.constant(a)) * x.constant(1.0 / h);
         let secant = right - left;
         let (m, n) = (self.slopes[i] * h, self.slopes[i + 1] * h);
-        // Hermite's cubic by powers of t.
+        // Hermite cubic in powers of t.
         let (quadratic, cubic) = (3.0 * secant - 2.0 * m - n, m + n - 2.0 * secant);
         x.constant(left) + t * (x.constant(m) + t * (x.constant(quadratic) + t * x.constant(cubic)))
     }
 
-    /// The integral from the first point to `x`.
+    /// Integral from the first point to `x`.
     pub fn integral<T: Scalar>(&self, x: T) -> T {
         let points = &self.points;
         let end = points.len() - 1;
-        // Hermite's cubic of a piece by powers of t, and its length.
+        // Hermite cubic of a piece in powers of t, and the length of the piece.
         let piece = |i: usize| {
             let [[a, left], [b, right]] = [points[i], points[i + 1]];
             let h = b - a;
@@ -287,7 +287,7 @@ mod tests {
         assert!(ForceCurve::through(&[[1.0, 0.0], [1.0, 2.0]]).is_none());
     }
 
-    /// Between points the curve is Hermite's cubic with the slopes of Fritsch and Butland; beyond the ends it is straight.
+    /// Between points the curve is the Hermite cubic with the slopes of Fritsch and Butland. Beyond the ends it is straight.
     #[test]
     fn a_curve_has_the_slopes_of_fritsch_and_butland() {
         let points = [
@@ -305,7 +305,7 @@ mod tests {
         let slope = |i: usize| match i {
             0 => secant(0),
             4 => secant(3),
-            // The curve turns at these points.
+            // The curve has a turning point at these points.
             2 | 3 => 0.0,
             _ => {
                 let (h, k) = (4.0, 2.5);

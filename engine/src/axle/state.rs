@@ -1,9 +1,9 @@
-//! An axle in one position, with all inputs of formulas.
+//! An axle in one pose, with all inputs of formulas.
 //!
-//! A [`AxleState`] holds both wheels as functions of their travels and racks. Along a [`Motion`] all of it moves
-//! at rates that are formulas of the state itself, so that derivatives along motions, of any order, come
-//! from [`AxleState::moving`]: the same state over series. With C' the velocity of the carrier's point at the
-//! contact point by the wheel's own travel, C,r that by the rack, h = n.C and f = h_l - h_r = 0 on a plane,
+//! An [`AxleState`] holds both wheels as functions of their travels and racks. Along a [`Motion`] the travels, the rack and
+//! the roll angle change at rates that follow from the state itself. [`AxleState::moving`] gives the same state as series
+//! along the motion, and so derivatives of any order. With C' the velocity of the carrier's point at the contact point by
+//! the wheel's own travel, C,r that by the rack, h = n.C, and f = h_l - h_r = 0 on a plane,
 //!
 //! ```text
 //! roll        z_l' = -z_r' = -track/F        F = n.C_l' + n.C_r'
@@ -11,19 +11,19 @@
 //! rack        z_l' = -z_r' = -(n.C_l,r - n.C_r,r)/F
 //! ```
 //!
-//! since C is the lowest point: its own motion in the wheel does not change its height.
+//! because C is the lowest point: its own motion on the wheel does not change its height.
 //!
-//! A rigid axle moves each wheel with both travels. With C_b,d and C_b,h the velocities of the carrier's point at contact
-//! point b by the wheel's own share of the difference (d z_own = -d z_other) and by the mean travel, F above is made of
+//! Each wheel of a rigid axle moves with both travels. C_b,d and C_b,h are the velocities of the carrier's point at contact
+//! point b by the wheel's own share of the difference (d z_own = -d z_other) and by the mean travel. Then F above contains
 //! C_b,d, and
 //!
 //! ```text
 //! heave       z_l' = 1 + D,  z_r' = 1 - D        D = -(n.C_l,h - n.C_r,h)/F
 //! ```
 //!
-//! A position on a plane may be given by its roll angle and mean travel, by both travels, or at a load. Derivatives
-//! along [`Motion::Rack`] depend on that, since they hold the given numbers of the station. Formulas of the catalogue
-//! must not depend on it: they use the other motions.
+//! A pose on a plane may be given by its roll angle and mean travel, by both travels, or at a load. Derivatives along
+//! [`Motion::Rack`] depend on this choice, since the given coordinates of the station stay constant. Formulas of the
+//! catalogue must not depend on it, so they use the other motions.
 
 use super::reading::{Moving, Reading, WheelParts};
 use super::setup::Setup;
@@ -32,14 +32,14 @@ use crate::mechanism::Ground;
 use crate::model::{AxleTravel, Side};
 use crate::number::{Each, Jet, Real, Vector3, outlined};
 
-/// Quantities that stay fixed, so that a displacement of the rack, a heave or a roll defines one motion.
+/// Constant coordinates while the rack, the heave or the roll angle changes. They make the motion unique.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hold {
-    /// Roll angle and mean travel of the wheel centres, on a plane ground.
+    /// Roll angle and mean travel of the wheel centres are constant, on a plane ground.
     MeanTravel,
-    /// Both travels, on a plane ground: the roll angle follows.
+    /// Both travels are constant, on a plane ground. The roll angle is a result.
     TravelsOnPlane,
-    /// Both travels, the body level, each wheel on a level pad.
+    /// Both travels are constant, the body is level, and each wheel is on a level pad.
     TravelsOnPads,
 }
 
@@ -48,13 +48,13 @@ pub enum Hold {
 pub enum Carriers {
     /// Each wheel has its own carrier, which moves with its own travel and the rack.
     Independent,
-    /// One body carries both wheels. Readings are functions of its two travels: the one that is not held first, then, in
-    /// the place of the rack, the held one.
+    /// One body carries both wheels. Readings are functions of its two travels. The first is the one that is not held; the
+    /// held one takes the place of the rack.
     Rigid(AxleTravel),
 }
 
 impl Carriers {
-    /// The carriers of an axle.
+    /// Carriers of an axle.
     pub(crate) fn of(axle: &Axle) -> Self {
         match &axle.left.mechanism.rigid_axle {
             Some(rigid) => Carriers::Rigid(rigid.held),
@@ -85,29 +85,29 @@ impl Carriers {
     }
 }
 
-/// A motion of the axle.
+/// Motion of the axle, along which derivatives are taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
-    /// Roll of the body, mean travel and rack held; by the angle in radians.
+    /// Roll of the body with constant mean travel and rack. The parameter is the angle in radians.
     Roll,
-    /// Mean travel of the wheel centres, by half the sum of both. The rack is held, and on a plane the roll angle; on pads
-    /// both travels change equally.
+    /// Mean travel of the wheel centres. The rack is constant. On a plane the roll angle is constant, too; on pads both
+    /// travels change equally.
     Heave,
-    /// Displacement of the rack towards the left wheel. The other numbers that the station gives are held.
+    /// Displacement of the rack towards the left wheel. The other coordinates that the station gives are constant.
     Rack,
-    /// The same displacement, whatever numbers the station gives: on a plane the roll angle and the mean travel are held,
-    /// on pads both travels.
+    /// The same displacement, whatever coordinates the station gives. On a plane the roll angle and the mean travel are
+    /// constant, on pads both travels.
     Steering,
-    /// Travel of the left wheel, the rest held.
+    /// Travel of the left wheel, with everything else constant.
     TravelLeft,
-    /// Travel of the right wheel, the rest held.
+    /// Travel of the right wheel, with everything else constant.
     TravelRight,
-    /// Equal and opposite travels of the wheel centres, the right one in jounce: the rig for roll stiffness.
+    /// Equal and opposite travels of the wheel centres, with the right one in jounce, as on a rig for roll stiffness.
     OpposedTravels,
 }
 
 impl Motion {
-    /// The motion in words, for titles.
+    /// Name of the motion, for titles.
     pub fn name(self) -> &'static str {
         match self {
             Motion::Roll => "roll",
@@ -124,30 +124,30 @@ impl Motion {
 /// One wheel in a state, in the kernel's frame of its own side.
 #[derive(Clone, Copy, Debug)]
 pub struct WheelState<'s, T, W = Reading<T>> {
-    /// The wheel.
+    /// Reading of the wheel.
     pub reading: &'s W,
-    /// The ground under it.
+    /// Ground under the wheel.
     pub ground: Ground<T>,
-    /// Loaded radius; NaN where the study gives none.
+    /// Loaded radius. NaN if the study gives none.
     pub radius: f64,
     /// Carriers of the wheels.
     pub carriers: Carriers,
 }
 
-/// An axle in one position.
+/// An axle in one pose.
 #[derive(Clone, Copy, Debug)]
 pub struct AxleState<'a, T, W = Reading<T>> {
-    /// Left and right wheel, each in its own frame.
+    /// Readings of the left and right wheel, each in its own frame.
     pub readings: [W; 2],
-    /// Sine and cosine of the roll angle: the ground in the left wheel's frame.
+    /// Ground in the left wheel's frame: sine and cosine of the roll angle.
     pub ground: Ground<T>,
     /// Roll angle.
     pub roll: T,
-    /// Quantities that stay fixed in a motion.
+    /// Coordinates that stay constant in a motion.
     pub hold: Hold,
     /// Carriers of the wheels.
     pub carriers: Carriers,
-    /// Figures of the study.
+    /// Further inputs of the study.
     pub setup: &'a Setup,
 }
 
@@ -159,7 +159,7 @@ impl AxleState<'_, f64> {
     }
 }
 
-/// Rates of a motion: of both travels, of the rack towards the left wheel's outside, of the roll angle.
+/// Rates of a motion: of both travels, of the rack towards the left wheel's outside, and of the roll angle.
 struct Rates<T> {
     travel: [T; 2],
     rack: Option<T>,
@@ -167,38 +167,38 @@ struct Rates<T> {
 }
 
 impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
-    /// From the wheel centre to the contact point.
+    /// Vector from the wheel centre to the contact point.
     #[inline(always)]
     pub fn contact_lever(&self) -> Vector3<T> {
         self.ground
             .contact_lever(self.reading.spin_axis(), self.radius)
     }
 
-    /// The contact point C.
+    /// Contact point C.
     #[inline(always)]
     pub fn contact_point(&self) -> Vector3<T> {
         self.reading.centre() + self.contact_lever()
     }
 
-    /// C', the velocity by the wheel's own travel of the carrier's point at C: the wheel is locked.
+    /// Velocity C' of the carrier's point at C by the wheel's own travel. The wheel does not rotate in its carrier.
     #[inline(always)]
     pub fn contact_velocity(&self) -> Vector3<T> {
         self.carried_at_contact(self.reading.by_travel())
     }
 
-    /// The velocity by the rack of the carrier's point at C.
+    /// Velocity of the carrier's point at C by the rack.
     #[inline(always)]
     pub fn contact_by_rack(&self) -> Vector3<T> {
         self.carried_at_contact(self.reading.by_rack())
     }
 
-    /// The velocity at C by the wheel's own share of the difference of travels, of a rigid axle.
+    /// Velocity at C by the wheel's own share of the difference of travels, for a rigid axle.
     #[inline(always)]
     pub fn contact_by_difference(&self) -> Vector3<T> {
         self.carried_at_contact(self.reading.twist(self.carriers.by_difference()))
     }
 
-    /// The velocity at C by the mean travel, of a rigid axle.
+    /// Velocity at C by the mean travel, for a rigid axle.
     #[inline(always)]
     pub fn contact_by_mean(&self) -> Vector3<T> {
         self.carried_at_contact(self.reading.twist(self.carriers.by_mean()))
@@ -216,37 +216,37 @@ impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
         )
     }
 
-    /// Height of the contact point over the origin, along the normal of the ground.
+    /// Height of the contact point above the origin, along the normal of the ground.
     #[inline(always)]
     pub fn height(&self) -> T {
         self.ground.normal().dot(self.contact_point())
     }
 
-    /// The derivative of [`WheelState::height`] by the wheel's own travel.
+    /// Derivative of [`WheelState::height`] by the wheel's own travel.
     #[inline(always)]
     pub fn rise(&self) -> T {
         self.ground.normal().dot(self.contact_velocity())
     }
 
-    /// The derivative of [`WheelState::height`] by the wheel's own share of the difference of travels, of a rigid axle.
+    /// Derivative of [`WheelState::height`] by the wheel's own share of the difference of travels, for a rigid axle.
     #[inline(always)]
     pub fn rise_by_difference(&self) -> T {
         self.ground.normal().dot(self.contact_by_difference())
     }
 
-    /// The derivative of [`WheelState::height`] by the mean travel, of a rigid axle.
+    /// Derivative of [`WheelState::height`] by the mean travel, for a rigid axle.
     #[inline(always)]
     pub fn rise_by_mean(&self) -> T {
         self.ground.normal().dot(self.contact_by_mean())
     }
 
-    /// The derivative of [`WheelState::height`] by the rack.
+    /// Derivative of [`WheelState::height`] by the rack.
     #[inline(always)]
     fn rise_by_rack(&self) -> T {
         self.ground.normal().dot(self.contact_by_rack())
     }
 
-    /// Coordinate of the contact point along the ground, outboard.
+    /// Coordinate of the contact point along the ground, positive outboard.
     #[inline(always)]
     pub fn half_track(&self) -> T {
         outlined!(
@@ -285,7 +285,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         left.half_track() + right.half_track()
     }
 
-    /// A number in the shape of the others.
+    /// Any number of the state, as a model for constants.
     #[inline(always)]
     pub fn like(&self) -> T {
         self.roll
@@ -302,8 +302,8 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         }
     }
 
-    /// The same wheels on the plane under both, with any numbers of the station. Motions then hold the roll angle and
-    /// the mean travel.
+    /// The same wheels on the plane under both, whatever coordinates the station gives. Roll angle and mean travel are
+    /// constant in motions.
     #[inline(always)]
     pub fn on_plane(&self) -> Self {
         AxleState {
@@ -319,7 +319,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         left.height() - right.height()
     }
 
-    /// Rises of both contact points by the travels of their own wheels.
+    /// Derivatives of the heights of both contact points by the travels of their own wheels.
     #[inline(always)]
     fn rises(&self) -> [T; 2] {
         let [left, right] = self.wheels();
@@ -330,15 +330,15 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         }
     }
 
-    /// The derivative of [`AxleState::mismatch`] by the mean travel of a rigid axle, the difference held.
+    /// Derivative of [`AxleState::mismatch`] by the mean travel of a rigid axle, with constant difference.
     #[inline(always)]
     fn mismatch_by_mean(&self) -> T {
         let [left, right] = self.wheels();
         left.rise_by_mean() - right.rise_by_mean()
     }
 
-    /// The derivative of [`AxleState::mismatch`] by the rack, both travels held. The right wheel's own rack moves the
-    /// other way, so that the difference becomes a sum.
+    /// Derivative of [`AxleState::mismatch`] by the rack, with constant travels. The right wheel's own rack moves in the
+    /// opposite direction, so that the difference becomes a sum.
     #[inline(always)]
     fn mismatch_by_rack(&self) -> T {
         let [left, right] = self.wheels();
@@ -407,7 +407,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         rates
     }
 
-    /// The rates of a wheel's own two variables, in its frame. `None` stands for a second variable at rest.
+    /// Rates of a wheel's own two variables, in its frame. `None` if the second variable is at rest.
     #[inline(always)]
     fn own_rates(&self, side: Side, rates: &Rates<T>) -> (T, Option<T>) {
         let [left, right] = rates.travel;
@@ -429,7 +429,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         }
     }
 
-    /// The derivative along a motion of a number of one wheel, from its derivatives by the wheel's own travel and rack.
+    /// Derivative of a number of one wheel along a motion, from its derivatives by the wheel's own travel and rack.
     pub fn along(&self, motion: Motion, side: Side, [by_travel, by_rack]: [T; 2]) -> T {
         let (travel, rack) = self.own_rates(side, &self.rates(motion));
         match rack {
@@ -438,10 +438,10 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         }
     }
 
-    /// The state along a motion, as series.
+    /// The state as series along a motion.
     #[inline(always)]
     pub fn moving(&self, motion: Motion) -> AxleState<'a, Jet<T, 2>, Moving<'_, W, T>> {
-        // Out of line, since most formulas take derivatives along some motion.
+        // Compiled as a separate function, since most formulas take derivatives along some motion.
         let rates = outlined!(
             [T: Real, W: WheelParts<T>] self.like();
             state: &'p AxleState<'p, T, W> = self, motion: Motion = motion => Rates<T> { state.rates(motion) }
@@ -471,9 +471,9 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
 }
 
 impl<T: Real> AxleState<'_, T> {
-    /// The state with travels or roll angle corrected to first order, so that the wheels stand on one ground. For
-    /// numbers that carry gradients this adds the gradient of travels or roll angle, which follow from the design. The
-    /// arguments are the plain values of F and track.
+    /// The state with travels or roll angle corrected to first order, so that both wheels stand on one ground. For numbers
+    /// with gradients, this adds the gradient of those travels or roll angle that are results. The arguments are the plain
+    /// values of F and track.
     pub fn settled(&self, [rise, track]: [f64; 2]) -> Self {
         let like = self.like();
         match self.hold {

@@ -1,10 +1,10 @@
 //! Taylor polynomials in two variables: the travel and the rack displacement of one wheel.
 //!
-//! A quantity u(z + a, r + b) = sum c_ij a^i b^j up to degree 3. The coefficients come from power series
-//! along straight lines (a, b) = e (p, q): the coefficient of e^k is sum_(i+j=k) c_ij p^i q^j, and k + 1
-//! lines give the k + 1 coefficients of that degree (A. Griewank, J. Utke, A. Walther, *Evaluating higher
-//! derivative tensors by forward propagation of univariate Taylor series*, Math. Comp. 69, 2000). The lines
-//! are the two axes and the two diagonals, so that sums and differences do it.
+//! A quantity is u(z + a, r + b) = sum c_ij a^i b^j up to degree 3. The coefficients come from power series along straight
+//! lines (a, b) = e (p, q): the coefficient of e^k is sum_(i+j=k) c_ij p^i q^j, and k + 1 lines give the k + 1 coefficients
+//! of that degree (A. Griewank, J. Utke, A. Walther, *Evaluating higher derivative tensors by forward propagation of
+//! univariate Taylor series*, Math. Comp. 69, 2000). The lines are the two axes and the two diagonals, so that sums and
+//! differences suffice.
 
 use crate::number::Real;
 
@@ -25,7 +25,7 @@ const POWERS: [[usize; 2]; COEFFICIENTS] = [
     [0, 3],
 ];
 
-/// Place of the coefficient with these powers.
+/// Index of the coefficient with these powers.
 const fn place(travel: usize, rack: usize) -> usize {
     let degree = travel + rack;
     degree * (degree + 1) / 2 + rack
@@ -34,14 +34,14 @@ const fn place(travel: usize, rack: usize) -> usize {
 /// A straight line in travel and rack.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
-    /// Change of travel along it.
+    /// Change of travel along the line.
     pub travel: f64,
-    /// Change of the rack displacement along it.
+    /// Change of the rack displacement along the line.
     pub rack: f64,
 }
 
 impl Line {
-    /// The lines needed for polynomials whose terms with the rack are of this degree at most.
+    /// Lines that determine polynomials whose terms with the rack have at most this degree.
     pub fn needed(degree_with_rack: usize) -> &'static [Line] {
         const LINES: [Line; 4] = {
             const fn line(travel: f64, rack: f64) -> Line {
@@ -62,25 +62,25 @@ impl Line {
     }
 }
 
-/// A polynomial; coefficients that are not known are NaN.
+/// A polynomial. Unknown coefficients are NaN.
 #[derive(Clone, Copy, Debug)]
 pub struct Taylor<T>([T; COEFFICIENTS]);
 
 impl<T: Real> Taylor<T> {
-    /// A polynomial that is this number everywhere.
+    /// Makes a constant polynomial.
     pub fn constant(value: T) -> Self {
         let mut coefficients = [value.zero(); COEFFICIENTS];
         coefficients[0] = value;
         Taylor(coefficients)
     }
 
-    /// A polynomial with unknown coefficients: all NaN, in the shape of `like`.
+    /// Makes a polynomial with unknown coefficients: all NaN. `like` is a model for constants.
     pub fn unknown(like: T) -> Self {
         Taylor([like.constant(f64::NAN); COEFFICIENTS])
     }
 
-    /// The polynomial with these series along the lines of [`Line::needed`]. Each series has its coefficients by rising
-    /// degree, and all have the same number.
+    /// Makes the polynomial with these series along the lines of [`Line::needed`]. Each series lists its coefficients by
+    /// rising degree, and all have the same length.
     pub fn through(lines: &[&[T]]) -> Self {
         let first = lines[0];
         let mut taylor = Taylor::unknown(first[0]);
@@ -107,7 +107,7 @@ impl<T: Real> Taylor<T> {
         taylor
     }
 
-    /// The coefficient with these powers of travel and rack; NaN beyond the known orders.
+    /// Coefficient with these powers of travel and rack. NaN beyond the known orders.
     #[inline(always)]
     pub fn coefficient(&self, [travel, rack]: [usize; 2]) -> T {
         match travel + rack {
@@ -116,7 +116,7 @@ impl<T: Real> Taylor<T> {
         }
     }
 
-    /// The polynomial about a point moved by `travel`, whose square is neglected.
+    /// Polynomial about a point moved by `travel`, to first order in `travel`.
     pub fn shifted(&self, travel: T) -> Self {
         let mut moved = *self;
         for (coefficient, [i, j]) in moved.0.iter_mut().zip(POWERS) {
@@ -131,7 +131,7 @@ impl<T: Real> Taylor<T> {
 mod tests {
     use super::*;
 
-    /// Series along the sampled lines give back a cubic polynomial, with its values along any other line.
+    /// Series along the sampled lines determine a cubic polynomial, with its values along any other line.
     #[test]
     fn polynomials_come_back_from_lines() {
         let coefficients: [f64; COEFFICIENTS] =

@@ -1,8 +1,9 @@
-//! A wheel of an independent axle along its own travel, between poses: its numbers as piecewise polynomials.
+//! A wheel of an independent axle as a function of its own travel: piecewise polynomials between poses.
 //!
-//! Newton's method for a car reads the same wheels at thousands of travels. A pose takes longer than everything else of a
-//! step. So a wheel is read at nodes, a piece apart, with three derivatives by travel. In a piece of length h from z_0,
-//! with t = (z - z_0)/h, each number f is the polynomial of degree 7 with the values and derivatives of both nodes:
+//! Newton's method for a car evaluates the same wheels at thousands of travels. A pose takes longer than everything else in
+//! a step. So a wheel is solved only at nodes, one piece apart, with three derivatives by travel. In a piece of length h
+//! from z_0, with t = (z - z_0)/h, each number f is the polynomial of degree 7 with the values and derivatives at both
+//! nodes:
 //!
 //! ```text
 //! p(t) = c_0 + c_1 t + c_2 t^2 + c_3 t^3 + t^4 q(t),     c_k = h^k f^(k)(z_0)/k!                                (1)
@@ -11,8 +12,8 @@
 //! f - p = f^(8)(..) h^8 t^4 (1-t)^4/8!                                                                          (4)
 //! ```
 //!
-//! D_k is the coefficient of f at the second node minus that of the cubic. The error (4) falls with the eighth power of
-//! h, and so does that of the first derivative, which is largest near t = 0.31. There a further pose checks value and
+//! D_k is the coefficient of f at the second node minus that of the cubic. The error (4) falls with the eighth power of h,
+//! and so does that of the first derivative, which is largest near t = 0.31. There a further pose checks value and
 //! derivative of each piece. If they differ by more than rounding, all pieces become half as long.
 
 use super::reading::{Reading, WheelPose, zipped};
@@ -21,21 +22,21 @@ use super::taylor::Taylor;
 use crate::model::Side;
 use std::cell::Cell;
 
-/// Pieces on each side of the design position.
+/// Number of pieces on each side of the design position.
 const MOST_PIECES: i32 = 48;
-/// Length of the first pieces, in sizes of the mechanism.
+/// Initial length of pieces, as a share of the mechanism's size.
 const LENGTH: f64 = 1.0 / 24.0;
-/// The most times that pieces are halved.
+/// Largest number of times that pieces are halved.
 const MOST_HALVINGS: u32 = 4;
-/// Place in a piece where it is checked.
+/// Value of t at which a piece is checked.
 const CHECK: f64 = 0.31;
-/// Largest error, in sizes of the number and the piece.
+/// Largest error, relative to the size of the number and the length of the piece.
 const TOLERANCE: f64 = 4e-13;
 
 /// Coefficients of (1).
 type Polynomial = [f64; 8];
 
-/// A wheel along its own travel at one rack displacement.
+/// A wheel as a function of its own travel, at one rack displacement.
 #[derive(Clone, Debug)]
 pub(crate) struct WheelCurve {
     side: Side,
@@ -46,11 +47,11 @@ pub(crate) struct WheelCurve {
     pieces: Vec<Known<WheelPose<Polynomial>>>,
 }
 
-/// Something that is computed when it is first needed.
+/// A value that is computed when it is first needed.
 #[derive(Clone, Debug)]
 enum Known<T> {
     NotYet,
-    /// There is none: at some travel of this interval the wheel has no pose.
+    /// The value does not exist: the wheel has no pose at some travel of this interval.
     Absent,
     Here(Box<T>),
 }
@@ -72,7 +73,7 @@ impl<T> Known<T> {
 }
 
 impl WheelCurve {
-    /// A curve of one wheel of the solver's axle, with nothing read yet.
+    /// Curve of one wheel of the solver's axle, without any pieces yet.
     pub(crate) fn new<const N: usize>(solver: &AxleSolver<'_, N>, side: Side) -> Self {
         let mut curve = WheelCurve {
             side,
@@ -94,7 +95,7 @@ impl WheelCurve {
         self.nodes.resize(pieces + 1, Known::NotYet);
     }
 
-    /// The wheel at a travel; `None` where the curve has no piece that is exact to rounding.
+    /// The wheel at a travel. `None` if the curve has no piece there that is exact to rounding.
     pub(crate) fn at<const N: usize>(
         &mut self,
         solver: &mut AxleSolver<'_, N>,
@@ -132,7 +133,7 @@ impl WheelCurve {
         (node - f64::from(MOST_PIECES)) * self.length
     }
 
-    /// The wheel as it is read in a pose; `None` where it has no pose, or a rocker is at toggle.
+    /// The wheel in a solved pose. `None` if it has no pose, or if a rocker is at a toggle.
     fn read<const N: usize>(
         &self,
         solver: &mut AxleSolver<'_, N>,
@@ -153,7 +154,7 @@ impl WheelCurve {
         self.nodes[node].get()
     }
 
-    /// Equations (1) to (3).
+    /// Computes a piece by equations (1) to (3).
     fn piece<const N: usize>(
         &mut self,
         solver: &mut AxleSolver<'_, N>,
@@ -211,7 +212,7 @@ impl WheelCurve {
         zipped(&found, &read.pose()).map(|(found, read): (Taylor<f64>, Taylor<f64>)| {
             let (found, read) = (scaled(found, length), scaled(read, length));
             let bound = TOLERANCE * (read[0].abs() + length);
-            // Unread numbers are NaN in both.
+            // Numbers that are not read are NaN in both.
             if (found[0] - read[0]).abs() > bound || (found[1] - read[1]).abs() > bound {
                 is_exact.set(false);
             }
@@ -220,7 +221,7 @@ impl WheelCurve {
     }
 }
 
-/// Coefficients by travel, in lengths of a piece.
+/// Coefficients by travel, in units of the length of a piece.
 fn scaled(number: Taylor<f64>, length: f64) -> [f64; 4] {
     let mut power = 1.0;
     [0, 1, 2, 3].map(|k| {
@@ -230,7 +231,7 @@ fn scaled(number: Taylor<f64>, length: f64) -> [f64; 4] {
     })
 }
 
-/// A wheel at a place in its piece.
+/// The wheel at a place in its piece.
 fn evaluated(piece: &WheelPose<Polynomial>, t: f64, length: f64) -> Reading<f64> {
     let unread = Taylor::unknown(0.0);
     let inverse = 1.0 / length;
@@ -238,7 +239,7 @@ fn evaluated(piece: &WheelPose<Polynomial>, t: f64, length: f64) -> Reading<f64>
         if p[0].is_nan() {
             return unread;
         }
-        // Horner's scheme, four times: the first four coefficients about t.
+        // Horner's scheme, four times. It gives the first four coefficients about t.
         let mut c = p;
         for first in 0..4 {
             for k in (first..7).rev() {

@@ -7,29 +7,29 @@ use crate::model::Side;
 /// A result of a load case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CaseResult {
-    /// Number of the case.
+    /// Index of the case.
     pub case: usize,
-    /// The result.
+    /// Quantity.
     pub quantity: CarQuantity,
 }
 
-/// Results of load cases that are asked of each design, case after case.
+/// Requested results of load cases for each design, case after case.
 #[derive(Clone, Debug)]
 pub struct CarRequest<'c> {
-    /// The cases.
+    /// Load cases.
     pub cases: &'c [Case],
-    /// The results.
+    /// Results, case after case.
     pub results: Vec<CaseResult>,
 }
 
-/// Cases of a design that have no equilibrium.
+/// Cases of a design without an equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FailedCases {
     /// Number of cases that failed.
     pub count: usize,
-    /// Number of the first of them.
+    /// Index of the first of them.
     pub first: usize,
-    /// Reason.
+    /// Reason for the first of them.
     pub why: NoEquilibrium,
 }
 
@@ -37,7 +37,7 @@ pub struct FailedCases {
 pub type CarFault = (usize, Side, DesignFault);
 
 impl<'c> CarRequest<'c> {
-    /// Every result in every case where it is defined, and then `further` ones.
+    /// Every result in every case in which it is defined, and `further` ones.
     pub fn of(
         cases: &'c [Case],
         quantities: &[CarQuantity],
@@ -56,12 +56,12 @@ impl<'c> CarRequest<'c> {
                 results.push(result);
             }
         }
-        // Stable: within a case the order of the study.
+        // The sort is stable: within a case the order of the study remains.
         results.sort_by_key(|result| result.case);
         CarRequest { cases, results }
     }
 
-    /// Place of a requested result.
+    /// Index of a requested result.
     pub fn place(&self, case: usize, quantity: CarQuantity) -> Option<usize> {
         let wanted = CaseResult { case, quantity };
         self.results.iter().position(|result| *result == wanted)
@@ -73,15 +73,15 @@ impl<'c> CarRequest<'c> {
         format!("{case}_{}", result.quantity.column(car.length_unit))
     }
 
-    /// The results of a case, with the place of the first.
+    /// Results of a case, and the index of the first.
     fn of_case(&self, case: usize) -> (usize, &[CaseResult]) {
         let from = self.results.partition_point(|result| result.case < case);
         let to = self.results.partition_point(|result| result.case <= case);
         (from, &self.results[from..to])
     }
 
-    /// Fills in the results of a design, as printed; NaN for missing results. Every case is solved from the design
-    /// position, so that the numbers are those of the case alone.
+    /// Writes the results of a design in printed units. NaN for missing results. Every case is solved from the design
+    /// position, so that the numbers depend only on this case.
     ///
     /// # Errors
     /// The reason if the design position cannot be solved.
@@ -118,7 +118,7 @@ impl<'c> CarRequest<'c> {
         Ok(failed)
     }
 
-    /// Every result with its derivatives, in radians, newtons and length units; `None` where its case has no equilibrium.
+    /// Every result with its derivatives, in radians, newtons and length units. `None` if its case has no equilibrium.
     ///
     /// # Errors
     /// The reason if the design position cannot be solved.

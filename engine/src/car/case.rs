@@ -9,32 +9,32 @@ use std::fmt;
 pub struct Case {
     /// Name.
     pub name: String,
-    /// Acceleration forward.
+    /// Longitudinal acceleration, positive forward.
     pub ax: f64,
-    /// Acceleration to the left, as in a left turn.
+    /// Lateral acceleration, positive to the left, as in a left turn.
     pub ay: f64,
-    /// Acceleration upward, as in a dip.
+    /// Vertical acceleration, positive upward, as in a dip.
     pub az: f64,
-    /// Speed for the forces of the air, m/s.
+    /// Speed in m/s, for aerodynamic forces.
     pub speed: f64,
-    /// Yaw acceleration to the left, rad/s2.
+    /// Yaw acceleration in rad/s2, positive to the left.
     pub yaw_acceleration: f64,
-    /// Displacements of the racks towards the left wheels, front and rear.
+    /// Displacements of the racks towards the left wheels, [front, rear].
     pub racks: [f64; 2],
     /// Settings of the case.
     pub setting: Setting,
 }
 
-/// Choices of a load case.
+/// Settings of a load case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
     /// True if tyres act as springs, provided that the car has tyre springs.
     pub elastic_tyres: bool,
     /// Source of longitudinal forces.
     pub longitudinal: Longitudinal,
-    /// Shares of the wheels in the lateral force of their axle.
+    /// Distribution of an axle's lateral force on its wheels.
     pub lateral_shares: LateralShares,
-    /// Shares of the wheels in the longitudinal force of their axle.
+    /// Distribution of an axle's longitudinal force on its wheels.
     pub longitudinal_shares: LongitudinalShares,
     /// Axes of the tyre forces.
     pub tyre_axes: TyreAxes,
@@ -49,23 +49,23 @@ pub enum Longitudinal {
     Drive,
 }
 
-/// Shares of the wheels in the lateral force of their axle.
+/// Distribution of an axle's lateral force on its wheels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LateralShares {
     /// In proportion to the wheel loads.
     ByLoad,
-    /// Half each.
+    /// Half on each wheel.
     Equal,
-    /// The left wheel's shares, front and rear.
+    /// Shares of the left wheels, [front, rear].
     Left([f64; 2]),
 }
 
-/// Shares of the wheels in the longitudinal force of their axle.
+/// Distribution of an axle's longitudinal force on its wheels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LongitudinalShares {
     /// In proportion to the wheel loads.
     ByLoad,
-    /// Half each.
+    /// Half on each wheel.
     Equal,
 }
 
@@ -103,9 +103,9 @@ impl Case {
 /// Reason why a case has no equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NoEquilibrium {
-    /// A wheel has no pose on the way.
+    /// A wheel has no pose in a state during the solution.
     NoPose {
-        /// The axle; 0 is the front one.
+        /// Axle: 0 front, 1 rear.
         axle: usize,
         /// Reason.
         failure: NoPose,
@@ -114,28 +114,28 @@ pub enum NoEquilibrium {
     NotFound,
     /// The equations are singular.
     Singular,
-    /// No set of wheels in contact fits.
+    /// No set of wheels in contact satisfies the equations.
     NoContactSet {
-        /// A wheel that neither stands nor lifts.
+        /// A wheel that can neither be in contact nor lifted.
         wheel: WheelPlace,
-        /// True if an axle shares its force equally, which may be the cause.
+        /// True if an axle distributes its force equally, which may be the cause.
         equal_shares: bool,
     },
     /// All wheels have lifted.
     AllLifted,
-    /// Both wheels of an axle have lifted, and it carries a force.
+    /// Both wheels of an axle have lifted, but the axle must carry a force.
     AxleLifted {
-        /// The axle; 0 is the front one.
+        /// Axle: 0 front, 1 rear.
         axle: usize,
     },
-    /// The state was found, but the body would leave it by itself.
+    /// The solver found the state, but it is unstable: the body would leave it.
     Tips,
-    /// Nothing carries the body.
+    /// No part carries the body.
     Unsupported,
 }
 
 impl NoEquilibrium {
-    /// The status in results.
+    /// Word for the `status` column.
     pub fn status(&self) -> &'static str {
         match self {
             NoEquilibrium::NoPose { failure, .. } => crate::curves::Status::Failed(*failure).word(),

@@ -1,4 +1,4 @@
-//! Results of a car: for each a name, a unit, a sign, and its formula.
+//! Results of a car. Each has a name, a unit, a sign and a formula.
 
 use super::equations::Balance;
 use super::formulas::{axle, car, wheel};
@@ -22,7 +22,7 @@ impl WheelPlace {
         ["front_left", "front_right", "rear_left", "rear_right"][self.0]
     }
 
-    /// The wheel in words.
+    /// Name of the wheel in words.
     pub fn words(self) -> &'static str {
         [
             "the front left wheel",
@@ -55,12 +55,12 @@ impl AxleEnd {
     }
 }
 
-/// Part or figure of a car that a result needs.
+/// Part or input of a car that a result needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CarNeed {
-    /// The car's point for the ride height of this axle.
+    /// The car's ride-height point of this axle.
     RideHeight,
-    /// Both points for ride heights.
+    /// Both ride-height points.
     RideHeights,
     /// `[car.aero]`.
     Air,
@@ -82,12 +82,12 @@ pub enum CarNeed {
     TBar,
     /// `[heave_bar]` at this axle.
     HeaveBar,
-    /// Wheels of this axle that move by themselves.
+    /// Wheels of this axle that move independently.
     Independent,
 }
 
 impl CarNeed {
-    /// Returns true if an axle has the part. Parts of the car are not asked of an axle.
+    /// Returns true if an axle has the part. Needs of the car itself are always met here.
     fn met_by(self, axle: &Axle) -> bool {
         let setup = &axle.setup;
         let rockers = &setup.rocker_springs;
@@ -132,12 +132,12 @@ impl CarNeed {
     }
 }
 
-/// Entry of a result.
+/// Catalogue entry of a result.
 #[derive(Clone, Copy, Debug)]
 pub struct CarInfo {
-    /// Name in studies. `{}` stands for `front` or `rear` of an axle's result.
+    /// Name in studies. For a result of an axle, `{}` is replaced by `front` or `rear`.
     pub name: &'static str,
-    /// Kind of number.
+    /// Kind of unit.
     pub unit: Unit,
     /// Meaning of a positive value.
     pub positive: &'static str,
@@ -145,7 +145,7 @@ pub struct CarInfo {
     pub formula: &'static str,
     /// Parts that the car must have.
     pub needs: &'static [CarNeed],
-    /// True if the value is made of derivatives of the state.
+    /// True if the value is computed from derivatives of the state.
     pub is_rate: bool,
 }
 
@@ -329,7 +329,7 @@ impl CarQuantity {
         whole.chain(wheels).chain(axles).collect()
     }
 
-    /// Every name of [`CarQuantity::named`]: of single results, and of those of all wheels or both axles.
+    /// All names for [`CarQuantity::named`]: of single results, and of those of all wheels or both axles.
     pub fn names() -> Vec<String> {
         let all = CarQuantity::all().into_iter();
         let mut names: Vec<String> = all.map(CarQuantity::name).collect();
@@ -341,7 +341,7 @@ impl CarQuantity {
         names
     }
 
-    /// The results that a name stands for: one, or those of all four wheels or both axles.
+    /// Results with this name: one, or those of all four wheels or both axles.
     pub fn named(name: &str) -> Vec<CarQuantity> {
         let matches = |quantity: &CarQuantity| {
             let plain = match quantity {
@@ -353,7 +353,7 @@ impl CarQuantity {
         };
         let mut found = CarQuantity::all();
         found.retain(matches);
-        // The car's own result goes before those of both axles.
+        // The car's own result takes precedence over those of both axles.
         if let Some(whole) = found.iter().find(|q| matches!(q, CarQuantity::Whole(_))) {
             return vec![*whole];
         }
@@ -425,7 +425,7 @@ impl CarQuantity {
         columns
     }
 
-    /// The results that sweeps and tolerances keep of a study that asks for none.
+    /// Results that sweeps and tolerances keep for a study that names none.
     pub fn key_columns(car: &Car) -> Vec<CarQuantity> {
         let load = |place| CarQuantity::Wheel(place, WheelResult::Load);
         let mut columns = WheelPlace::ALL.map(load).to_vec();
@@ -473,7 +473,7 @@ impl CarQuantity {
         crate::ask::with_unit(self.name(), &self.info().unit.suffix(length))
     }
 
-    /// Returns true if a car has all that the quantity needs.
+    /// Returns true if a car has all parts and inputs that the quantity needs.
     pub fn is_met_by(self, car: &Car) -> bool {
         let has_height = |axle: usize| car.ride_height_points[axle].is_some();
         self.info().needs.iter().all(|need| match (need, self) {
@@ -487,13 +487,13 @@ impl CarQuantity {
         })
     }
 
-    /// Returns true if the value contains the heave of the car at rest.
+    /// Returns true if the value includes the heave of the car at rest.
     pub(super) fn is_since_rest(self) -> bool {
         self == CarQuantity::Whole(WholeResult::JackingHeave)
     }
 
-    /// Reason why the result is undefined in a case: it is 0/0, or it is about braking in a case that drives, or the
-    /// reverse. `None` if it is defined.
+    /// Reason why the result is undefined in a case. It is 0/0, or it concerns braking while the case has drive forces, or
+    /// the reverse. `None` if it is defined.
     pub fn undefined_in(self, case: &Case) -> Option<&'static str> {
         use WholeResult::{
             AntiDive, AntiLiftFront, AntiLiftRear, AntiSquat, Distribution, DistributionElastic,
@@ -525,7 +525,7 @@ impl CarQuantity {
         }
     }
 
-    /// The value as printed, or `None` where it is not defined.
+    /// Value in printed units. `None` if it is not defined.
     pub fn printed(self, solved: &Solved<'_, f64>, case: &Case) -> Option<f64> {
         if self.undefined_in(case).is_some() {
             return None;
@@ -534,7 +534,7 @@ impl CarQuantity {
         value.is_finite().then_some(value)
     }
 
-    /// The value of a result that is no derivative of the state; NaN for others.
+    /// Value of a result that needs no derivatives of the state. NaN for others.
     pub fn evaluate_state<T: Scalar>(self, state: &Balance<T>) -> T {
         match self {
             CarQuantity::Wheel(place, result) => result.evaluate_state(state, place),
@@ -543,7 +543,7 @@ impl CarQuantity {
         }
     }
 
-    /// The value, in radians, newtons and the car's length unit; not finite where it is not defined.
+    /// Value, in radians, newtons and the car's length unit. Not finite if it is not defined.
     pub fn evaluate<T: Scalar>(self, solved: &Solved<'_, T>) -> T {
         match self {
             CarQuantity::Wheel(place, result) => result.evaluate(solved, place),

@@ -1,14 +1,14 @@
-//! A wheel in the car's axes, read from the wheel of its axle.
+//! State of one wheel in the car's axes, from the wheel of its axle.
 
 use crate::axle::{Carriers, RockerMotion, WheelParts};
 use crate::characteristics::{NumberPart, VectorPart};
 use crate::model::AxleTravel;
 use crate::number::{Each, Real, Vector3};
 
-/// Derivatives of a wheel by one travel of its axle, the body held.
+/// Derivatives of a wheel by one travel of its axle, with the body held.
 #[derive(Clone, Copy, Debug)]
 pub struct WheelRates<T> {
-    /// W'.
+    /// Derivative W' of the wheel centre.
     pub centre: Vector3<T>,
     /// Angular velocity of the carrier.
     pub turn: Vector3<T>,
@@ -18,7 +18,7 @@ pub struct WheelRates<T> {
     pub bar: T,
 }
 
-/// A wheel at its travel, in the car's axes.
+/// State of one wheel at its travel, in the car's axes.
 #[derive(Clone, Copy, Debug)]
 pub struct Corner<T> {
     /// 1 for a left wheel, -1 for a right one.
@@ -45,19 +45,19 @@ pub struct Corner<T> {
     pub other: Option<WheelRates<T>>,
 }
 
-/// Steps from the travels at which a wheel was read.
+/// Steps from the travels at which the wheel was read.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Steps<T> {
-    /// In the wheel's own travel.
+    /// Step of the wheel's own travel.
     pub own: T,
-    /// In the other wheel's travel.
+    /// Step of the other wheel's travel.
     pub other: T,
     /// Displacement of the rack in the wheel's frame; `None` if the wheel was read at one rack only.
     pub rack: Option<T>,
 }
 
-/// Value of a polynomial in two variables up to the third degree, and its derivatives by both. Derivatives of them by the
-/// steps are exact up to the second. Without a second step the second variable does not count.
+/// Value of a polynomial in two variables up to the third degree, and its derivatives by both variables. These numbers have
+/// exact derivatives by the steps up to the second order. Without a second step, the second variable is left out.
 fn polynomial<T: Real>(c: impl Fn([usize; 2]) -> T, a: T, b: Option<T>) -> [T; 3] {
     let value = c([0, 0]) + a * (c([1, 0]) + a * c([2, 0]));
     let first = c([1, 0]) + a * (c([2, 0]).scaled(2.0) + a * c([3, 0]).scaled(3.0));
@@ -73,14 +73,15 @@ fn polynomial<T: Real>(c: impl Fn([usize; 2]) -> T, a: T, b: Option<T>) -> [T; 3
     ]
 }
 
-/// Derivatives by the two variables of a reading as derivatives by the wheel's own travel and by the other wheel's.
+/// Derivatives by the wheel's own travel and by the other wheel's, from derivatives by the two variables of a reading.
 struct ByTravels<T> {
     own: T,
     other: T,
 }
 
 fn by_travels<T: Real>(held: AxleTravel, [first, second]: [T; 2]) -> ByTravels<T> {
-    // Own travel moves the mean and the own difference by a half each; the other travel moves the difference back.
+    // A step of the own travel changes the mean by one half and the difference, own less other, by one half. A step of the
+    // other travel changes the mean by one half and the difference by minus one half.
     let other = match held {
         AxleTravel::Mean => second - first,
         AxleTravel::Difference => first - second,
@@ -103,7 +104,7 @@ impl<T: Copy> WheelRates<T> {
 }
 
 impl<T: Copy> Corner<T> {
-    /// The wheel over another kind of number.
+    /// Converts all numbers of the wheel to another kind.
     pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Corner<U> {
         let rocker = &self.rocker;
         Corner {
@@ -127,8 +128,8 @@ impl<T: Copy> Corner<T> {
 }
 
 impl<T: Real> Corner<T> {
-    /// The wheel that `wheel` reads in the frame of its own side, a little further. `lift` makes numbers of the wheel into
-    /// numbers of this kind.
+    /// Reads `wheel`, in the frame of its own side, at the steps. `lift` converts numbers of the wheel to numbers of this
+    /// kind.
     pub(super) fn read<U: Real>(
         wheel: &impl WheelParts<U>,
         (sign, carriers): (f64, Carriers),
@@ -149,7 +150,7 @@ impl<T: Real> Corner<T> {
                 turns[1] = turns[1] + column.cross(second);
             }
         }
-        // An axial vector: its mirror image turns the other way.
+        // The angular velocity is an axial vector: its mirror image turns the other way.
         let turns = turns.each(|turn| mirrored(turn.scaled(0.5)).scaled(sign));
         let [centre, centre_first, centre_second] =
             vector(&|powers| wheel.read_vector(VectorPart::Centre, powers));
@@ -188,11 +189,11 @@ impl<T: Real> Corner<T> {
     }
 }
 
-/// A little step from the point of expansion.
+/// Small displacement from the point of expansion.
 struct Displacement<T> {
-    /// Step of the first coordinate: the wheel's own travel, or the one that an axle's mode does not hold.
+    /// Step of the first coordinate: the wheel's own travel, or the travel that the mode of an axle does not hold.
     first: T,
-    /// Step of the second coordinate: the rack or the held travel; `None` without one.
+    /// Step of the second coordinate: the rack or the held travel. `None` without such a coordinate.
     second: Option<T>,
 }
 
@@ -217,12 +218,12 @@ impl<T: Real> Displacement<T> {
         polynomial(of, self.first, self.second)
     }
 
-    /// A vector and its derivatives, likewise.
+    /// A vector and its derivatives by both coordinates, from its coefficients by powers.
     fn vector(&self, of: impl Fn([usize; 2]) -> Vector3<T>) -> [Vector3<T>; 3] {
         let (a, b) = (self.first, self.second);
         let known = |p: [usize; 2]| b.is_some() || p[1] == 0;
         let zero = a.zero();
-        // Each coefficient is read once for its three components.
+        // Each vector coefficient is read once and serves all three components.
         let mut table = [[Vector3::new(zero, zero, zero); 4]; 4];
         for (i, row) in table.iter_mut().enumerate() {
             for (j, entry) in row.iter_mut().enumerate().take(4 - i) {

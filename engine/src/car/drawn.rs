@@ -5,12 +5,12 @@ use crate::mechanism::Configuration;
 use crate::model::{PointId, Side};
 use crate::number::Vector3;
 
-/// Places on the ground that a car stands on: forward, left, height above the ground.
+/// Places in the axes of the ground under the car: forward, left, height above the ground.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarDrawing {
-    /// For each axle the points of the left, then those of the right wheel.
+    /// Points of each axle: first those of the left wheel, then those of the right wheel.
     pub points: [Vec<[f64; 3]>; 2],
-    /// Lowest points of the wheels: front left, front right, rear left, rear right.
+    /// Lowest point of each wheel: front left, front right, rear left, rear right.
     pub contacts: [[f64; 3]; 4],
     /// Wheel centres, in the same order.
     pub centres: [[f64; 3]; 4],
@@ -23,10 +23,10 @@ pub struct CarDrawing {
 }
 
 impl CarSolver<'_> {
-    /// Places of all points in a state.
+    /// Computes the places of all points in a state.
     ///
     /// # Errors
-    /// The reason if a wheel has no pose.
+    /// The reason, if a wheel has no pose.
     pub fn drawing(
         &mut self,
         case: &Case,
@@ -46,7 +46,7 @@ impl CarSolver<'_> {
             0 => Vector3::default(),
             _ => self.car.rear_offset,
         };
-        // A side's own frame; that of the right wheel is the mirror image.
+        // Each wheel is given in the frame of its own side. The frame of a right wheel is the mirror image.
         let plain = |axle: usize, side: Side, v: Vector3<f64>| {
             Vector3::new(v.x, side.sign() * v.y, v.z) + offset(axle)
         };

@@ -1,4 +1,4 @@
-//! The equations of equilibrium, (1) to (9) of [`super`].
+//! Equations of equilibrium, (1) to (9) of [`super`].
 
 mod body;
 mod wheel;
@@ -15,7 +15,7 @@ use wheel::{Forces, Pushed, travel_rows, wheel_balance};
 /// Number of unknowns and equations.
 pub const UNKNOWNS: usize = 14;
 
-/// Places of the unknowns.
+/// Indices of the unknowns.
 pub(super) const ROLL: usize = 0;
 pub(super) const PITCH: usize = 1;
 pub(super) const GROUND: usize = 2;
@@ -24,30 +24,30 @@ pub(super) const LOADS: usize = 7;
 pub(super) const SIDE_FORCES: usize = 11;
 pub(super) const LONGITUDINAL: usize = 13;
 
-/// Places of the equations: contact and travels of the wheels, then the whole car.
+/// First indices of the equations: contacts and travels of the wheels, then the whole car.
 pub(super) const CONTACTS: usize = 0;
 pub(super) const BALANCES: usize = 4;
 pub(super) const BODY: usize = 8;
-/// Equations of the body whose residuals are the vertical force, the roll moment and the pitch moment.
+/// Indices of three equations of the body: vertical force, roll moment, pitch moment.
 pub(super) const VERTICAL: usize = 10;
 pub(super) const ROLL_MOMENT: usize = 11;
 pub(super) const PITCH_MOMENT: usize = 12;
-/// Places of gamma, phi and theta among the held unknowns of the body, which stand for its equations.
+/// Equations that make way for gamma, phi and theta, in this order, if these unknowns of the body are held.
 pub(super) const HELD_ROWS: [usize; 3] = [2, 0, 1];
 
-/// Inputs that stay fixed while the solver seeks the unknowns.
+/// Inputs that stay fixed while the solver varies the unknowns.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Held<'a> {
     pub car: &'a Car,
     pub case: &'a Case,
-    /// Wheels off the ground: front left, front right, rear left, rear right.
+    /// True for each lifted wheel: front left, front right, rear left, rear right.
     pub lifted: [bool; 4],
 }
 
-/// One wheel in a state.
+/// State of one wheel with its forces.
 #[derive(Clone, Copy, Debug)]
 pub struct WheelState<T> {
-    /// The wheel.
+    /// Pose of the wheel in the car's axes.
     pub corner: Corner<T>,
     /// Wheel load N.
     pub load: T,
@@ -55,63 +55,63 @@ pub struct WheelState<T> {
     pub parts: [T; 4],
     /// Lateral force S, to the left.
     pub side_force: T,
-    /// Longitudinal force X, forward.
+    /// Longitudinal force X, positive forward.
     pub longitudinal_force: T,
-    /// Share of the axle's lateral force.
+    /// Share of the axle's lateral force, f in (3).
     pub share: T,
-    /// Direction of longitudinal forces.
+    /// Unit vector along which longitudinal forces act.
     pub heading: Vector3<T>,
-    /// Direction of lateral forces.
+    /// Unit vector along which lateral forces act.
     pub across: Vector3<T>,
     /// Contact point C.
     pub contact: Vector3<T>,
-    /// C' by the wheel's own travel.
+    /// Derivative C' by the wheel's own travel.
     pub contact_rate: Vector3<T>,
-    /// The velocity of the carrier's point at C by the other wheel's travel, for a solid axle.
+    /// Velocity of the carrier's point at C by the other wheel's travel, for a solid axle.
     pub contact_by_other: Option<Vector3<T>>,
     /// Loaded radius.
     pub radius: T,
-    /// Height of the wheel's lowest point over the ground, the tyre not pressed in.
+    /// Height of the wheel's lowest point over the ground, with the tyre not compressed.
     pub gap: T,
-    /// Force of the spring with its stops.
+    /// Force of the spring and its stops.
     pub spring_force: T,
-    /// Gaps of bump stop and rebound stop, if there are any.
+    /// Gaps of the bump stop and the rebound stop, if present.
     pub stop_gaps: [Option<f64>; 2],
 }
 
-/// A state with its forces.
+/// A state of the car with its forces.
 #[derive(Clone, Copy, Debug)]
 pub struct Balance<T> {
-    /// The unknowns.
+    /// Values of the unknowns.
     pub unknowns: [T; UNKNOWNS],
-    /// The ground.
+    /// Directions of the ground.
     pub road: Road<T>,
     /// The wheels: front left, front right, rear left, rear right.
     pub wheels: [WheelState<T>; 4],
-    /// Sprung mass and its centre of gravity.
+    /// Sprung mass, and its centre of gravity.
     pub sprung: (T, Vector3<T>),
-    /// Mass and centre of gravity of the whole car.
+    /// Mass of the whole car, and its centre of gravity.
     pub whole: (T, Vector3<T>),
     /// Mean contact point in the design position.
     pub design_contact: Vector3<T>,
-    /// Downforces near the front and the rear axle, and the drag.
+    /// Downforces near the front and the rear axle, then the drag.
     pub air: [T; 3],
     /// Heights of the ride-height points; NaN without such a point.
     pub ride_heights: [T; 2],
-    /// Torques of the anti-roll bars.
+    /// Torque of each axle's anti-roll bar.
     pub bars: [T; 2],
-    /// Springs between the rockers of each axle.
+    /// Forces of the springs between the rockers of each axle.
     pub rockers: [RockerForces<T>; 2],
-    /// Energy of springs, stops and bars, from the design position.
+    /// Energy of springs, stops and bars, relative to the design position.
     pub energy: T,
     /// Residuals of the equations.
     pub residuals: [T; UNKNOWNS],
-    /// Wheels off the ground.
+    /// True for each lifted wheel.
     pub lifted: [bool; 4],
 }
 
 impl<T: Scalar> Balance<T> {
-    /// Forces and residuals of a state. The corners are at the travels of the unknowns.
+    /// Computes forces and residuals of a state. The corners belong to the travels among the unknowns.
     pub(super) fn of(
         held: &Held<'_>,
         parameters: &Parameters<T>,
@@ -204,7 +204,7 @@ impl<T: Scalar> Balance<T> {
     }
 }
 
-/// Force and moment about the origin of everything that acts on the car.
+/// Resultant force of everything that acts on the car, and its moment about the origin.
 struct Resultant<T> {
     force: Vector3<T>,
     moment: Vector3<T>,
@@ -216,7 +216,7 @@ impl<T: Scalar> Resultant<T> {
         self.moment = self.moment + at.cross(by);
     }
 
-    /// The residuals of the body: forces along i, e, n; the roll moment is about the body's own axis x.
+    /// Computes the residuals of the body. Forces are along i, e and n; the roll moment is about the body's own x axis.
     fn residuals(&self, held: &Held<'_>, road: &Road<T>) -> [T; 6] {
         let inertia = held.car.yaw_inertia.unwrap_or(0.0) * held.case.yaw_acceleration;
         let force = self.force;
@@ -233,7 +233,7 @@ impl<T: Scalar> Resultant<T> {
     }
 }
 
-/// Forces that reach the wheels from the rest of the car.
+/// Forces that the rest of the car applies to the wheels.
 struct Supports<'a, T> {
     /// Shares of each wheel in the lateral and longitudinal force of its axle.
     shares: [[T; 2]; 4],
@@ -244,7 +244,7 @@ struct Supports<'a, T> {
 }
 
 impl<T: Scalar> Supports<'_, T> {
-    /// The balance of a wheel.
+    /// Computes the balance of a wheel.
     fn wheel(
         &self,
         held: &Held<'_>,

@@ -9,7 +9,7 @@ use super::rates::Solved;
 use crate::number::{Each, Jet, Scalar, Vector3};
 use std::f64::consts::PI;
 
-/// Results of one wheel in a state.
+/// Formulas for one wheel in a state.
 pub(super) mod wheel {
     use super::*;
 
@@ -59,7 +59,7 @@ pub(super) mod wheel {
     pub(in super::super) fn friction_demand<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
         let wheel = of(state, place);
         let squared = wheel.side_force.squared() + wheel.longitudinal_force.squared();
-        // The root of zero has no slope.
+        // The square root has no finite slope at zero.
         match squared.value() == 0.0 {
             true => squared,
             false => squared.sqrt() / wheel.load,
@@ -127,7 +127,7 @@ pub(super) mod wheel {
         corner.design_spring - corner.spring
     }
 
-    /// Compression of the bump stop, 0 out of touch.
+    /// Compression of the bump stop, 0 without contact.
     pub(in super::super) fn bump_stop_compression<T: Scalar>(
         state: &Balance<T>,
         place: WheelPlace,
@@ -136,7 +136,7 @@ pub(super) mod wheel {
         beyond(spring_travel(state, place), stop)
     }
 
-    /// Lengthening of the spring beyond the gap of the rebound stop, 0 out of touch.
+    /// Extension of the spring beyond the gap of the rebound stop, 0 without contact.
     pub(in super::super) fn rebound_stop_extension<T: Scalar>(
         state: &Balance<T>,
         place: WheelPlace,
@@ -145,7 +145,7 @@ pub(super) mod wheel {
         beyond(-spring_travel(state, place), stop)
     }
 
-    /// Returns the excess of a number over an end; NaN without an end.
+    /// Returns the excess of a number over a limit; NaN without a limit.
     fn beyond<T: Scalar>(number: T, end: Option<f64>) -> T {
         match end {
             None => number.constant(f64::NAN),
@@ -154,14 +154,14 @@ pub(super) mod wheel {
         }
     }
 
-    /// Load gained per side force inboard along the ground.
+    /// Load gained per unit of side force, which acts inboard along the ground.
     pub(in super::super) fn jacking<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
         let wheel = of(state, place);
         let rate = wheel.contact_rate;
         rate.dot(state.road.left).scaled(wheel.corner.sign) / rate.dot(state.road.up)
     }
 
-    /// Load gained per side force inboard across the wheel.
+    /// Load gained per unit of side force, which acts inboard across the wheel.
     pub(in super::super) fn side_force_jacking<T: Scalar>(
         state: &Balance<T>,
         place: WheelPlace,
@@ -179,7 +179,7 @@ pub(super) mod wheel {
     }
 }
 
-/// Results of one axle; 0 is the front one.
+/// Formulas for one axle; 0 is the front axle.
 pub(super) mod axle {
     use super::*;
 
@@ -191,7 +191,7 @@ pub(super) mod axle {
         [0, 1].each(|side| of(state, WheelPlace(2 * axle + side)))
     }
 
-    /// Half the right wheel's part less the left one's.
+    /// Half of the right wheel's part less the left wheel's.
     fn transfer<T: Scalar>(
         state: &Balance<T>,
         axle: usize,
@@ -240,8 +240,8 @@ pub(super) mod axle {
         (left + right).scaled(0.5)
     }
 
-    /// Velocities of the carriers' points at both contact points of a solid axle, and the axle's angular velocity, as the
-    /// left wheel rises and the right one falls.
+    /// Velocities of the carriers' points at both contact points of a solid axle, and the angular velocity of the axle. Here
+    /// the left wheel rises and the right wheel falls.
     fn by_difference<T: Scalar>(
         state: &Balance<T>,
         axle: usize,
@@ -255,7 +255,7 @@ pub(super) mod axle {
         Some((velocities, turn))
     }
 
-    /// Loads of both wheels of an axle by forces at their contact points.
+    /// Loads of both wheels of an axle that balance given forces at the contact points.
     fn loads_by<T: Scalar>(state: &Balance<T>, axle: usize, forces: [Vector3<T>; 2]) -> [T; 2] {
         let up = state.road.up;
         let [left, right] = [0, 1].map(|side| &state.wheels[2 * axle + side]);
@@ -278,7 +278,7 @@ pub(super) mod axle {
         }
     }
 
-    /// Height at which side forces of one, in these parts, make no roll.
+    /// Height at which a lateral force makes no roll. `forces` are the parts of a unit force at the two contact points.
     fn height_of_transfer<T: Scalar>(
         state: &Balance<T>,
         axle: usize,
@@ -329,7 +329,7 @@ pub(super) mod axle {
         state.bars[axle]
     }
 
-    /// Torque of a twist beam, which to the equations is a bar with a quarter of its rate and twice its angle.
+    /// Torque of a twist beam. The equations treat the beam as a bar with a quarter of its rate and twice its angle.
     pub(in super::super) fn beam_torque<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
         -state.bars[axle].scaled(2.0)
     }
@@ -376,7 +376,7 @@ pub(super) mod axle {
         mean_steer(&solved.by_ax, axle)[1]
     }
 
-    /// Load that both wheels gain as the ground rises.
+    /// Load gained by both wheels per rise of the ground.
     pub(in super::super) fn ride_rate<T: Scalar>(solved: &Solved<'_, T>, axle: usize) -> T {
         load(&solved.by_heave, axle)[1]
     }
@@ -394,12 +394,12 @@ pub(super) mod axle {
     }
 }
 
-/// Frequency of a squared angular frequency, in hertz.
+/// Frequency in hertz, from the square of an angular frequency.
 fn frequency<T: Scalar>(squared: T) -> T {
     squared.sqrt().scaled(0.5 / PI)
 }
 
-/// Results of the car as a whole.
+/// Formulas for the car as a whole.
 pub(super) mod car {
     use super::*;
 
@@ -415,7 +415,7 @@ pub(super) mod car {
         state.unknowns[GROUND] - state.road.up.dot(state.design_contact)
     }
 
-    /// Rise of the body since the car stood at rest.
+    /// Rise of the body relative to the car at rest.
     pub(in super::super) fn jacking_heave<T: Scalar>(solved: &Solved<'_, T>) -> T {
         heave(&solved.now).constant(solved.rest_heave) - heave(&solved.now)
     }
@@ -424,8 +424,8 @@ pub(super) mod car {
         state.energy
     }
 
-    /// Load that each wheel gains or loses as the ground under it and the wheel diagonally across rises and that under the
-    /// others falls.
+    /// Load that each wheel gains or loses per warp of the ground. The ground rises under one diagonal pair of wheels and
+    /// falls under the other.
     pub(in super::super) fn warp_stiffness<T: Scalar>(solved: &Solved<'_, T>) -> T {
         let [a, b, c, d] = loads(&solved.by_warp).map(|load| load[1]);
         (a - b - c + d).scaled(0.25)
@@ -444,7 +444,7 @@ pub(super) mod car {
         mid_contact(state, 0) - mid_contact(state, 1)
     }
 
-    /// Distance of the sprung mass ahead of the rear axle, in wheelbases.
+    /// Distance of the sprung mass ahead of the rear axle, divided by the wheelbase.
     pub(in super::super) fn front_share_at_cg<T: Scalar>(state: &Balance<T>) -> T {
         (state.road.forward.dot(state.sprung.1) - mid_contact(state, 1)) / wheelbase(state)
     }
@@ -559,7 +559,7 @@ pub(super) mod car {
         state.air[2]
     }
 
-    /// Longitudinal parts of an axle's loads in percent of the load that the tyres' longitudinal forces transfer.
+    /// Longitudinal parts of an axle's loads, in percent of the load that the tyres' longitudinal forces transfer.
     pub(in super::super) fn anti<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
         let push = |wheel: &WheelState<T>| {
             let force = wheel.across * wheel.side_force + wheel.heading * wheel.longitudinal_force;
@@ -621,10 +621,11 @@ pub(super) mod car {
         frequency(heave_rate(solved).scaled(per_metre) / solved.now.sprung.0)
     }
 
-    /// Squared angular frequencies of the sprung mass in heave and pitch on massless wheels: the roots of
-    /// det(K - w M) = 0, M of the height of G and the pitch angle.
+    /// Squared angular frequencies of the sprung mass in heave and pitch on massless wheels. They are the roots w of det(K -
+    /// w M) = 0, with M for the height of G and the pitch angle.
     fn body_frequency<T: Scalar>(solved: &Solved<'_, T>, sign: f64) -> T {
-        // Vertical force, and moment about -e at the mean contact point of the design position, by gamma and theta.
+        // The residuals are the vertical force and the moment about -e at the mean contact point of the design position.
+        // They depend on gamma and theta.
         let height = solved.now.road.up.dot(solved.now.design_contact);
         let along = |state: &Balance<Jet<T, 2>>| {
             let [forward, up, pitch] =

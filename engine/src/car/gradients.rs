@@ -11,20 +11,20 @@ use crate::number::{Scalar, Tape, Tracked, Vector3};
 /// A result with its derivatives.
 #[derive(Clone, Debug)]
 pub struct CarGradient {
-    /// The value, in radians, newtons and length units.
+    /// Value of the result, in radians, newtons and length units.
     pub value: f64,
-    /// For each axle the derivatives by the hardpoints of the left wheel, in the kernel's frame. The right wheel's hardpoints
-    /// move with them as mirror images.
+    /// Derivatives by the hardpoints of each axle's left wheel, in the kernel's frame. The right wheel's hardpoints move
+    /// with them as mirror images.
     pub hardpoints: [Vec<Vector3<f64>>; 2],
-    /// For each wheel the derivatives by its own hardpoints, in the kernel's frame of its side: front left, front right, rear
-    /// left, rear right.
+    /// Derivatives by the own hardpoints of each wheel, in the kernel's frame of its side. Order of the wheels: front left,
+    /// front right, rear left, rear right.
     pub wheels: [Vec<Vector3<f64>>; 4],
     /// Derivatives by all parameters.
     pub parameters: [f64; Parameter::COUNT],
 }
 
 impl<'a> CarSolver<'a> {
-    /// The state with its derivatives along directions.
+    /// Computes a state with its derivatives along directions.
     pub fn solved(
         &mut self,
         case: &Case,
@@ -43,7 +43,7 @@ impl<'a> CarSolver<'a> {
         Ok(solved)
     }
 
-    /// The car at rest on the tyres of a case.
+    /// Solves the car at rest on the tyres of a case.
     fn at_rest(&mut self, case: &Case) -> Result<(Case, Equilibrium), NoEquilibrium> {
         let mut rest = Case::at_rest("static");
         rest.setting.elastic_tyres = case.setting.elastic_tyres;
@@ -58,8 +58,8 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Adds the heave of the car at rest to values since then, with its derivatives by the design. The case at rest does not
-    /// depend on accelerations, speed and racks of the case.
+    /// Adds the heave of the car at rest to results that count from rest, with its derivatives by the design. This state at
+    /// rest does not depend on accelerations, speed, warp and racks of the case.
     fn add_rest(
         &mut self,
         case: &Case,
@@ -100,7 +100,7 @@ impl<'a> CarSolver<'a> {
         Ok(())
     }
 
-    /// Results with their derivatives by everything.
+    /// Computes results with their derivatives by all hardpoints and parameters.
     pub fn gradients(
         &mut self,
         case: &Case,
@@ -143,7 +143,7 @@ impl<'a> CarSolver<'a> {
         let heave = CarQuantity::Whole(WholeResult::Heave);
         let mut buffers = linearised.each_ref().map(|axle| axle.buffer());
         let value = |quantity: &CarQuantity| match &solved {
-            // The part of the car at rest is added below.
+            // The heave of the car at rest is added below.
             _ if quantity.is_since_rest() => -heave.evaluate_state(&now),
             Some(solved) if quantity.info().is_rate => quantity.evaluate(solved),
             _ => quantity.evaluate_state(&now),

@@ -1,63 +1,63 @@
-//! Limits of a car along a ray of accelerations: the first wheel that lifts, and the end of equilibrium.
+//! Limits of a car along a ray of accelerations: the first lifted wheel, and the end of equilibrium.
 //!
-//! A ray has the accelerations of a case times a factor s. With N the wheel loads of the state at s, Newton's method finds
-//! the factor at which the first wheel has no load:
+//! The accelerations on a ray are those of a case times a factor s. With the wheel loads N of the state at s, Newton's
+//! method finds the factor at which the first wheel has no load:
 //!
 //! ```text
 //! s' = s + min over the wheels with N_s < 0 of N/(-N_s)                                                       (1)
 //! ```
 //!
-//! N_s comes from the state's exact derivatives by ax and ay. A bracket of a state with all wheels down and one beyond keeps
-//! the iteration safe. The end of equilibrium has no equation of its own; bisection finds it. Within a bracket every state is
-//! sought beside the last one, which is as near as the bracket is narrow. The whole search, which takes far longer
-//! where no equilibrium exists, confirms the end alone.
+//! N_s comes from the state's exact derivatives by ax and ay. A bracket keeps the iteration safe: at its lower end all
+//! wheels are down, and its upper end is beyond. No equation gives the end of equilibrium, so bisection finds it. Within a
+//! bracket, the solver starts each state from the last one, which is close if the bracket is narrow. The full search takes
+//! far longer where no equilibrium exists, so it only confirms the end.
 
 use super::catalogue::{CarQuantity, WheelPlace, WheelResult};
 use super::parameters::{BodyParameter, Parameter};
 use super::{CarSolver, Case, Equilibrium, Longitudinal, NoEquilibrium};
 
-/// Largest acceleration that is looked at, g.
+/// Largest acceleration that is tried, g.
 const MOST: f64 = 5.0;
 /// Step along the ray, g.
 const STEP: f64 = 0.1;
-/// Factors closer than this, in g, are the same.
+/// Accelerations closer than this, g, count as equal.
 const SAME: f64 = 1e-9;
-/// Loads below this part of the largest one count as zero.
+/// Loads below this fraction of the largest load count as zero.
 const NO_LOAD: f64 = 1e-9;
-/// Budget of states for each search within a bracket.
+/// Largest number of states for each search within a bracket.
 const MOST_STATES: usize = 80;
 
 /// Limits along a ray.
 #[derive(Clone, Debug)]
 pub struct RayLimits {
-    /// The first wheel that lifts, if one does.
+    /// Lift of the first wheel, if one lifts.
     pub lift: Option<Lift>,
     /// Largest acceleration with an equilibrium, g.
     pub end: f64,
-    /// Reason why no equilibrium exists beyond; `None` if there is one up to 5 g.
+    /// Reason for no equilibrium beyond this acceleration; `None` if equilibrium exists up to 5 g.
     pub why: Option<NoEquilibrium>,
 }
 
-/// The state in which the first wheel lifts.
+/// State at which the first wheel lifts.
 #[derive(Clone, Copy, Debug)]
 pub struct Lift {
     /// Acceleration, g.
     pub acceleration: f64,
-    /// The wheel.
+    /// Wheel that lifts.
     pub wheel: WheelPlace,
     /// True if all other wheels carry load there.
     pub others_loaded: bool,
 }
 
-/// Direction of the accelerations along the ground; the case gives all other inputs.
+/// Direction of the accelerations along the ground. All other inputs come from the case.
 struct Ray<'c> {
     case: &'c Case,
-    /// Factor of the case's accelerations for 1 g.
+    /// Factor on the case's accelerations for 1 g.
     per_g: f64,
 }
 
 impl Ray<'_> {
-    /// The case at an acceleration, g.
+    /// Makes the case at an acceleration, g.
     fn at(&self, g: f64) -> Case {
         let factor = g * self.per_g;
         let own = self.case;
@@ -87,7 +87,7 @@ impl At {
         [0, 1, 2, 3].map(|wheel| x[super::equations::LOADS + wheel])
     }
 
-    /// The least load as a part of the largest one, with its wheel.
+    /// Smallest load as a fraction of the largest, and its wheel.
     fn least(&self) -> (f64, usize) {
         let loads = self.loads();
         let most = loads.iter().fold(0.0, |most: f64, load| most.max(*load));
@@ -100,10 +100,10 @@ impl At {
 }
 
 impl Case {
-    /// A direction of 1 g along the ground, degrees from forward to the left. Both axles share their forces by load, as a map
-    /// of states does.
+    /// Makes a case with 1 g along the ground, in a direction in degrees from forward to the left. Both axles share their
+    /// forces by load, as in a map of states.
     pub fn along(name: &str, degrees: f64, at_rest: &Case) -> Case {
-        // Exact zeros along the axes: a share of nothing is not asked for.
+        // Exact zeros along the axes avoid a request for the share of a zero force.
         let [ax, ay] = match degrees.rem_euclid(360.0) {
             0.0 => [1.0, 0.0],
             90.0 => [0.0, 1.0],
@@ -127,8 +127,8 @@ impl Case {
 }
 
 impl CarSolver<'_> {
-    /// Limits along the accelerations ax and ay of a case, up to 5 g. Speed, az and racks stay those of the case. `None` for a
-    /// case without ax and ay.
+    /// Finds the limits along the accelerations ax and ay of a case, up to 5 g. Speed, az and racks stay those of the case.
+    /// `None` for a case without ax and ay.
     pub fn limits(&mut self, case: &Case) -> Option<RayLimits> {
         let length = case.ax.hypot(case.ay);
         if length == 0.0 {
@@ -177,7 +177,7 @@ impl CarSolver<'_> {
         })
     }
 
-    /// The last state with all wheels down between a state and an acceleration beyond it.
+    /// Finds the last state with all wheels down between a state and an acceleration beyond it.
     fn last_down(&mut self, ray: &Ray<'_>, from: At, beyond: f64) -> At {
         let (mut low, mut high) = (from, beyond);
         for _ in 0..MOST_STATES {
@@ -191,7 +191,7 @@ impl CarSolver<'_> {
                 Some(found) if found.lifted == [false; 4] => low = At { g, found },
                 _ => {
                     high = g;
-                    // Newton's method came from above: half the bracket as well.
+                    // Newton's method came from the upper side, so the bracket is halved as well.
                     let g = 0.5 * (low.g + high);
                     match self.solve_beside(&ray.at(g), &low.found) {
                         Some(found) if found.lifted == [false; 4] => low = At { g, found },
@@ -203,7 +203,7 @@ impl CarSolver<'_> {
         low
     }
 
-    /// Equation (1).
+    /// Next acceleration by equation (1), g.
     fn next(&mut self, ray: &Ray<'_>, at: &At) -> Option<f64> {
         let case = ray.at(at.g);
         let loads = WheelPlace::ALL.map(|place| CarQuantity::Wheel(place, WheelResult::Load));
@@ -218,7 +218,7 @@ impl CarSolver<'_> {
         step.is_finite().then_some(at.g + step)
     }
 
-    /// The lift at a state, if its least load is zero.
+    /// Describes the lift at a state, if its smallest load is zero.
     fn lift(&mut self, at: &At) -> Option<Lift> {
         let (part, wheel) = at.least();
         let none = 1e3 * NO_LOAD;
@@ -235,8 +235,8 @@ impl CarSolver<'_> {
         })
     }
 
-    /// The last state between a state and an acceleration that seems to have none, and the reason for its being the last;
-    /// no reason if the search beside that state finds one there after all.
+    /// Finds the last state below an acceleration that seems to have no equilibrium, and the reason for the end. The reason
+    /// is `None` if the search from that state finds an equilibrium there after all.
     fn end(
         &mut self,
         ray: &Ray<'_>,
@@ -250,7 +250,7 @@ impl CarSolver<'_> {
             let g = if is_last { high } else { 0.5 * (low.g + high) };
             let mut found = self.solve_beside(&ray.at(g), &low.found);
             if found.is_none() && is_last {
-                // Is there more beyond a gap that Newton's method does not cross?
+                // Newton's method cannot cross a gap. The full search shows whether an equilibrium exists beyond it.
                 match self.solve(&ray.at(g)) {
                     Ok(state) => found = Some(state),
                     Err(reason) => {

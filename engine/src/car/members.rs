@@ -1,8 +1,8 @@
 //! Forces in the members of a car's suspensions in a load case.
 //!
-//! Every force on a wheel is known in a state: the tyre's at the contact point, the inertia of the wheel's mass, those of
-//! springs and bars. Links, rods and joints follow from the equilibrium of each wheel
-//! ([`Applied`](crate::analyse::Applied)).
+//! In a solved state, every force on a wheel is known. These are the tyre force at the contact point, the inertia force of
+//! the wheel's mass, and the forces of springs and bars. The forces of links, rods and joints follow from the equilibrium of
+//! each wheel ([`Applied`](crate::analyse::Applied)).
 
 use super::equations::Balance;
 use super::solver::{CarSolver, Equilibrium};
@@ -12,7 +12,7 @@ use crate::mechanism::NoPose;
 use crate::model::{ArmId, Axis, Constraint, Mechanism, PointId, RockerId, Side};
 use crate::number::Vector3;
 
-/// A member of one wheel.
+/// A member of one wheel, with the force that it reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum What {
     /// Tension of the link between two points.
@@ -27,12 +27,12 @@ enum What {
     Spring,
 }
 
-/// A force that is reported.
+/// A reported force.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarMember {
-    /// The wheel.
+    /// Wheel of the member.
     pub place: WheelPlace,
-    /// Name, without the wheel.
+    /// Name of the member, without the wheel.
     pub name: String,
     what: What,
 }
@@ -40,14 +40,14 @@ pub struct CarMember {
 /// Forces in the members of one wheel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WheelMembers {
-    /// Forces in the order of [`CarMember::all`].
+    /// Forces of one wheel's members, in the order of [`CarMember::all`].
     pub forces: Vec<f64>,
-    /// Vertical force at the wheel centre that equilibrium lacks: rounding in a state that was solved.
+    /// Vertical force at the wheel centre that is missing for equilibrium. In a solved state it is only rounding error.
     pub lacking: f64,
 }
 
 impl CarMember {
-    /// The members of all wheels that move by themselves: front left, front right, rear left, rear right.
+    /// Lists the members of all independently suspended wheels: front left, front right, rear left, rear right.
     pub fn all(car: &Car) -> Vec<CarMember> {
         let of_wheel = |place: WheelPlace| {
             let axle = &car.axles[place.0 / 2];
@@ -79,7 +79,7 @@ impl CarMember {
     }
 }
 
-/// Members of one wheel: links, forces at points, joints of arms that bear a spring or a rod, rods, spring.
+/// Lists the members of one wheel: links, forces at points, joints of arms that carry a spring or a rod, rods, spring.
 fn members(mechanism: &Mechanism) -> Vec<(String, What)> {
     let mut found = Vec::new();
     let borne = |outer: PointId| {
@@ -93,7 +93,8 @@ fn members(mechanism: &Mechanism) -> Vec<(String, What)> {
     };
     for constraint in &mechanism.constraints {
         match *constraint {
-            // The legs of an arm with something on it are bent, and no force along them is the whole.
+            // The legs of an arm that carries a part are in bending. A force along a leg would not be the whole force, so
+            // none is listed.
             Constraint::Link { outer, .. } if borne(outer).is_some() => {}
             Constraint::Link { inner, outer } => {
                 let name = mechanism.link_name(inner).to_owned();
@@ -132,7 +133,7 @@ fn members(mechanism: &Mechanism) -> Vec<(String, What)> {
 }
 
 impl CarSolver<'_> {
-    /// Forces in the members of each wheel in a state. A solid axle has none.
+    /// Computes the forces in the members of each wheel in a state. A solid axle has no members here.
     pub fn members(
         &mut self,
         case: &Case,
@@ -197,7 +198,7 @@ impl CarSolver<'_> {
         if let (Some(end), Some(_)) = (mechanism.heave_spring(), setup.rocker_springs.heave_spring)
         {
             let [left, right] = [0, 1].map(|k| state.wheels[2 * axle + k].corner.rocker.end[0]);
-            // From the other end to this one, in the frame of this wheel.
+            // Vector from the other end to this end, in the frame of this wheel.
             let apart = match side {
                 Side::Left => Vector3::new(left.x - right.x, left.y + right.y, left.z - right.z),
                 Side::Right => Vector3::new(right.x - left.x, left.y + right.y, right.z - left.z),
@@ -225,7 +226,7 @@ impl CarSolver<'_> {
         })
     }
 
-    /// Forces of the tyre and the inertia of the wheel's mass, in the frame of the wheel.
+    /// Forces of the tyre, and of the inertia of the wheel's mass, in the frame of the wheel.
     fn on_carrier(&self, case: &Case, state: &Balance<f64>, place: WheelPlace) -> [Applied; 3] {
         let number = place.0;
         let wheel = &state.wheels[number];
@@ -256,7 +257,7 @@ impl CarSolver<'_> {
             |point: Vector3<f64>, force: Vector3<f64>, moment: Vector3<f64>| Applied::Carrier {
                 point: own(point - origin),
                 force: own(force),
-                // A moment is an axial vector.
+                // A moment is an axial vector, so the mirror image changes its sign as well.
                 moment: own(moment) * sign,
             };
         [

@@ -1,32 +1,32 @@
 //! The whole car in quasi-static equilibrium.
 //!
-//! The body is rigid and carries two axles, the sprung mass with its centre of gravity G, and the forces of the air. The
+//! The body is rigid. It carries two axles, the sprung mass with its centre of gravity G, and the aerodynamic forces. The
 //! ground is a plane. Each wheel carrier has a point mass m_b at its wheel centre W. All masses share one acceleration,
-//! which is given in the axes of the ground. Links and tyres have no compliance but a vertical spring of the tyre.
+//! which is given in the axes of the ground. The only compliance is a vertical spring of the tyre.
 //!
 //! ## Ground
 //!
-//! The body stays fixed in its axes (x forward, y left, z up); the ground tilts. Order of the angles: yaw, pitch, roll
-//! (ISO 8855). With roll phi (right wheel in jounce), pitch theta (nose down), S = sin theta and c = cos theta
+//! The body stays fixed in its axes (x forward, y left, z up); the ground tilts. Order of the angles: yaw, pitch, roll (ISO
+//! 8855). With roll phi (right wheel in jounce), pitch theta (nose down), S = sin theta and c = cos theta
 //!
 //! ```text
 //! n = (-S, c sin phi, c cos phi)   up      e = (0, cos phi, -sin phi)   left      i = e x n   forward          (1)
 //! C = W - R_l u                            u = (n - (n.a) a)/s                    s = |n - (n.a) a|            (2)
 //! ```
 //!
-//! The ground is n.X = gamma, and R_l the loaded radius.
+//! The ground is n.X = gamma, and R_l is the loaded radius.
 //!
 //! ## Unknowns and equations
 //!
-//! x = (phi, theta, gamma; z_1..z_4; N_1..N_4; A_f, A_r, B) with the travels z and the wheel loads N. A wheel's tyre
-//! carries N n + S lambda + X t with
+//! x = (phi, theta, gamma; z_1..z_4; N_1..N_4; A_f, A_r, B) with the travels z and the wheel loads N. A wheel's tyre carries
+//! N n + S lambda + X t with
 //!
 //! ```text
 //! S = A f,   X = B p g                                                                                          (3)
 //! ```
 //!
-//! f and g the wheel's shares of its axle, p the axle's share of braking or drive. With k, N0 and R the rate of a tyre
-//! spring, its load and the radius at that load, R_u = R + N0/k, and alpha = ax i + ay e + (g + az) n,
+//! f and g are the wheel's shares of its axle, p is the axle's share of braking or drive. k, N0 and R are the rate of a tyre
+//! spring, its load and the radius at that load. With R_u = R + N0/k and alpha = ax i + ay e + (g + az) n,
 //!
 //! ```text
 //! rigid tyre       n.W - gamma - R s = 0                                                                        (4)
@@ -36,9 +36,9 @@
 //! whole car        sum F.i = sum F.e = sum F.n = 0,   sum M.x = sum M.e = sum M.n = 0                           (8)
 //! ```
 //!
-//! A prime is the derivative by the wheel's own travel, the body held. C' is the velocity of the carrier's point at C. B' is
-//! C' where the carrier takes the torque, else that of a point which does not turn with the carrier about the spin axis. U
-//! is the energy of springs, stops and bar. Moments are about the origin; M.x is the work of a roll.
+//! A prime is the derivative by the wheel's own travel, with the body fixed. C' is the velocity of the carrier's point at C.
+//! If the carrier takes the torque, B' is C'. Otherwise it is the velocity of a point that does not rotate with the carrier
+//! about the spin axis. U is the energy of springs, stops and bar. Moments are about the origin; M.x is the work of a roll.
 //!
 //! Divided by n.C', equation (7) splits each wheel load exactly:
 //!
@@ -55,8 +55,8 @@
 //! x_p = -G_x^-1 G_p,      dy/dp = y_p + y_x x_p                                                                (10)
 //! ```
 //!
-//! The equations are written once over any number. One Newton step over numbers that carry gradients adds the gradient of
-//! the unknowns, and a further step over series does so for derivatives along a direction.
+//! The equations are written once over any number type. One Newton step with numbers that carry gradients adds the gradient
+//! of the unknowns. A further step with series adds derivatives along a direction.
 
 mod answers;
 mod case;
@@ -109,17 +109,17 @@ pub const GRAVITY: f64 = 9.80665;
 /// A car: two axles and a body. Vectors are in the axes of the front axle's left wheel (x forward, y left, z up).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Car {
-    /// Front and rear axle.
+    /// Axles of the car: [front, rear].
     pub axles: [Axle; 2],
-    /// Place of the rear axle's origin.
+    /// Position of the rear axle's origin.
     pub rear_offset: Vector3<f64>,
     /// Masses that `mass` and `cg` include.
     pub masses: Masses,
-    /// Mass, kg: of the whole car or sprung, as `masses` says.
+    /// Mass in kg: of the whole car or sprung, according to `masses`.
     pub mass: f64,
     /// Unit in which studies and results give masses.
     pub mass_unit: MassUnit,
-    /// The centre of gravity of that mass, design position.
+    /// Centre of gravity of this mass in the design position.
     pub cg: Vector3<f64>,
     /// Front share of the braking force.
     pub brake_share_front: Option<f64>,
@@ -129,22 +129,22 @@ pub struct Car {
     pub yaw_inertia: Option<f64>,
     /// Pitch inertia of the sprung mass, kg m2.
     pub pitch_inertia: Option<f64>,
-    /// Points of the body whose heights over the ground are the ride heights.
+    /// Points of the body whose heights above the ground are the ride heights: [front, rear].
     pub ride_height_points: [Option<Vector3<f64>>; 2],
-    /// Vertical springs of the tyres; `None` means rigid tyres.
+    /// Vertical springs of the tyres, [front, rear]. `None` means rigid tyres.
     pub tyres: Option<[Tyre; 2]>,
-    /// Forces of the air.
+    /// Aerodynamic forces.
     pub air: Option<Air>,
     /// Length unit of all lengths.
     pub length_unit: LengthUnit,
 }
 
-/// The mass that is given.
+/// Kind of the given mass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Masses {
-    /// The whole car, wheels included.
+    /// The whole car, including the wheels.
     Whole,
-    /// The sprung mass alone.
+    /// The sprung mass only.
     Sprung,
 }
 
@@ -153,11 +153,11 @@ pub enum Masses {
 pub struct Tyre {
     /// Force per deflection.
     pub rate: f64,
-    /// Load at which the wheel's radius holds; `None` means half the axle's load at rest in the design position.
+    /// Load at which the wheel has the given radius. `None` means half the axle's static load in the design position.
     pub load: Option<f64>,
 }
 
-/// Forces of the air, along -n and -i at points of the body.
+/// Aerodynamic forces, along -n and -i, at points of the body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Air {
     /// Density, kg/m3.
@@ -168,10 +168,10 @@ pub struct Air {
     pub drag: Option<AirForce>,
 }
 
-/// A force of the air.
+/// An aerodynamic force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AirForce {
-    /// Point of the body.
+    /// Point of the body where it acts.
     pub point: Vector3<f64>,
     /// Coefficient times area, m2: factors of 1, hf, hr, hf2, hf hr, hr2 with the ride heights h.
     pub area: [f64; 6],

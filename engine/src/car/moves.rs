@@ -1,59 +1,59 @@
-//! Parts of a car that a design variable moves.
+//! Parts of a car that design variables move.
 
 use super::parameters::{AxleParameter, BodyParameter, Parameter};
 use super::{Car, CarGradient};
 use crate::axle::Law;
 use crate::model::{Axis, PointId, Side};
 
-/// Quantity that a variable moves.
+/// Part of the car that a design variable moves.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Moves {
     /// Coordinates of hardpoints, in the axes of their study.
     Hardpoints(Vec<PointMove>),
-    /// A rate of an axle.
+    /// Rate of an axle's part.
     Rate {
-        /// The axle.
+        /// Index of the axle.
         axle: usize,
-        /// The rate.
+        /// Parameter of the axle.
         parameter: AxleParameter,
     },
-    /// A figure of the car, in the axes of the front study.
+    /// Parameter of the body, in the axes of the front study.
     Body(BodyParameter),
-    /// The wheelbase.
+    /// Wheelbase of the car.
     Wheelbase,
 }
 
-/// A coordinate of a hardpoint of both wheels of an axle.
+/// Coordinate of a hardpoint that moves on both wheels of an axle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointMove {
-    /// The axle, 0 the front one.
+    /// Index of the axle; 0 is the front axle.
     pub axle: usize,
-    /// The hardpoint.
+    /// Hardpoint that moves.
     pub point: PointId,
-    /// The coordinate.
+    /// Axis along which the hardpoint moves.
     pub axis: Axis,
     /// Displacement per unit of the variable.
     pub factor: f64,
 }
 
 impl PointMove {
-    /// Sign between the study's axes and the kernel's.
+    /// Sign that converts the study's axis to the kernel's axis.
     fn sign(&self, car: &Car) -> f64 {
         car.axles[self.axle].left.frame.sign(self.axis)
     }
 }
 
-/// A number that moves a part of the car: an offset of a hardpoint, else a value.
+/// Design variable of a car. For hardpoints it is an offset, for other parts a value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarVariable {
-    /// Quantity that the variable moves.
+    /// Part of the car that the variable moves.
     pub moves: Moves,
     /// Lowest and highest value.
     pub range: [f64; 2],
 }
 
 impl Moves {
-    /// The coordinate of a figure of the car that this is, if it is one.
+    /// Axis of a coordinate of the centre of gravity; `None` for other parameters.
     fn axis(parameter: BodyParameter) -> Option<Axis> {
         match parameter {
             BodyParameter::CgX => Some(Axis::X),
@@ -63,12 +63,12 @@ impl Moves {
         }
     }
 
-    /// Sign between the study's axes and the kernel's, for a figure of the car.
+    /// Sign that converts the study's axis to the kernel's axis, for a parameter of the body.
     fn sign(parameter: BodyParameter, car: &Car) -> f64 {
         Moves::axis(parameter).map_or(1.0, |axis| car.axles[0].left.frame.sign(axis))
     }
 
-    /// Coordinates of hardpoints that it moves; none for anything else.
+    /// Coordinates of hardpoints that the variable moves; empty for other variables.
     pub fn points(&self) -> &[PointMove] {
         match self {
             Moves::Hardpoints(points) => points,
@@ -96,14 +96,14 @@ impl Moves {
             format!("{}{separator}{name}", ["front", "rear"][at.axle])
         };
         let mut names: Vec<String> = points.iter().map(name).collect();
-        // Along a direction a point moves in several coordinates.
+        // Along a direction, the same point can move in several coordinates.
         names.dedup();
         let first = points.first().map(|at| at.axis);
         let axis = first.filter(|axis| points.iter().all(|at| at.axis == *axis));
         (names.join("+"), axis)
     }
 
-    /// Program units in one unit of the study: newtons in a pound-force, kilograms in a pound.
+    /// Program units per unit of the study: newtons per pound-force, kilograms per pound.
     fn written_unit(&self, car: &Car) -> f64 {
         match self {
             Moves::Rate { parameter, .. } => parameter.unit(car).1,
@@ -112,12 +112,12 @@ impl Moves {
         }
     }
 
-    /// The value in a car, as the study writes it; 0 for the offset of a hardpoint. `None` if the car has no such figure.
+    /// Value in a car, in the study's unit; 0 for an offset of hardpoints. `None` if the car has no such value.
     pub fn value(&self, car: &Car) -> Option<f64> {
         Some(self.internal(car)? / self.written_unit(car))
     }
 
-    /// The value in the program's units: newtons, kilograms and the study's length unit.
+    /// Value in a car, in program units: newtons, kilograms and the study's length unit.
     fn internal(&self, car: &Car) -> Option<f64> {
         match *self {
             Moves::Hardpoints(_) => Some(0.0),
@@ -162,7 +162,7 @@ impl Moves {
         }
     }
 
-    /// Moves a part of the car to a value; a hardpoint by it.
+    /// Sets the part of the car to a value; moves hardpoints by that value.
     pub fn apply(&self, value: f64, car: &mut Car) {
         let now = self.internal(car).unwrap_or(0.0);
         let value = value * self.written_unit(car);
@@ -223,7 +223,7 @@ impl Moves {
         }
     }
 
-    /// Unit; empty for a share.
+    /// Unit of the variable; empty for a share.
     pub fn unit(&self, car: &Car) -> String {
         let length = car.length_unit.symbol();
         match self {
@@ -235,7 +235,7 @@ impl Moves {
         }
     }
 
-    /// The derivative of a result by the variable, per unit of the study.
+    /// Derivative of a result by the variable, per unit of the study.
     pub fn slope(&self, car: &Car, gradient: &CarGradient) -> f64 {
         let by = |parameter: Parameter| gradient.parameters[parameter.place()];
         let slope = match *self {
@@ -253,7 +253,7 @@ impl Moves {
         slope * self.written_unit(car)
     }
 
-    /// Name of the variable.
+    /// Label of the variable.
     pub fn label(&self, car: &Car) -> String {
         let end = |axle: usize| ["front", "rear"][axle];
         match *self {
@@ -268,7 +268,7 @@ impl Moves {
     }
 }
 
-/// Moves hardpoints of the axles by `value` units.
+/// Moves hardpoints of the axles by `value` units of the variable.
 fn move_points(points: &[PointMove], value: f64, car: &mut Car) {
     for end in [0, 1] {
         let own: Vec<&PointMove> = points.iter().filter(|at| at.axle == end).collect();
@@ -289,7 +289,7 @@ fn move_points(points: &[PointMove], value: f64, car: &mut Car) {
     }
 }
 
-/// Key of a rate in an axle's study.
+/// Key of a parameter in an axle's study.
 pub fn rate_key(parameter: AxleParameter) -> &'static str {
     match parameter {
         AxleParameter::SpringRate => "spring.rate",
@@ -310,7 +310,7 @@ pub fn rate_key(parameter: AxleParameter) -> &'static str {
     }
 }
 
-/// Name of a figure of the body or the case.
+/// Name of a parameter of the body or the case.
 pub fn body_key(parameter: BodyParameter) -> &'static str {
     match parameter {
         BodyParameter::Mass => "mass",
@@ -327,7 +327,7 @@ pub fn body_key(parameter: BodyParameter) -> &'static str {
     }
 }
 
-/// The car with variables at these values.
+/// Returns the car with its variables at the values `x`.
 pub fn moved(car: &Car, variables: &[CarVariable], x: &[f64]) -> Car {
     let mut moved = car.clone();
     for (variable, value) in variables.iter().zip(x) {

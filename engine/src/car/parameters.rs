@@ -30,11 +30,11 @@ pub enum AxleParameter {
     Radius,
     /// Mass of both wheels and of the parts that move with them.
     UnsprungMass,
-    /// Place of the axle's origin, forward.
+    /// Forward coordinate of the axle's origin.
     OffsetX,
-    /// Place of the axle's origin, to the left.
+    /// Coordinate of the axle's origin to the left.
     OffsetY,
-    /// Place of the axle's origin, upward.
+    /// Upward coordinate of the axle's origin.
     OffsetZ,
     /// Displacement of the rack towards the left wheel.
     Rack,
@@ -43,17 +43,17 @@ pub enum AxleParameter {
 /// A parameter of the body or of the case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BodyParameter {
-    /// Mass, of the whole car or the sprung mass.
+    /// Mass of the whole car, or the sprung mass if the study gives that.
     Mass,
-    /// Centre of gravity, forward.
+    /// Forward coordinate of the centre of gravity.
     CgX,
-    /// Centre of gravity, to the left.
+    /// Coordinate of the centre of gravity to the left.
     CgY,
-    /// Centre of gravity, upward.
+    /// Upward coordinate of the centre of gravity.
     CgZ,
-    /// Front share of braking.
+    /// Share of the front axle in braking.
     BrakeShareFront,
-    /// Front share of drive.
+    /// Share of the front axle in drive.
     DriveShareFront,
     /// Acceleration forward, g.
     Ax,
@@ -63,8 +63,8 @@ pub enum BodyParameter {
     Az,
     /// Speed, m/s.
     Speed,
-    /// Height of the ground under the front left and the rear right wheel; minus that of the ground under the other two. It
-    /// is 0 in every case.
+    /// Height of the ground under the front left and the rear right wheel. Under the other two wheels it is minus this
+    /// height. It is 0 in every case.
     Warp,
 }
 
@@ -72,7 +72,7 @@ const OF_AXLE: usize = 15;
 const COUNT: usize = 2 * OF_AXLE + 11;
 
 impl AxleParameter {
-    /// All variants, in their order.
+    /// All variants in declaration order.
     pub const ALL: [AxleParameter; OF_AXLE] = [
         AxleParameter::SpringRate,
         AxleParameter::SpringForce,
@@ -91,14 +91,14 @@ impl AxleParameter {
         AxleParameter::Rack,
     ];
 
-    /// Returns true if an axle has the parameter. Parts between the rockers and the rack are not in every axle.
+    /// Returns true if an axle has the parameter. Not every axle has a rack or springs between its rockers.
     pub fn is_of(self, axle: &Axle) -> bool {
         let rockers = &axle.setup.rocker_springs;
         match self {
             AxleParameter::HeaveSpringRate | AxleParameter::HeaveSpringForce => {
                 rockers.heave_spring.is_some()
             }
-            // The bar that a twist beam is to formulas has no key.
+            // Formulas treat a twist beam as a bar, but no key of the study sets the rate of that bar.
             AxleParameter::BarRate => axle.kind() != AxleKind::TwistBeam,
             AxleParameter::TBarRate => rockers.t_bar.is_some(),
             AxleParameter::HeaveBarRate | AxleParameter::HeaveBarTorque => {
@@ -112,8 +112,8 @@ impl AxleParameter {
         }
     }
 
-    /// Unit in which the study writes the parameter, and the program's units in it. The program counts in newtons, kilograms
-    /// and the study's unit of length.
+    /// Unit of the parameter in the study, and program units per unit of the study. Program units are newtons, kilograms and
+    /// the study's length unit.
     pub fn unit(self, car: &Car) -> (String, f64) {
         let (length, force) = (car.length_unit.symbol(), car.length_unit.force_symbol());
         let newtons = car.length_unit.newtons();
@@ -140,10 +140,10 @@ impl AxleParameter {
     }
 }
 
-/// A parameter.
+/// A parameter of a car and a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Parameter {
-    /// Parameter of an axle, 0 the front one.
+    /// Parameter of an axle; 0 is the front axle.
     Axle(usize, AxleParameter),
     /// Parameter of the body or the case.
     Body(BodyParameter),
@@ -153,7 +153,7 @@ impl Parameter {
     /// Number of parameters.
     pub const COUNT: usize = COUNT;
 
-    /// Place among all parameters.
+    /// Index among all parameters.
     pub fn place(self) -> usize {
         match self {
             Parameter::Axle(axle, own) => axle * OF_AXLE + own as usize,
@@ -167,7 +167,7 @@ impl Parameter {
 pub struct Parameters<T>(pub [T; COUNT]);
 
 impl Parameters<f64> {
-    /// The values of a car in a case. Figures that the car does not have are zero.
+    /// Collects the values of a car in a case. Parameters that the car does not have are zero.
     pub fn of(car: &Car, case: &Case) -> Self {
         let mut values = [0.0; COUNT];
         let mut set = |parameter: Parameter, value: f64| values[parameter.place()] = value;
@@ -234,32 +234,32 @@ impl Parameters<f64> {
 }
 
 impl<T: Copy> Parameters<T> {
-    /// A parameter of an axle.
+    /// Value of an axle's parameter.
     #[inline]
     pub fn axle(&self, axle: usize, parameter: AxleParameter) -> T {
         self.0[Parameter::Axle(axle, parameter).place()]
     }
 
-    /// A parameter of the body or the case.
+    /// Value of a parameter of the body or the case.
     #[inline]
     pub fn body(&self, parameter: BodyParameter) -> T {
         self.0[Parameter::Body(parameter).place()]
     }
 
-    /// The values over another kind of number.
+    /// Converts the values to another kind of number.
     pub fn map<U: Copy>(&self, f: impl FnMut(T) -> U) -> Parameters<U> {
         Parameters(self.0.map(f))
     }
 }
 
 impl<T: Real> Parameters<T> {
-    /// Place of an axle's origin.
+    /// Origin of an axle.
     pub(super) fn offset(&self, axle: usize) -> Vector3<T> {
         use AxleParameter::{OffsetX, OffsetY, OffsetZ};
         Vector3::from([OffsetX, OffsetY, OffsetZ].each(|parameter| self.axle(axle, parameter)))
     }
 
-    /// Laws of the springs between the rockers of an axle.
+    /// Spring laws of the springs between the rockers of an axle.
     pub(super) fn rocker_springs(&self, car: &Car, axle: usize) -> RockerSprings<T> {
         use AxleParameter::{
             HeaveBarRate, HeaveBarTorque, HeaveSpringForce, HeaveSpringRate, TBarRate,
@@ -280,7 +280,7 @@ impl<T: Real> Parameters<T> {
         }
     }
 
-    /// The centre of gravity that is given.
+    /// Centre of gravity that the study gives.
     pub(super) fn cg(&self) -> Vector3<T> {
         use BodyParameter::{CgX, CgY, CgZ};
         Vector3::from([CgX, CgY, CgZ].each(|parameter| self.body(parameter)))

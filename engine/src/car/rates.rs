@@ -1,4 +1,4 @@
-//! A state with its derivatives along directions: by accelerations of the car and by motions of the body.
+//! Derivatives of a state by accelerations of the car, by loads and motions of the body, and by warp of the ground.
 
 use super::Car;
 use super::equations::{BODY, Balance, HELD_ROWS, PITCH, ROLL_MOMENT, UNKNOWNS};
@@ -8,47 +8,47 @@ use super::tangent::{Matrix, held_inverse, inverse};
 use crate::axle::{Reading, WheelParts};
 use crate::number::{Jet, Real, Scalar};
 
-/// A state with its derivatives. Values of results are made of it.
+/// A state with its derivatives, from which the values of results follow.
 #[derive(Clone, Debug)]
 pub struct Solved<'c, T> {
-    /// The car.
+    /// Car of the state.
     pub car: &'c Car,
-    /// The state.
+    /// State without derivatives along directions.
     pub now: Balance<T>,
-    /// The state along ay, per g.
+    /// State with its derivative by ay, per g.
     pub by_ay: Balance<Jet<T, 2>>,
-    /// The state along ax, per g.
+    /// State with its derivative by ax, per g.
     pub by_ax: Balance<Jet<T, 2>>,
-    /// The state along a couple on the body about the direction forward along the ground.
+    /// State with its derivative by a couple on the body, about the forward direction along the ground.
     pub by_couple: Balance<Jet<T, 2>>,
-    /// The state along gamma: roll, pitch, A and B held.
+    /// State with its derivative by gamma, with roll, pitch, A and B held.
     pub by_heave: Balance<Jet<T, 2>>,
-    /// The state along theta: gamma, roll, A and B held.
+    /// State with its derivative by theta, with gamma, roll, A and B held.
     pub by_pitch: Balance<Jet<T, 2>>,
-    /// The state along a warp of the ground, the body free.
+    /// State with its derivative by a warp of the ground, with the body free.
     pub by_warp: Balance<Jet<T, 2>>,
     /// Heave of the car at rest on the same tyres.
     pub rest_heave: f64,
 }
 
-/// The plain numbers of a state that its derivatives are made with.
+/// Plain numbers of a state, from which its derivatives follow.
 #[derive(Clone, Debug)]
 pub(super) struct Plain {
     pub unknowns: [f64; UNKNOWNS],
     /// Inverse of the tangent.
     pub inverse: Matrix,
-    /// Inverse with the equations of the whole car replaced by held unknowns.
+    /// Inverse of the tangent in which held unknowns replace the equations of the whole car.
     held_inverse: Matrix,
     /// Derivatives of the unknowns along each direction.
     rates: [[f64; UNKNOWNS]; DIRECTIONS.len()],
 }
 
-/// A change of which a state is a function.
+/// Direction along which a state is differentiated.
 #[derive(Clone, Copy, Debug)]
 enum Direction {
     Parameter(BodyParameter),
     Couple,
-    /// A motion of the body, by its place among [`HELD_ROWS`].
+    /// Motion of the body, by its index among [`HELD_ROWS`].
     Body(usize),
 }
 
@@ -62,7 +62,7 @@ const DIRECTIONS: [Direction; 6] = [
 ];
 
 impl Plain {
-    /// `None` where the equations are singular.
+    /// Computes the plain numbers; `None` if the equations are singular.
     pub(super) fn of(
         base: &Base<'_, '_, Reading<f64>>,
         parameters: &Parameters<f64>,
@@ -99,7 +99,7 @@ impl Plain {
 }
 
 impl Direction {
-    /// The parameters along the direction.
+    /// Gives the parameters their derivatives along the direction.
     fn moving<T: Real>(self, parameters: &Parameters<T>) -> Parameters<Jet<T, 2>> {
         let mut moved = parameters.map(Jet::constant);
         if let Direction::Parameter(parameter) = self {
@@ -109,20 +109,20 @@ impl Direction {
         moved
     }
 
-    /// Residual rates of the equations along the direction, from `rates`; `level` is the work of the couple by the
-    /// roll angle.
+    /// Errors in the derivatives of the equations along the direction, for residual derivatives `rates`. `level` is the work
+    /// of the couple per roll angle.
     fn defect<T: Real>(self, mut rates: [T; UNKNOWNS], level: T) -> [T; UNKNOWNS] {
         match self {
             Direction::Parameter(_) => {}
             Direction::Couple => rates[ROLL_MOMENT] = rates[ROLL_MOMENT] + level,
-            // The body moves as it is told.
+            // A prescribed motion of the body satisfies its own equations.
             Direction::Body(_) => rates[BODY..].fill(level.zero()),
         }
         rates
     }
 }
 
-/// A matrix of plain numbers times a vector.
+/// Product of a plain matrix and a vector.
 fn times<T: Real>(matrix: &Matrix, vector: [T; UNKNOWNS]) -> [T; UNKNOWNS] {
     let mut product = [vector[0].zero(); UNKNOWNS];
     for (sum, row) in product.iter_mut().zip(matrix) {
@@ -135,7 +135,8 @@ fn times<T: Real>(matrix: &Matrix, vector: [T; UNKNOWNS]) -> [T; UNKNOWNS] {
     product
 }
 
-/// The unknowns with one Newton step. For numbers that carry gradients it adds the gradient of the unknowns (10).
+/// Corrects the unknowns by one Newton step. For numbers that carry gradients, this step adds the gradient of the unknowns
+/// (10).
 pub(super) fn settle<T: Scalar, U: Real, R: WheelParts<U>>(
     base: &Base<'_, '_, R>,
     parameters: &Parameters<T>,
@@ -151,7 +152,7 @@ pub(super) fn settle<T: Scalar, U: Real, R: WheelParts<U>>(
 }
 
 impl<'c, T: Scalar> Solved<'c, T> {
-    /// The state near plain numbers with all its derivatives.
+    /// Computes the state near plain numbers, with all its derivatives.
     pub(super) fn of<U: Real, R: WheelParts<U>>(
         car: &'c Car,
         base: &Base<'_, '_, R>,
@@ -172,7 +173,7 @@ impl<'c, T: Scalar> Solved<'c, T> {
                 base.balance(&moved, series, lifted)
             };
             let mut rates = plain.rates[number].map(|c| x[0].constant(c));
-            // One further step takes rounding away, and adds the gradients of the rates.
+            // One more step removes rounding error and adds the gradients of the derivatives.
             let first = evaluate(rates);
             let level = first.road.forward.x[0];
             let defect = direction.defect(first.residuals.map(|row| row[1]), level);

@@ -1,4 +1,4 @@
-//! Targets and constraints of one axle on its rig, in the tuning of a car.
+//! Targets and constraints of one axle on its rig, as part of the tuning of a car.
 
 use super::tune::RigGoals;
 use crate::mechanism::DesignFault;
@@ -8,7 +8,7 @@ use crate::optimise::{
 use crate::study::Vehicle;
 use nalgebra::DVector;
 
-/// The rows of one axle.
+/// Rows of one axle in the tuning problem.
 pub(super) struct RigRows<'a> {
     goals: &'a RigGoals,
     layout: &'a TargetLayout,
@@ -44,15 +44,15 @@ impl<'a> RigRows<'a> {
         self.goals.optimise.targets.iter().map(|t| t.weight).sum()
     }
 
-    /// Evaluates the axle with the car's variables at `x`.
+    /// Evaluates the axle for values `x` of the car's variables.
     pub(super) fn assess(&mut self, x: &DVector<f64>) -> Result<(), Infeasible> {
         let own = self.goals.columns.iter().map(|column| x[*column]);
         let own = DVector::from_iterator(self.goals.columns.len(), own);
         self.objective.assess(&own, &mut self.assessment)
     }
 
-    /// Writes the residuals from a row on. A residual of the axle has the share of its target in the axle's misfit;
-    /// here its square is to be the target's weight over the number of its stations.
+    /// Writes the residuals, the first one to row `first`. A residual of the axle carries the share of its target in the
+    /// axle's misfit. Here its square must have the target's weight divided by the number of its stations.
     pub(super) fn write_residuals(&self, first: usize, scale: f64, into: &mut Linearisation) {
         let own = &self.assessment.goal;
         let rows = own.residuals.len();
@@ -62,7 +62,7 @@ impl<'a> RigRows<'a> {
         }
     }
 
-    /// Writes the rows of constraints: equalities and others from these rows on.
+    /// Writes the rows of constraints. `first` gives the first row of the equalities and of the other constraints.
     pub(super) fn write_rows(&self, first: [usize; 2], into: &mut Linearisation) {
         let equalities = self.shape().equalities;
         for row in 0..self.assessment.rows.residuals.len() {
@@ -89,17 +89,17 @@ impl<'a> RigRows<'a> {
     }
 }
 
-/// Deviations from the targets of an axle, and margins of its constraints.
+/// Deviations of an axle from its targets, and margins of its constraints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigOutcome {
     /// Deviation from each target.
     pub targets: Vec<Deviation>,
-    /// Least margin of each constraint, in its unit; negative if it is violated.
+    /// Smallest margin of each constraint, in its unit; negative if violated.
     pub margins: Vec<f64>,
 }
 
 impl RigGoals {
-    /// The outcome with the car's variables at `x`. Errors say why the axle has none.
+    /// Computes the outcome for values `x` of the car's variables. The error says why the axle has no outcome.
     pub fn outcome(&self, vehicle: &Vehicle, x: &[f64]) -> Result<RigOutcome, String> {
         let layout = TargetLayout::of(&self.optimise, vehicle);
         let mut rows =

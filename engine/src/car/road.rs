@@ -1,19 +1,19 @@
-//! The ground under a car, equation (1) of [`super`].
+//! Ground under a car, equation (1) of [`super`].
 
 use crate::number::{Scalar, Vector3};
 
 /// Directions of the ground in the body's axes.
 #[derive(Clone, Copy, Debug)]
 pub struct Road<T> {
-    /// Normal, upward.
+    /// Upward normal.
     pub up: Vector3<T>,
-    /// Forward along the ground.
+    /// Forward direction along the ground.
     pub forward: Vector3<T>,
-    /// To the left along the ground.
+    /// Direction to the left along the ground.
     pub left: Vector3<T>,
 }
 
-/// Sine and cosine. Derivatives are exact up to the second.
+/// Sine and cosine of an angle. Derivatives are exact up to the second order.
 fn sin_cos<T: Scalar>(angle: T) -> [T; 2] {
     let (sine, cosine) = angle.value().sin_cos();
     let change = angle - angle.constant(angle.value());
@@ -25,7 +25,7 @@ fn sin_cos<T: Scalar>(angle: T) -> [T; 2] {
 }
 
 impl<T: Scalar> Road<T> {
-    /// The ground under a body with this roll and pitch (1).
+    /// Computes the ground under a body with this roll and pitch (1).
     pub fn under(roll: T, pitch: T) -> Self {
         let [sine, cosine] = sin_cos(roll);
         let [dip, level] = sin_cos(pitch);

@@ -1,4 +1,4 @@
-//! Newton's method for the equations of [`super`], with the set of wheels in contact.
+//! Newton's method for the equations of [`super`], with a search for the set of wheels in contact.
 
 use super::catalogue::WheelPlace;
 use super::corner::{Corner, Steps};
@@ -15,76 +15,76 @@ use crate::model::Side;
 use crate::number::{Each, Real, Scalar};
 use crate::threads::checkpoint;
 
-/// Terms of the series of wheels: equations are made of first derivatives by travel, their tangents of second ones, and
-/// derivatives of tangents by the design of third ones.
+/// Number of terms in the series of wheels. Equations need first derivatives by travel, and their tangents need second ones.
+/// Derivatives of tangents by the design need third ones.
 pub(super) const TERMS: usize = 4;
-/// The most Newton steps for one set of wheels in contact, those back included.
+/// Largest number of Newton steps for one set of wheels in contact. Steps back count as well.
 const MOST_STEPS: usize = 60;
-/// The most sets of wheels in contact that are tried.
+/// Largest number of sets of wheels in contact that are tried.
 const MOST_SETS: usize = 16;
-/// The longest Newton step: angles in radians, travels in metres.
+/// Largest changes in a Newton step: angles in radians, travels in metres.
 pub(super) const LONGEST_TURN: f64 = 0.0175;
 pub(super) const LONGEST_TRAVEL: f64 = 0.008;
-/// Steps fall by this factor at least, else the tangent is computed anew.
+/// A tangent is computed anew unless each step is at most this fraction of the one before.
 const CONTRACTION: f64 = 0.1;
-/// A tangent serves further steps after a step below this, in sizes.
+/// After a step below this, in sizes of the unknowns, the tangent serves for the next step.
 const NEAR: f64 = 2e-3;
-/// A step below this, in sizes, is rounding.
+/// A step below this, in sizes of the unknowns, is rounding error.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// Solves the states of one car, one case after another.
+/// Solver for the states of one car, one case after another.
 #[derive(Clone, Debug)]
 pub struct CarSolver<'a> {
-    /// The car.
+    /// Car to solve.
     pub car: &'a Car,
     /// True if gradients contain the derivatives by the racks.
     pub(super) by_rack: bool,
-    /// The car at rest on rigid and on elastic tyres, once it was solved.
+    /// State of the car at rest on rigid and on elastic tyres, once solved.
     pub(super) rests: [Option<Result<Equilibrium, NoEquilibrium>>; 2],
     pub(super) axles: [AxleSolver<'a, TERMS>; 2],
-    /// The wheels along their travels; none if they depend on more than their own travel.
+    /// Curves of the wheels along their travels. `None` if a wheel depends on more than its own travel.
     curves: Option<Box<[WheelCurve; 4]>>,
 }
 
 /// A state in equilibrium.
 #[derive(Clone, Debug)]
 pub struct Equilibrium {
-    /// The unknowns.
+    /// Values of the unknowns.
     pub unknowns: [f64; UNKNOWNS],
-    /// Wheels off the ground: front left, front right, rear left, rear right.
+    /// True for each lifted wheel: front left, front right, rear left, rear right.
     pub lifted: [bool; 4],
     /// Number of evaluations of the equations.
     pub evaluations: usize,
-    /// For each axle the pose of both wheels.
+    /// Pose of both wheels of each axle.
     pub placed: [AxlePose; 2],
-    /// True if the wheels come from their curves, which are poses up to rounding.
+    /// True if the wheels come from their curves, which agree with poses up to rounding error.
     pub(super) is_near: bool,
     /// Derivatives of the equations by the unknowns.
     pub(super) tangent: Box<Matrix>,
-    /// The tangent's factors.
+    /// Factors of the tangent.
     pub(super) factors: Box<Factors>,
 }
 
-/// The wheels of a state on the way to equilibrium.
+/// Wheels of a state during the iteration to equilibrium.
 pub(super) enum Wheels<'a> {
-    /// From the curves of the wheels.
+    /// Wheels from their curves.
     Near(Box<[Reading<f64>; 4]>),
-    /// From poses.
+    /// Wheels from poses.
     Exact(Box<Readings<'a>>),
 }
 
-/// Unknowns, lifted wheels and factors of a tangent that Newton's method starts with.
+/// Start of Newton's method: unknowns, lifted wheels and factors of a tangent.
 #[derive(Clone, Copy)]
 pub(super) struct Start<'f> {
     unknowns: [f64; UNKNOWNS],
     lifted: [bool; 4],
     factors: Option<&'f Factors>,
-    /// True if the wheels of the state may come from their curves.
+    /// True if the wheels of the result may come from their curves.
     may_be_near: bool,
 }
 
 impl<'f> Start<'f> {
-    /// All wheels down.
+    /// Starts with all wheels down.
     pub(super) fn of(unknowns: [f64; UNKNOWNS]) -> Self {
         Start {
             unknowns,
@@ -94,7 +94,7 @@ impl<'f> Start<'f> {
         }
     }
 
-    /// A state that was found.
+    /// Starts from a state that was found.
     pub(super) fn at(found: &'f Equilibrium) -> Self {
         Start {
             unknowns: found.unknowns,
@@ -104,7 +104,7 @@ impl<'f> Start<'f> {
         }
     }
 
-    /// A neighbour of a state that was found, as in a map.
+    /// Starts from a neighbouring state, as in a map. Wheels may come from their curves.
     fn beside(found: &'f Equilibrium) -> Self {
         Start {
             may_be_near: true,
@@ -113,29 +113,29 @@ impl<'f> Start<'f> {
     }
 }
 
-/// The wheels of a state as they were read.
+/// Readings of the wheels in a state.
 pub(super) struct Readings<'a> {
     pub placed: [AxlePose; 2],
-    /// True if the wheels are known as functions of the racks.
+    /// True if the readings include the dependence of the wheels on the racks.
     pub by_rack: bool,
     pub axles: [Read<'a>; 2],
 }
 
-/// Inputs of a state: the wheels as they were read at their travels.
+/// Inputs of a state, with readings of the wheels at their travels.
 pub(super) struct Base<'h, 'r, R> {
     pub held: Held<'h>,
     /// Wheels in the frames of their sides: front left, front right, rear left, rear right.
     pub readings: [&'r R; 4],
-    /// Travels at which they were read.
+    /// Travels of the readings.
     pub travels: [f64; 4],
-    /// Racks of both axles at which they were read, if they are known as functions of the racks.
+    /// Racks of both axles in the readings, if these include the dependence on the racks.
     pub racks: Option<[f64; 2]>,
-    /// Carriers of the wheels of each axle.
+    /// Type of the wheel carriers of each axle.
     pub carriers: [Carriers; 2],
 }
 
 impl<R> Base<'_, '_, R> {
-    /// A state with its forces. `lift` makes the wheels' numbers into numbers of this kind.
+    /// Computes a state with its forces. `lift` converts the wheels' numbers to numbers of this kind.
     pub(super) fn balance<T: Scalar, U: Real>(
         &self,
         parameters: &Parameters<T>,
@@ -152,7 +152,7 @@ impl<R> Base<'_, '_, R> {
         Balance::of(&self.held, parameters, corners, x)
     }
 
-    /// A wheel at its own travel and the other one's.
+    /// Computes a wheel at its own travel and the other wheel's travel.
     pub(super) fn corner<T: Scalar, U: Real>(
         &self,
         parameters: &Parameters<T>,
@@ -185,7 +185,7 @@ impl<R> Base<'_, '_, R> {
 }
 
 impl Readings<'_> {
-    /// The wheels, front left, front right, rear left, rear right.
+    /// Readings in order: front left, front right, rear left, rear right.
     pub(super) fn wheels(&self) -> [&Reading<f64>; 4] {
         let [front, rear] = &self.axles;
         let ([a, b], [c, d]) = (&front.state.readings, &rear.state.readings);
@@ -210,7 +210,7 @@ impl Readings<'_> {
     }
 }
 
-/// The quantities whose inputs the equations read.
+/// Quantities with the inputs that the equations read.
 fn read_of(car: &Car, axle: usize) -> Vec<Quantity> {
     let axle = &car.axles[axle];
     let mut quantities = Vec::new();
@@ -232,12 +232,12 @@ fn read_of(car: &Car, axle: usize) -> Vec<Quantity> {
 }
 
 impl<'a> CarSolver<'a> {
-    /// A solver. Errors if the design position of a wheel cannot be solved.
+    /// Makes a solver. The error names a wheel without a pose in the design position.
     pub fn new(car: &'a Car) -> Result<Self, (usize, Side, DesignFault)> {
         Self::made(car, false)
     }
 
-    /// A solver whose gradients contain the derivatives by the racks. It takes longer.
+    /// Makes a solver whose gradients include the derivatives by the racks. Its gradients take longer.
     pub fn with_racks(car: &'a Car) -> Result<Self, (usize, Side, DesignFault)> {
         Self::made(car, true)
     }
@@ -259,7 +259,7 @@ impl<'a> CarSolver<'a> {
         })
     }
 
-    /// The wheels at these travels from their curves, if all of them have one there.
+    /// Reads the wheels at these travels from their curves; `None` if a wheel has no curve there.
     fn near(&mut self, travels: [f64; 4], racks: [f64; 2]) -> Option<Box<[Reading<f64>; 4]>> {
         let curves = self.curves.as_mut()?;
         let mut read = |number: usize| {
@@ -271,7 +271,7 @@ impl<'a> CarSolver<'a> {
         Some(Box::new(wheels))
     }
 
-    /// The poses of all wheels at these travels.
+    /// Solves the poses of all wheels at these travels.
     fn placed(
         &mut self,
         travels: [f64; 4],
@@ -322,7 +322,7 @@ impl<'a> CarSolver<'a> {
         match self.with_contact(case, Start::of(self.start(case))) {
             Ok(found) if found.is_stiff() => Ok(found),
             Ok(_) => self.along_load(case),
-            // Both searches failed. The reason of the direct search is the more specific one.
+            // Both searches failed. The direct search gives the more specific reason.
             Err(first) => self.along_load(case).map_err(|along| match first {
                 NoEquilibrium::NotFound
                 | NoEquilibrium::Singular
@@ -335,8 +335,8 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Finds the state of a case from a neighbouring state that was accepted. Its wheels come from their curves, so that its
-    /// numbers may differ from those of [`CarSolver::solve`] by rounding.
+    /// Finds the state of a case from a neighbouring state that was accepted. Its wheels come from their curves, so its
+    /// numbers can differ from those of [`CarSolver::solve`] by rounding error.
     pub fn solve_from(
         &mut self,
         case: &Case,
@@ -348,14 +348,14 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// The state of a case that follows a neighbouring state without a turning point; `None` if Newton's method does not lead
-    /// from one to the other.
+    /// Finds the state of a case that follows a neighbouring state without a turning point. `None` if Newton's method does
+    /// not lead from one to the other.
     pub(super) fn solve_beside(&mut self, case: &Case, from: &Equilibrium) -> Option<Equilibrium> {
         let found = self.with_contact(case, Start::beside(from)).ok()?;
         (found.is_stiff() || found.follows(from, self.car)).then_some(found)
     }
 
-    /// Finds the state of a case from given attitude and travels: roll, pitch, height of the ground, travels.
+    /// Finds the state of a case from a given start: roll, pitch, height of the ground, travels.
     pub fn solve_from_attitude(
         &mut self,
         case: &Case,
@@ -374,7 +374,7 @@ impl<'a> CarSolver<'a> {
         axles.clone().any(|axle| !axle.setup.is_sprung())
     }
 
-    /// The design position with a quarter of the weight on each wheel.
+    /// Start in the design position, with a quarter of the weight on each wheel.
     pub(super) fn start(&self, case: &Case) -> [f64; UNKNOWNS] {
         let car = self.car;
         let mut x = [0.0; UNKNOWNS];
@@ -400,7 +400,7 @@ impl<'a> CarSolver<'a> {
         x
     }
 
-    /// Solves with one set of wheels in contact after another until one fits.
+    /// Solves with one set of wheels in contact after another, until a set fits.
     pub(super) fn with_contact(
         &mut self,
         case: &Case,
@@ -469,7 +469,7 @@ impl<'a> CarSolver<'a> {
         Ok(balance.wheels.map(|wheel| wheel.gap))
     }
 
-    /// A state with its forces.
+    /// Computes a state with its forces.
     pub fn balance(
         &mut self,
         case: &Case,
@@ -481,7 +481,7 @@ impl<'a> CarSolver<'a> {
         Ok(base.balance(&parameters, found.unknowns, |c: f64| c))
     }
 
-    /// The wheels of a state that was found, from their curves if the state has them from there.
+    /// Reads the wheels of a state that was found: from their curves if the state used those, otherwise from poses.
     pub(super) fn wheels_of(&mut self, found: &Equilibrium) -> Result<Wheels<'a>, NoEquilibrium> {
         if found.is_near {
             let racks = found.placed.map(|placed| placed.rack);
@@ -492,7 +492,7 @@ impl<'a> CarSolver<'a> {
         Ok(Wheels::Exact(Box::new(self.readings(found)?)))
     }
 
-    /// The wheels of a state that was found, from their poses.
+    /// Reads the wheels of a state that was found, from their poses.
     pub(super) fn readings(&mut self, found: &Equilibrium) -> Result<Readings<'a>, NoEquilibrium> {
         let mut read = |axle: usize| {
             let placed = &found.placed[axle];
@@ -518,7 +518,7 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// The wheels at these travels. `is_exact` asks for poses.
+    /// Reads the wheels at these travels. `is_exact` demands poses.
     fn wheels(
         &mut self,
         travels: [f64; 4],
@@ -532,8 +532,8 @@ impl<'a> CarSolver<'a> {
     }
 
     /// Newton's method for one set of wheels in contact. It keeps the factors of a tangent, at first those of the start,
-    /// while each step is a tenth of the one before. The wheels come from their curves until the last step, which reads
-    /// poses, unless the state may be near.
+    /// while each step is at most a tenth of the one before. The wheels come from their curves until the last step, which
+    /// reads poses. If the state may be near, the last step uses the curves as well.
     fn newton(&mut self, case: &Case, start: Start<'_>) -> Result<Equilibrium, NoEquilibrium> {
         let Start {
             unknowns: start,
@@ -577,7 +577,7 @@ impl<'a> CarSolver<'a> {
             let step = lu.solve(residuals.map(|residual| -residual));
             let longest = sizes.longest(&step);
             if !longest.is_finite() {
-                // Factors from elsewhere may be of no use here.
+                // Factors of another state can fail here, so the tangent is computed here.
                 if is_fresh {
                     return Err(NoEquilibrium::Singular);
                 }
@@ -608,7 +608,7 @@ impl<'a> CarSolver<'a> {
                 return Ok(near.after_last_step(residuals));
             }
             if !is_fresh && longest > CONTRACTION * smallest {
-                // The tangent of this place is needed.
+                // Convergence is too slow: the tangent is computed here.
                 smallest = longest.max(smallest);
                 continue;
             }
@@ -627,7 +627,8 @@ impl<'a> CarSolver<'a> {
 }
 
 impl Equilibrium {
-    /// One step with the tangent of this place; the wheels are known about their travels, too.
+    /// Takes one last step with the tangent of this state. The readings also hold near their travels, so they need no
+    /// update.
     fn after_last_step(mut self, residuals: [f64; UNKNOWNS]) -> Self {
         let last = self.factors.solve(residuals.map(|residual| -residual));
         for (unknown, step) in self.unknowns.iter_mut().zip(last) {
@@ -642,14 +643,15 @@ impl Equilibrium {
     }
 }
 
-/// Sizes of the unknowns, by which steps are measured.
+/// Sizes of the unknowns, which scale the steps.
 struct Sizes {
     metre: f64,
     weight: f64,
 }
 
 impl Sizes {
-    /// The place half the way back to `reached`, where the wheels had poses; `None` if that is no way, or there is no such place.
+    /// Point halfway back to `reached`, the last point at which the wheels had poses. `None` without such a point, or if it
+    /// is no distance away.
     fn half_way_back(
         &self,
         x: &[f64; UNKNOWNS],
@@ -669,7 +671,7 @@ impl Sizes {
         }
     }
 
-    /// The largest part of a step, in sizes. NaN if one is.
+    /// Largest component of a step, in sizes; NaN if a component is NaN.
     fn longest(&self, step: &[f64; UNKNOWNS]) -> f64 {
         let mut longest = 0.0_f64;
         for (k, part) in step.iter().enumerate() {
@@ -687,7 +689,7 @@ impl Sizes {
         longest
     }
 
-    /// The part of a step that is not too long for attitude and travels.
+    /// Largest fraction of a step that respects the limits on attitude and travels.
     fn shrink(&self, step: &[f64; UNKNOWNS]) -> f64 {
         let too_long = (0..LOADS).map(|k| match k {
             ROLL | PITCH => step[k].abs() / LONGEST_TURN,
@@ -698,7 +700,7 @@ impl Sizes {
 }
 
 impl<'a> Wheels<'a> {
-    /// The inputs from which nearby states are evaluated.
+    /// Inputs from which nearby states are evaluated.
     pub(super) fn base<'h>(&self, held: Held<'h>, travels: [f64; 4]) -> Base<'h, '_, Reading<f64>> {
         match self {
             Wheels::Exact(readings) => readings.base(held),

@@ -1,4 +1,4 @@
-//! Stability of equilibria, and the way along the load that leads to them.
+//! Stability of equilibria, and the path along the load that leads to them.
 //!
 //! A small vertical force and small moments on the body, f, move it by q = (gamma, phi, theta). With the tangent G_x of the
 //! equations of [`super`] and all other unknowns free,
@@ -8,48 +8,49 @@
 //! ```
 //!
 //! At rest all forces are along n. Then C^-1 is the Hessian of the energy, and a positive definite C means a minimum. Forces
-//! along the ground do work by the attitude (jacking, anti-dive), and make C unsymmetric. A positive symmetric part,
+//! along the ground do work as the attitude changes (jacking, anti-dive), and make C unsymmetric. A positive symmetric part,
 //!
 //! ```text
 //! f.C f > 0   for every f,                                                                                        (2)
 //! ```
 //!
-//! still says that the body yields to every force; this is enough. It is not needed: a car that brakes hard with strong
-//! anti-features loses (2) while its loads change smoothly and every wheel presses on the ground. The state ends where it
-//! cannot follow the load. Let the accelerations be s times those of the case. Along the states x(s) that begin at rest,
+//! still means that the body yields to every force. This condition is sufficient but not necessary. For example, a car that
+//! brakes hard with strong anti-features violates (2), while its loads change smoothly and all wheels stay on the ground.
+//! The state ends where it cannot follow the load. Let the accelerations be s times those of the case. Along the states x(s)
+//! that begin at rest,
 //!
 //! ```text
 //! G_x x' = -G_s.                                                                                                  (3)
 //! ```
 //!
-//! The way turns back where det G_x = 0 (a fold), and there the car tips. At a change of contact, the row of wheel b passes
+//! The path turns back where det G_x = 0 (a fold), and there the car tips. At a change of contact, the row of wheel b passes
 //! from gap_b = 0 to N_b = 0. The other rows leave one direction v free; x' adds a multiple of it on either side, and
 //!
 //! ```text
 //! gap_b' (lifted) = -(gap_b.v)/(N_b.v) N_b' (down),      (gap_b.v)/(N_b.v) = det G_x (down)/det G_x (lifted)      (4)
 //! ```
 //!
-//! The load falls towards the lift, so the gap grows beyond it if both determinants have the same sign; else both branches
-//! lie on the same side of s, and the way turns back. A tyre spring has N_b - k p = 0, with a penetration p that is a
-//! positive multiple of -gap_b, in place of gap_b = 0; (4) then has the same sign. So a state is accepted if
+//! The load falls towards the lift. If both determinants have the same sign, the gap grows beyond the lift. Otherwise both
+//! branches lie on the same side of s, and the path turns back. With a tyre spring, N_b - k p = 0 replaces gap_b = 0, and
+//! the penetration p is a positive multiple of -gap_b. The sign in (4) is then the same. So a state is accepted if
 //!
 //! ```text
-//! (2) holds there, or (2) holds at rest and det G_x keeps its sign on the whole way from rest.                    (5)
+//! (2) holds there, or (2) holds at rest and det G_x keeps its sign on the whole path from rest.                   (5)
 //! ```
 
 use super::equations::{GROUND, LOADS, PITCH, PITCH_MOMENT, ROLL, ROLL_MOMENT, UNKNOWNS, VERTICAL};
 use super::solver::{CarSolver, Equilibrium, LONGEST_TRAVEL, LONGEST_TURN, Start};
 use super::{Car, Case, NoEquilibrium};
 
-/// The longest step along the load, as a part of it.
+/// Longest step along the load, as a fraction of the whole load.
 const LONGEST: f64 = 1.0 / 16.0;
-/// The shortest one. A way that goes no further has turned back.
+/// Shortest step, as a fraction of the whole load. If a shorter step is needed, the path has turned back.
 const SHORTEST: f64 = LONGEST / 1024.0;
-/// Budget of steps, those back included.
+/// Largest number of steps. Steps back count as well.
 const MOST_STEPS: usize = 400;
 
 impl Equilibrium {
-    /// The flexibility (1).
+    /// Flexibility C by (1).
     fn flexibility(&self) -> [[f64; 3]; 3] {
         let rows = [(VERTICAL, 1.0), (ROLL_MOMENT, -1.0), (PITCH_MOMENT, -1.0)];
         let answers = rows.map(|(row, sign)| {
@@ -60,7 +61,7 @@ impl Equilibrium {
         [GROUND, ROLL, PITCH].map(|unknown| answers.map(|answer| answer[unknown]))
     }
 
-    /// Condition (2), by the leading minors of the symmetric part.
+    /// Checks condition (2) by the leading minors of the symmetric part.
     pub(super) fn is_stiff(&self) -> bool {
         let flexibility = self.flexibility();
         let c = |i: usize, j: usize| 0.5 * (flexibility[i][j] + flexibility[j][i]);
@@ -71,8 +72,8 @@ impl Equilibrium {
         c(0, 0) > 0.0 && minor > 0.0 && determinant > 0.0
     }
 
-    /// Returns true if the way from an accepted state leads here: det G_x has the same sign, and body and wheels have moved
-    /// by no more than a Newton step may.
+    /// Returns true if the path from an accepted state leads to this one. det G_x must keep its sign, and body and wheels
+    /// must move by no more than a Newton step allows.
     pub(super) fn follows(&self, from: &Equilibrium, car: &Car) -> bool {
         let near = |k: usize| {
             let longest = match k {
@@ -110,7 +111,7 @@ impl CarSolver<'_> {
                     step = f64::min(2.0 * step, LONGEST);
                     continue;
                 }
-                // Without a set of contacts, both branches of (4) lie on the side that the way came from.
+                // If no set of contacts fits, both branches of (4) lie on the side from which the path came.
                 Ok(_)
                 | Err(
                     NoEquilibrium::NotFound
@@ -132,7 +133,7 @@ impl CarSolver<'_> {
 }
 
 impl Case {
-    /// The case with a part of its accelerations and of its pressure of the air; everything else as it is.
+    /// Scales the accelerations and the dynamic pressure of the case by `part`; all else stays.
     fn scaled(&self, part: f64) -> Case {
         Case {
             ax: self.ax * part,

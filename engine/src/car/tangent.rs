@@ -1,4 +1,4 @@
-//! The tangent of the equations of [`super`], exact, with its factors.
+//! Exact tangent of the equations of [`super`], and its factors.
 
 use super::equations::{
     BODY, Balance, GROUND, LONGITUDINAL, PITCH, ROLL, SIDE_FORCES, TRAVELS, UNKNOWNS,
@@ -11,7 +11,7 @@ use crate::number::Dual;
 
 pub(super) type Matrix = [[f64; UNKNOWNS]; UNKNOWNS];
 
-/// A tangent in factors, each row divided by its largest entry.
+/// Factors of a tangent whose rows are divided by their largest entries.
 #[derive(Clone, Debug)]
 pub(super) struct Factors {
     lu: Lu<f64, UNKNOWNS>,
@@ -19,14 +19,14 @@ pub(super) struct Factors {
 }
 
 impl Factors {
-    /// `None` for a singular tangent.
+    /// Factors a tangent; `None` if it is singular.
     pub(super) fn of(tangent: &Matrix) -> Option<Self> {
         let (matrix, scales) = scaled(tangent);
         let lu = Lu::of(matrix, 1.0)?;
         Some(Factors { lu, scales })
     }
 
-    /// The change of the unknowns that changes the residuals by `right`.
+    /// Change of the unknowns that changes the residuals by `right`.
     pub(super) fn solve(&self, mut right: [f64; UNKNOWNS]) -> [f64; UNKNOWNS] {
         for (residual, scale) in right.iter_mut().zip(self.scales) {
             *residual *= scale;
@@ -40,7 +40,7 @@ impl Factors {
     }
 }
 
-/// Residuals and their derivatives by the unknowns. A wheel depends on the travels of its axle alone.
+/// Residuals and their derivatives by the unknowns. A wheel depends only on the travels of its own axle.
 pub(super) fn tangent(
     base: &Base<'_, '_, Reading<f64>>,
     parameters: &Parameters<f64>,
@@ -70,7 +70,7 @@ pub(super) fn tangent(
     )
 }
 
-/// The matrix with each row divided by its largest entry, and the factors.
+/// Divides each row of a matrix by its largest entry. Returns that matrix and the factors on its rows.
 fn scaled(matrix: &Matrix) -> (Matrix, [f64; UNKNOWNS]) {
     let scales = matrix.map(|row| 1.0 / row.iter().fold(0.0_f64, |m, c| m.max(c.abs())));
     let mut scaled = *matrix;
@@ -80,7 +80,7 @@ fn scaled(matrix: &Matrix) -> (Matrix, [f64; UNKNOWNS]) {
     (scaled, scales)
 }
 
-/// The inverse of a matrix.
+/// Inverse of a matrix; `None` if it is singular.
 pub(super) fn inverse(matrix: &Matrix) -> Option<Matrix> {
     let (scaled, scales) = scaled(matrix);
     let mut inverse = Lu::of(scaled, 1.0)?.inverse();
@@ -92,7 +92,7 @@ pub(super) fn inverse(matrix: &Matrix) -> Option<Matrix> {
     Some(inverse)
 }
 
-/// Unknowns that are held in motions of the body: the attitude and the forces along the ground.
+/// Unknowns that stay fixed in motions of the body: the attitude, and the factors of the tyre forces.
 pub(super) const HELD: [usize; 6] = [
     ROLL,
     PITCH,
@@ -102,7 +102,7 @@ pub(super) const HELD: [usize; 6] = [
     LONGITUDINAL,
 ];
 
-/// The inverse of the tangent with the equations of the whole car replaced by held unknowns, in the order of [`HELD`].
+/// Inverse of the tangent in which held unknowns replace the equations of the whole car, in the order of [`HELD`].
 pub(super) fn held_inverse(tangent: &Matrix) -> Option<Matrix> {
     let mut matrix = *tangent;
     for (row, unknown) in matrix[BODY..].iter_mut().zip(HELD) {

@@ -1,6 +1,6 @@
-//! The studies that `hardpoint new` writes for a car.
+//! Studies that `hardpoint new` writes for a car.
 
-/// Studies of a car: the name, and for each file its name and text.
+/// Studies of a car: the template's name, then name and text of each file.
 pub type CarTemplate = (&'static str, [(&'static str, &'static str); 3]);
 
 /// All templates.

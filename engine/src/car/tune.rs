@@ -1,13 +1,13 @@
-//! Tuning of a car: results of load cases, and curves and constraints of the axles on their rigs, by hardpoints, rates and
-//! figures of the car.
+//! Tuning of a car with hardpoints, rates and parameters of the car as design variables. Goals are results of load cases,
+//! and curves and constraints of the axles on their rigs.
 //!
-//! With a target's deviations d in tolerances and its weight w, the misfit is that of a study of an axle:
+//! With a target's deviations d in tolerances and its weight w, the misfit is that of an axle's study:
 //!
 //! ```text
 //! misfit^2 = sum w rms(d)^2 / sum w                                                                              (1)
 //! ```
 //!
-//! A target of a case has one deviation, one of a rig as many as stations.
+//! A target of a case has one deviation. A target of a rig has one deviation per station.
 
 use super::moves::{CarVariable, moved};
 use super::rig::RigRows;
@@ -19,50 +19,50 @@ use crate::optimise::{
 use crate::study::{Optimise, Vehicle};
 use nalgebra::DVector;
 
-/// A target of a case.
+/// Target for a result of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarTarget {
-    /// The result.
+    /// Result with a target.
     pub quantity: CarQuantity,
-    /// Number of the case.
+    /// Index of the case.
     pub case: usize,
-    /// Lowest and highest wanted value, as printed; the same for a value.
+    /// Lowest and highest wanted value, in the printed unit. Both are equal for a single value.
     pub wanted: [f64; 2],
-    /// Deviation that counts as one.
+    /// Tolerance: a deviation of this size counts as 1.
     pub tolerance: f64,
-    /// Weight.
+    /// Weight of the target.
     pub weight: f64,
 }
 
 impl CarTarget {
-    /// Deviation of a printed value from the wanted one; 0 within a band.
+    /// Deviation of a printed value from the wanted value; 0 inside a band.
     pub fn deviation(&self, found: f64) -> f64 {
         let [low, high] = self.wanted;
         found - found.clamp(low, high)
     }
 }
 
-/// Limits of a result of a case.
+/// Limits on a result of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarConstraint {
-    /// Name.
+    /// Name of the constraint.
     pub name: String,
-    /// The result.
+    /// Result with limits.
     pub quantity: CarQuantity,
-    /// Number of the case.
+    /// Index of the case.
     pub case: usize,
-    /// Lowest and highest value, as printed; infinite without a limit.
+    /// Lowest and highest value, in the printed unit; infinite without a limit.
     pub between: [f64; 2],
-    /// Change of the printed value that counts as 1: one that anybody would see.
+    /// Visible difference of the printed value, which counts as 1.
     pub visible: f64,
 }
 
-/// Targets and constraints of an axle by itself, on its rig.
+/// Targets and constraints of one axle on its rig.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigGoals {
-    /// Targets, constraints, and variables, as a study of the axle has them.
+    /// Targets, constraints and design variables, as in a study of the axle.
     pub optimise: Optimise,
-    /// Numbers of these variables among the car's.
+    /// Indices of these design variables among the car's.
     pub columns: Vec<usize>,
 }
 
@@ -77,45 +77,45 @@ pub struct CarGoals<'a> {
     pub targets: &'a [CarTarget],
     /// Constraints of cases.
     pub constraints: &'a [CarConstraint],
-    /// Goals of the front and of the rear axle by themselves, with the axle.
+    /// Goals of the front and the rear axle on their rigs, each with its axle.
     pub rigs: [Option<(&'a Vehicle, &'a RigGoals)>; 2],
 }
 
-/// Budget and starts of a tuning.
+/// Limits and starts of a tuning run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CarRun {
-    /// Cap on iterations of each start.
+    /// Largest number of iterations per start.
     pub max_iterations: u64,
     /// Number of starts: the design, then points spread over the ranges.
     pub starts: usize,
-    /// Seed of the points.
+    /// Seed for the points.
     pub seed: u32,
 }
 
-/// Goals as residuals and rows of constraints. The rows of cases come first, then those of the front and of the rear rig.
+/// Goals as residuals and rows of constraints. Rows of cases come first, then those of the front and the rear rig.
 struct Objective<'a> {
     car: &'a Car,
     goals: CarGoals<'a>,
     rigs: Vec<RigRows<'a>>,
-    /// Factor of all residuals, by (1).
+    /// Factor on all residuals, by (1).
     scale: f64,
 }
 
-/// A result that a case is asked for, and its use.
+/// A requested result of a case, by its use.
 enum Use {
     /// Residual of a target.
     Target(usize),
-    /// Rows of a constraint, by the number of the first.
+    /// Rows of a constraint: its index, then the index of its first row.
     Constraint(usize, usize),
 }
 
 impl Objective<'_> {
-    /// Number of the residuals of cases.
+    /// Number of residuals from cases.
     fn residuals_of_cases(&self) -> usize {
         self.goals.targets.len()
     }
 
-    /// Numbers of the first row of each constraint of a case, and of all their rows.
+    /// Index of the first row of each constraint on a case, and the number of all these rows.
     fn rows_of_cases(&self) -> (Vec<usize>, usize) {
         let mut first = Vec::new();
         let mut count = 0;
@@ -130,7 +130,7 @@ impl Objective<'_> {
         self.rigs.iter().map(|rig| rig.shape().equalities).sum()
     }
 
-    /// Residuals and rows at `x`.
+    /// Computes residuals and rows at `x`.
     fn evaluate_all(
         &mut self,
         x: &DVector<f64>,
@@ -145,7 +145,7 @@ impl Objective<'_> {
             self.evaluate_case(&car, &mut solver, number, into, rows.as_deref_mut())?;
         }
         let mut residual = self.residuals_of_cases();
-        // Equalities are before all other rows.
+        // Equalities come before all other rows.
         let mut equality = 0;
         let mut row = self.equalities() + self.rows_of_cases().1;
         for rig in &mut self.rigs {
@@ -162,7 +162,7 @@ impl Objective<'_> {
         Ok(())
     }
 
-    /// Residuals and rows of one case.
+    /// Computes residuals and rows of one case.
     fn evaluate_case(
         &self,
         car: &Car,
@@ -207,7 +207,7 @@ impl Objective<'_> {
                     let scale = self.scale * target.weight.sqrt() / target.tolerance;
                     let deviation = target.deviation(value);
                     into.residuals[row] = scale * deviation;
-                    // Inside a band nothing changes the deviation.
+                    // Inside a band, the deviation stays zero.
                     let is_inside = deviation == 0.0 && target.wanted[0] < target.wanted[1];
                     for (column, variable) in goals.variables.iter().enumerate() {
                         into.jacobian[(row, column)] = match is_inside {
@@ -237,7 +237,7 @@ impl Objective<'_> {
     }
 }
 
-/// The result that is used.
+/// Result that the use refers to.
 fn gradient_unit(used: &Use, goals: &CarGoals<'_>) -> CarQuantity {
     match *used {
         Use::Target(row) => goals.targets[row].quantity,
@@ -301,8 +301,8 @@ impl Constrained for Objective<'_> {
     }
 }
 
-/// Tunes a car, and returns the best of several starts. Errors if the cases cannot be solved in the study's design, or a range
-/// is empty.
+/// Tunes a car and returns the best of several starts. It fails if the cases have no solution in the study's design, or if a
+/// range is empty.
 pub fn tune(
     car: &Car,
     goals: CarGoals<'_>,
@@ -328,7 +328,7 @@ pub fn tune(
         let rows = layouts.map(|(vehicle, own, layout)| RigRows::new(vehicle, own, layout));
         rows.collect::<Result<Vec<_>, _>>()
     };
-    // Accepted here, the axles are accepted in every start.
+    // Axles that are accepted here are accepted in every start.
     let accepted = rigs().map_err(|fault| format!("{fault:?}"))?;
     let residuals: usize = accepted.iter().map(|rig| rig.shape().goal).sum();
     let of_cases: f64 = goals.targets.iter().map(|target| target.weight).sum();
@@ -350,7 +350,7 @@ pub fn tune(
         ),
     };
     let mut starts = found.starts;
-    // Without a best start the reason is that of the design.
+    // If no start succeeds, the error is that of the design.
     let best = starts.swap_remove(found.best.unwrap_or(0));
     best.outcome.map_err(|fault| fault.to_string())
 }

@@ -1,4 +1,4 @@
-//! The four angles of wheel and steering axis.
+//! The four angles of the wheel and of the steering axis.
 
 use super::{Need, Slot, Unit, formulas};
 
@@ -14,7 +14,7 @@ formulas! {
         needs: &[],
     } = |inputs| -inputs.now.spin_axis.z.asin();
 
-    /// Heading of the wheel.
+    /// Steer direction of the wheel.
     Toe {
         name: "toe",
         unit: Unit::Angle,

@@ -4,8 +4,8 @@
 //! changes by the load transfer N = F_total h/L. The torque of F about the spin axis a has one of two paths:
 //!
 //! - The carrier takes it (outboard brakes, hub motors, live axles). The wheel moves as if locked to the carrier.
-//! - A shaft from the body takes it (inboard brakes, drive shafts). The wheel turns about a in its carrier, so that it does
-//!   not turn about a in the car.
+//! - A shaft from the body takes it (inboard brakes, drive shafts). The wheel rotates about a in its carrier, so that it
+//!   does not rotate about a in the car.
 //!
 //! The point of the wheel at C then moves with
 //!
@@ -14,17 +14,17 @@
 //! by a shaft:      S' = W' + (w - (w.a) a) x (C - W)                                    (1)
 //! ```
 //!
-//! W' and w are the velocity of the wheel centre and the angular velocity of the carrier by wheel travel. (The shaft is assumed
-//! to lie along a. The effect of its joints at an angle is neglected.) With V either of them, the springs carry, upward on the
-//! wheel,
+//! W' and w are the velocity of the wheel centre and the angular velocity of the carrier by wheel travel. (The shaft is
+//! assumed to lie along a. The effect of its joints at an angle is neglected.) With V = C' or S', the springs carry the
+//! following upward force on the wheel:
 //!
 //! ```text
 //! front, braking:  N - p F_total V_x/V_z      rear, braking:  -N - p F_total V_x/V_z
 //! front, drive:   -N + d F_total V_x/V_z      rear, drive:     N + d F_total V_x/V_z     (2)
 //! ```
 //!
-//! p and d are the axle's shares of the braking force and of the drive force. V_x/V_z is also the slope from a side view's
-//! instantaneous centre. The percentage is the part of the load transfer that is missing in (2).
+//! p and d are the axle's shares of the braking force and of the drive force. V_x/V_z is also the slope of the line to the
+//! instantaneous centre in side view. The percentage is the part of the load transfer that is missing in (2).
 
 use super::instant_centre::CONTACT_VELOCITY;
 use super::{Inputs, Need, Unit, formulas};
@@ -33,7 +33,7 @@ use crate::number::Real;
 const SOURCE: &str =
     "W. F. Milliken, D. L. Milliken, Race Car Vehicle Dynamics, SAE 1995, ch. 17; by virtual work";
 
-/// 100 share (L/h) V_x/V_z, the torque taken by the carrier to this part.
+/// Percentage 100 share (L/h) V_x/V_z. `by_carrier` is the part of the torque that the carrier takes.
 #[inline(always)]
 fn slope<T: Real>(inputs: &Inputs<T>, share: f64, by_carrier: f64) -> T {
     let c = &inputs.constants;

@@ -1,8 +1,8 @@
-//! The paper's kingpin and camber angles, under their own names.
+//! Kingpin and camber angles of Attia's paper, under separate names.
 //!
-//! H. A. Attia, *Numerical Kinematic Analysis of the Standard Macpherson Motor-Vehicle Suspension System*, KSME International
-//! Journal 17 (2003), equations (16) and (17). They serve the comparison with the paper. The usual angles of an engineer are
-//! `kingpin_inclination` and `camber`.
+//! H. A. Attia, *Numerical Kinematic Analysis of the Standard Macpherson Motor-Vehicle Suspension System*, KSME
+//! International Journal 17 (2003), equations (16) and (17). They serve the comparison with the paper. The usual engineering
+//! angles are `kingpin_inclination` and `camber`.
 
 use super::{Need, Slot, Unit, formulas};
 use crate::number::{Real, Vector3};
@@ -22,7 +22,7 @@ formulas! {
         attia_kingpin(now.steering_point, now.strut_upper)
     };
 
-    /// Front-view inclination of the line 7-10 against the lateral.
+    /// Front-view inclination of the line 7-10 from the lateral direction.
     AttiaCamber {
         name: "attia_camber",
         unit: Unit::Angle,
@@ -34,22 +34,22 @@ formulas! {
     } = |inputs| attia_camber(inputs.now.strut_upper, inputs.now.centre);
 }
 
-/// Equation (16): inclination of the line 5-7 (`lower_ball_joint`, `strut_upper`) in the transverse
-/// plane, positive with 7 outboard of 5.
+/// Equation (16): inclination of the line 5-7 (`lower_ball_joint`, `strut_upper`) in the transverse plane, positive with 7
+/// outboard of 5.
 ///
-/// A MacPherson strut is steered about the line 5-4, not 5-7, so this is not the kingpin inclination:
-/// for an ordinary car even its sign differs.
+/// A MacPherson strut steers about the line 5-4, not 5-7, so this is not the kingpin inclination. For an ordinary car even
+/// its sign differs.
 #[inline(always)]
 pub fn attia_kingpin<T: Real>(lower_ball_joint: Vector3<T>, strut_upper: Vector3<T>) -> T {
     let line = strut_upper - lower_ball_joint;
     arc_tangent(line.y / line.z)
 }
 
-/// Equation (17): inclination of the line 7-10 (`strut_upper`, `wheel_centre`) in the transverse plane,
-/// positive with the wheel centre above 7 and outboard of it.
+/// Equation (17): inclination of the line 7-10 (`strut_upper`, `wheel_centre`) in the transverse plane, positive with the
+/// wheel centre above 7 and outboard of it.
 ///
-/// It takes 7-10 for the spin axis, which no strut obliges it to be, and it projects: it is camber only
-/// where the line 7-10 is the spin axis and the wheel is not steered.
+/// It uses 7-10 as the spin axis, although the two need not coincide, and it uses a projection. So it equals camber only if
+/// 7-10 is the spin axis and the wheel is not steered.
 #[inline(always)]
 pub fn attia_camber<T: Real>(strut_upper: Vector3<T>, wheel_centre: Vector3<T>) -> T {
     let line = strut_upper - wheel_centre;

@@ -1,11 +1,11 @@
-//! Forces in links, joints and spring under a load on the wheel, as something that targets and constraints are about.
+//! Forces in links, joints and the spring under a load on the wheel, for targets and constraints.
 
 use super::{Slot, WheelReading};
 use crate::analyse::{Balance, Carried, Load, LoadPoint, Support};
 use crate::model::{Mechanism, RockerId};
 use crate::number::{Jet, Vector3};
 
-/// A force that carries a load. In the kernel's frame.
+/// Force in a member under a load, in the kernel's frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarriedForce {
     /// Point at which the load acts.
@@ -14,22 +14,22 @@ pub struct CarriedForce {
     pub force: Vector3<f64>,
     /// Moment of the load, in units of force times length.
     pub moment: Vector3<f64>,
-    /// Support that keeps the suspension from moving under the load.
+    /// Support that holds the suspension under the load.
     pub support: Support,
-    /// The reaction.
+    /// Reaction that is the force.
     pub what: Carried,
 }
 
 impl CarriedForce {
-    /// The slots from which the point of application of a load is formed.
+    /// Slots that determine the point where a load acts.
     pub(crate) const READS: &'static [Slot] = &[Slot::SpinAxis, Slot::Centre];
 
-    /// The rocker through which the spring holds the suspension.
+    /// Rocker through which the spring holds the suspension.
     pub(super) fn rocker(&self, mechanism: &Mechanism) -> Option<RockerId> {
         self.support.rocker(mechanism)
     }
 
-    /// Value of the reaction along the series of a balance with its support, which `view` must have read.
+    /// Value of the reaction along the series of a balance with its support. `view` must have read the support.
     pub fn value<const N: usize>(
         &self,
         view: &WheelReading<N>,

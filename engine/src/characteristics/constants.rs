@@ -1,16 +1,16 @@
-//! Figures of a study that formulas read.
+//! Data of a study that formulas read.
 
 use crate::model::{AxlePosition, Suspension, TorquePath};
 
-/// Plain figures of the study that formulas read. A figure that the study does not give is zero. The plan ensures that no
-/// formula runs without its [needs](crate::ask::Need).
+/// Plain numbers of the study that formulas read. Missing ones are zero. The plan ensures that no formula runs without its
+/// [needs](crate::ask::Need).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Constants {
     /// Size of the mechanism in the design position.
     pub size: f64,
     /// Loaded radius of the wheel.
     pub wheel_radius: f64,
-    /// Distance between the axles.
+    /// Distance between front and rear axle.
     pub wheelbase: f64,
     /// Height of the centre of gravity.
     pub cg_height: f64,
@@ -20,14 +20,14 @@ pub struct Constants {
     pub brake_share: f64,
     /// This axle's share of the drive force.
     pub drive_share: f64,
-    /// 1 where the carrier takes the torque of the brakes, 0 where a shaft does.
+    /// 1 if the carrier takes the torque of the brakes, 0 if a shaft does.
     pub brake_torque_by_carrier: f64,
-    /// 1 where the carrier takes the torque of the drive, 0 where a shaft does.
+    /// 1 if the carrier takes the torque of the drive, 0 if a shaft does.
     pub drive_torque_by_carrier: f64,
 }
 
 impl Constants {
-    /// The figures of a suspension.
+    /// Constants of a suspension.
     pub fn of(suspension: &Suspension) -> Self {
         let vehicle = suspension.vehicle;
         let is_front = vehicle.position == Some(AxlePosition::Front);

@@ -1,7 +1,7 @@
 //! Gains: derivatives of the angles by wheel travel.
 //!
-//! A gain runs its angle's own formula on a first-order jet along the motion, so no second formula can differ. It divides by
-//! the rise of the wheel centre. It is therefore a derivative by wheel travel for any drive.
+//! A gain evaluates its angle's formula on a first-order jet along the motion, so that there is only one formula. It divides
+//! by the rise of the wheel centre. It is therefore a derivative by wheel travel for any drive.
 
 use super::{
     Characteristic, Constants, DesignWheel, Formula, Info, Inputs, Slot, Unit, Wheel, angles,
@@ -41,7 +41,7 @@ fn moving<T: Real>(
     )
 }
 
-/// Inputs with these two directions, which is all that an angle reads; every other number is `filling`.
+/// Inputs with these two directions, which are all that an angle reads. Every other number is `filling`.
 #[inline(always)]
 fn of_directions<T: Real>(
     spin_axis: Vector3<T>,
@@ -62,7 +62,7 @@ fn of_directions<T: Real>(
     }
 }
 
-/// An expression of the formula of an angle; `None` for anything else.
+/// Evaluates an expression of an angle's formula. `None` for other characteristics.
 macro_rules! of_angle {
     ($characteristic:expr, $formula:ident => $value:expr) => {
         of_angle!($characteristic, $formula => $value, Camber, Toe, Caster, KingpinInclination)
@@ -84,7 +84,7 @@ pub(super) fn is_angle(c: Characteristic) -> bool {
 }
 
 impl Characteristic {
-    /// Camber or toe, in radians, from the unit spin axis; NaN for any other characteristic.
+    /// Camber or toe, in radians, from the unit spin axis. NaN for other characteristics.
     #[inline(always)]
     pub(crate) fn of_spin_axis<T: Real>(self, spin_axis: Vector3<T>) -> T {
         let unknown = spin_axis.x.constant(f64::NAN);
@@ -93,15 +93,14 @@ impl Characteristic {
     }
 }
 
-/// The derivative of an angle by the drive, from the rates of the direction it reads; `None` for any other
-/// characteristic.
+/// Derivative of an angle by the drive, from the rates of its direction. `None` for other characteristics.
 #[inline(always)]
 pub(super) fn by_drive<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Option<T> {
     let rate = &inputs.rate;
     of_angle!(c, Angle => slope::<Angle, T>(inputs, rate.spin_axis, rate.steering_direction))
 }
 
-/// The derivative of an angle by the direction it reads; `None` for any other characteristic.
+/// Derivative of an angle by its direction. `None` for other characteristics.
 #[inline(always)]
 pub(super) fn by_direction<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Option<Vector3<T>> {
     let now = &inputs.now;
@@ -113,8 +112,8 @@ pub(super) fn by_direction<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Op
     of_angle!(c, Angle => Vector3::from(Angle::evaluate(&moved).partials))
 }
 
-/// The derivative of an angle by the direction it reads, as a series along the motion. The second coefficient is the
-/// derivative of the angle's slope by the direction, since the order of the two differentiations does not matter.
+/// Derivative of an angle by its direction, as a series along the motion. The second coefficient is the derivative of the
+/// angle's slope by the direction, since the order of the two differentiations does not matter.
 #[inline(always)]
 pub(super) fn by_direction_along<T: Real>(
     c: Characteristic,
@@ -130,7 +129,7 @@ pub(super) fn by_direction_along<T: Real>(
     ))
 }
 
-/// The rate of an angle while the direction it reads changes at this rate. Out of line.
+/// Rate of an angle when its direction changes at this rate. Compiled as a separate function.
 #[inline(always)]
 fn slope_outlined<F: Formula, T: Real>(inputs: &Inputs<T>, direction: Vector3<T>) -> T {
     outlined!(
@@ -140,7 +139,7 @@ fn slope_outlined<F: Formula, T: Real>(inputs: &Inputs<T>, direction: Vector3<T>
     )
 }
 
-/// Defines the gains, a line each: the angle, the name, the meaning of a positive value, the formula, and the inputs.
+/// Defines the gains, one per line: the angle, the name, the meaning of a positive value, the formula, and the inputs.
 macro_rules! gains {
     ($($gain:ident, $angle:ident, $name:literal, $positive:literal, $formula:literal, $slot:ident, $rate:ident;)*) => {
         $(
@@ -165,7 +164,7 @@ macro_rules! gains {
             }
         )*
 
-        /// The angle that this is the gain of.
+        /// Angle whose gain this is.
         pub(super) fn angle_of_gain(c: Characteristic) -> Option<Characteristic> {
             match c {
                 $(Characteristic::$gain => Some(Characteristic::$angle),)*

@@ -1,11 +1,11 @@
 //! Roll centre and swing arms, from the velocity of the contact point.
 //!
-//! C' is the velocity of the knuckle-fixed point at the contact point C, and w is the knuckle's angular velocity. In front view
-//! the velocity of the instantaneous centre has no y and z component, so it lies w_x (y_C - y_ic) = C_z' inboard of C. In side
-//! view w_y (x_ic - x_C) = C_z'. All are taken from the true velocities, including the tie rod. The construction with arm
-//! planes ignores the tie rod and can differ by tens of millimetres.
+//! C' is the velocity of the knuckle-fixed point at the contact point C, and w is the knuckle's angular velocity. In front
+//! view the velocity of the instantaneous centre has no y and z component, so it lies w_x (y_C - y_ic) = C_z' inboard of C.
+//! In side view w_y (x_ic - x_C) = C_z'. All follow from the true velocities, which include the effect of the tie rod. The
+//! construction with arm planes ignores the tie rod and can differ by tens of millimetres.
 //!
-//! A wheel that does not turn in a view has its centre at infinity. Its computed angular velocity is then rounding, and a
+//! A wheel that does not rotate in a view has its centre at infinity. Its computed angular velocity is then rounding, and a
 //! centre from it could be anywhere. [`turning`] separates the two cases.
 
 use super::{Constants, Formula, Inputs, Need, Slot, Slots, Unit, WheelReading, formulas};
@@ -16,8 +16,9 @@ use crate::number::{Jet, Real, Vector3};
 /// Inputs of the velocity of the contact point.
 pub(super) const CONTACT_VELOCITY: &[Slot] = &[Slot::SpinAxis, Slot::CentreRate, Slot::Turn];
 
-/// Largest distance of an instantaneous centre, in sizes of the mechanism; a farther one counts as infinite. Rounding gives a
-/// wheel that does not turn about 1e-16 of a turn over the size, and up to a million times as much in badly conditioned poses.
+/// Largest distance of an instantaneous centre, in sizes of the mechanism; a farther one counts as infinite. With rounding,
+/// a wheel that does not rotate has an angular velocity of about 1e-16 over the size. In badly conditioned poses it is up to
+/// a million times as large.
 const FARTHEST_CENTRE: f64 = 1e10;
 
 /// Angular velocity in one view, in which the contact point has these velocities. It is zero if the instantaneous centre is
@@ -142,12 +143,12 @@ formulas! {
     };
 }
 
-/// The centres as points in the kernel's frame, for drawings. A centre is `None` if it is at infinity, or if the
+/// Instantaneous centres as points in the kernel's frame, for drawings. A centre is `None` if it is at infinity, or if the
 /// wheel's radius is unknown.
 ///
-/// The velocity of a point P of the knuckle is C' + w x (P - C). In front view, P in the transverse plane of C,
-/// its y and z components vanish where P - C is (0, -C_z'/w_x, C_y'/w_x); in side view, P in the longitudinal
-/// plane of C, the x and z components where it is (C_z'/w_y, 0, -C_x'/w_y).
+/// The velocity of a point P of the knuckle is C' + w x (P - C). In front view, with P in the transverse plane of C, its y
+/// and z components vanish for P - C = (0, -C_z'/w_x, C_y'/w_x). In side view, with P in the longitudinal plane of C, its x
+/// and z components vanish for P - C = (C_z'/w_y, 0, -C_x'/w_y).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InstantCentres {
     /// Contact point.
@@ -161,7 +162,7 @@ pub struct InstantCentres {
 }
 
 impl InstantCentres {
-    /// Instant centres of a suspension in a configuration with its first derivatives by the drive.
+    /// Instantaneous centres of a suspension in a configuration with its first derivatives by the drive.
     pub fn of(suspension: &Suspension, at: &Configuration<Jet<f64, 2>>) -> Self {
         if suspension.wheel_radius.is_none() {
             return InstantCentres::default();
@@ -190,8 +191,8 @@ impl<const N: usize> WheelReading<N> {
     }
 }
 
-/// The instantaneous centres in front and side view, from the contact point, its velocity and the knuckle's angular
-/// velocity. `None` for a centre at infinity. `size` is that of the mechanism.
+/// Instantaneous centres in front and side view, from the contact point, its velocity and the knuckle's angular velocity.
+/// `None` for a centre at infinity. `size` is the size of the mechanism.
 pub fn instant_centres_of(
     contact: Vector3<f64>,
     velocity: Vector3<f64>,

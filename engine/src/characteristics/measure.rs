@@ -1,13 +1,12 @@
 //! Measures that targets and constraints apply to: quantities of the catalogue, forces under loads, geometry of parts.
 //!
-//! A [`Measure`] has a value in every pose. Geometric measures are formulas of up to six vectors. Each vector is a
-//! position or a direction, in the current pose or in the design position. Each formula is written once, over
-//! [`Scalar`]. Run on derivative numbers, it gives its derivatives by its vectors. The adjoint turns these into
-//! derivatives by the hardpoints.
+//! A [`Measure`] has a value in every pose. Geometric measures are formulas of up to six vectors. Each vector is a position
+//! or a direction, in the current pose or in the design position. Each formula is written once, over [`Scalar`]. With
+//! derivative numbers, it gives its derivatives by its vectors. The adjoint turns these into derivatives by the hardpoints.
 //!
 //! Values are smooth except at these kinks, where the derivative is that of one side:
 //!
-//! - edges and inside of a box or tube that a point must keep clear of,
+//! - edges and inside of a box or tube that a point must stay away from,
 //! - change of the nearest place of a member from its middle to its end,
 //! - parallel members; the formula takes the middle of their overlap,
 //! - members that intersect: their distance is 0 there and grows again beyond,
@@ -27,13 +26,13 @@ pub enum Measure {
     Quantity(Quantity),
     /// A force in a link, a joint or the spring under a load.
     Carried(CarriedForce),
-    /// A value of a wheel with elastic parts. It comes from equilibria, so a single pose does not have it.
+    /// A value of a wheel with elastic parts. It comes from equilibria, so a single pose does not give it.
     Elastic(KcValue),
-    /// A quantity of an axle with elastic parts, likewise.
+    /// A quantity of an axle with elastic parts. It also comes from equilibria.
     OfAxle(crate::axle::Quantity),
-    /// The distance of two points.
+    /// Distance between two points.
     Length([PointId; 2]),
-    /// The signed distance of a point from a plane, positive on the side its unit normal points to.
+    /// Signed distance of a point from a plane. Positive on the side to which the plane's unit normal points.
     Height {
         /// The point.
         point: PointId,
@@ -42,9 +41,9 @@ pub enum Measure {
         /// Unit normal.
         normal: Vector3<f64>,
     },
-    /// The distance of a point from a fixed one.
+    /// Distance of a point from a fixed point.
     DistanceFrom(PointId, Vector3<f64>),
-    /// The distance of a point from a line.
+    /// Distance of a point from a line.
     FromLine {
         /// The point.
         point: PointId,
@@ -53,20 +52,20 @@ pub enum Measure {
         /// Unit vector along it.
         along: Vector3<f64>,
     },
-    /// The distance of a point from a box along the axes, negative inside of it.
+    /// Distance of a point from a box along the axes. Negative inside the box.
     FromBox {
         /// The point.
         point: PointId,
-        /// The box's middle.
+        /// Centre of the box.
         middle: Vector3<f64>,
-        /// Half its edges.
+        /// Half the edges of the box.
         half: Vector3<f64>,
     },
-    /// The distance of a point from a tube with closed ends, negative inside of it.
+    /// Distance of a point from a tube with closed ends. Negative inside the tube.
     FromTube {
         /// The point.
         point: PointId,
-        /// The middle of its axis.
+        /// Centre of its axis.
         middle: Vector3<f64>,
         /// Unit vector along the axis.
         along: Vector3<f64>,
@@ -75,38 +74,38 @@ pub enum Measure {
         /// Radius.
         radius: f64,
     },
-    /// The distance of a point from the spin axis.
+    /// Distance of a point from the spin axis.
     FromSpinAxis(PointId),
     /// Distance of a point outboard of the wheel centre, along the spin axis.
     AlongSpinAxis(PointId),
-    /// The distance from the spin axis at which a member crosses a plane normal to that axis. The points are the outer
-    /// and the inner end of the member. The number is the distance of the plane outboard of the wheel centre. If the
-    /// member does not cross the plane, the value is that of its end nearer to the plane.
+    /// Distance from the spin axis at which a member crosses a plane normal to that axis. The points are the outer and the
+    /// inner end of the member. The number is the distance of the plane outboard of the wheel centre. If the member does not
+    /// cross the plane, the value is that of its end nearer to the plane.
     FromSpinAxisAt([PointId; 2], f64),
-    /// The distance of two members' centre lines, each between two points.
+    /// Distance between two members' centre lines, each between two points.
     Clearance([[PointId; 2]; 2]),
-    /// Ball joint between wheel carrier and arm: 1 minus the cosine of the angle between the stud and its design
-    /// direction as carried by the arm.
+    /// Ball joint between wheel carrier and arm: 1 minus the cosine of an angle. The angle is between the stud and its
+    /// design direction, which rotates with the arm.
     BallJoint {
-        /// The joint.
+        /// Joint.
         joint: PointId,
-        /// The arm's axis.
+        /// Axis of the arm.
         axis: [PointId; 2],
-        /// The stud.
+        /// Stud of the joint.
         stud: Stud,
     },
     /// Rod end on the wheel carrier: change of the angle between stud and rod since the design position, in rad.
     RodEnd {
-        /// The joint, and the rod's other end.
+        /// Joint, and the other end of the rod.
         rod: [PointId; 2],
-        /// The stud.
+        /// Stud of the joint.
         stud: Stud,
     },
-    /// Joint at the outer end of a drive shaft, given by the shaft's inner and outer end: 1 minus the cosine of the
-    /// angle between shaft and spin axis.
+    /// Joint at the outer end of a drive shaft: 1 minus the cosine of the angle between shaft and spin axis. The points are
+    /// the shaft's inner and outer end.
     OuterShaftJoint([PointId; 2]),
-    /// Joint at the inner end of a drive shaft, given by the same two points: 1 minus the cosine of the angle between
-    /// shaft and y axis.
+    /// Joint at the inner end of a drive shaft: 1 minus the cosine of the angle between shaft and y axis. The points are the
+    /// shaft's inner and outer end.
     InnerShaftJoint([PointId; 2]),
     /// Change of the distance between two points since the design position.
     Plunge([PointId; 2]),
@@ -117,38 +116,38 @@ pub enum Measure {
     OffLine([PointId; 3], usize),
 }
 
-/// The direction of a joint's stud, fixed in the wheel carrier.
+/// Direction of a joint's stud, fixed in the wheel carrier.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stud {
-    /// From one point to another, in the design position.
+    /// Direction from one point to another, in the design position.
     Between(PointId, PointId),
-    /// This direction, in the design position.
+    /// Given direction, in the design position.
     Along(Vector3<f64>),
 }
 
-/// The most vectors that a formula reads.
+/// Largest number of vectors that a formula reads.
 const MOST: usize = 6;
 
-/// The vectors that a formula reads; entries that it does not read may be anything.
+/// Vectors of a formula. Entries that it does not read may have any value.
 pub(crate) type Vectors<T> = [Vector3<T>; MOST];
 
 /// A vector that a formula reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Input {
-    /// The position of a point.
+    /// Present position of a point.
     Now(PointId),
-    /// Position in the design position.
+    /// Position of a point in the design position.
     Designed(PointId),
     /// The spin axis.
     SpinAxis,
-    /// A stud, now.
+    /// Direction of a stud in the present pose.
     StudNow(Stud),
-    /// A stud in the design position.
+    /// Direction of a stud in the design position.
     StudDesigned(Stud),
 }
 
 impl Measure {
-    /// The quantity of the catalogue, if it is one.
+    /// Quantity of the catalogue, if the measure is one.
     pub fn quantity(&self) -> Option<Quantity> {
         match self {
             Measure::Quantity(quantity) => Some(*quantity),
@@ -156,12 +155,12 @@ impl Measure {
         }
     }
 
-    /// Order of the derivatives by the drive that the value itself is made of: 0 or 1.
+    /// Order of the derivatives by the drive from which the value is computed: 0 or 1.
     pub fn rate_order(&self) -> usize {
         self.quantity().map_or(0, Quantity::rate_order)
     }
 
-    /// The slots of wheel and steering axis that it is made of.
+    /// Slots of wheel and steering axis that the measure reads.
     pub fn reads(&self) -> &'static [Slot] {
         match self {
             Measure::Quantity(quantity) => quantity.reads(),
@@ -170,7 +169,7 @@ impl Measure {
         }
     }
 
-    /// The rockers it moves with.
+    /// Rockers that influence the measure.
     pub fn rockers(&self, mechanism: &Mechanism) -> Vec<RockerId> {
         match self {
             Measure::Quantity(quantity) => return quantity.rockers(mechanism),
@@ -203,7 +202,7 @@ impl Measure {
         )
     }
 
-    /// The vectors that its formula reads, and their number; 0 if it is not geometry.
+    /// Vectors that its formula reads, and their number. 0 if the measure is not geometric.
     pub(crate) fn inputs(&self, mechanism: &Mechanism) -> ([Input; MOST], usize) {
         let list = |given: &[Input]| {
             let mut inputs = [Input::SpinAxis; MOST];
@@ -263,8 +262,8 @@ impl Measure {
         }
     }
 
-    /// The value of a geometric measure along a series of poses. Quantities of the catalogue are read by
-    /// [`WheelReading`](super::WheelReading), forces by [`CarriedForce::value`].
+    /// Value of a geometric measure along a series of poses. [`WheelReading`](super::WheelReading) evaluates quantities of
+    /// the catalogue, [`CarriedForce::value`] evaluates forces.
     pub fn value<T: Scalar>(&self, at: &Configuration<T>) -> T {
         let (inputs, count) = self.inputs(at.mechanism);
         let like = at.rack;
@@ -292,14 +291,14 @@ impl Measure {
         }
     }
 
-    /// The derivative of the formula by the vector of this number.
+    /// Derivative of the formula by the vector with this index.
     pub(crate) fn by_vector(&self, number: usize, vectors: &Vectors<f64>) -> Vector3<f64> {
         let mut seeded = vectors.map(|v| v.map(Dual::<f64, 3>::constant));
         seeded[number] = Dual::inputs(vectors[number]);
         Vector3::from(self.formula(&seeded).partials)
     }
 
-    /// Evaluates the formula on the vectors that `inputs` names.
+    /// Evaluates the formula for the vectors that `inputs` names.
     pub(crate) fn formula<T: Scalar>(&self, v: &Vectors<T>) -> T {
         match self {
             Measure::Quantity(_)
@@ -366,7 +365,7 @@ impl Measure {
                 let inverse = axis.x.one() / radius.norm_squared();
                 let cosine = radius.dot(radius_now) * inverse;
                 let sine = axis.dot(radius.cross(radius_now)) * inverse;
-                // The stud's direction as the arm carries it.
+                // Direction of the stud after its rotation with the arm.
                 let lever = across(designed);
                 let carried = designed - lever + lever * cosine + axis.cross(lever) * sine;
                 versine(now, carried)
@@ -391,12 +390,13 @@ impl Measure {
     }
 }
 
-/// 1 less the cosine of the angle between two directions: without a kink where they are one, and without cancellation.
+/// Versine: 1 minus the cosine of the angle between two directions. The formula has no kink at zero angle, and no
+/// cancellation.
 fn versine<T: Scalar>(a: Vector3<T>, b: Vector3<T>) -> T {
     (a.normalised() - b.normalised()).norm_squared().scaled(0.5)
 }
 
-/// |v|, with the derivative 0 where v is 0: of the derivatives on all sides the mean.
+/// Length |v|. At v = 0 its derivative is 0, the mean over all directions.
 fn length<T: Scalar>(v: Vector3<T>) -> T {
     let square = v.norm_squared();
     if square.value() == 0.0 {
@@ -406,13 +406,13 @@ fn length<T: Scalar>(v: Vector3<T>) -> T {
     }
 }
 
-/// |x|; its derivative is that of the sign that x has.
+/// Absolute value |x|. Its derivative is the sign of x.
 fn magnitude<T: Scalar>(x: T) -> T {
     if x.value() < 0.0 { -x } else { x }
 }
 
-/// The distance from the body in which all of `excess` are negative. Outside it is the length of the positive ones as a
-/// vector, inside the largest one.
+/// Distance from the region in which all of `excess` are negative. Outside it is the norm of the positive ones as a vector,
+/// inside it is the largest one.
 fn outside<T: Scalar>(excess: &[T]) -> T {
     let mut largest = excess[0];
     let mut square = largest.zero();
@@ -432,8 +432,8 @@ fn outside<T: Scalar>(excess: &[T]) -> T {
     }
 }
 
-/// Returns the distance of two segments. It finds the nearest places in plain numbers. The distance is least there, so
-/// to first order the derivative does not depend on a move of these places.
+/// Distance of two segments. The nearest places are found in plain numbers. The distance has its minimum there, so to first
+/// order the derivative does not depend on a move of these places.
 fn between_segments<T: Scalar>(first: [Vector3<T>; 2], second: [Vector3<T>; 2]) -> T {
     let plain = |v: Vector3<T>| v.map(|c| c.value());
     let (p, q) = (plain(first[0]), plain(second[0]));
@@ -449,7 +449,7 @@ fn between_segments<T: Scalar>(first: [Vector3<T>; 2], second: [Vector3<T>; 2]) 
         let t = on_second(s);
         (on_first(t), t)
     } else {
-        // Parallel: the middle of where they are beside one another.
+        // Parallel members: the middle of their overlap.
         let ends = [on_first(0.0), on_first(1.0)];
         let s = 0.5 * (ends[0] + ends[1]);
         (s, on_second(s))
@@ -519,7 +519,7 @@ mod tests {
     fn distances_of_segments_are_those_of_their_nearest_places() {
         let along_x = [vector(0.0, 0.0, 0.0), vector(10.0, 0.0, 0.0)];
         for (other, distance) in [
-            // Crossing above, beyond an end, end to end, parallel beside, parallel beyond.
+            // Cases: crossing above, beyond an end, end to end, parallel with overlap, parallel without overlap.
             ([vector(5.0, -5.0, 3.0), vector(5.0, 5.0, 3.0)], 3.0),
             ([vector(13.0, 4.0, 0.0), vector(13.0, 9.0, 0.0)], 5.0),
             ([vector(12.0, 0.0, 0.0), vector(20.0, 1.0, 0.0)], 2.0),
@@ -551,7 +551,7 @@ mod tests {
         assert_eq!(at(4.0, 6.0, 0.0), 5.0);
     }
 
-    /// Beyond the edge of a rim, a member is farthest from the spin axis at its outer end or in the plane of that edge.
+    /// Inside the edge of a rim, a member is farthest from the spin axis at its outer end or in the plane of that edge.
     #[test]
     fn a_member_is_inside_of_a_rim_where_its_outer_end_and_its_entry_are() {
         let mut seed = 1_u64;
@@ -576,7 +576,7 @@ mod tests {
             let beyond = places.filter(|p| (*p - centre).dot(axis) >= from);
             let farthest = beyond.map(radial).fold(0.0, f64::max);
             let found = radial(outer).max(entry);
-            // Sampled at steps of a few tenths of a millimetre.
+            // The member is sampled at steps of a few tenths of a millimetre.
             assert!(
                 found >= farthest - 1e-9 && found <= farthest + 0.4,
                 "{found} {farthest}"
@@ -584,7 +584,7 @@ mod tests {
         }
     }
 
-    /// Derivatives beside a kink are those of their own side. The test passes each of these kinks at t = 0:
+    /// Derivatives near a kink are those of their own side. The test passes each of these kinks at t = 0:
     ///
     /// - edge and middle of a box,
     /// - rim of the end of a tube,
@@ -615,7 +615,7 @@ mod tests {
         let clearance = Measure::Clearance([ids; 2]);
         let member = [still, x * 10.0];
         let rim = Measure::FromSpinAxisAt(ids, -80.0);
-        // The measure, what it reads at t = 0, and how that moves.
+        // Each case has the measure, its vectors at t = 0, and their rates.
         let cases = [
             (&cube, vec![vector(3.0, 2.0, 0.5)], vec![y]),
             (&cube, vec![vector(1.5, 1.5, 0.2)], vec![y - x * 0.3]),
@@ -676,7 +676,7 @@ mod tests {
                 (sides[0] - sides[1]).abs() > 1e-3,
                 "{number} has a kink: {sides:?}"
             );
-            // In the kink itself it is between them, to what is left of their ways there.
+            // At the kink itself the derivative lies between both, within their change near the kink.
             let (low, high) = (sides[0].min(sides[1]), sides[0].max(sides[1]));
             assert!((low - 0.02..=high + 0.02).contains(&slope(0.0)), "{number}");
         }

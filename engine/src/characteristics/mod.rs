@@ -1,8 +1,8 @@
-//! The catalogue of wheel characteristics: for each a name, a unit, a sign, its inputs and one formula.
+//! Catalogue of wheel characteristics. Each has a name, a unit, a sign, its inputs and one formula.
 //!
 //! The catalogue drives everything that names characteristics: validation of studies, the plan, column names, tables. A
-//! formula is written once, over [`Real`]. Running it on other numbers gives its derivatives by travel and by hardpoint. A new
-//! characteristic is one type in one of the files below and one line in `catalogue!`.
+//! formula is written once, over [`Real`]. With other number types it gives its derivatives by travel and by hardpoint. A
+//! new characteristic is one type in one of the files below and one line in `catalogue!`.
 //!
 //! Everything here is in the kernel's frame: a left wheel, x forward, y left (outboard), z up. Angles are in radians and
 //! lengths in the study's unit. Signs therefore follow [`Info::positive`], for any side and axes of the study.
@@ -49,7 +49,7 @@ trait Formula {
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T;
 }
 
-/// Characteristics, each with its [`Info`] and its formula over [`Inputs`] of any [`Real`], `T`.
+/// Defines characteristics, each with its [`Info`] and its formula over [`Inputs`] of any [`Real`], `T`.
 macro_rules! formulas {
     ($($(#[$about:meta])* $name:ident { $($entry:tt)* } = |$inputs:ident| $value:expr;)*) => {$(
         $(#[$about])*
@@ -78,10 +78,10 @@ macro_rules! catalogue {
         }
 
         impl Characteristic {
-            /// The whole catalogue, in the order it is printed.
+            /// Whole catalogue, in the order of printing.
             pub const ALL: &'static [Characteristic] = &[$(Characteristic::$variant),*];
 
-            /// The catalogue's entry.
+            /// Catalogue entry.
             #[inline]
             pub fn info(self) -> &'static Info {
                 match self {
@@ -89,7 +89,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// The value, from the wheel's position and rates.
+            /// Value, from the wheel's position and rates.
             #[inline(always)]
             pub fn evaluate<T: Real>(self, inputs: &Inputs<T>) -> T {
                 match self {
@@ -97,7 +97,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// The derivatives by everything the formula reads.
+            /// Derivatives by all inputs of the formula.
             #[inline]
             pub fn gradient<T: Real>(self, inputs: &Inputs<T>) -> Gradient<T> {
                 match self {
@@ -145,29 +145,29 @@ catalogue! {
     AttiaCamber => attia::AttiaCamber,
 }
 
-/// The derivatives of a characteristic by the slots it reads, in the order of [`Info::reads`].
+/// Derivatives of a characteristic by the slots that it reads, in the order of [`Info::reads`].
 pub type Gradient<T> = [Vector3<T>; Slot::MOST];
 
 impl Characteristic {
-    /// The column name: the characteristic with its unit, like `camber_deg`.
+    /// Column name: the characteristic with its unit, for example `camber_deg`.
     pub fn column(self, length: LengthUnit) -> String {
         let info = self.info();
         with_unit(info.name, &info.unit.suffix(length))
     }
 
-    /// The characteristic of this name.
+    /// Characteristic with this name.
     pub fn named(name: &str) -> Option<Characteristic> {
         Self::ALL.iter().find(|c| c.info().name == name).copied()
     }
 
-    /// The characteristics that a suspension has the parts and figures for.
+    /// Characteristics for which a suspension has the parts and inputs.
     pub fn available(suspension: &Suspension) -> impl Iterator<Item = Characteristic> {
         let all = Self::ALL.iter().copied();
         all.filter(|c| c.info().needs.iter().all(|need| need.met_by(suspension)))
     }
 }
 
-/// The value of a formula. Out of line.
+/// Value of a formula, compiled as a separate function.
 #[inline(always)]
 fn value_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
     outlined!(
@@ -176,14 +176,14 @@ fn value_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
     )
 }
 
-/// The derivatives of a formula by everything it reads, slot by slot.
+/// Derivatives of a formula by all its inputs, slot by slot.
 #[inline(never)]
 fn gradient_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> Gradient<T> {
     let (zero, one) = (inputs.turn.x.zero(), inputs.turn.x.one());
     let mut seeded = match size_of::<T>() > size_of::<f64>() {
         true => constants(inputs, F::INFO.reads),
-        // Inlined, the compiler drops unread numbers, and a Jacobian takes a fifth less. For long series, inlining would take seconds
-        // of compile time.
+        // If this is inlined, the compiler drops numbers that are not read, and a Jacobian takes a fifth less time. For long
+        // series, inlining would take seconds of compile time.
         false => constants_inline(inputs, F::INFO.reads),
     };
     let mut gradient = [inputs.turn.zero(); Slot::MOST];
@@ -195,13 +195,13 @@ fn gradient_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> Gradient<T> {
     gradient
 }
 
-/// The inputs of a formula as constants. Out of line, once for all formulas.
+/// Inputs of a formula as constants. A separate function, compiled once for all formulas.
 #[inline(never)]
 fn constants<T: Real>(inputs: &Inputs<T>, reads: &[Slot]) -> Inputs<Dual<T, 3>> {
     constants_inline(inputs, reads)
 }
 
-/// The inputs of a formula as constants, inlined.
+/// Inputs of a formula as constants, inlined.
 #[inline(always)]
 fn constants_inline<T: Real>(inputs: &Inputs<T>, reads: &[Slot]) -> Inputs<Dual<T, 3>> {
     let nothing = Dual::constant(inputs.turn.x.constant(f64::NAN));
@@ -227,8 +227,8 @@ mod tests {
         }
     }
 
-    /// A formula reads only its declared inputs: a change of any other input leaves the value, a change of a declared input moves
-    /// it.
+    /// A formula reads only its declared inputs. A change of any other input does not change the value; a change of a
+    /// declared input does.
     #[test]
     fn declared_dependencies_are_the_true_ones() {
         let plain = wheel::tests::sample();

@@ -18,7 +18,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Order of the derivatives by the drive that the value itself is made of: 1 for a quantity made of velocities,
+    /// Order of the derivatives by the drive from which the value is computed: 1 for a quantity that contains velocities,
     /// else 0.
     #[inline]
     pub fn rate_order(self) -> usize {
@@ -39,8 +39,8 @@ impl Quantity {
         }
     }
 
-    /// The rockers the quantity moves with directly. At a toggle of one of them, or of one that turns it,
-    /// the quantity has no value.
+    /// Rockers that directly influence the quantity. At a toggle of one of them, or of a rocker that moves it, the quantity
+    /// has no value.
     pub fn rockers(self, mechanism: &Mechanism) -> Vec<RockerId> {
         let mut asked = ReadSet::by(mechanism, Slots::default().with(self.reads()));
         if let Quantity::Coordinate(point, _) = self {
@@ -49,8 +49,8 @@ impl Quantity {
         asked.rockers(mechanism).collect()
     }
 
-    /// Returns true if the quantity is a derivative by the drive itself, so that another drive changes its value. (Characteristics
-    /// made of velocities are ratios of them.)
+    /// Returns true if the quantity is itself a derivative by the drive, so that another drive changes its value.
+    /// (Characteristics that contain velocities are ratios of them.)
     pub fn is_rate(self) -> bool {
         matches!(self, Quantity::AngularVelocity(_))
     }

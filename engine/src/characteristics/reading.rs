@@ -1,9 +1,9 @@
 //! Values of the slots of formulas in a pose.
 //!
-//! This is written once for every kind of number and of pose. [`PoseReader`] gives the parts of a pose, and [`Inputs::read`] puts the
-//! inputs of formulas together from them. A configuration gives them in numbers of any kind; series contain the velocities.
-//! Poses of many designs in lanes have their own, cheaper way. A slot that is not read remains NaN, so a formula that reads an
-//! undeclared slot has no value.
+//! This is written once for all number types and all kinds of poses. [`PoseReader`] gives the parts of a pose, and
+//! [`Inputs::read`] assembles the inputs of formulas from them. A configuration gives parts in any number type; series
+//! contain the velocities. Poses of many designs in lanes have a separate, cheaper reader. A slot that is not read remains
+//! NaN, so a formula that reads an undeclared slot has no value.
 
 use super::{Constants, DesignWheel, Inputs, Slot, Slots, Wheel};
 use crate::derive::DesignedSpinAxis;
@@ -11,7 +11,7 @@ use crate::mechanism::Configuration;
 use crate::model::{Mechanism, PointId, RockerId};
 use crate::number::{Real, Vector3};
 
-/// A part of a pose, with its derivative by the drive where that is known.
+/// A part of a pose, with its derivative by the drive if that is known.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moving<V> {
     pub(super) now: V,
@@ -24,7 +24,7 @@ impl<V> Moving<V> {
         Moving { now, rate: None }
     }
 
-    /// Stores value and derivative; if the derivative is not known, `rate` stays as it is.
+    /// Stores value and derivative. If the derivative is not known, `rate` does not change.
     #[inline(always)]
     pub(super) fn put(self, now: &mut V, rate: &mut V) {
         *now = self.now;
@@ -56,21 +56,21 @@ impl<T: Real> Moving<Vector3<T>> {
     }
 }
 
-/// A pose that parts can be read off.
+/// A pose from which parts can be read.
 pub(super) trait PoseReader<T: Real> {
-    /// The unit spin axis, outboard.
+    /// Unit vector along the spin axis, positive outboard.
     fn spin_axis(&mut self) -> Moving<Vector3<T>>;
     /// Present position of a point.
     fn point(&mut self, id: PointId) -> Moving<Vector3<T>>;
-    /// A point of the steering axis and a vector along it, upward; `None` if there is no steering axis, or if it is not
+    /// A point of the steering axis and an upward vector along it. `None` if there is no steering axis, or if it is not
     /// known.
     fn steering_axis(&mut self) -> Option<[Moving<Vector3<T>>; 2]>;
-    /// The angle of a rocker from its design position.
+    /// Angle of a rocker from its design position.
     fn rocker_angle(&mut self, id: RockerId) -> Moving<T>;
 }
 
 impl<T: Real> Inputs<T> {
-    /// Inputs with nothing read yet: every number is `nothing`, a NaN.
+    /// Inputs before any part is read: every number is `nothing`, a NaN.
     #[inline(always)]
     pub(super) fn unknown(nothing: T, constants: Constants) -> Self {
         let wheel = Wheel::filled(nothing);
@@ -146,7 +146,7 @@ impl<T: Real> Inputs<T> {
         }
     }
 
-    /// Reads the slots that depend on the design alone.
+    /// Reads the slots that depend only on the design.
     #[inline(always)]
     pub(super) fn read_design(
         &mut self,
@@ -173,8 +173,8 @@ impl<T: Real> Inputs<T> {
         }
     }
 
-    /// Reads these slots off a configuration without its rates. The rates, and everything that is not among the slots,
-    /// are NaN.
+    /// Reads these slots from a configuration without its rates. The rates, and everything that is not among the slots, are
+    /// NaN.
     #[inline]
     pub fn without_rates(at: &Configuration<T>, constants: Constants, slots: Slots) -> Self {
         let nothing = at.rack.constant(f64::NAN);
@@ -228,14 +228,14 @@ pub(super) struct ReadSet {
 }
 
 impl ReadSet {
-    /// The parts of a pose that these slots need.
+    /// Parts of a pose that these slots need.
     pub(super) fn by(mechanism: &Mechanism, slots: Slots) -> Self {
         let mut asked = ReadSet::default();
         Inputs::unknown(f64::NAN, Constants::default()).read(&mut asked, mechanism, slots);
         asked
     }
 
-    /// The rockers that these parts move with directly.
+    /// Rockers that directly move these parts.
     pub(super) fn rockers(&self, mechanism: &Mechanism) -> impl Iterator<Item = RockerId> {
         let points = self.points.iter();
         points
@@ -276,7 +276,7 @@ mod tests {
     use std::cell::Cell;
     use std::path::Path;
 
-    /// Each slot, requested alone, puts a number where formulas read it, in a suspension that has its part.
+    /// Each slot, requested alone, fills the number that formulas read for it, in a suspension with this part.
     #[test]
     fn every_slot_is_read_to_where_it_is_kept() {
         let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies");

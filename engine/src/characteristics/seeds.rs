@@ -1,4 +1,4 @@
-//! The seeds of an adjoint: how the inputs of formulas depend on a configuration.
+//! Seeds of an adjoint: derivatives of the inputs of formulas by a configuration.
 
 use super::Slot;
 use crate::derive::{Gradient, Seeds};
@@ -6,7 +6,7 @@ use crate::mechanism::Configuration;
 use crate::number::{Outlined, Real, Vector3};
 
 impl Slot {
-    /// Adds a seed for the part behind the slot. The slot of a rate seeds the part itself.
+    /// Adds a seed for the part of this slot. The slot of a rate seeds the part itself.
     #[inline(always)]
     pub(crate) fn push<T: Real, G: Gradient<T> + ?Sized>(
         self,
@@ -22,12 +22,13 @@ impl Slot {
         });
     }
 
-    /// Seeds y(u, u'), which is made of velocities, for the series of its derivatives by the hardpoints. `gradient` are
-    /// its derivatives slot by slot and `turn` is the angular velocity.
+    /// Seeds y(u, u'), which contains velocities, for the series of its derivatives by the hardpoints. `gradient` holds its
+    /// derivatives slot by slot, `turn` is the angular velocity.
     ///
     /// With h and g the derivatives of y by u and u', dy/dp = h.u_p + g.u_p'. An adjoint pass yields the series of S.u_p for
-    /// any seed series S; with S_i = h_(i-1) + (j+1-i) g_i its coefficient j+1 is the coefficient j of dy/dp:
-    /// sum_n h_(j-n) (u_p)_n + sum_n n g_(j+1-n) (u_p)_n. `shifted` makes its share of S of h, `by_rate` of g.
+    /// any seed series S. With the coefficients S_i = h_(i-1) + (j+1-i) g_i, its coefficient j+1 is the coefficient j of
+    /// dy/dp: sum_n h_(j-n) (u_p)_n + sum_n n g_(j+1-n) (u_p)_n. `shifted` computes the contribution of h to S, `by_rate`
+    /// that of g.
     #[inline(always)]
     pub(super) fn push_rates<V: Real, T: Real, G: Gradient<T> + ?Sized>(
         slots: &[Slot],
@@ -40,7 +41,7 @@ impl Slot {
     ) {
         for (slot, by) in slots.iter().zip(gradient) {
             if *slot == Slot::Turn {
-                // dw = d(turn)' + d(turn) x w, so g.dw has the part d(turn).(w x g).
+                // dw = d(turn)' + d(turn) x w, so g.dw contains d(turn).(w x g).
                 seeds.turn(shifted(turn.cross(*by)));
             }
             let seed = match slot.is_rate() {
@@ -52,7 +53,7 @@ impl Slot {
     }
 }
 
-/// Out of line, since it is large and called from many places.
+/// Work piece in a separate function, because it is large and called from many places.
 struct Pushing<'i, 'c, 's, 'a, T, G: ?Sized> {
     slot: Slot,
     seed: Vector3<T>,

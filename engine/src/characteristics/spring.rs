@@ -1,6 +1,6 @@
 //! Spring, rocker and anti-roll bar.
 //!
-//! l the length of spring or strut, s from its lower to its upper end, W the wheel centre; primes are
+//! l is the length of the spring or strut, s the vector from its lower to its upper end, W the wheel centre. Primes are
 //! derivatives by the drive.
 
 use super::{Need, Slot, Unit, formulas};
@@ -19,7 +19,7 @@ formulas! {
         needs: &[Need::Spring],
     } = |inputs| -(inputs.rate.spring_length / inputs.rate.centre.z);
 
-    /// Distance of the spring's ends.
+    /// Distance between the spring's ends.
     SpringLength {
         name: "spring_length",
         unit: Unit::Length,
@@ -30,7 +30,7 @@ formulas! {
         needs: &[Need::Spring],
     } = |inputs| inputs.now.spring_length;
 
-    /// Angle of the spring from the vertical. It has no derivatives where the spring is upright.
+    /// Angle of the spring from the vertical. It has no derivatives if the spring is vertical.
     SpringInclination {
         name: "spring_inclination",
         unit: Unit::Angle,
@@ -66,7 +66,7 @@ formulas! {
         needs: &[Need::AntiRollBar],
     } = |inputs| inputs.now.bar_angle;
 
-    /// Turn of the anti-roll bar's lever per wheel travel.
+    /// Rotation of the anti-roll bar's lever per wheel travel.
     AntiRollBarMotionRatio {
         name: "anti_roll_bar_motion_ratio",
         unit: Unit::AnglePerLength,

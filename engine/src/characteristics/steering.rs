@@ -1,7 +1,7 @@
 //! Position of the steering axis relative to the wheel.
 //!
-//! W is the wheel centre, C the contact point, G the point where the steering axis meets the ground plane through C, T the
-//! heading of the wheel in the ground plane, and O the outboard direction in the ground plane, normal to T.
+//! W is the wheel centre, C the contact point, and G the point where the steering axis meets the ground plane through C. T
+//! is the heading of the wheel in the ground plane, and O the outboard direction in the ground plane, normal to T.
 
 use super::{Inputs, Need, Slot, Unit, formulas};
 use crate::number::{Real, Vector3};
@@ -13,7 +13,7 @@ const GROUND: &[Slot] = &[
     Slot::SteeringDirection,
 ];
 
-/// G - C
+/// Vector G - C.
 #[inline(always)]
 fn contact_to_axis<T: Real>(inputs: &Inputs<T>) -> Vector3<T> {
     let contact = inputs.contact_point();

@@ -1,4 +1,4 @@
-//! Displacements against the design position.
+//! Displacements from the design position.
 
 use super::{Inputs, Need, Slot, Unit, formulas};
 use crate::number::{Real, Vector3};

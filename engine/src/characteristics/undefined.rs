@@ -1,4 +1,5 @@
-//! In words, where a characteristic has no value by its definition: the reason that a table gives for its empty cells.
+//! Conditions, in words, under which a characteristic has no value by its definition. Tables give them as reason for empty
+//! cells.
 
 use super::Characteristic;
 

@@ -4,34 +4,34 @@ use super::Constants;
 use crate::mechanism::Ground;
 use crate::number::{Dual, Jet, Real, Vector3};
 
-/// The parts of a wheel, a line each: [`Wheel`] with its fields, the names of these fields as data, and the slots that read
-/// them.
+/// Defines the parts of a wheel, one per line: [`Wheel`] with its fields, the names of these fields as data, and the slots
+/// that read them.
 macro_rules! wheel {
     (
         vectors { $($(#[$about_vector:meta])* $vector:ident: $Vector:ident [$($of_vector:ident),+];)* }
         numbers { $($(#[$about_number:meta])* $number:ident: $Number:ident [$($of_number:ident),+];)* }
     ) => {
-        /// Wheel and steering axis in one position, or their derivatives. A part that is not read is NaN.
+        /// Wheel and steering axis in one pose, or their derivatives. A part that is not read is NaN.
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct Wheel<T> {
             $($(#[$about_vector])* pub $vector: Vector3<T>,)*
             $($(#[$about_number])* pub $number: T,)*
         }
 
-        /// A part of a wheel that is a vector.
+        /// Part of a wheel that is a vector.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum VectorPart {
             $($(#[$about_vector])* $Vector,)*
         }
 
-        /// A part of a wheel that is a number.
+        /// Part of a wheel that is a number.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum NumberPart {
             $($(#[$about_number])* $Number,)*
         }
 
         impl VectorPart {
-            /// Every part that is a vector, in the order of the fields.
+            /// All parts that are vectors, in the order of the fields.
             pub(crate) const ALL: &'static [VectorPart] = &[$(VectorPart::$Vector),*];
 
             /// Slots that read the part: the part itself, then its rate if formulas read it.
@@ -43,7 +43,7 @@ macro_rules! wheel {
         }
 
         impl NumberPart {
-            /// Every part that is a number, in the order of the fields.
+            /// All parts that are numbers, in the order of the fields.
             pub(crate) const ALL: &'static [NumberPart] = &[$(NumberPart::$Number),*];
 
             /// Slots that read the part: the part itself, then its rate if formulas read it.
@@ -55,7 +55,7 @@ macro_rules! wheel {
         }
 
         impl<T> Wheel<T> {
-            /// The wheel with the parts that these functions return.
+            /// Makes the wheel from the parts that these functions return.
             #[inline(always)]
             pub(crate) fn of_parts(
                 vector: impl Fn(VectorPart) -> Vector3<T>,
@@ -69,7 +69,7 @@ macro_rules! wheel {
         }
 
         impl<T: Copy> Wheel<T> {
-            /// A part that is a vector.
+            /// Part that is a vector.
             #[inline(always)]
             pub(crate) fn vector(&self, part: VectorPart) -> Vector3<T> {
                 match part {
@@ -77,7 +77,7 @@ macro_rules! wheel {
                 }
             }
 
-            /// A part that is a number.
+            /// Part that is a number.
             #[inline(always)]
             pub(crate) fn number(&self, part: NumberPart) -> T {
                 match part {
@@ -85,7 +85,7 @@ macro_rules! wheel {
                 }
             }
 
-            /// The wheel over another kind of number. `f` takes vectors first, in the order of the fields.
+            /// Converts the wheel to another number type. `f` gets vectors first, in the order of the fields.
             #[inline(always)]
             pub fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Wheel<U> {
                 Wheel {
@@ -94,7 +94,7 @@ macro_rules! wheel {
                 }
             }
 
-            /// The wheel of each number and its partner in another wheel.
+            /// Combines each number with the same number of another wheel.
             #[inline(always)]
             pub(crate) fn zip<U: Copy, V: Copy>(
                 &self,
@@ -114,7 +114,7 @@ wheel! {
     vectors {
         /// Wheel centre.
         centre: Centre [Centre, CentreRate];
-        /// Unit vector along the spin axis, outboard.
+        /// Unit vector along the spin axis, positive outboard.
         spin_axis: SpinAxis [SpinAxis, SpinAxisRate];
         /// A point of the steering axis.
         steering_point: SteeringPoint [SteeringPoint];
@@ -122,7 +122,7 @@ wheel! {
         steering_direction: SteeringDirection [SteeringDirection, SteeringDirectionRate];
         /// Vector from the lower end of the spring or strut to its upper end.
         spring: Spring [Spring];
-        /// The upper of the two knuckle points that give a strut its axis.
+        /// Upper of the two knuckle points that give a strut its axis.
         strut_upper: StrutUpper [StrutUpper];
         /// End of the heave spring on the rocker.
         heave_spring: HeaveSpring [HeaveSpring];
@@ -137,10 +137,10 @@ wheel! {
     }
 }
 
-/// The wheel in the design position. A part that is not read is NaN.
+/// Wheel in the design position. A part that is not read is NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DesignWheel<T> {
-    /// Unit vector along the spin axis, outboard.
+    /// Unit vector along the spin axis, positive outboard.
     pub spin_axis: Vector3<T>,
     /// Wheel centre.
     pub centre: Vector3<T>,
@@ -163,7 +163,7 @@ impl<T: Copy> DesignWheel<T> {
         }
     }
 
-    /// The contact point on level ground.
+    /// Contact point on level ground.
     #[inline(always)]
     pub(super) fn contact_point(&self, radius: f64) -> Vector3<T>
     where
@@ -172,7 +172,7 @@ impl<T: Copy> DesignWheel<T> {
         self.centre + Ground::level(self.spin_axis.x).contact_lever(self.spin_axis, radius)
     }
 
-    /// The design wheel over another kind of number. `f` takes the numbers in the order of the fields.
+    /// Converts the design wheel to another number type. `f` gets the numbers in the order of the fields.
     #[inline(always)]
     pub fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> DesignWheel<U> {
         DesignWheel {
@@ -184,33 +184,33 @@ impl<T: Copy> DesignWheel<T> {
     }
 }
 
-/// Everything a formula may read.
+/// All possible inputs of a formula.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inputs<T> {
-    /// The wheel in the present pose.
+    /// Wheel in the present pose.
     pub now: Wheel<T>,
     /// Derivatives of `now` by the drive.
     pub rate: Wheel<T>,
     /// Angular velocity of the knuckle by the drive.
     pub turn: Vector3<T>,
-    /// The wheel in the design position.
+    /// Wheel in the design position.
     pub design: DesignWheel<T>,
-    /// Figures of the study.
+    /// Data of the study.
     pub constants: Constants,
 }
 
-/// The slots, one per line: kind (vector or number) and place in [`Inputs`].
+/// Defines the slots, one per line: kind (vector or number) and place in [`Inputs`].
 macro_rules! slots {
     ($($slot:ident: $kind:ident $($place:ident).+;)*) => {
-        /// A part of [`Inputs`] that a formula may read; a number is its first component. The plan computes the parts behind the slots
-        /// in use, and sensitivities are seeded slot by slot.
+        /// A part of [`Inputs`] that a formula may read. A slot that is a number uses the first component of a vector. The
+        /// plan computes only the parts of slots that are read, and sensitivities are seeded slot by slot.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Slot {
             $(#[doc = concat!("`", stringify!($($place).+), "`, a ", stringify!($kind))] $slot,)*
         }
 
         impl Slot {
-            /// Every slot.
+            /// All slots.
             pub const ALL: &'static [Slot] = &[$(Slot::$slot),*];
 
             /// Copies this input from `from` to `to`, converted by `f`.
@@ -221,7 +221,8 @@ macro_rules! slots {
                 }
             }
 
-            /// Makes this slot of `inputs` the independent variables, with the derivative `by_itself` = 1; 0 makes them constants again.
+            /// Makes this slot of `inputs` the independent variables, with the derivative `by_itself` = 1. With 0 they
+            /// become constants again.
             #[inline]
             pub(super) fn seed<T: Real>(self, inputs: &mut Inputs<Dual<T, 3>>, by_itself: T) {
                 match self {
@@ -269,7 +270,7 @@ slots! {
 pub struct Slots(u32);
 
 impl Slots {
-    /// Every slot.
+    /// All slots.
     pub const ALL: Slots = Slots(u32::MAX);
 
     /// Returns true if the set contains a slot.
@@ -316,7 +317,7 @@ impl Slots {
 }
 
 impl Slot {
-    /// The most slots one formula may read.
+    /// Largest number of slots that one formula may read.
     pub const MOST: usize = 4;
 
     /// Returns true if the slot is a velocity.
@@ -348,7 +349,7 @@ impl Slot {
 }
 
 impl<T: Real> Wheel<T> {
-    /// The wheel with the same number in every place.
+    /// Makes a wheel with the same number in every place.
     #[inline(always)]
     pub(super) fn filled(number: T) -> Self {
         let vector = Vector3::new(number, number, number);
@@ -367,20 +368,19 @@ impl<T: Real> Wheel<T> {
         Ground::level(self.spin_axis.x).contact_lever(self.spin_axis, radius)
     }
 
-    /// The contact point C.
+    /// Contact point C.
     #[inline(always)]
     pub(super) fn contact_point(&self, radius: f64) -> Vector3<T> {
         self.centre + self.contact_lever(radius)
     }
 
-    /// Unit vectors in the ground plane: the heading of the wheel and the direction outboard, normal
-    /// to it.
+    /// Unit vectors in the ground plane: the heading of the wheel, and the outboard direction normal to it.
     #[inline(always)]
     pub(super) fn heading_and_outboard(&self) -> (Vector3<T>, Vector3<T>) {
         Wheel::heading_and_outboard_of(self.spin_axis)
     }
 
-    /// The same of a wheel with this spin axis.
+    /// The same vectors for a wheel with this spin axis.
     #[inline(always)]
     pub(crate) fn heading_and_outboard_of(a: Vector3<T>) -> (Vector3<T>, Vector3<T>) {
         let zero = a.x.zero();
@@ -391,7 +391,7 @@ impl<T: Real> Wheel<T> {
         )
     }
 
-    /// The point of the steering axis at this height.
+    /// Point of the steering axis at this height.
     #[inline(always)]
     pub(super) fn steering_axis_at(&self, height: T) -> Vector3<T> {
         let (point, along) = (self.steering_point, self.steering_direction);
@@ -400,7 +400,7 @@ impl<T: Real> Wheel<T> {
 }
 
 impl<T: Real> Inputs<T> {
-    /// These slots over another kind of number. Everything else is `nothing`, a NaN.
+    /// Converts only these slots to another number type. Everything else is `nothing`, a NaN.
     #[inline(always)]
     pub(super) fn only<U: Real>(
         &self,
@@ -415,7 +415,7 @@ impl<T: Real> Inputs<T> {
         inputs
     }
 
-    /// The inputs over another kind of number.
+    /// Converts the inputs to another number type.
     #[inline]
     pub fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Inputs<U> {
         Inputs {
@@ -427,14 +427,13 @@ impl<T: Real> Inputs<T> {
         }
     }
 
-    /// The contact point in the present pose.
+    /// Contact point in the present pose.
     #[inline(always)]
     pub(super) fn contact_point(&self) -> Vector3<T> {
         self.now.contact_point(self.constants.wheel_radius)
     }
 
-    /// Velocity of the knuckle-fixed point that is at the contact point now: the wheel is taken as
-    /// locked to the knuckle.
+    /// Velocity of the knuckle-fixed point that is at the contact point now. The wheel is treated as locked to the knuckle.
     #[inline(always)]
     pub(super) fn contact_velocity(&self) -> Vector3<T> {
         let lever = self.now.contact_lever(self.constants.wheel_radius);

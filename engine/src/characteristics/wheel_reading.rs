@@ -1,4 +1,4 @@
-//! Reads values along the motion and gradients by the hardpoints off a pose.
+//! Reads values along the motion, and gradients by the hardpoints, from a pose.
 
 use super::{Characteristic, Constants, Gradient, Inputs, Quantity, Slot, Slots};
 use crate::derive::{Linearised, Seeds};
@@ -6,12 +6,12 @@ use crate::mechanism::Configuration;
 use crate::model::{Axis, PointId};
 use crate::number::{Jet, Real, Vector3, array_of};
 
-/// A pose, made ready for reading. `N` coefficients of every series are known.
+/// A pose, prepared for reading. Each series has `N` coefficients.
 pub struct WheelReading<const N: usize> {
     inputs: Inputs<Jet<f64, N>>,
 }
 
-/// The vector with this one component.
+/// Vector with only this component.
 #[inline]
 fn along<T: Real>(axis: Axis, value: T) -> Vector3<T> {
     let zero = value.zero();
@@ -21,7 +21,7 @@ fn along<T: Real>(axis: Axis, value: T) -> Vector3<T> {
 }
 
 impl<const N: usize> WheelReading<N> {
-    /// Reads wheel and steering axis off a configuration. `constants` are those of the suspension.
+    /// Reads wheel and steering axis from a configuration. `constants` are those of the suspension.
     #[inline]
     pub fn of(at: &Configuration<Jet<f64, N>>, constants: Constants) -> Self {
         WheelReading::reading(at, constants, Slots::ALL)
@@ -40,7 +40,7 @@ impl<const N: usize> WheelReading<N> {
         WheelReading { inputs }
     }
 
-    /// The value along the motion; the last [`Quantity::rate_order`] coefficients are unknown.
+    /// Value along the motion. The last [`Quantity::rate_order`] coefficients are unknown.
     #[inline]
     pub fn value(&self, at: &Configuration<Jet<f64, N>>, quantity: Quantity) -> Jet<f64, N> {
         match quantity {
@@ -50,25 +50,24 @@ impl<const N: usize> WheelReading<N> {
         }
     }
 
-    /// The inputs of formulas.
+    /// Inputs of formulas.
     pub(super) fn inputs(&self) -> &Inputs<Jet<f64, N>> {
         &self.inputs
     }
 
-    /// The contact point along the series; takes [`Slot::SpinAxis`] and [`Slot::Centre`].
+    /// Contact point along the series. [`Slot::SpinAxis`] and [`Slot::Centre`] must have been read.
     pub fn contact_point(&self) -> Vector3<Jet<f64, N>> {
         self.inputs.contact_point()
     }
 
-    /// The value of a characteristic along the motion, with as many unknown coefficients.
+    /// Value of a characteristic along the motion. Its last coefficients are unknown if it contains velocities.
     #[inline]
     pub fn characteristic(&self, c: Characteristic) -> Jet<f64, N> {
         c.evaluate(&self.inputs)
     }
 
-    /// The derivatives of a quantity, and of its derivatives by the drive up to `highest`, by every
-    /// hardpoint coordinate. `buffer` has a place for each point; `receive` gets every order and point
-    /// with the gradient.
+    /// Derivatives of a quantity, and of its derivatives by the drive up to `highest`, by every hardpoint coordinate.
+    /// `buffer` has a place for each point. `receive` gets every order and point with the gradient.
     #[inline]
     pub fn gradients(
         &self,
@@ -105,7 +104,7 @@ impl<const N: usize> WheelReading<N> {
         }
     }
 
-    /// Gradients of a quantity made of velocities, from its derivatives by the inputs that it reads.
+    /// Gradients of a quantity that contains velocities, from its derivatives by the inputs that it reads.
     fn rate_gradients(
         &self,
         linearised: &Linearised<'_, N>,
@@ -126,7 +125,7 @@ impl<const N: usize> WheelReading<N> {
                 let by_rate = |g: Vector3<_>| g.map(by_rate);
                 Slot::push_rates(slots, &gradient, turn, shifted, by_rate, at, seeds);
             });
-            // Coefficient j+1 of the series, as the j-th derivative of the quantity: times j!.
+            // Coefficient j+1 of the series gives the j-th derivative of the quantity, after multiplication by j!.
             let share = 1.0 / (order + 1) as f64;
             for (point, series) in buffer.iter().enumerate() {
                 let gradient = series.map(|c| c.derivative(order + 1) * share);

@@ -1,13 +1,13 @@
-//! Small matrices, and the rotation of a body kept as its difference from the identity.
+//! Small matrices, and rotations kept as their differences from the identity.
 //!
-//! With D = R - I a rotation near the identity keeps all digits: a point at the lever l moves by u + D l (1).
-//! A small turn w takes D to
+//! The difference D = R - I keeps all digits of a rotation near the identity. A point at the lever l moves by u + D l (1). A
+//! small rotation w takes D to
 //!
 //! ```text
 //! D + E + E D,   E = (2 r^ + 2 r^ r^)/(1 + r.r),   r = w/2                                       (2)
 //! ```
 //!
-//! (r^ is the cross-product matrix of r). E is a rotation less the identity, exactly, and equals w^ to first order, so
+//! (r^ is the cross-product matrix of r). E is exactly a rotation less the identity, and equals w^ to first order. So
 //! Newton's method converges quadratically with it. The rotation vector follows from the parts of R,
 //!
 //! ```text
@@ -16,11 +16,11 @@
 
 use crate::number::{Dual, Matrix3, Real, Scalar, Vector3};
 
-/// Below this square of the sine the ratio of angle and sine is a power series: it has a derivative at 0, and its
-/// last term is below 1e-17.
+/// Squared sine below which a power series gives the ratio of angle and sine. The series has a derivative at 0, and its last
+/// term is below 1e-17.
 const SMALL_SINE_SQUARED: f64 = 1e-3;
 
-/// The three components of the cross products v x e_k, as columns.
+/// Cross products v x e_k with the three unit vectors, as columns.
 #[inline]
 pub(super) fn cross_matrix<T: Real>(v: Vector3<T>) -> Matrix3<T> {
     let zero = v.x.zero();
@@ -33,9 +33,9 @@ pub(super) fn cross_matrix<T: Real>(v: Vector3<T>) -> Matrix3<T> {
     }
 }
 
-/// Arithmetic of matrices that are no rotations.
+/// Arithmetic of general matrices.
 impl<T: Real> Matrix3<T> {
-    /// The null matrix, in the shape of `like`.
+    /// Null matrix, with the number type of `like`.
     #[inline]
     pub(super) fn null(like: T) -> Self {
         let zero = like.zero();
@@ -72,13 +72,13 @@ impl<T: Real> Matrix3<T> {
         }
     }
 
-    /// The matrix times the cross-product matrix of a vector: M v^.
+    /// Product M v^ of the matrix and the cross-product matrix of a vector.
     #[inline]
     pub(super) fn times_cross(&self, v: Vector3<T>) -> Self {
         self.times(&cross_matrix(v))
     }
 
-    /// The cross-product matrix of a vector times the matrix: v^ M.
+    /// Product v^ M of the cross-product matrix of a vector and the matrix.
     #[inline]
     pub(super) fn crossed_by(&self, v: Vector3<T>) -> Self {
         let [a, b, c] = self.columns;
@@ -114,24 +114,24 @@ impl<T: Real> Matrix3<T> {
         z.z = z.z + factor;
     }
 
-    /// The entry of a row and a column.
+    /// Entry in a row and a column.
     #[inline]
     pub(super) fn entry(&self, row: usize, column: usize) -> T {
         self.columns[column].to_array()[row]
     }
 }
 
-/// Position of a rigid body: its difference from the design position.
+/// Position of a rigid body, as its difference from the design position.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placed<T> {
-    /// Displacement of its reference point.
+    /// Displacement of the reference point.
     pub(super) shift: Vector3<T>,
-    /// D = R - I.
+    /// Rotation as D = R - I.
     pub(super) turn: Matrix3<T>,
 }
 
 impl<T: Real> Placed<T> {
-    /// The design position.
+    /// Returns the design position.
     #[inline]
     pub(super) fn design(like: T) -> Self {
         let turn = Matrix3::null(like);
@@ -141,19 +141,19 @@ impl<T: Real> Placed<T> {
         }
     }
 
-    /// Displacement of the point at this lever from the reference point in the design position. Equation (1).
+    /// Displacement of a point by equation (1). `lever` goes from the reference point to that point in the design position.
     #[inline]
     pub(super) fn displacement(&self, lever: Vector3<T>) -> Vector3<T> {
         self.shift + self.turn.apply(lever)
     }
 
-    /// Present vector from the reference point to the point at this lever.
+    /// Present vector from the reference point to a point, from that vector in the design position.
     #[inline]
     pub(super) fn lever(&self, lever: Vector3<T>) -> Vector3<T> {
         lever + self.turn.apply(lever)
     }
 
-    /// The body moved by a shift of its reference point and a small turn.
+    /// Moves the body by a shift of its reference point and a small rotation.
     #[inline]
     pub(super) fn moved(&self, shift: Vector3<T>, turn: Vector3<T>) -> Self {
         Placed {
@@ -162,7 +162,7 @@ impl<T: Real> Placed<T> {
         }
     }
 
-    /// The rotation R.
+    /// Rotation R.
     #[inline]
     pub(super) fn rotation(&self) -> Matrix3<T> {
         let mut rotation = self.turn;
@@ -170,7 +170,7 @@ impl<T: Real> Placed<T> {
         rotation
     }
 
-    /// The body over another kind of number.
+    /// Converts the position to another kind of number.
     #[inline]
     pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Placed<U> {
         Placed {
@@ -180,7 +180,7 @@ impl<T: Real> Placed<T> {
     }
 }
 
-/// Equation (2).
+/// Adds a small rotation by equation (2).
 #[inline]
 fn turned<T: Real>(difference: &Matrix3<T>, turn: Vector3<T>) -> Matrix3<T> {
     let half = turn * turn.x.constant(0.5);
@@ -202,7 +202,7 @@ fn turned<T: Real>(difference: &Matrix3<T>, turn: Vector3<T>) -> Matrix3<T> {
     }
 }
 
-/// Sine, cosine and rotation vector of a rotation, from its difference from the identity. Equation (3).
+/// Sine, cosine and rotation vector of a rotation, from its difference from the identity by equation (3).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Logarithm<T> {
     pub(super) vector: Vector3<T>,
@@ -225,11 +225,11 @@ impl<T: Scalar> Logarithm<T> {
     }
 }
 
-/// t/sin t, from the square of the sine and the cosine.
+/// Ratio t/sin t, from the square of the sine and the cosine.
 #[inline]
 pub(super) fn angle_by_sine<T: Scalar>(squared: T, cosine: T) -> T {
     if squared.value() < SMALL_SINE_SQUARED && cosine.value() > 0.0 {
-        // asin(s)/s
+        // Series of asin(s)/s.
         let coefficients = [
             63.0 / 2816.0,
             35.0 / 1152.0,
@@ -269,12 +269,12 @@ pub(super) fn second_order<T: Real, const N: usize>(
 mod tests {
     use super::*;
 
-    /// A body turned in many small steps keeps its axis and angle, and the logarithm returns them.
+    /// A body keeps its axis and angle through many small rotations, and the logarithm returns them.
     #[test]
     fn the_logarithm_inverts_turns() {
         for angle in [1e-9, 1e-3, 0.031, 0.032, 0.4, 1.9, 3.0] {
             let axis = Vector3::new(2.0, -1.0, 2.0) * (1.0 / 3.0);
-            // Two turns by Cayley's vector make the angle.
+            // Two rotations by Cayley's vector give the angle.
             let step = axis * (2.0 * (angle / 4.0_f64).tan());
             let body = Placed::design(0.0)
                 .moved(axis.zero(), step)

@@ -1,4 +1,4 @@
-//! The system of one design: elastic parts at their hardpoints.
+//! Builder for the system of one design: elastic parts at their hardpoints.
 
 mod seats;
 
@@ -15,34 +15,34 @@ use crate::derive::DesignedSpinAxis;
 use crate::model::{Arm, Body, Constraint, Mechanism, PointId};
 use crate::number::{Matrix3, Scalar, Vector3};
 
-/// Place of one of the definition's bushings in the system.
+/// Location of one of the definition's bushings in the system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum BushingPlace {
-    /// An end of a part with inner unknowns.
+    /// End of a part with inner unknowns.
     Limb {
-        /// Number of the part.
+        /// Index of the part.
         limb: usize,
-        /// Number of the end.
+        /// Index of the end.
         end: usize,
     },
-    /// The top mount of the strut.
+    /// Top mount of the strut.
     Mount(usize),
-    /// Between body and carrier.
+    /// Connection of body and carrier.
     Carrier(usize),
-    /// Between body and subframe.
+    /// Connection of body and subframe.
     Subframe(usize),
 }
 
-/// Place of one of the definition's links in the system.
+/// Location of one of the definition's links in the system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LinkPlace {
-    /// A rod of the carrier's.
+    /// Rod of the carrier.
     Rod(usize),
-    /// The rod of the rocker at the spring's seat.
+    /// Rod of the rocker at the spring's seat.
     RockerRod,
 }
 
-/// A system with the places of the study's parts in it.
+/// System, with the locations of the study's parts in it.
 #[derive(Clone, Debug)]
 pub(super) struct Built<T> {
     pub(super) system: System<T>,
@@ -52,7 +52,7 @@ pub(super) struct Built<T> {
     pub(super) names: Vec<String>,
 }
 
-/// Parts of an axle that a wheel's parts meet.
+/// Parts of an axle to which a wheel's parts connect.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OfAxle<'a, T> {
     pub(super) subframe: Option<&'a Subframe<T>>,
@@ -60,7 +60,7 @@ pub(super) struct OfAxle<'a, T> {
     pub(super) bar_rate: Option<T>,
 }
 
-/// Builds a system step by step.
+/// Builder that assembles a system step by step.
 struct Builder<'a, T> {
     mechanism: &'a Mechanism,
     design: &'a [Vector3<T>],
@@ -70,18 +70,18 @@ struct Builder<'a, T> {
     bushings: Vec<Option<BushingPlace>>,
     links: Vec<Option<LinkPlace>>,
     names: Vec<String>,
-    /// Constraints that elastic parts take the place of.
+    /// True for each constraint that elastic parts replace.
     replaced: Vec<bool>,
 }
 
-/// An arm with a bushing, or the joints of an arm: (front, rear), in that order.
+/// Front and rear point of an arm, in this order.
 fn ends(arm: &Arm) -> [PointId; 2] {
     [arm.front, arm.rear]
 }
 
 impl<T: Scalar> Built<T> {
-    /// The elastic suspension of a design. The mechanism has the joints that the definition expects of it
-    /// (`study::compliance` sees to that).
+    /// Builds the elastic suspension of a design. `study::compliance` ensures that the mechanism has the joints that the
+    /// definition expects.
     pub(super) fn of(
         mechanism: &Mechanism,
         design: &[Vector3<T>],
@@ -136,12 +136,12 @@ impl<T: Scalar> Builder<'_, T> {
         self.design[id.0]
     }
 
-    /// A point, from the carrier's reference point.
+    /// Vector from the carrier's reference point to a point.
     fn on_carrier(&self, id: PointId) -> Vector3<T> {
         self.at(id) - self.at(self.mechanism.origin)
     }
 
-    /// The body that holds a point of the vehicle.
+    /// Body that holds a point of the vehicle.
     fn holder(&self, id: PointId) -> Holder {
         match self.of_axle.subframe {
             Some(subframe) if subframe.carries.contains(&id) => Holder::Subframe,
@@ -169,8 +169,8 @@ impl<T: Scalar> Builder<'_, T> {
         Vector3::new(zero, zero, zero.one())
     }
 
-    /// Axes as columns: x as given or along the default, z the part of the vertical or of the given direction that is
-    /// normal to it.
+    /// Axes as columns. x is the given axis or `default`. z is the part of the given axis, or of the vertical, that is
+    /// normal to x.
     fn axes(&self, number: usize, default: Vector3<T>) -> Matrix3<T> {
         let part = &self.compliance.bushings[number];
         axes_of(
@@ -184,7 +184,7 @@ impl<T: Scalar> Builder<'_, T> {
         bushing(&part.shapes, &part.preload, axes)
     }
 
-    /// Arms with a bushing. Returns the limb of each arm.
+    /// Builds the arms with a bushing. Returns the limb of each arm.
     fn arms(&mut self) -> Vec<Option<usize>> {
         let arms = self.mechanism.arms.clone();
         let hinged = self
@@ -233,7 +233,7 @@ impl<T: Scalar> Builder<'_, T> {
         limbs
     }
 
-    /// An end of a part whose reference point is the joint `outer`. A ball joint becomes a rigid rod besides.
+    /// Makes an end of a part whose reference point is the joint `outer`. A ball joint also becomes a rigid rod.
     fn end(&mut self, id: PointId, outer: PointId, bushing: Option<Bushing<T>>) -> End<T> {
         let lever = self.at(id) - self.at(outer);
         if bushing.is_none() {
@@ -263,7 +263,7 @@ impl<T: Scalar> Builder<'_, T> {
                 Constraint::StrutLine { top, lower, upper } => self.strut(top, lower, upper),
                 Constraint::Revolute { first, second } => self.hinge(first, second),
                 Constraint::BallJoint { at } => self.ball_joint(at),
-                // Studies refuse elastic parts of these.
+                // Studies refuse elastic parts at these constraints.
                 Constraint::AxleTravel { .. }
                 | Constraint::Mount { .. }
                 | Constraint::ArmJoint { .. } => {}
@@ -281,7 +281,7 @@ impl<T: Scalar> Builder<'_, T> {
         let slope = rates
             .flat_map(|number| self.compliance.bushings[number].shapes.iter().take(3))
             .fold(along.x.zero(), |sum, shape| sum + shape.slope(along.x));
-        // Any stiffness about the link's line does: nothing turns it.
+        // Nothing turns the link about its own line, so any stiffness there will do.
         let spin = along * slope.constant(slope.value().sqrt().max(1.0));
         match (at_inner, at_outer) {
             (None, None) => self.rod(inner, outer, along),
@@ -358,7 +358,7 @@ impl<T: Scalar> Builder<'_, T> {
             }
             Some(number) => {
                 self.bushings[number] = Some(BushingPlace::Mount(self.system.limbs.len()));
-                // z up the strut, x forward.
+                // z is up the strut, and x is forward.
                 let part = &self.compliance.bushings[number];
                 let one = along.x.one();
                 let forward = Vector3::new(one, one.zero(), one.zero());
@@ -381,7 +381,7 @@ impl<T: Scalar> Builder<'_, T> {
         }
     }
 
-    /// A ball joint of the carrier at the body. It is rigid: it has no place for a bushing.
+    /// Builds a ball joint between carrier and body. It is rigid and has no place for a bushing.
     fn ball_joint(&mut self, at: PointId) {
         let lever = self.on_carrier(at);
         let (one, zero) = (lever.x.one(), lever.x.zero());
@@ -413,7 +413,7 @@ impl<T: Scalar> Builder<'_, T> {
                     self.system.bushings.push(CarrierBushing { lever, bushing });
                     self.system.holders.bushings.push(self.holder(id));
                 }
-                // Two rigid joints on one line: the second one may not hold along it again.
+                // If both joints of the line are rigid, the second one must not hold along the line again.
                 None if numbers == [None, None] && k == 1 => {
                     for direction in normals(along) {
                         self.push_joint(Joint::Pin { lever, direction }, self.holder(id));
@@ -429,7 +429,7 @@ impl<T: Scalar> Builder<'_, T> {
     }
 }
 
-/// Axes as columns: x along the first direction, z the part of the second that is normal to it.
+/// Axes as columns: x along the first direction, z along the part of the second that is normal to it.
 fn axes_of<T: Scalar>(x: Vector3<T>, z: Vector3<T>) -> Matrix3<T> {
     let x = x.normalised();
     let z = z.across(x).normalised();
@@ -445,7 +445,7 @@ fn bushing<T: Scalar>(shapes: &[Shape<T>; 6], preload: &[T; 6], axes: Matrix3<T>
     }
 }
 
-/// The axial stiffness of a link of this length.
+/// Axial stiffness of a link with this vector between its ends.
 fn rate<T: Scalar>(stiffness: &AxialStiffness<T>, along: Vector3<T>) -> T {
     match stiffness {
         AxialStiffness::Rate(rate) => *rate,

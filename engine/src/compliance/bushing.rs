@@ -1,7 +1,7 @@
-//! A bushing between two bodies.
+//! Bushing between two bodies.
 //!
-//! Body j moves in the frame of body i, which holds the bushing's axes A (rows). With p the bushing's point on either
-//! body, R_i and R_j their rotations and e = p_j - p_i,
+//! Body j moves in the frame of body i, which holds the bushing's axes A (rows). With the bushing's point p_i or p_j on each
+//! body, the rotations R_i and R_j of the bodies and e = p_j - p_i,
 //!
 //! ```text
 //! d = A R_i' e,   phi = A log(R_i' R_j)                                                           (1)
@@ -15,7 +15,7 @@
 //! c = 1/t^2 - (1 + cos t)/(2 t sin t),   t = |phi|                                                (4)
 //! ```
 //!
-//! for small turns w_i, w_j: F and M are what acts on body i, at p_j. They change by
+//! for small rotations w_i and w_j. The force F and the torque M act on body i, at p_j. They change by
 //!
 //! ```text
 //! dF = w_i x F + B K B' (dp_j - dp_i - w_i x e),   dM = w_i x M + B N B' (w_j - w_i)              (5)
@@ -26,9 +26,9 @@ use super::algebra::Logarithm;
 use super::law::Law;
 use crate::number::{Matrix3, Scalar, Vector3};
 
-/// Squared angle below which c and its slope are power series.
+/// Squared angle below which power series give c and its slope.
 const SMALL_ANGLE_SQUARED: f64 = 0.25;
-/// Coefficients of c in t^2: |B_2k|/(2k)!, from the highest.
+/// Coefficients |B_2k|/(2k)! of c in powers of t^2, from the highest.
 const SERIES: [f64; 7] = [
     1.0 / 74_724_249_600.0,
     691.0 / 1_307_674_368_000.0,
@@ -39,12 +39,12 @@ const SERIES: [f64; 7] = [
     1.0 / 12.0,
 ];
 
-/// A bushing in the design position.
+/// Bushing in the design position.
 #[derive(Clone, Debug)]
 pub(super) struct Bushing<T> {
-    /// A', its axes as columns.
+    /// Axes of the bushing as columns, A'.
     pub(super) axes: Matrix3<T>,
-    /// Laws along and about its axes.
+    /// Laws along and about the bushing's axes.
     pub(super) laws: [Law<T>; 6],
 }
 
@@ -53,13 +53,13 @@ pub(super) struct Bushing<T> {
 pub(super) struct BushingState<T> {
     pub(super) deflection: Vector3<T>,
     pub(super) rotation: Vector3<T>,
-    /// f: on body i. The force on body j is its negative.
+    /// Force f on body i. Body j receives the opposite force.
     pub(super) force: Vector3<T>,
-    /// h: on body i. The torque on body j is its negative.
+    /// Torque h on body i. Body j receives the opposite torque.
     pub(super) torque: Vector3<T>,
 }
 
-/// F and M of equation (2) with B K B' and B N B' of equation (5).
+/// Force F and torque M of equation (2), with their tangents B K B' and B N B' of equation (5).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BushingForce<T> {
     pub(super) force: Vector3<T>,
@@ -68,7 +68,7 @@ pub(super) struct BushingForce<T> {
     pub(super) by_turn: Matrix3<T>,
 }
 
-/// c of equation (4) and its derivative by t divided by t.
+/// Coefficient c of equation (4), and its derivative by t divided by t.
 #[inline]
 fn coefficient<T: Scalar>(rotation: &Logarithm<T>) -> (T, T) {
     let square = rotation.vector.norm_squared();
@@ -82,7 +82,7 @@ fn coefficient<T: Scalar>(rotation: &Logarithm<T>) -> (T, T) {
         return (value, slope + slope);
     }
     let inverse = one / square;
-    // cot(t/2)/(2t): sine and angle are parallel vectors.
+    // This is cot(t/2)/(2t), since the vectors of sine and angle are parallel.
     let sine_by_angle = rotation.sine.dot(rotation.vector);
     let cotangent = (one + rotation.cosine) / (sine_by_angle + sine_by_angle);
     let half = one.constant(0.5);
@@ -92,7 +92,7 @@ fn coefficient<T: Scalar>(rotation: &Logarithm<T>) -> (T, T) {
 }
 
 impl<T: Scalar> Bushing<T> {
-    /// Deflection and force, from e in the axes of body i and R_i' R_j - I.
+    /// Deflection and force, from e in the axes of body i and from R_i' R_j - I.
     #[inline]
     pub(super) fn state(&self, e: Vector3<T>, turn: &Matrix3<T>) -> BushingState<T> {
         let rotation = Logarithm::of(turn);
@@ -130,7 +130,7 @@ impl<T: Scalar> Bushing<T> {
         (Vector3::new(x.0, y.0, z.0), Vector3::new(x.1, y.1, z.1))
     }
 
-    /// Forces and tangents. `e` in the axes of the vehicle; `body` has R_i, and is `None` for a body at rest.
+    /// Forces and tangents. `e` is in the axes of the vehicle. `body` is R_i, and `None` for a body at rest.
     #[inline]
     pub(super) fn force(
         &self,
@@ -153,7 +153,7 @@ impl<T: Scalar> Bushing<T> {
         let (g, rates) = self.torques(phi);
         let (once, half) = (phi.cross(g), c.constant(0.5));
         let twice = phi.cross(once);
-        // N of equation (6), column by column: the turns about the bushing's axes.
+        // Columns of N in equation (6), one for each rotation about an axis of the bushing.
         let one = c.one();
         let zero = c.zero();
         let units = [
@@ -180,7 +180,7 @@ impl<T: Scalar> Bushing<T> {
         }
     }
 
-    /// The stiffness without deflection and torsion, for the forces at the design load.
+    /// Stiffness without deflection and torsion, for the forces at the design load.
     pub(super) fn slack(&self) -> BushingForce<T> {
         let like = self.axes.columns[0].x;
         let nothing = Matrix3::null(like);
@@ -228,8 +228,8 @@ mod tests {
         Bushing { axes, laws }
     }
 
-    /// The tangents are the derivatives of force and moment by small turns, for angles on both sides of the change of
-    /// formula. They are symmetric up to the moment, as those of an energy.
+    /// The tangents equal the derivatives of force and moment by small rotations, on both sides of the change of formula. Up
+    /// to the moment, they are symmetric, as for an energy.
     #[test]
     fn tangents_are_derivatives() {
         for angle in [0.0, 0.1, 0.4999, 0.5001, 1.3] {
@@ -255,7 +255,7 @@ mod tests {
                     );
                 }
             }
-            // N - N' = -M^ of a gradient by turns about fixed axes.
+            // For the gradient by rotations about fixed axes, N - N' = -M^.
             let (m, n) = (found.moment.map(|c| c.value), found.by_turn);
             let skew = [
                 n.entry(2, 1).value - n.entry(1, 2).value,

@@ -1,18 +1,18 @@
 //! Characteristics of the wheel in an equilibrium, and their derivatives by wheel travel along it.
 //!
-//! The formulas are those of the catalogue. A velocity is the rate of the equilibrium along wheel travel, with the rack
-//! where it is and without horizontal loads.
+//! The formulas are those of the catalogue. A velocity is the derivative of the equilibrium by wheel travel, with the rack
+//! held and without horizontal loads.
 
 use super::derivatives::Tangent;
 use super::wheel::{Change, ElasticWheel, Equilibrium};
 use crate::characteristics::{Characteristic, Inputs};
 use crate::number::{Dual, Jet, Scalar};
 
-/// Quantities of the rigid mechanism that have a counterpart in equilibrium, in words.
+/// Counterparts in equilibrium of some quantities of the rigid mechanism, in words.
 const INSTEAD: &str = "with [compliance] ask jacking_by_lateral_force, jacking_by_braking, compliant_wheel_rate or \
                        compliant_ride_rate";
 
-/// The reason why an equilibrium does not have a characteristic, and the alternatives; `None` if it has it.
+/// Reason why an equilibrium does not have a characteristic, and the alternatives; `None` if it has the characteristic.
 pub fn not_of_equilibrium(of: Characteristic) -> Option<[&'static str; 2]> {
     use Characteristic as C;
     match of {
@@ -68,7 +68,7 @@ impl<T: Scalar> ElasticWheel<T> {
         Some(inputs)
     }
 
-    /// A characteristic, or its derivative by wheel travel, from inputs along travel. `None` if it has no value.
+    /// Value of a characteristic, or its derivative by wheel travel, from inputs along travel. `None` if it has no value.
     pub(super) fn of_inputs(
         inputs: &Inputs<Jet<T, 2>>,
         of: Characteristic,
@@ -87,7 +87,7 @@ impl<T: Scalar> ElasticWheel<T> {
         found.value().is_finite().then_some(found)
     }
 
-    /// Length of the spring and its derivative along a change of an input.
+    /// Length of the spring, and its derivative as an input changes.
     fn spring_length_by(&self, tangent: &Tangent<T>, change: &Change<T>) -> Option<[T; 2]> {
         let rate = self.rate(tangent, change)?;
         let dual = self.built.system_over(Dual::<T, 1>::constant);
@@ -100,7 +100,7 @@ impl<T: Scalar> ElasticWheel<T> {
         Some([length.value, length.partials[0]])
     }
 
-    /// Value of a characteristic that is made of positions alone.
+    /// Value of a characteristic that only depends on positions.
     pub fn characteristic(&self, at: &Equilibrium<T>, of: Characteristic) -> T {
         let mut inputs = self.geometry.inputs(&at.solution.state, self.constants);
         if of == Characteristic::SpringLength

@@ -10,10 +10,12 @@ use super::limb::{BESIDE, Beside, Sum, TWIST_BESIDE, joined};
 use super::system::Equations;
 use crate::number::{Matrix3, Scalar, Vector3};
 
-/// Coordinates of a frame beside the carrier's: shift of the rack, twist of the bar, displacement of a spring's upper end.
+/// Number of further coordinates of a frame besides the carrier's: shift of the rack, twist of the bar, displacement of a
+/// spring's upper end.
 const EXTRA: usize = 5;
 
-/// Forces of the parts of one holder in its axes, by the carrier as it is seen and by further coordinates.
+/// Forces of the parts of one holder, in its axes. They depend on the carrier as seen from the holder, and on further
+/// coordinates.
 pub(super) struct InFrame<T> {
     sum: Sum<T>,
     force: [T; EXTRA],
@@ -22,7 +24,7 @@ pub(super) struct InFrame<T> {
     carrier_by: [[T; 6]; EXTRA],
 }
 
-/// A vector of six as two of three.
+/// Splits a vector of six numbers into two of three.
 fn halves<T: Copy>(v: &[T; 6]) -> [Vector3<T>; 2] {
     let [x, y, z, a, b, c] = *v;
     [Vector3::new(x, y, z), Vector3::new(a, b, c)]
@@ -40,7 +42,7 @@ impl<T: Scalar> InFrame<T> {
         }
     }
 
-    /// Equation (5).
+    /// Adds the parts on the rack, by equation (5).
     pub(super) fn add_rack(&mut self, rack: &Sum<T>) {
         for i in 0..6 {
             self.sum.force[i] = self.sum.force[i] + rack.force[i];
@@ -55,7 +57,7 @@ impl<T: Scalar> InFrame<T> {
     }
 
     pub(super) fn add_beside(&mut self, of: &Beside<T>) {
-        // The twist is the last there and number 1 here.
+        // The twist is last there and has index 1 here.
         let number = |k: usize| if k == TWIST_BESIDE { 1 } else { 2 + k };
         for k in 0..BESIDE {
             let i = number(k);
@@ -92,7 +94,7 @@ impl<T: Scalar> InFrame<T> {
         }
     }
 
-    /// Rack and twist.
+    /// Adds the carrier, the rack and the twist.
     fn add_scalars(&self, equations: &mut Equations<T>, coupling: &mut Coupling<T>) {
         self.add_carrier(equations);
         for (k, shared) in [RACK, TWIST].into_iter().enumerate() {
@@ -112,7 +114,7 @@ impl<T: Scalar> InFrame<T> {
         self.add_scalars(equations, coupling);
     }
 
-    /// The same in the axes of the vehicle; rack and twist stay scalars.
+    /// Converts to the axes of the vehicle. Rack and twist stay scalars.
     fn turned(&self, pose: &Pose<T>) -> Self {
         let rotation = &pose.rotation;
         let turned = |v: &[T; 6]| {
@@ -131,7 +133,7 @@ impl<T: Scalar> InFrame<T> {
         found.own = self.own;
         found.by_carrier = self.by_carrier.each_ref().map(turned);
         found.carrier_by = self.carrier_by.each_ref().map(turned);
-        // The displacement of the upper end is a vector, too.
+        // The displacement of the upper end is also a vector.
         let of = |v: [T; 3]| rotation.apply(Vector3::from(v)).to_array();
         let across = |list: &mut [[T; 6]; EXTRA]| {
             for i in 0..6 {
@@ -159,7 +161,7 @@ impl<T: Scalar> InFrame<T> {
         found
     }
 
-    /// Equations (1) to (4), with all vectors in the axes of the vehicle.
+    /// Adds equations (1) to (4), with all vectors in the axes of the vehicle.
     fn add_on_subframe(
         &self,
         pose: &Pose<T>,
@@ -171,7 +173,7 @@ impl<T: Scalar> InFrame<T> {
         let [f, m] = halves(&self.sum.force);
         let [[uu, uw], [wu, ww]] = blocks(&self.sum.tangent);
         let (across_f, across_m) = (pose.turning(f), pose.turning(m));
-        // The carrier by the subframe.
+        // Derivatives of the forces on the carrier by the subframe's motion.
         let mut by = [
             [
                 uu.negated(),
@@ -186,7 +188,7 @@ impl<T: Scalar> InFrame<T> {
                     .plus(&across_m.negated()),
             ],
         ];
-        // The subframe by the carrier.
+        // Derivatives of the forces on the subframe by the carrier's motion.
         let mut of = [
             [uu.negated(), uw.negated()],
             [
@@ -251,7 +253,7 @@ impl<T: Scalar> InFrame<T> {
         self.add_scalars_on_subframe(pose, coupling);
     }
 
-    /// Rack and twist against the subframe.
+    /// Adds the coupling of rack and twist with the subframe.
     fn add_scalars_on_subframe(&self, pose: &Pose<T>, coupling: &mut Coupling<T>) {
         let r = pose.lever;
         for (k, shared) in [RACK, TWIST].into_iter().enumerate() {
@@ -296,7 +298,7 @@ impl<T: Scalar> InFrame<T> {
     }
 }
 
-/// Force on a spring's upper end, and its tangents.
+/// Force on a spring's upper end, with its tangents.
 struct UpperBlocks<T> {
     force: Vector3<T>,
     by_carrier: [Matrix3<T>; 2],
@@ -304,7 +306,7 @@ struct UpperBlocks<T> {
     own: Matrix3<T>,
 }
 
-/// Blocks of a matrix of six rows.
+/// Splits a 6 x 6 matrix into 3 x 3 blocks.
 fn blocks<T: Scalar>(matrix: &[[T; 6]; 6]) -> [[Matrix3<T>; 2]; 2] {
     let block = |i: usize, j: usize| Matrix3 {
         columns: [0, 1, 2].map(|c| Vector3::from([0, 1, 2].map(|r| matrix[3 * i + r][3 * j + c]))),
@@ -312,7 +314,7 @@ fn blocks<T: Scalar>(matrix: &[[T; 6]; 6]) -> [[Matrix3<T>; 2]; 2] {
     [[block(0, 0), block(0, 1)], [block(1, 0), block(1, 1)]]
 }
 
-/// A rigid joint in the axes of its holder.
+/// Row of a rigid joint, in the axes of its holder.
 pub(super) struct JointRow<T> {
     pub(super) number: usize,
     pub(super) miss: T,

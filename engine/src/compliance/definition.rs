@@ -1,4 +1,4 @@
-//! Elastic parts as a study names them: bushings at hardpoints, links with axial stiffness, and their relaxation.
+//! Elastic parts as a study names them: bushings at hardpoints, links with axial stiffness, and their relaxed position.
 
 use super::law::Shape;
 use crate::axle::{Law, SpringLaw};
@@ -8,55 +8,55 @@ use crate::number::{Scalar, Vector3};
 /// Position in which elastic parts are relaxed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Relaxed {
-    /// Without force in the design position: the design is no equilibrium with the spring's force.
+    /// All parts are free of force in the design position. The design is no equilibrium under the spring's force.
     Free,
-    /// The design position is the equilibrium under the wheel load that goes with the spring's force at design.
+    /// The design position is the equilibrium under the wheel load that matches the spring's force there.
     AtDesignLoad,
 }
 
-/// A bushing at a hardpoint.
+/// Bushing at a hardpoint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BushingPart<T = f64> {
-    /// The hardpoint.
+    /// Hardpoint of the bushing.
     pub point: PointId,
     /// Force laws along the bushing's axes, and torque laws about them.
     pub shapes: [Shape<T>; 6],
     /// Constant forces and torques.
     pub preload: [T; 6],
-    /// Direction of its x axis in the design position, in the kernel's frame; `None` for the default.
+    /// Direction of the bushing's x axis in the design position, in the kernel's frame; `None` for the default.
     pub x_axis: Option<Vector3<T>>,
-    /// Direction whose part normal to the x axis is the z axis; `None` for the vertical.
+    /// Direction that sets the z axis, by its part normal to the x axis; `None` for the vertical.
     pub z_axis: Option<Vector3<T>>,
 }
 
-/// A mount of the subframe at the body: the left one; the right one is its mirror image.
+/// Mount between the subframe and the body, on the left side. The right mount is its mirror image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SubframeMount<T = f64> {
-    /// Name.
+    /// Name of the mount.
     pub name: String,
-    /// Place in the design position, in the kernel's frame.
+    /// Position in the design position, in the kernel's frame.
     pub at: Vector3<T>,
-    /// Laws along and about its axes.
+    /// Laws along and about the mount's axes.
     pub shapes: [Shape<T>; 6],
     /// Constant forces and torques.
     pub preload: [T; 6],
-    /// Direction of its x axis; `None` for forward.
+    /// Direction of the mount's x axis; `None` for forward.
     pub x_axis: Option<Vector3<T>>,
-    /// Direction whose part normal to the x axis is the z axis; `None` for the vertical.
+    /// Direction that sets the z axis, by its part normal to the x axis; `None` for the vertical.
     pub z_axis: Option<Vector3<T>>,
 }
 
-/// A subframe that holds inner ends of both wheels' parts, on mounts at the body.
+/// Subframe that holds inner ends of both wheels' parts, on mounts at the body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Subframe<T = f64> {
-    /// Hardpoints that it holds.
+    /// Hardpoints on the subframe.
     pub carries: Vec<PointId>,
-    /// The mounts of the left side.
+    /// Mounts of the left side.
     pub mounts: Vec<SubframeMount<T>>,
 }
 
 impl<T: Scalar> Subframe<T> {
-    /// The middle of its mounts, by which its motion is described.
+    /// Mean position of the mounts, the reference point of the subframe's motion.
     pub(super) fn reference(&self, like: T) -> Vector3<T> {
         let share = 1.0 / self.mounts.len().max(1) as f64;
         let places = self.mounts.iter().map(|mount| mount.at.map(|c| c.value()));
@@ -70,7 +70,7 @@ impl<T: Scalar> Subframe<T> {
 }
 
 impl Subframe {
-    /// The subframe over another kind of number.
+    /// Converts the subframe to another kind of number.
     pub fn map<U: Copy>(&self, f: impl Fn(f64) -> U + Copy) -> Subframe<U> {
         let mount = |mount: &SubframeMount| SubframeMount {
             name: mount.name.clone(),
@@ -87,53 +87,53 @@ impl Subframe {
     }
 }
 
-/// A link with axial stiffness.
+/// Link with axial stiffness.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinkPart<T = f64> {
-    /// The link.
+    /// Member with this stiffness.
     pub member: LinkMember,
-    /// Stiffness.
+    /// Axial stiffness of the member.
     pub stiffness: AxialStiffness<T>,
 }
 
-/// A member that may stretch.
+/// Member that can stretch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinkMember {
-    /// A rod, or a leg of an arm, between body or rack and the carrier.
+    /// Rod, or leg of an arm, between body or rack and the carrier.
     Rod {
-        /// The end at body or rack.
+        /// End at the body or the rack.
         inner: PointId,
-        /// The end at the carrier.
+        /// End at the carrier.
         outer: PointId,
     },
-    /// The rod of the spring's rocker.
+    /// Rod of the spring's rocker.
     RockerRod(RockerId),
 }
 
 /// Axial stiffness of a link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AxialStiffness<T = f64> {
-    /// Force per length, which stays when hardpoints move.
+    /// Force per length. It stays the same if hardpoints move.
     Rate(T),
-    /// Force per strain: the stiffness is this divided by the length.
+    /// Force per strain. The rate is this number divided by the length.
     PerStrain(T),
 }
 
-/// The elastic parts of a wheel's suspension.
+/// Elastic parts of a wheel's suspension.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compliance<T = f64> {
-    /// Method by which parts are relaxed.
+    /// Position in which parts are relaxed.
     pub relaxed: Relaxed,
-    /// The bushings.
+    /// Bushings of the wheel.
     pub bushings: Vec<BushingPart<T>>,
-    /// The links.
+    /// Links with axial stiffness.
     pub links: Vec<LinkPart<T>>,
-    /// The law of the spring.
+    /// Law of the spring.
     pub spring: Option<SpringLaw<T>>,
 }
 
 impl Compliance {
-    /// A suspension of rigid parts.
+    /// Parts of a rigid suspension, with this spring.
     pub fn rigid(spring: Option<SpringLaw>) -> Self {
         Compliance {
             relaxed: Relaxed::Free,
@@ -162,7 +162,7 @@ impl Compliance {
         self.bushings.is_empty() && self.links.is_empty()
     }
 
-    /// The parts over another kind of number.
+    /// Converts the parts to another kind of number.
     pub fn map<U: Copy>(&self, f: impl Fn(f64) -> U + Copy) -> Compliance<U> {
         let bushing = |part: &BushingPart| BushingPart {
             point: part.point,
@@ -188,12 +188,12 @@ impl Compliance {
 }
 
 impl<T> Compliance<T> {
-    /// The number of the bushing at a hardpoint.
+    /// Index of the bushing at a hardpoint.
     pub fn bushing_at(&self, point: PointId) -> Option<usize> {
         self.bushings.iter().position(|part| part.point == point)
     }
 
-    /// The stiffness of a member.
+    /// Axial stiffness of a member.
     pub(super) fn link(&self, member: LinkMember) -> Option<&AxialStiffness<T>> {
         let part = self.links.iter().find(|part| part.member == member);
         part.map(|part| &part.stiffness)

@@ -1,15 +1,15 @@
-//! Changes of an equilibrium: with loads, travel and rack, and with the design.
+//! Changes of an equilibrium with loads, travel and rack, and with the design.
 //!
-//! With G(x, p) the equations of balance, x the unknowns, p an input and y an output,
+//! With the equations of balance G(x, p), the unknowns x, an input p and an output y,
 //!
 //! ```text
 //! x_p = -G_x^-1 G_p,   y_p = y_x.x_p + y_p                                                        (1)
 //! ```
 //!
-//! One Newton step from a state in balance, in numbers that carry derivatives, is (1). The equations in the state it
-//! leads to then carry the derivatives of the tangent, so that rates along a load, and all figures of a test, have their
-//! derivatives by the design from the same formulas as their values. On a [`Tape`](crate::number::Tape) one pass
-//! backwards gives those of a figure by all inputs: the adjoint of the equations, of the preloads and of the rates.
+//! One Newton step from a state in balance, in numbers that carry derivatives, is (1). In the state after this step, the
+//! equations carry the derivatives of the tangent. So values and derivatives by the design come from the same formulas, for
+//! rates along a load and all figures of a test. On a [`Tape`](crate::number::Tape), one backward pass gives the derivatives
+//! of a figure by all inputs. It is the adjoint of the equations, of the preloads and of the rates.
 
 use super::loads::WheelLoads;
 use super::reading::WheelFigures;
@@ -19,8 +19,7 @@ use super::wheel::{Change, ElasticWheel, Equilibrium, HeldQuantity};
 use crate::linear::square::{MOST, SquareLu};
 use crate::number::{Dual, Jet, Scalar, Vector3};
 
-/// The equations in an equilibrium and their factors, with one quantity held: the common part of all derivatives by
-/// loads.
+/// Equations in an equilibrium and their factors, with one quantity held. All derivatives by loads use them.
 #[derive(Clone, Debug)]
 pub struct Tangent<T = f64> {
     pub(super) state: State<T>,
@@ -30,8 +29,8 @@ pub struct Tangent<T = f64> {
 }
 
 impl<T: Scalar> ElasticWheel<T> {
-    /// An equilibrium of the same design in plain numbers, with the derivatives of these numbers. `task` gives the
-    /// loads, with the derivatives by them. `None` if the tangent is singular.
+    /// Adds derivatives to an equilibrium of the same design in plain numbers. `task` gives the loads and their derivatives.
+    /// `None` if the tangent is singular.
     pub(super) fn carried(&self, at: &State<f64>, task: &Task<T>) -> Option<Equilibrium<T>> {
         let system = &self.built.system;
         let like = system.like();
@@ -48,7 +47,7 @@ impl<T: Scalar> ElasticWheel<T> {
         })
     }
 
-    /// The tangent in an equilibrium.
+    /// Computes the tangent in an equilibrium.
     pub fn tangent(&self, at: &Equilibrium<T>, held: HeldQuantity) -> Option<Tangent<T>> {
         let (state, task) = self.held_as(at, held);
         let equations = self.built.system.equations(&state, &task, None).ok()?;
@@ -60,7 +59,7 @@ impl<T: Scalar> ElasticWheel<T> {
         })
     }
 
-    /// Rate of all unknowns along a change of an input.
+    /// Rate of all unknowns as an input changes.
     pub(super) fn rate(&self, tangent: &Tangent<T>, change: &Change<T>) -> Option<Step<T>> {
         let Tangent {
             state,
@@ -77,8 +76,8 @@ impl<T: Scalar> ElasticWheel<T> {
             }
             Change::Travel => right[equations.size - 1] = system.like().one(),
             Change::Rack => {
-                // The equations in numbers that carry the derivative by the rack: with the forces in balance, what is
-                // eliminated inside has the derivative of its rest alone.
+                // These equations carry the derivative by the rack. In balance, the eliminated unknowns contribute only the
+                // derivative of their residual.
                 let dual = self.built.system_over(Dual::<T, 1>::constant);
                 let mut moving = task.map(Dual::constant);
                 moving.rack.partials[0] = system.like().one();
@@ -93,7 +92,7 @@ impl<T: Scalar> ElasticWheel<T> {
         Some(equations.step(&factors.solve(&right), true))
     }
 
-    /// Derivatives of angles, positions and vertical force along a change of an input.
+    /// Derivatives of angles, positions and vertical force as an input changes.
     pub fn figures_along(
         &self,
         tangent: &Tangent<T>,
@@ -104,7 +103,7 @@ impl<T: Scalar> ElasticWheel<T> {
         Some(geometry.figures(&moving, self.constants).map(|c| c[1]))
     }
 
-    /// The state along a change of an input, as far as wheels are read.
+    /// State and its rate as an input changes, with the parts needed to read wheels.
     pub(super) fn moving_by(
         &self,
         tangent: &Tangent<T>,
@@ -114,7 +113,7 @@ impl<T: Scalar> ElasticWheel<T> {
         Some(self.moving(&tangent.state, &rate))
     }
 
-    /// The same with the tangent of an equilibrium.
+    /// Same as `figures_along`, with the tangent of an equilibrium.
     pub fn figures_by(
         &self,
         at: &Equilibrium<T>,
@@ -124,7 +123,7 @@ impl<T: Scalar> ElasticWheel<T> {
         self.figures_along(&self.tangent(at, held)?, change)
     }
 
-    /// Shift of the wheel centre and turn of the carrier by a load.
+    /// Shift of the wheel centre and rotation of the carrier per change of load.
     pub fn twist_along(
         &self,
         tangent: &Tangent<T>,
@@ -137,7 +136,7 @@ impl<T: Scalar> ElasticWheel<T> {
         Some([Vector3::new(x, y, z) + turn.cross(lever), turn])
     }
 
-    /// The state along its rate, as far as wheels are read.
+    /// State with a given rate, with the parts needed to read wheels.
     pub(super) fn moving(&self, state: &State<T>, rate: &Step<T>) -> State<Jet<T, 2>> {
         let mut moving = state.map(Jet::constant);
         let [x, y, z, a, b, c] = rate.carrier.map(|c| Jet([c.zero(), c]));
@@ -152,7 +151,7 @@ impl<T: Scalar> ElasticWheel<T> {
         moving
     }
 
-    /// An equilibrium as one in which another quantity is held.
+    /// Same equilibrium, with another quantity held.
     pub(super) fn held_as(&self, from: &Equilibrium<T>, held: HeldQuantity) -> (State<T>, Task<T>) {
         self.built
             .system
@@ -161,7 +160,7 @@ impl<T: Scalar> ElasticWheel<T> {
 }
 
 impl<T: Scalar> System<T> {
-    /// A state as one in which another quantity is held.
+    /// Same state, with another quantity held.
     pub(super) fn held_as(
         &self,
         state: &State<T>,

@@ -1,20 +1,21 @@
-//! Ends of equilibrium: the travel, rack or load at which a part of the suspension gives way.
+//! Ends of equilibrium: the travel, rack displacement or load at which a part of the suspension gives way.
 //!
-//! A value moves outward from a known equilibrium in steps of at most a twentieth of itself. Each state starts Newton's
+//! A value moves outward from a known equilibrium, in steps of at most a twentieth of its size. Each state starts Newton's
 //! method for the next one. A step without a stable equilibrium is halved, and the step after a success is doubled. The
-//! search ends when the step is 1e-10 of the value. The last state has an equilibrium, and no larger value was found to
-//! have one.
+//! search ends when the step is 1e-10 of the value. The last state has an equilibrium, and the search found no larger value
+//! with one.
 //!
-//! At such an end the tangent is singular: a motion has no stiffness. With K the tangent and x the motion that inverse
-//! iteration finds, the end is a part that gives way if
+//! At such an end the tangent is singular: a motion has no stiffness. With the tangent K and the motion x that inverse
+//! iteration finds, a part gives way if
 //!
 //! ```text
 //! |K^-1 x| at the end  >  100 |K^-1 x| at the start                                               (1)
 //! ```
 //!
-//! At a fold K^-1 grows with the inverse root of the way that is left, at 1e-10 by about 1e5. Torque laws of large turns and
-//! side forces that follow the wheel have no energy, and K is not symmetric. Then a state can lose its stability
-//! (`solve.rs`) while K stays regular. Without both, Newton's method has failed for another reason, and the end is not known.
+//! At a fold, K^-1 grows with the inverse square root of the remaining distance: at 1e-10, by about 1e5. Torque laws of
+//! large rotations and side forces that follow the wheel have no energy, so K is not symmetric. Then a state can lose its
+//! stability (`solve.rs`) while K stays regular. If neither applies, Newton's method has failed for another reason, and the
+//! end is unknown.
 
 use super::fault::{Motion, NoEquilibrium};
 use super::loads::WheelLoads;
@@ -25,76 +26,76 @@ use crate::model::LengthUnit;
 
 /// Force (N) at which the search along a motion ends.
 pub const LARGEST_FORCE: f64 = 1e6;
-/// Load (N) at which the search along a load ends.
+/// Force (N) at which the search along a load ends.
 const LARGEST_LOAD: f64 = 1e6;
 /// Moment (N m) at which the search along a moment ends.
 const LARGEST_MOMENT: f64 = 1e5;
 /// Travel or rack displacement (mm) at which the search ends.
 const LONGEST_TRAVEL: f64 = 1000.0;
-/// Values from which steps are counted: mm, N, N m.
+/// Usual values, the smallest references for steps: mm, N, N m.
 const USUAL_TRAVEL: f64 = 20.0;
 const USUAL_LOAD: f64 = 1000.0;
 const USUAL_MOMENT: f64 = 100.0;
-/// Largest step, as a share of the value.
+/// Largest step, as a fraction of the value.
 const LARGEST_STEP: f64 = 0.05;
-/// Step at which an end is known, as a share of the value.
+/// Step at which the search has found an end, as a fraction of the value.
 const RESOLUTION: f64 = 1e-10;
-/// Most steps in one direction. Without failures 140 reach a thousand times the usual value.
+/// Largest number of steps in one direction. Without failures, 140 steps reach a thousand times the usual value.
 const MOST_TRIES: usize = 4000;
-/// A force below minus this (N) is not rounding.
+/// Size of a negative force (N) that exceeds rounding error.
 pub(super) const NEGATIVE: f64 = 1e-6;
-/// Growth of (1).
+/// Factor in (1).
 const SOFTENING: f64 = 100.0;
 
-/// Reason why equilibria end.
+/// Cause of an end of equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EndCause {
     /// A motion of a part has no stiffness.
     GivesWay {
         /// Name of the part.
         part: String,
-        /// The motion.
+        /// Direction of the motion.
         motion: Motion,
     },
-    /// The equilibrium is no longer stable, and no motion is without stiffness: the softest motion.
+    /// The equilibrium is no longer stable, but every motion has stiffness. The fields name the softest motion.
     Unstable {
         /// Name of the part.
         part: String,
-        /// The motion.
+        /// Direction of the motion.
         motion: Motion,
     },
-    /// The force that drives the motion is [`LARGEST_FORCE`]: rigid parts are stretched straight or have met.
+    /// The force that drives the motion reaches [`LARGEST_FORCE`]: rigid parts are at full stretch or in contact.
     Force(DrivingForce),
-    /// The search ended at its largest value. Equilibria go on.
+    /// The search reached its largest value, and equilibria go on beyond it.
     SearchEnds,
-    /// Newton's method found no further equilibrium, and no motion is without stiffness.
+    /// Newton's method found no further equilibrium, but every motion has stiffness.
     Unresolved,
 }
 
 /// Force that drives a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DrivingForce {
-    /// The vertical force at a contact point.
+    /// Vertical force at a contact point.
     ContactPoint,
-    /// The force along the rack.
+    /// Force along the rack.
     Rack,
 }
 
-/// Event on the way to an end.
+/// Event before an end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
-    /// The vertical force at a contact point turns negative, although there is a spring.
+    /// The vertical force at a contact point turns negative, although the wheel has a spring.
     WheelLifts,
-    /// A bump stop is met.
+    /// The suspension meets a bump stop.
     StopMet,
-    /// A spring has no force left.
+    /// A spring loses its force.
     SpringSlack,
-    /// The law of a bushing is continued beyond its points, or its rotation is above 60 degrees.
+    /// The law of a bushing continues beyond its points, or the bushing's rotation exceeds 60 degrees.
     Extrapolated,
 }
 
 impl Event {
-    /// Every event.
+    /// All events.
     pub(super) const ALL: [Event; 4] = [
         Event::WheelLifts,
         Event::StopMet,
@@ -103,25 +104,25 @@ impl Event {
     ];
 }
 
-/// An end of equilibrium.
+/// End of equilibrium in one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EquilibriumEnd {
-    /// The last value with an equilibrium.
+    /// Last value with an equilibrium.
     pub value: f64,
-    /// Reason.
+    /// Cause of the end.
     pub cause: EndCause,
-    /// First values at which something happens on the way, beside what is the case at 0.
+    /// First value of each event before the end. Events that already hold at 0 are left out.
     pub events: Vec<(Event, f64)>,
 }
 
-/// Values that a search goes through.
+/// Range of values for a search.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
-    /// Size from which steps are counted.
+    /// Usual value, the smallest reference for steps.
     usual: f64,
-    /// Value at which the search ends; negative for the lower end.
+    /// Value at which the search ends; negative in the negative direction.
     farthest: f64,
-    /// Force that ends the search; `None` along a load.
+    /// Driving force that ends the search; `None` along a load.
     driven_by: Option<DrivingForce>,
 }
 
@@ -134,7 +135,7 @@ impl Way {
         })
     }
 
-    /// Both directions of a travel or a rack.
+    /// Both directions of a travel or a rack displacement.
     pub(super) fn of_motion(millimetre: f64, force: DrivingForce) -> [Self; 2] {
         let (usual, farthest) = (USUAL_TRAVEL * millimetre, LONGEST_TRAVEL * millimetre);
         Way::both(usual, farthest, Some(force))
@@ -152,29 +153,29 @@ impl Way {
     }
 }
 
-/// Reason why a value is not taken.
+/// Reason to refuse a value.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Refusal {
-    /// No equilibrium; of an axle with the wheel.
+    /// No equilibrium; for an axle, with the index of the wheel.
     Obstacle(Option<usize>, Obstacle),
     /// The force is too large.
     Force(DrivingForce),
     /// An event has happened.
     Event,
-    /// Too many steps.
+    /// The search took too many steps.
     Tries,
 }
 
-/// The end of a search.
+/// Result of a search.
 #[derive(Clone, Copy, Debug)]
 struct Followed<S> {
     value: f64,
     state: S,
-    /// `None` if the search reached its largest value.
+    /// Reason for the end; `None` if the search reached its largest value.
     refusal: Option<Refusal>,
 }
 
-/// Follows equilibria from the state of value 0. `next` finds the state of a value from a neighbour.
+/// Follows equilibria from the state at value 0. `next` finds the state at a value from a neighbouring state.
 fn followed<S: Copy>(
     start: &S,
     way: Way,
@@ -216,32 +217,33 @@ fn followed<S: Copy>(
     }
 }
 
-/// An elastic suspension whose equilibria can be followed.
+/// Elastic suspension whose equilibria can be followed.
 pub(super) trait Followable {
-    /// Displacements.
+    /// State with all displacements.
     type State: Copy;
-    /// Loads, heights and rack.
+    /// Loads, heights and rack of an equilibrium.
     type Task;
-    /// The stable equilibrium of a task from a neighbour. An obstacle of one wheel of an axle comes with its number.
+    /// Finds the stable equilibrium of a task from a neighbouring state. A failure at one wheel of an axle comes with the
+    /// wheel's index.
     fn settle(
         &self,
         from: &Self::State,
         task: &Self::Task,
     ) -> Result<Self::State, (Option<usize>, Obstacle)>;
-    /// The force that drives a motion; at contact points the largest one.
+    /// Force that drives a motion; for contact points, the largest one.
     fn force(&self, of: DrivingForce, state: &Self::State, task: &Self::Task) -> f64;
     /// Returns true if an event has happened.
     fn is_past(&self, event: Event, state: &Self::State, task: &Self::Task) -> bool;
-    /// The softest motion: |K^-1 x| of (1), and the part.
+    /// Size |K^-1 x| of the softest motion in (1), with its part and direction.
     fn softest_motion(
         &self,
         state: &Self::State,
         task: &Self::Task,
     ) -> Option<(f64, (String, Motion))>;
-    /// The part that an eliminated part is, and its free motion.
+    /// Name and free motion of an eliminated part.
     fn limb(&self, side: Option<usize>, limb: usize) -> (String, Motion);
 
-    /// Both ends of the equilibria from `start`, the state of value 0.
+    /// Both ends of the equilibria from `start`, the state at value 0.
     fn ends(
         &self,
         start: &Self::State,
@@ -252,7 +254,7 @@ pub(super) trait Followable {
         ways.map(|way| self.end(start, way, stiff, &task))
     }
 
-    /// The end in one direction.
+    /// End of the equilibria in one direction.
     fn end(
         &self,
         start: &Self::State,
@@ -307,7 +309,7 @@ pub(super) trait Followable {
         }
     }
 
-    /// Reason of an end.
+    /// Cause of an end.
     fn cause(
         &self,
         state: &Self::State,
@@ -384,7 +386,7 @@ impl Followable for ElasticWheel {
     }
 }
 
-/// A state that is an equilibrium.
+/// Makes an equilibrium of a state that is in balance.
 fn equilibrium(state: &State<f64>, task: &Task<f64>) -> Equilibrium {
     Equilibrium {
         solution: Solution {
@@ -396,21 +398,21 @@ fn equilibrium(state: &State<f64>, task: &Task<f64>) -> Equilibrium {
 }
 
 impl ElasticWheel {
-    /// The least and the largest travel with an equilibrium, the rack held.
+    /// Smallest and largest travel with an equilibrium, with the rack held.
     pub fn travel_ends(&self, rack: f64) -> Result<[EquilibriumEnd; 2], NoEquilibrium> {
         let at = self.at(0.0, rack)?;
         let ways = Way::of_motion(self.bounds.millimetre, DrivingForce::ContactPoint);
         Ok(self.ends(&at.solution.state, ways, |travel| level_task(travel, rack)))
     }
 
-    /// The least and the largest rack displacement along the kernel's +y with an equilibrium, at the design height.
+    /// Smallest and largest rack displacement with an equilibrium, at the design height. Positive is the kernel's +y.
     pub fn rack_ends(&self) -> Result<[EquilibriumEnd; 2], NoEquilibrium> {
         let at = self.at(0.0, 0.0)?;
         let ways = Way::of_motion(self.bounds.millimetre, DrivingForce::Rack);
         Ok(self.ends(&at.solution.state, ways, |rack| level_task(0.0, rack)))
     }
 
-    /// The least and the largest multiple of a load beside those of a station.
+    /// Smallest and largest multiple of the loads `unit`, in addition to the loads of a station.
     pub(super) fn load_ends(
         &self,
         station: &Equilibrium,

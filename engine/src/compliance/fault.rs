@@ -7,23 +7,23 @@ use crate::model::{Axis, Side, Suspension};
 /// Reason why a suspension has no elastic model.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ElasticFault {
-    /// Nothing holds a motion: the part, and the direction in which it is free.
+    /// Nothing holds a motion of a part.
     Loose {
         /// Name of the part.
         part: String,
-        /// The motion.
+        /// Free direction.
         motion: Motion,
     },
-    /// The forces at the design load cannot be found: nothing holds a motion without torsion.
+    /// Forces at the design load cannot be found: nothing but torsion holds a motion.
     NoBalance {
         /// Name of the part.
         part: String,
     },
-    /// The law of a bushing does not reach the force that it has at the design load.
+    /// The law of a bushing does not reach the force that balance at the design load needs.
     OutOfReach {
-        /// Number of the bushing.
+        /// Index of the bushing.
         bushing: usize,
-        /// Axis, 0 to 2.
+        /// Index of the axis, 0 to 2.
         axis: usize,
     },
     /// The spring has no leverage on the wheel, or does not exist.
@@ -33,34 +33,34 @@ pub enum ElasticFault {
 /// Reason why an axle has no elastic model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleFault {
-    /// The wheel; `None` for the parts that both share.
+    /// Wheel with the fault; `None` for parts that both wheels share.
     pub side: Option<Side>,
-    /// The reason.
+    /// Reason for the fault.
     pub fault: ElasticFault,
 }
 
-/// A motion of a part.
+/// Motion of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
-    /// A turn about an axis of the vehicle.
+    /// Rotation about an axis of the vehicle.
     Turn(Axis),
-    /// A shift along an axis of the vehicle.
+    /// Shift along an axis of the vehicle.
     Shift(Axis),
 }
 
-/// Reason why there is no equilibrium.
+/// Reason for the absence of an equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoEquilibrium {
-    /// Share of the way that was reached, 0 to 1.
+    /// Fraction of the change that was reached, 0 to 1.
     pub share: f64,
-    /// True if an equilibrium was found at the end of the way, but not a stable one.
+    /// True if no fraction was reached because the equilibrium found is not stable.
     pub is_unstable: bool,
-    /// The part that gives way, and how.
+    /// Part that gives way, and its motion.
     pub softest: Option<(String, Motion)>,
 }
 
 impl ElasticFault {
-    /// The reason in words.
+    /// Describes the reason in words.
     pub fn describe<T>(&self, parts: &Compliance<T>, suspension: &Suspension) -> String {
         match self {
             ElasticFault::Loose { part, motion } => {
@@ -89,14 +89,14 @@ impl ElasticFault {
         }
     }
 
-    /// The same as a fault of the design.
+    /// Converts the reason to a fault of the design.
     pub fn of_design<T>(&self, parts: &Compliance<T>, suspension: &Suspension) -> DesignFault {
         DesignFault::Elastic(self.describe(parts, suspension))
     }
 }
 
 impl AxleFault {
-    /// The reason in words.
+    /// Describes the reason in words.
     pub fn describe<T>(&self, parts: &[Compliance<T>; 2], suspension: &Suspension) -> String {
         let number = self.side.map_or(0, |side| side as usize);
         let words = self.fault.describe(&parts[number], suspension);

@@ -1,4 +1,4 @@
-//! Links with a bushing at the carrier: six inner unknowns, or three with a ball joint at the body.
+//! Links with a bushing at the carrier. They have six inner unknowns, or three with a ball joint at the body.
 
 use super::algebra::{Placed, cross_matrix};
 use super::bushing::{Bushing, BushingState};
@@ -7,24 +7,24 @@ use super::limb::{
 };
 use crate::number::{Matrix3, Scalar, Vector3, array_of};
 
-/// A link with a bushing at the carrier. Its reference point is its inner end.
+/// Link with a bushing at the carrier. Its reference point is its inner end.
 #[derive(Clone, Debug)]
 pub(super) struct Floating<T> {
-    /// From inner to outer end.
+    /// Vector from the inner to the outer end.
     pub(super) along: Vector3<T>,
     pub(super) on_rack: bool,
-    /// The bushing at the inner end; `None` for a ball joint.
+    /// Bushing at the inner end; `None` for a ball joint.
     pub(super) inner: Option<Bushing<T>>,
-    /// The bushing at the carrier.
+    /// Bushing at the carrier.
     pub(super) outer: Bushing<T>,
-    /// The outer end, from the carrier's reference point.
+    /// Vector from the carrier's reference point to the outer end.
     pub(super) joint: Vector3<T>,
-    /// As [`Swinging::spin`].
+    /// Direction of the link's line, with the root of a stiffness as its length, as in [`Swinging::spin`].
     pub(super) spin: Vector3<T>,
 }
 
 impl<T: Scalar> Floating<T> {
-    /// The link's position, with the shift of its inner end.
+    /// Position of the link, with the shift of its inner end.
     fn placed(&self, at: &Conditions<T>, state: &LimbState<T>) -> Placed<T> {
         let shift = match self.inner {
             Some(_) => state.placed.shift,
@@ -36,7 +36,7 @@ impl<T: Scalar> Floating<T> {
         }
     }
 
-    /// e of the outer bushing in the carrier's axes, and R_i' R_j - I.
+    /// Vector e of the outer bushing, and the rotation R_i' R_j - I between carrier and link.
     fn at_carrier(&self, at: &Conditions<T>, own: &Placed<T>) -> (Vector3<T>, Matrix3<T>) {
         let e = own.displacement(self.along) - at.carrier.displacement(self.joint);
         let back = at.carrier.turn.transposed();
@@ -73,13 +73,14 @@ impl<T: Scalar> Floating<T> {
         let (e, turn) = self.at_carrier(at, &own);
         let rotation = at.carrier.rotation();
         let outer = at.force(&self.outer, e, &turn, Some(&rotation));
-        // Tangents by the displacement of the outer point p, by the carrier's shift u and turn q, by the link's turn w.
+        // Tangents by the displacement of the outer point p, the carrier's shift u and rotation q, and the link's rotation
+        // w.
         let arm = own.lever(self.along);
         let lever = at.carrier.lever(self.joint) + e;
         let (f, k, n) = (outer.force, outer.by_shift, outer.by_turn);
         let f_q = cross_matrix(f).negated().plus(&k.times_cross(lever));
         let m_q = cross_matrix(outer.moment).negated().plus(&n.negated());
-        // Force f at p and a torque act on the link. Its unknowns are the displacement v and the rotation w.
+        // The force f at p and a torque act on the link. Its unknowns are the shift v and the rotation w.
         let k_arm = k.times_cross(arm).negated();
         let mut own_rows = [[Matrix3::null(like); 2]; 2];
         own_rows[0] = [k, k_arm];
@@ -104,7 +105,7 @@ impl<T: Scalar> Floating<T> {
         if at.balance_only {
             own_rows[1][1].add_product(self.spin, self.spin, like.one());
         }
-        // The carrier: -f at p and -torque.
+        // The carrier receives -f at p and the opposite torque.
         let carrier_by_link = [
             [k.negated(), k_arm.negated()],
             [
@@ -140,7 +141,7 @@ impl<T: Scalar> Floating<T> {
     }
 }
 
-/// Blocks of a link's equations by its own shift and turn and by the carrier's.
+/// Blocks of a link's equations by its own shift and rotation, and by the carrier's.
 struct LinkBlocks<T> {
     own: [[Matrix3<T>; 2]; 2],
     forces: [Vector3<T>; 2],
@@ -151,7 +152,7 @@ struct LinkBlocks<T> {
 }
 
 impl<T: Scalar> LinkBlocks<T> {
-    /// Eliminates the unknowns from number `first` on, `N` of them.
+    /// Eliminates `N` unknowns, starting with index `first`.
     #[inline]
     fn eliminate<const N: usize>(
         &self,

@@ -6,21 +6,22 @@ use super::point::PointForce;
 use super::system::{Equations, Held, MOST_JOINTS, MOST_LIMBS, Singular, State, System};
 use crate::number::Scalar;
 
-/// Forces and tangents of a wheel's parts, summed by the bodies that hold them.
+/// Forces and tangents of a wheel's parts, summed for each body that holds them.
 #[derive(Clone, Debug)]
 pub(super) struct Gathered<T> {
-    /// Sums of body, subframe and rack, each in the axes of the part that holds its points.
+    /// Sums for body, subframe and rack, each in the axes of the body that holds the parts.
     pub(super) sums: [Sum<T>; 3],
-    /// Miss of each rigid joint and its row by the carrier, in the axes of its holder.
+    /// Gap of each rigid joint and its row by the carrier's motion, in the axes of the joint's holder.
     pub(super) joints: [(T, [T; 6]); MOST_JOINTS],
-    /// Parts that coordinates beside the carrier's move: number of the limb, holder, forces. The bar by itself has the
-    /// number [`MOST_LIMBS`].
+    /// Parts that move with coordinates other than the carrier's: index of the limb, holder, forces. A bar without a limb
+    /// has the index [`MOST_LIMBS`].
     pub(super) beside: Vec<(usize, Holder, Beside<T>)>,
 }
 
 impl<T: Scalar> System<T> {
-    /// Forces and tangents of elastic parts and joints, each seen from the body that holds it. `is_apart`: sums of body,
-    /// subframe and rack by themselves; else all in the first. The responses of parts go into `equations`.
+    /// Sums forces and tangents of elastic parts and joints, each as seen from the body that holds it. With `is_apart`,
+    /// body, subframe and rack have separate sums; otherwise the first sum takes all. The responses of parts go into
+    /// `equations`.
     #[inline]
     pub(super) fn gather(
         &self,
@@ -91,7 +92,7 @@ impl<T: Scalar> System<T> {
         Ok(found)
     }
 
-    /// Adds elastic parts and joints of a wheel by itself.
+    /// Adds elastic parts and joints of a single wheel.
     #[inline]
     pub(super) fn add_alone(&self, found: &Gathered<T>, equations: &mut Equations<T>) {
         let sum = &found.sums[0];

@@ -1,8 +1,8 @@
 //! Bodies that hold the inner ends of a wheel's parts: body, subframe and rack.
 //!
-//! The energy of parts that the subframe holds depends on the carrier's pose seen from the subframe alone. So they are
-//! evaluated in the subframe's axes, by the formulas that serve a body at rest. With O the carrier's reference point, S
-//! that of the subframe, r = O - S, R the subframe's rotation and f, m the force and moment on the carrier,
+//! The energy of parts on the subframe depends only on the carrier's pose as seen from the subframe. So they are evaluated
+//! in the subframe's axes, with the formulas for a body at rest. With the carrier's reference point O, that of the subframe
+//! S, r = O - S, the subframe's rotation R, and the force f and moment m on the carrier,
 //!
 //! ```text
 //! du' = R'(du - ds - w_s x r),   dw' = R'(dw - w_s)                                               (1)
@@ -10,8 +10,8 @@
 //! d(R f) = R df' + w_s x f                                                                        (3)
 //! ```
 //!
-//! A point P of the body, at p = P - S, is seen to move by dp' = R'(-ds + p x w_s) (4). The rack shifts along y in the
-//! axes of its holder: a shift of it is the opposite shift of the carrier, seen by the parts that it holds (5).
+//! As seen from the subframe, a point P of the body, at p = P - S, moves by dp' = R'(-ds + p x w_s) (4). The rack shifts
+//! along y in the axes of its holder. For parts on the rack, this is the opposite shift of the carrier (5).
 
 use super::algebra::{Placed, cross_matrix};
 use super::bushing::BushingState;
@@ -23,12 +23,12 @@ use super::system::{CarrierBushing, Equations, System};
 use crate::linear::square::MOST;
 use crate::number::{Matrix3, Scalar, Vector3};
 
-/// Unknowns that both wheels share: shift and turn of the subframe, shift of the rack, twist of the middle of the
-/// anti-roll bar.
+/// Number of unknowns that both wheels share: shift and rotation of the subframe, shift of the rack, and twist of the
+/// anti-roll bar's middle.
 pub(super) const SHARED: usize = 8;
-/// Number of the rack's shift among them.
+/// Index of the rack's shift among the shared unknowns.
 pub(super) const RACK: usize = 6;
-/// Number of the bar's twist among them.
+/// Index of the bar's twist among the shared unknowns.
 pub(super) const TWIST: usize = 7;
 
 /// Body that holds an inner end.
@@ -39,11 +39,11 @@ pub(super) enum Holder {
 }
 
 impl Holder {
-    /// Number of the sum of the rack's parts, after those of the holders.
+    /// Index of the sum for parts on the rack, after the holders.
     pub(super) const RACK: usize = 2;
 }
 
-/// Holders of the parts of a system, in the order of the parts.
+/// Holders of a system's parts, in the order of the parts.
 #[derive(Clone, Debug)]
 pub(super) struct Holders {
     pub(super) limbs: Vec<Holder>,
@@ -55,7 +55,7 @@ pub(super) struct Holders {
 }
 
 impl Holders {
-    /// No parts yet.
+    /// Returns holders without parts.
     pub(super) fn none() -> Self {
         Holders {
             limbs: Vec::new(),
@@ -67,15 +67,15 @@ impl Holders {
     }
 }
 
-/// One wheel's side of the subframe.
+/// Subframe as one wheel's parts connect to it.
 #[derive(Clone, Debug)]
 pub(super) struct SubframePart<T> {
-    /// From the subframe's reference point to the carrier's, in the design position.
+    /// Vector from the subframe's reference point to the carrier's, in the design position.
     pub(super) to_carrier: Vector3<T>,
     /// Mounts at the body, with levers from the subframe's reference point.
     pub(super) mounts: Vec<CarrierBushing<T>>,
-    /// The spring's upper end at the body, from the subframe's reference point, if the spring stands on an arm of the
-    /// subframe.
+    /// Vector from the subframe's reference point to the spring's upper end at the body. `None` unless the spring stands on
+    /// an arm of the subframe.
     pub(super) upper: Option<Vector3<T>>,
 }
 
@@ -88,7 +88,7 @@ pub(super) struct Surroundings<T> {
 }
 
 impl<T: Scalar> Surroundings<T> {
-    /// The rack alone has moved.
+    /// Positions with only the rack displaced.
     pub(super) fn of_rack(rack: T) -> Self {
         Surroundings {
             subframe: Placed::design(rack),
@@ -97,7 +97,7 @@ impl<T: Scalar> Surroundings<T> {
         }
     }
 
-    /// The same, seen by the other wheel in its axes.
+    /// Same positions, in the axes of the other wheel.
     pub(super) fn mirrored(&self) -> Self {
         let Placed { shift, turn } = &self.subframe;
         let [a, b, c] = turn.columns;
@@ -121,7 +121,7 @@ impl<T: Scalar> Surroundings<T> {
 /// Signs of the shared unknowns in the axes of the other wheel.
 pub(super) const MIRROR: [f64; SHARED] = [1.0, -1.0, 1.0, -1.0, 1.0, -1.0, -1.0, 1.0];
 
-/// Conditions as body and subframe see them.
+/// Conditions as seen from the body and from the subframe.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frames<T> {
     pub(super) body: Conditions<T>,
@@ -138,14 +138,14 @@ impl<T: Scalar> Frames<T> {
     }
 }
 
-/// Forces of a wheel's parts on the shared bodies, in the axes of a left wheel, and their tangents.
+/// Forces of a wheel's parts on the shared bodies, in the axes of a left wheel, with their tangents.
 #[derive(Clone, Debug)]
 pub(super) struct Coupling<T> {
     pub(super) force: [T; SHARED],
     pub(super) own: [[T; SHARED]; SHARED],
     pub(super) by_corner: [[T; MOST]; SHARED],
     pub(super) corner_by: [[T; SHARED]; MOST],
-    /// Limbs that other coordinates than the carrier's move, with their responses.
+    /// Limbs that move with coordinates other than the carrier's, with their responses.
     pub(super) beside: Vec<(usize, [[T; BESIDE]; 6])>,
 }
 
@@ -172,7 +172,7 @@ impl<T: Scalar> System<T> {
         Frames { body, subframe }
     }
 
-    /// Adds elastic parts and joints of a wheel on shared bodies. Returns their forces on these.
+    /// Adds elastic parts and joints of a wheel on shared bodies. Returns their forces on these bodies.
     pub(super) fn add_coupled(
         &self,
         found: &Gathered<T>,
@@ -222,7 +222,7 @@ impl<T: Scalar> System<T> {
         coupling
     }
 
-    /// A step of carrier and shared bodies as a limb sees it: of the carrier, and of the coordinates of [`Beside`].
+    /// Step of the carrier and of the coordinates of [`Beside`], as seen from a limb.
     pub(super) fn seen_step(
         &self,
         limb: usize,
@@ -242,7 +242,7 @@ impl<T: Scalar> System<T> {
         )
     }
 
-    /// The same of a holder.
+    /// Same step, as seen from a holder.
     pub(super) fn seen_by(
         &self,
         holder: Holder,
@@ -288,19 +288,19 @@ impl<T: Scalar> System<T> {
     }
 }
 
-/// Present position of the subframe as equations (1) to (4) need it.
+/// Present position of the subframe, with the vectors of equations (1) to (4).
 pub(super) struct Pose<T> {
     pub(super) rotation: Matrix3<T>,
-    /// r
+    /// Vector r of these equations.
     pub(super) lever: Vector3<T>,
-    /// p of the spring's upper end.
+    /// Vector p of the spring's upper end.
     pub(super) upper: Option<Vector3<T>>,
-    /// As [`Conditions::balance_only`]: forces do not turn with the subframe, and keep their levers.
+    /// Same as [`Conditions::balance_only`]: forces do not rotate with the subframe, and they keep their levers.
     balance_only: bool,
 }
 
 impl<T: Scalar> Pose<T> {
-    /// Cross-product matrix of a force, by which it changes where it turns or where its lever changes.
+    /// Cross-product matrix of a force, for its change with rotation or with its lever.
     pub(super) fn turning(&self, force: Vector3<T>) -> Matrix3<T> {
         match self.balance_only {
             true => Matrix3::null(force.x),
@@ -310,7 +310,7 @@ impl<T: Scalar> Pose<T> {
 }
 
 impl<T: Scalar> SubframePart<T> {
-    /// Conditions as the subframe sees them.
+    /// Conditions as seen from the subframe.
     fn seen(&self, body: &Conditions<T>, subframe: &Placed<T>) -> Conditions<T> {
         let back = subframe.turn.transposed();
         let unturned = |v: Vector3<T>| v + back.apply(v);
@@ -340,7 +340,7 @@ impl<T: Scalar> SubframePart<T> {
         }
     }
 
-    /// Forces of the mounts at the body.
+    /// Adds the forces of the mounts at the body.
     fn add_mounts(&self, frames: &Frames<T>, around: &Surroundings<T>, coupling: &mut Coupling<T>) {
         let mut sum = Sum::zero(around.rack);
         for mount in &self.mounts {

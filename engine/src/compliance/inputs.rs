@@ -10,22 +10,22 @@ use crate::axle::Law;
 use crate::model::{Axis, PointId, Side, Suspension};
 use crate::number::{Tape, Tracked, Vector3};
 
-/// An input by which equilibria and figures have derivatives, in the kernel's frame of a left wheel.
+/// Input by which equilibria and figures have derivatives, in the kernel's frame of a left wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Parameter {
-    /// A coordinate of a hardpoint. Axes, lengths and forces at the design load follow.
+    /// Coordinate of a hardpoint. Axes, lengths and forces at the design load follow.
     Point(PointId, Axis),
-    /// The rate of a bushing along or about an axis, 0 to 5; of a curve, the factor of its forces.
+    /// Rate of a bushing along or about an axis, 0 to 5. For a curve, a factor on its forces.
     Stiffness(usize, usize),
-    /// The cubic term of a bushing.
+    /// Cubic term of a bushing.
     Cubic(usize, usize),
-    /// The constant force or torque of a bushing.
+    /// Constant force or torque of a bushing.
     Preload(usize, usize),
-    /// A component of the direction of a bushing's x axis.
+    /// Component of the direction of a bushing's x axis.
     AxisX(usize, Axis),
-    /// A component of the direction that fixes a bushing's z axis.
+    /// Component of the direction that sets a bushing's z axis.
     AxisZ(usize, Axis),
-    /// The stiffness of a link: force per length or per strain, as it is given.
+    /// Stiffness of a link: force per length or per strain, as the study gives it.
     Link(usize),
     /// The rate of a linear spring.
     SpringRate,
@@ -37,26 +37,26 @@ pub enum Parameter {
     ColumnRate,
     /// The rate of the anti-roll bar.
     BarRate,
-    /// Wheel travel, where the height is held.
+    /// Wheel travel, if the height is held.
     Travel,
     /// Displacement of the rack along the kernel's +y.
     Rack,
     /// A component of the force at the contact point.
     Contact(Axis),
-    /// The side force.
+    /// Side force at the contact point.
     Side,
     /// A component of the force at the wheel centre.
     Centre(Axis),
-    /// A component of the moment.
+    /// Component of the moment on the wheel.
     Moment(Axis),
 }
 
-/// Input of an axle: of both wheels, which change as mirror images, or of one.
+/// Input of an axle. It belongs to both wheels, which change as mirror images, or to one wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxleParameter {
-    /// The input of a wheel, or of a part that both share.
+    /// Input of a wheel, or of a part that both wheels share.
     pub parameter: Parameter,
-    /// The wheel; `None` for both.
+    /// Wheel that changes; `None` for both.
     pub side: Option<Side>,
 }
 
@@ -70,7 +70,7 @@ impl From<Parameter> for AxleParameter {
 }
 
 impl AxleParameter {
-    /// The parts of the wheels that change.
+    /// Parts of the wheels that change.
     pub(super) fn of_sides<'w, W>(
         &self,
         wheels: &'w mut [W; 2],
@@ -107,16 +107,16 @@ impl Compliance {
     }
 }
 
-/// An elastic suspension over numbers on a tape.
+/// Elastic suspension over numbers on a tape.
 #[derive(Clone, Debug)]
 pub struct OnTape<'t> {
-    /// The suspension.
+    /// Suspension over these numbers.
     pub wheel: ElasticWheel<Tracked<'t>>,
-    /// Loads, travel and rack among the inputs, each an addition of 0.
+    /// Inputs among loads, travel and rack, each as an added 0.
     added: Vec<(Parameter, Tracked<'t>)>,
 }
 
-/// Position of the parameter's number in a bushing's law.
+/// Location of the parameter's number in a bushing's law.
 pub(super) fn law_of<'c, 't>(
     parts: &'c mut Compliance<Tracked<'t>>,
     parameter: Parameter,
@@ -157,8 +157,8 @@ pub(super) fn law_of<'c, 't>(
 }
 
 impl<'t> OnTape<'t> {
-    /// The suspension with these inputs, which get the first numbers of the tape in their order. An input that the
-    /// suspension does not have changes nothing.
+    /// Makes the suspension with these inputs, which are the first numbers on the tape, in this order. Inputs that the
+    /// suspension does not have change nothing.
     pub fn new(
         suspension: &Suspension,
         design: &[Vector3<f64>],
@@ -194,8 +194,8 @@ impl<'t> OnTape<'t> {
         })
     }
 
-    /// An equilibrium of the suspension in plain numbers, with the derivatives by the inputs. What is held there stays:
-    /// the height, or all loads.
+    /// Adds derivatives by the inputs to an equilibrium of the suspension in plain numbers. The height or all loads stay
+    /// held.
     pub fn carried(&self, at: &Equilibrium) -> Option<Equilibrium<Tracked<'t>>> {
         let mut task = at.solution.task.map(Tracked::constant);
         for (parameter, added) in &self.added {
@@ -216,8 +216,8 @@ impl<'t> OnTape<'t> {
         self.wheel.carried(&at.solution.state, &task)
     }
 
-    /// An equilibrium under loads beside those of a station, with the derivatives by the inputs. What is held is the
-    /// station's, whose height or wheel load may change with the inputs.
+    /// Equilibrium under loads in addition to those of a station, with derivatives by the inputs. The station's height or
+    /// wheel load is held, and it can change with the inputs.
     pub fn carried_about(
         &self,
         station: &Equilibrium<Tracked<'t>>,
@@ -226,7 +226,7 @@ impl<'t> OnTape<'t> {
     ) -> Option<Equilibrium<Tracked<'t>>> {
         let (_, base) = self.wheel.held_as(station, held);
         let mut task = at.solution.task.map(Tracked::constant);
-        // The same numbers, with the station's derivatives.
+        // The value stays the same, and the derivatives are those of the station.
         if let Hold::Load = base.hold {
             let change = task.loads.contact.z.plain() - base.loads.contact.z.plain();
             task.loads.contact.z = base.loads.contact.z + Tracked::constant(change);

@@ -1,11 +1,11 @@
-//! Laws of bushings and links: a force over a deflection along one axis, or a torque over an angle.
+//! Laws of bushings and links: force against deflection along an axis, or torque against angle.
 //!
 //! ```text
 //! f = shape(d + d0) - shape(d0) + f0 + offset                                                     (1)
 //! ```
 //!
-//! The force f0 and the deflection d0 with shape(d0) = f0 are those at the design load, if the design position is the
-//! equilibrium there; else both are 0. The offset is a constant preload, as Adams has it. The shape is
+//! The force f0 and the deflection d0, with shape(d0) = f0, are those at the design load. Both are 0 unless the design
+//! position is the equilibrium there. The offset is a constant preload, as in Adams. The shape is
 //!
 //! ```text
 //! k d + c d^3,   or a curve through points                                                        (2)
@@ -14,37 +14,37 @@
 use crate::axle::ForceCurve;
 use crate::number::{Jet, Scalar};
 
-/// Most Newton steps of the inverse of a law. A monotone cubic takes a few; bisection is behind them.
+/// Largest number of Newton steps to invert a law. A monotone cubic takes a few; bisection is the safeguard.
 const MOST_STEPS: usize = 200;
 
-/// A force over a deflection.
+/// Force as a function of deflection.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape<T = f64> {
-    /// Equation (2), left.
+    /// Cubic polynomial, the left form of equation (2).
     Cubic {
-        /// k, force per deflection.
+        /// Linear coefficient k: force per deflection.
         rate: T,
-        /// c, force per cubed deflection.
+        /// Cubic coefficient c: force per cubed deflection.
         cubic: T,
     },
-    /// Equation (2), right: straight beyond its ends. `scale` multiplies its forces.
+    /// Curve through points, the right form of equation (2). It is straight beyond its ends.
     Curve {
-        /// The curve.
+        /// Points of the curve.
         curve: ForceCurve,
-        /// Factor of its forces.
+        /// Factor on the forces.
         scale: T,
     },
 }
 
 impl Shape {
-    /// Slope without deflection, and before any force at a design load.
+    /// Slope at zero deflection, before any force at a design load.
     pub fn initial_rate(&self) -> f64 {
         self.slope(0.0)
     }
 }
 
 impl<T: Copy> Shape<T> {
-    /// The shape over another kind of number.
+    /// Converts the shape to another kind of number.
     pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U) -> Shape<U> {
         match self {
             Shape::Cubic { rate, cubic } => Shape::Cubic {
@@ -76,12 +76,12 @@ impl<T: Scalar> Shape<T> {
         }
     }
 
-    /// Slope without deflection.
+    /// Slope at zero deflection.
     pub(super) fn slope(&self, like: T) -> T {
         self.at(like.zero()).1
     }
 
-    /// The deflection with this force, of a law that rises; `None` if it does not reach the force.
+    /// Deflection at which a rising law has this force; `None` if the law does not reach the force.
     fn deflection(&self, force: T) -> Option<T> {
         let mut low = -1.0;
         let mut high = 1.0;
@@ -114,21 +114,21 @@ impl<T: Scalar> Shape<T> {
             }
             at = next;
         }
-        // One more step in the numbers of the force gives its derivatives.
+        // One more step in the number type of the force gives its derivatives.
         let (found, slope) = self.at(force.constant(at));
         Some(force.constant(at) - (found - force) / slope)
     }
 }
 
-/// A law with its preload.
+/// Law with its preload.
 #[derive(Clone, Debug)]
 pub(super) struct Law<T> {
     pub(super) shape: Shape<T>,
-    /// f0
+    /// Force f0 at the design load.
     pub(super) preload: T,
-    /// d0
+    /// Deflection d0 at the design load.
     deflection: T,
-    /// Constant offset.
+    /// Constant preload.
     pub(super) offset: T,
 }
 
@@ -142,7 +142,7 @@ impl<T: Scalar> Law<T> {
         }
     }
 
-    /// The law over another kind of number, with its shape given.
+    /// Converts the law to another kind of number, with its shape given.
     pub(super) fn with<U>(&self, shape: Shape<U>, f: impl Fn(T) -> U) -> Law<U> {
         Law {
             shape,
@@ -152,7 +152,7 @@ impl<T: Scalar> Law<T> {
         }
     }
 
-    /// Sets the force at the design load. Returns false if the law does not reach it.
+    /// Sets the force at the design load. Returns false if the law does not reach that force.
     #[must_use]
     pub(super) fn preloaded(&mut self, force: T) -> bool {
         self.preload = force;
@@ -166,17 +166,17 @@ impl<T: Scalar> Law<T> {
         deflection.is_some()
     }
 
-    /// The deflection of the unloaded part in the design position.
+    /// Deflection d0, from the unloaded part to the design position.
     #[cfg(test)]
     fn preload_deflection(&self) -> T {
         self.deflection
     }
 
-    /// Force and slope at a deflection from the design position. Equation (1).
+    /// Force and slope at a deflection from the design position, by equation (1).
     #[inline]
     pub(super) fn at(&self, deflection: T) -> (T, T) {
         match &self.shape {
-            // In this form the force at the design load is exact.
+            // This form makes the force at the design load exact.
             Shape::Cubic { rate, cubic } => {
                 let (d, d0) = (deflection, self.deflection);
                 let total = d + d0;
@@ -194,7 +194,7 @@ impl<T: Scalar> Law<T> {
         }
     }
 
-    /// Returns true if a curve does not reach this deflection.
+    /// Returns true if this deflection lies beyond the points of a curve.
     pub(super) fn is_beyond(&self, deflection: f64) -> bool {
         match &self.shape {
             Shape::Cubic { .. } => false,
@@ -211,7 +211,7 @@ impl<T: Scalar> Law<T> {
 mod tests {
     use super::*;
 
-    /// The law at the design load has the force that was set, and is the unloaded law elsewhere.
+    /// At the design load the law has the force that was set. Elsewhere it equals the unloaded law.
     #[test]
     fn a_preloaded_law_is_the_unloaded_one_moved() {
         let cubic = Shape::Cubic {

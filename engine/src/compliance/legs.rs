@@ -1,8 +1,8 @@
-//! Seats of springs and drop links of anti-roll bars on arms of rigid or stretching legs.
+//! Seats of springs and drop links of anti-roll bars on arms with rigid or stretching legs.
 //!
-//! The seat keeps its place in the frame of the arm's axis e and outer joint. With r the unit vector from the axis to the
-//! joint, n = e x r, l the joint's distance from the axis and b, c the seat's distances along r and n, a force F at the
-//! seat is, at the joint,
+//! The seat is fixed in the frame of the arm's axis e and outer joint. Let r be the unit vector from the axis to the joint,
+//! n = e x r, and l the joint's distance from the axis. Let b and c be the seat's distances along r and n. A force F at the
+//! seat acts at the joint as
 //!
 //! ```text
 //! n p/l,   p = F.(b n - c r);   tangent -(p/l^2)(r n' + n r') - (F.(b r + c n)/l^2) n n'          (1)
@@ -18,41 +18,41 @@ use super::limb::{Beside, Conditions, Evaluated, Followers, LimbState, Sum, TWIS
 use super::point::{BarSeat, PointForce, Seat, SeatForce, Stretched};
 use crate::number::{Matrix3, Scalar, Vector3};
 
-/// A point of an arm of rigid or stretching legs.
+/// Point of an arm with rigid or stretching legs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LegPoint<T> {
-    /// The outer joint, from the carrier's reference point.
+    /// Vector from the carrier's reference point to the outer joint.
     pub(super) joint: Vector3<T>,
     /// Unit vector along the arm's axis.
     pub(super) axis: Vector3<T>,
-    /// From the axis to the outer joint, square to it.
+    /// Vector from the axis to the outer joint, normal to the axis.
     pub(super) radius: Vector3<T>,
-    /// b and c of equation (1).
+    /// Distances b and c of equation (1).
     pub(super) place: [T; 2],
 }
 
-/// The seat of a spring on an arm of rigid or stretching legs.
+/// Seat of a spring on an arm with rigid or stretching legs.
 #[derive(Clone, Debug)]
 pub(super) struct LegSeat<T> {
     pub(super) leg: LegPoint<T>,
     pub(super) seat: Seat<T>,
 }
 
-/// The frame of an arm of legs: r, n/l, the arm b n - c r and the displacement of the point.
+/// Frame of an arm with legs: r, n/l, the arm b n - c r and the displacement of the point.
 struct LegFrame<T> {
     radial: Vector3<T>,
     normal: Vector3<T>,
     inverse: T,
     moved: Vector3<T>,
-    /// Turn of the arm by the displacement of the joint.
+    /// Rotation of the arm per displacement of the joint.
     along: Vector3<T>,
-    /// Displacement of the point by the turn of the arm.
+    /// Displacement of the point per rotation of the arm.
     arm: Vector3<T>,
     place: [T; 2],
 }
 
 impl<T: Scalar> LegFrame<T> {
-    /// The force at the joint by a force at the point. Equation (1).
+    /// Force at the joint from a force at the point, by equation (1).
     fn at_joint(&self, point: &PointForce<T>, balance_only: bool) -> PointForce<T> {
         let (r, n, [b, c]) = (self.radial, self.normal, self.place);
         let at_joint = |force: Vector3<T>| self.along * self.arm.dot(force);
@@ -80,7 +80,7 @@ impl<T: Scalar> LegPoint<T> {
         let moved = carrier.displacement(self.joint).across(self.axis);
         let line = Stretched::of(self.radius, moved);
         let before = self.radius.normalised();
-        // r - r0 from the displacement, so that it keeps all digits.
+        // This form of r - r0, from the displacement, keeps all digits.
         let change = (moved - before * line.stretch) * line.inverse_length;
         let turned = self.axis.cross(change);
         let (radial, normal) = (line.direction, self.axis.cross(line.direction));
@@ -95,7 +95,7 @@ impl<T: Scalar> LegPoint<T> {
         }
     }
 
-    /// Shift of the seat in a small step of the joint from the design position.
+    /// Shift of the seat for a small step of the joint from the design position.
     pub(super) fn shift(&self, joint: Vector3<T>) -> Vector3<T> {
         let r = self.radius.normalised();
         let n = self.axis.cross(r);
@@ -110,7 +110,7 @@ impl<T: Scalar> LegPoint<T> {
 }
 
 impl<T: Scalar> LegSeat<T> {
-    /// Displacement of the seat, against the upper end if that is on another body.
+    /// Displacement of the seat, relative to the upper end if that is on another body.
     pub(super) fn displacement(&self, at: &Conditions<T>) -> Vector3<T> {
         let moved = self.leg.displacement(&at.carrier);
         if self.seat.is_across {
@@ -163,19 +163,19 @@ impl<T: Scalar> LegSeat<T> {
     }
 }
 
-/// The drop link of an anti-roll bar on the carrier, or on an arm of legs.
+/// Drop link of an anti-roll bar on the carrier, or on an arm with legs.
 #[derive(Clone, Debug)]
 pub(super) struct BarPart<T> {
     pub(super) foot: BarFoot<T>,
     pub(super) seat: BarSeat<T>,
 }
 
-/// Place of a drop link's outer end.
+/// Location of a drop link's outer end.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum BarFoot<T> {
-    /// On the carrier, from its reference point.
+    /// Point on the carrier, as a vector from the carrier's reference point.
     Carrier(Vector3<T>),
-    /// On an arm of legs.
+    /// Point on an arm with legs.
     Leg(LegPoint<T>),
 }
 

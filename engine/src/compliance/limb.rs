@@ -1,21 +1,21 @@
-//! Parts between the body and the wheel carrier that move in their own right, eliminated from the equations.
+//! Parts between body and wheel carrier with own degrees of freedom, which are eliminated from the equations.
 //!
-//! Each part has inner unknowns y beside the displacement x of its outer support (the joint of an arm, or the whole
-//! carrier). With the derivatives f, m of the energy by x and y,
+//! Each part has inner unknowns y besides the displacement x of its outer support. That support is the joint of an arm, or
+//! the whole carrier. With the derivatives f and m of the energy by x and y,
 //!
 //! ```text
 //! dy = -(m_y^-1 m + m_y^-1 m_x dx)                                                                (1)
 //! f_x - f_y m_y^-1 m_x,   f - f_y m_y^-1 m                                                        (2)
 //! ```
 //!
-//! is the full Newton step: there is no inner loop. A force F that acts on a body at the lever r = R (P - O), with the
-//! tangent K by the point, gives the body
+//! is the full Newton step, without an inner loop. A force F acts on a body at the lever r = R (P - O), and K is its tangent
+//! by the point. Its effect on the body is
 //!
 //! ```text
 //! force F, moment r x F;   tangents K, -K r^, r^ K, -r^ K r^ + F^ r^                              (3)
 //! ```
 //!
-//! F^ r^ takes the force before inner unknowns are eliminated.
+//! F^ r^ uses the force before inner unknowns are eliminated.
 
 use super::algebra::Placed;
 use super::bushing::{Bushing, BushingForce};
@@ -23,7 +23,7 @@ use super::point::PointForce;
 use crate::linear::lu::Lu;
 use crate::number::{Matrix3, Scalar, Vector3, array_of};
 
-/// Sum of forces and moments on the carrier about its reference point, and their tangent.
+/// Sum of forces and moments on the carrier about its reference point, with its tangent.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sum<T> {
     pub(super) force: [T; 6],
@@ -56,14 +56,14 @@ impl<T: Scalar> Sum<T> {
         }
     }
 
-    /// Adds a torque and its tangent by small turns.
+    /// Adds a torque and its tangent by small rotations.
     #[inline]
     pub(super) fn add_moment(&mut self, moment: Vector3<T>, by_turn: &Matrix3<T>) {
         self.add_force(moment.zero(), moment);
         self.add_block(3, 3, by_turn);
     }
 
-    /// Equation (3).
+    /// Adds a force at a point, by equation (3).
     #[inline]
     pub(super) fn add_point(&mut self, lever: Vector3<T>, point: &PointForce<T>) {
         self.add_force(point.condensed, lever.cross(point.condensed));
@@ -71,7 +71,7 @@ impl<T: Scalar> Sum<T> {
         self.add_blocks([[shift, by_turn], [moment, twist]]);
     }
 
-    /// Adds tangents of force and moment by the carrier's shift and turn.
+    /// Adds tangents of force and moment by the carrier's shift and rotation.
     #[inline]
     pub(super) fn add_blocks(&mut self, blocks: [[&Matrix3<T>; 2]; 2]) {
         for (i, row) in blocks.into_iter().enumerate() {
@@ -82,22 +82,22 @@ impl<T: Scalar> Sum<T> {
     }
 }
 
-/// Conditions under which parts are evaluated, seen from the body that holds them.
+/// Conditions under which parts are evaluated, as seen from the body that holds them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Conditions<T> {
     pub(super) carrier: Placed<T>,
     pub(super) rack: T,
     /// Displacement of a spring's upper end on another body.
     pub(super) upper: Vector3<T>,
-    /// Twist of the middle of the anti-roll bar.
+    /// Twist of the anti-roll bar's middle.
     pub(super) twist: T,
-    /// True for the forces at the design load: elements have their slope and no force, springs their force and no
-    /// slope, torsion is left out.
+    /// True for the search of the forces at the design load. Then elements contribute their slope but no force, and springs
+    /// their force but no slope. Torsion is left out.
     pub(super) balance_only: bool,
 }
 
 impl<T: Scalar> Conditions<T> {
-    /// Displacement of a point of body or rack.
+    /// Displacement of a point on the body or the rack.
     #[inline]
     pub(super) fn ground(&self, on_rack: bool) -> Vector3<T> {
         let zero = self.rack.zero();
@@ -122,19 +122,19 @@ impl<T: Scalar> Conditions<T> {
     }
 }
 
-/// Number of the coordinates of [`Beside`].
+/// Number of coordinates in [`Beside`].
 pub(super) const BESIDE: usize = 4;
-/// Number of the twist among them.
+/// Index of the twist among these coordinates.
 pub(super) const TWIST_BESIDE: usize = 3;
 
-/// Forces of a part on other coordinates than the carrier's: displacement of a spring's upper end on another body, and
-/// twist of the middle of the anti-roll bar. Inner unknowns are eliminated.
+/// Forces of a part on coordinates other than the carrier's, with inner unknowns eliminated. The coordinates are the
+/// displacement of a spring's upper end on another body, and the twist of the anti-roll bar's middle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Beside<T> {
     /// Derivatives of the energy by these coordinates.
     pub(super) force: [T; BESIDE],
     pub(super) own: [[T; BESIDE]; BESIDE],
-    /// Tangent by the carrier's shift and turn.
+    /// Tangent by the carrier's shift and rotation.
     pub(super) by_carrier: [[T; 6]; BESIDE],
     /// Tangent of the carrier's force and moment by these coordinates.
     pub(super) carrier_by: [[T; BESIDE]; 6],
@@ -154,8 +154,8 @@ impl<T: Scalar> Beside<T> {
         }
     }
 
-    /// Sets the tangents of one coordinate and a point of the carrier at this lever: derivatives of the coordinate's force by
-    /// the point's displacement, and of the force at the point by the coordinate.
+    /// Sets the tangents between one coordinate and a point of the carrier at this lever. `by` is the derivative of the
+    /// coordinate's force by the point's displacement. `at` is the derivative of the force at the point by the coordinate.
     pub(super) fn couple(&mut self, k: usize, lever: Vector3<T>, by: Vector3<T>, at: Vector3<T>) {
         self.by_carrier[k] = joined(by, lever.cross(by));
         for (row, entry) in self.carrier_by.iter_mut().zip(joined(at, lever.cross(at))) {
@@ -164,7 +164,7 @@ impl<T: Scalar> Beside<T> {
     }
 }
 
-/// Two vectors, one after the other.
+/// Joins two vectors to one of six components.
 #[inline]
 pub(super) fn joined<T: Copy>(first: Vector3<T>, second: Vector3<T>) -> [T; 6] {
     let (f, s) = (first, second);
@@ -174,11 +174,11 @@ pub(super) fn joined<T: Copy>(first: Vector3<T>, second: Vector3<T>) -> [T; 6] {
 /// State of the inner unknowns of a part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LimbState<T> {
-    /// The part's own position. Its shift is used by links with a bushing at either end.
+    /// Position of the part. Links with a bushing at each end use its shift.
     pub(super) placed: Placed<T>,
     /// Components of the force in a ball joint at the body.
     pub(super) pivot: [T; 2],
-    /// Slide of a strut, or tan(theta/2) of a rocker.
+    /// Sliding displacement of a strut, or tan(theta/2) of a rocker.
     pub(super) slide: T,
 }
 
@@ -200,19 +200,20 @@ impl<T: Scalar> LimbState<T> {
     }
 }
 
-/// Response of the inner unknowns: dy = -(rest + by dx). Equation (1).
+/// Response dy = -(rest + by dx) of the inner unknowns, by equation (1).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Followers<T> {
     pub(super) count: usize,
     pub(super) by: [[T; 6]; 6],
     pub(super) rest: [T; 6],
-    /// Lever of the point whose displacement is x; `None` where x is the carrier's shift and turn.
+    /// Lever of the point whose displacement is x; `None` if x is the carrier's shift and rotation.
     pub(super) joint: Option<Vector3<T>>,
-    /// The rocker's turn, from the displacement of the seat at this lever from the joint.
+    /// Response of the rocker's rotation to the displacement of the seat: lever of the seat from the joint, derivative, and
+    /// rest.
     pub(super) slide: Option<(Vector3<T>, Vector3<T>, T)>,
 }
 
-/// A change of the inner unknowns of a part.
+/// Change of the inner unknowns of a part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LimbStep<T> {
     pub(super) inner: [T; 6],
@@ -230,7 +231,7 @@ impl<T: Scalar> Followers<T> {
         }
     }
 
-    /// One inner unknown, the slide of a strut.
+    /// Response of one inner unknown, the sliding displacement of a strut.
     pub(super) fn of_one(like: T) -> Self {
         Followers {
             count: 1,
@@ -238,7 +239,7 @@ impl<T: Scalar> Followers<T> {
         }
     }
 
-    /// A rocker behind a seat on the joint: how it follows the seat, and what is left.
+    /// Response of a rocker behind a seat on the joint. `slide` has its derivative by the seat and the rest.
     pub(super) fn of_joint(joint: Vector3<T>, slide: Option<(Vector3<T>, T)>) -> Self {
         let slide = slide.map(|(by, rest)| (joint.zero(), by, rest));
         Followers {
@@ -248,7 +249,7 @@ impl<T: Scalar> Followers<T> {
         }
     }
 
-    /// The same behind a seat on the carrier.
+    /// Response of a rocker behind a seat on the carrier.
     pub(super) fn of_carrier(like: T, slide: Option<(Vector3<T>, Vector3<T>, T)>) -> Self {
         Followers {
             slide,
@@ -256,8 +257,8 @@ impl<T: Scalar> Followers<T> {
         }
     }
 
-    /// The step of the inner unknowns after a step of the carrier. `is_rate`: the rate along a motion in balance,
-    /// which has no rest. `beside`: how inner unknowns follow coordinates of [`Beside`], and the step of these.
+    /// Step of the inner unknowns after a step of the carrier. With `is_rate` it is the rate along a motion in balance,
+    /// which has no rest. `beside` has the responses to the coordinates of [`Beside`], and their step.
     #[inline]
     pub(super) fn step(
         &self,
@@ -300,27 +301,27 @@ impl<T: Scalar> Followers<T> {
     }
 }
 
-/// One evaluation of a part.
+/// Evaluation of a part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Evaluated<T> {
     pub(super) followers: Followers<T>,
     /// Residual forces on the inner unknowns, and the residual moment about a rocker's axis.
     pub(super) inner: [T; 7],
-    /// False if the inner unknowns move away by themselves.
+    /// False if the inner unknowns are unstable by themselves.
     pub(super) is_stable: bool,
-    /// Least by largest pivot of the inner equations: 0 if nothing holds a motion. Turns are compared with shifts at the
-    /// part's length.
+    /// Ratio of the smallest and the largest pivot of the inner equations, 0 if nothing holds a motion. Rotations compare
+    /// with shifts at the part's length.
     pub(super) least_pivot: f64,
 }
 
-/// Solved inner equations: m_y^-1 m, m_y^-1 m_x, and the least by the largest pivot.
+/// Solved inner equations: m_y^-1 m, m_y^-1 m_x, and the ratio of the smallest to the largest pivot.
 pub(super) struct Eliminated<T, const N: usize, const C: usize> {
     pub(super) rest: [T; N],
     pub(super) by: [[T; C]; N],
     pub(super) least_pivot: f64,
 }
 
-/// Solves the inner equations. `units` are lengths by which pivots are divided twice. `None` if a direction has no
+/// Solves the inner equations. The square of `units`, which are lengths, divides the pivots. `None` if a direction has no
 /// stiffness.
 #[inline]
 pub(super) fn eliminated<T: Scalar, const N: usize, const C: usize>(
@@ -351,8 +352,8 @@ pub(super) fn eliminated<T: Scalar, const N: usize, const C: usize>(
     })
 }
 
-/// Returns true if the symmetric part of a matrix is positive definite: all pivots of LDL' are above this share of the
-/// largest.
+/// Returns true if the symmetric part of a matrix is positive definite. All pivots of LDL' must exceed this fraction of the
+/// largest pivot before them.
 #[inline]
 pub(super) fn is_positive<T: Scalar, const N: usize>(
     matrix: &[[T; N]; N],

@@ -1,8 +1,8 @@
-//! Loads on the wheel, fixed in direction. The wheel is locked to the carrier.
+//! Loads on the wheel, with fixed directions. The wheel is locked to the carrier.
 //!
-//! With W the wheel centre, C the lowest point of the disc and T the level heading of the wheel, forces act at C, at
-//! C - trail T and at W, and a moment on the carrier. C and T follow the spin axis, so a force at C or C - trail T has a
-//! tangent. It is not symmetric for side forces, which take energy from a wheel that moves round a loop.
+//! W is the wheel centre, C the lowest point of the disc, and T the level heading of the wheel. Forces act at C, at C -
+//! trail T and at W, and a moment acts on the carrier. C and T follow the spin axis, so a force at C or C - trail T has a
+//! tangent. For side forces this tangent is not symmetric: they take energy from a wheel that moves around a loop.
 
 use super::algebra::Placed;
 use super::limb::Sum;
@@ -15,18 +15,18 @@ use crate::number::{Dual, Each, Matrix3, Real, Scalar, Vector3};
 pub struct WheelLoads<T = f64> {
     /// Force at the contact point.
     pub contact: Vector3<T>,
-    /// Force towards the inside of the car at C - `trail` T.
+    /// Force to the inside of the car at C - `trail` T.
     pub side: T,
     /// Distance of the side force behind the contact point.
     pub trail: T,
     /// Force at the wheel centre.
     pub centre: Vector3<T>,
-    /// Moment.
+    /// Moment on the carrier.
     pub moment: Vector3<T>,
 }
 
 impl<T: Real> WheelLoads<T> {
-    /// No load, in the shape of `like`.
+    /// Zero load, with the number type of `like`.
     pub fn none(like: T) -> Self {
         let zero = like.zero();
         let none = Vector3::new(zero, zero, zero);
@@ -39,7 +39,7 @@ impl<T: Real> WheelLoads<T> {
         }
     }
 
-    /// The load over another kind of number.
+    /// Converts the load to another kind of number.
     pub fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> WheelLoads<U> {
         WheelLoads {
             contact: self.contact.map(f),
@@ -50,7 +50,7 @@ impl<T: Real> WheelLoads<T> {
         }
     }
 
-    /// A share of the way from this load to another one. The trail is the other's.
+    /// Load at a fraction `share` between this load and another. The trail is that of the other load.
     pub(super) fn towards(&self, to: &Self, share: T) -> Self {
         let from = self;
         let between = |a: Vector3<T>, b: Vector3<T>| a + (b - a) * share;
@@ -63,7 +63,7 @@ impl<T: Real> WheelLoads<T> {
         }
     }
 
-    /// This load and a multiple of another with the same trail.
+    /// Sum of this load and a multiple of another with the same trail.
     pub fn plus(&self, other: &Self, factor: T) -> Self {
         WheelLoads {
             contact: self.contact + other.contact * factor,
@@ -75,12 +75,12 @@ impl<T: Real> WheelLoads<T> {
     }
 }
 
-/// The wheel on the carrier, in the design position.
+/// Wheel on its carrier, in the design position.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WheelPart<T> {
-    /// The wheel centre, from the carrier's reference point.
+    /// Vector from the carrier's reference point to the wheel centre.
     pub(super) centre: Vector3<T>,
-    /// Outboard unit vector along the spin axis.
+    /// Unit vector along the spin axis, outboard.
     pub(super) spin_axis: Vector3<T>,
     pub(super) radius: f64,
 }
@@ -93,14 +93,14 @@ pub(super) struct LoadWrench<T> {
 }
 
 impl<T: Scalar> LoadWrench<T> {
-    /// The six components.
+    /// Components of force and moment.
     pub(super) fn to_array(self) -> [T; 6] {
         let (f, m) = (self.force, self.moment);
         [f.x, f.y, f.z, m.x, m.y, m.z]
     }
 }
 
-/// Force and moment of a load, with the spin axis and the wheel centre's lever as they are.
+/// Force and moment of a load, for a given spin axis and lever of the wheel centre.
 #[inline]
 fn wrench<T: Real>(
     loads: &WheelLoads<T>,
@@ -129,7 +129,7 @@ impl<T: Scalar> WheelPart<T> {
         wrench(loads, axis, carrier.lever(self.centre), self.radius)
     }
 
-    /// Takes a load off the sum, with its tangent.
+    /// Subtracts a load from the sum, with its tangent.
     #[inline]
     pub(super) fn subtract(&self, carrier: &Placed<T>, loads: &WheelLoads<T>, sum: &mut Sum<T>) {
         let turn = Dual::inputs(carrier.shift.zero());

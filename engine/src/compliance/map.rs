@@ -1,4 +1,4 @@
-//! The system over another kind of number, for derivatives in a state.
+//! Conversion of the system to another kind of number, for derivatives in a state.
 
 use super::bushing::Bushing;
 use super::floating::Floating;
@@ -167,7 +167,7 @@ impl<T: Scalar> Joint<T> {
 }
 
 impl<T: Scalar> System<T> {
-    /// The system over another kind of number.
+    /// Converts the system to another kind of number.
     pub(super) fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> System<U> {
         let bushing = |part: &CarrierBushing<T>| CarrierBushing {
             lever: part.lever.map(f),
@@ -196,7 +196,7 @@ impl<T: Scalar> System<T> {
 }
 
 impl<T: Copy> WheelFigures<T> {
-    /// The figures over another kind of number.
+    /// Converts the figures to another kind of number.
     pub fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> WheelFigures<U> {
         WheelFigures {
             toe: f(self.toe),

@@ -1,19 +1,20 @@
 //! Parts at the carrier itself: the top mount of a strut, the seat of a spring, rigid rods and joints.
 //!
-//! **Top mount.** The strut's line is fixed in the carrier, along the unit vector a. The mount's point is on that line,
-//! at the distance t from where the carrier has the design position of `strut_top`, at the lever l. It moves by
+//! **Top mount.** The strut's line is fixed in the carrier, along the unit vector a. At the lever l, the carrier has a point
+//! that is at `strut_top` in the design position. The mount's point is on the line, at the distance t from that point. It
+//! moves by
 //!
 //! ```text
 //! d = u + D l + a t,   dd = du + w x r + a dt,   r = R l + a t                                    (1)
 //! ```
 //!
-//! and a bushing of three rates holds it. The spring works along t. The rod may turn freely about its line; the tilt
+//! and a bushing with three rates holds it. The spring acts along t. The rod can rotate freely about its line. The tilt
 //!
 //! ```text
 //! q = (a0 x a) s/sin s,   cos s = a0.a                                                            (2)
 //! ```
 //!
-//! has components about the mount's x and y.
+//! has components about the mount's x and y axes.
 
 use super::algebra::{angle_by_sine, cross_matrix, second_order};
 use super::bushing::Bushing;
@@ -22,14 +23,14 @@ use super::point::{PointForce, Seat, Stretched};
 use crate::axle::SpringLaw;
 use crate::number::{Dual, Matrix3, Real, Scalar, Vector3};
 
-/// The top mount of a strut with its spring.
+/// Top mount of a strut with its spring.
 #[derive(Clone, Debug)]
 pub(super) struct Mount<T> {
-    /// `strut_top`, from the carrier's reference point.
+    /// Vector from the carrier's reference point to `strut_top`.
     pub(super) top: Vector3<T>,
-    /// a in the design position.
+    /// Direction a of the strut in the design position.
     pub(super) along: Vector3<T>,
-    /// From the spring's lower end to `strut_top`.
+    /// Vector from the spring's lower end to `strut_top`.
     pub(super) spring_line: Vector3<T>,
     pub(super) bushing: Bushing<T>,
     pub(super) spring: Option<SpringLaw<T>>,
@@ -55,7 +56,7 @@ impl<T: Scalar> Mount<T> {
         at.carrier.displacement(self.top) + along * slide
     }
 
-    /// Length of the spring with its first and second derivative by t.
+    /// Length of the spring, with its first and second derivative by t.
     fn spring_length(&self, slide: T) -> (T, T, T) {
         let moved = self.along * slide;
         let line = Stretched::of(self.spring_line, moved);
@@ -68,7 +69,7 @@ impl<T: Scalar> Mount<T> {
         )
     }
 
-    /// Equation (2) of a direction.
+    /// Tilt of a direction, by equation (2).
     fn tilt(&self, along: Vector3<T>) -> [T; 2] {
         let across = self.along.cross(along);
         let ratio = angle_by_sine(across.norm_squared(), self.along.dot(along));
@@ -121,7 +122,8 @@ impl<T: Scalar> Mount<T> {
                 *column = *column + Vector3::from(second) * torque;
             }
         }
-        // The second derivative is by the rotation vector; small turns about fixed axes take half the moment off.
+        // The second derivative is by the rotation vector. For small rotations about fixed axes, half of the moment must be
+        // subtracted.
         let half = moment * moment.x.constant(-0.5);
         sum.add_moment(moment, &by_turn.plus(&cross_matrix(half)));
     }
@@ -184,10 +186,10 @@ impl<T: Scalar> Mount<T> {
     }
 }
 
-/// The seat of a spring on the carrier.
+/// Seat of a spring on the carrier.
 #[derive(Clone, Debug)]
 pub(super) struct CarrierSeat<T> {
-    /// The seat, from the carrier's reference point.
+    /// Vector from the carrier's reference point to the seat.
     pub(super) lever: Vector3<T>,
     pub(super) seat: Seat<T>,
 }
@@ -220,12 +222,12 @@ impl<T: Scalar> CarrierSeat<T> {
     }
 }
 
-/// A rod between body or rack and the carrier, rigid or with axial stiffness.
+/// Rod between body or rack and the carrier, rigid or with axial stiffness.
 #[derive(Clone, Debug)]
 pub(super) struct RodPart<T> {
-    /// The outer end, from the carrier's reference point.
+    /// Vector from the carrier's reference point to the outer end.
     pub(super) joint: Vector3<T>,
-    /// From inner to outer end.
+    /// Vector from the inner to the outer end.
     pub(super) along: Vector3<T>,
     pub(super) on_rack: bool,
     /// Axial stiffness and tension in the design position; `None` for a rigid rod.
@@ -251,35 +253,34 @@ impl<T: Scalar> RodPart<T> {
     }
 }
 
-/// A rigid joint of the carrier: one equation, with a force as its unknown.
+/// Rigid joint of the carrier: one equation, with a force as its unknown.
 #[derive(Clone, Debug)]
 pub(super) enum Joint<T> {
-    /// A rigid rod.
+    /// Rigid rod between its ends.
     Rod(RodPart<T>),
-    /// One of two equations that keep a rigid mount on the line of a strut: a direction of the carrier normal to the
-    /// line, and `strut_top` from the carrier's reference point.
+    /// One of two equations that keep a rigid mount on the line of a strut.
     Line {
-        /// Direction in the design position.
+        /// Direction on the carrier normal to the line, in the design position.
         normal: Vector3<T>,
-        /// `strut_top`.
+        /// Vector from the carrier's reference point to `strut_top`.
         top: Vector3<T>,
     },
-    /// A point of the carrier that does not move along a direction of the body.
+    /// Point of the carrier that is fixed along one direction of the body.
     Pin {
-        /// The point, from the carrier's reference point.
+        /// Vector from the carrier's reference point to the point.
         lever: Vector3<T>,
-        /// The direction.
+        /// Fixed direction.
         direction: Vector3<T>,
     },
 }
 
 impl<T: Scalar> Joint<T> {
-    /// Returns true if the rack holds it.
+    /// Returns true if the rack holds the joint.
     pub(super) fn is_on_rack(&self) -> bool {
         matches!(self, Joint::Rod(rod) if rod.on_rack)
     }
 
-    /// Residual and its derivatives by the carrier. Adds the joint's force and its tangent.
+    /// Residual, and its derivatives by the carrier's motion. Adds the joint's force and its tangent.
     #[inline]
     pub(super) fn evaluate(&self, at: &Conditions<T>, force: T, sum: &mut Sum<T>) -> (T, [T; 6]) {
         match self {
@@ -298,7 +299,7 @@ impl<T: Scalar> Joint<T> {
                 let moved = at.carrier.displacement(*top);
                 let normal = at.carrier.lever(*normal);
                 let lever = at.carrier.lever(*top) - moved;
-                // The force keeps its place in the body while the carrier moves: dr = -du.
+                // The force acts at a fixed point of the body while the carrier moves: dr = -du.
                 let pull = normal * force;
                 let nothing = Matrix3::null(force);
                 let across = cross_matrix(pull);

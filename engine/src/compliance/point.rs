@@ -1,32 +1,33 @@
-//! Forces between two points: rods, springs, and the seat of a spring that stands on a suspension part.
+//! Forces between two points: rods, springs, and the seat of a spring on a suspension part.
 //!
-//! With v from the fixed point to the moving one, l = |v|, u = v/l and the pull T(l), the energy changes by T u.dp and
+//! With the vector v from the fixed to the moving point, l = |v|, u = v/l and the pull T(l), the energy changes by T u.dp.
+//! Its second derivative is
 //!
 //! ```text
 //! T' u u' + T/l (I - u u')                                                                        (1)
 //! ```
 //!
-//! is its second derivative. The length of a rod is l - L = (2 v0.d + d.d)/(l + L) with d the relative displacement of
-//! its ends (2), which keeps all digits.
+//! The stretch of a rod is l - L = (2 v0.d + d.d)/(l + L), with the relative displacement d of its ends (2). This form keeps
+//! all digits.
 //!
-//! A rocker turns by theta about its axis; a rod of axial stiffness pushes it. Its balance about the axis is a
-//! scalar equation, and theta is eliminated: with g its moment,
+//! A rod with axial stiffness turns a rocker by theta about its axis. Balance about the axis is a scalar equation, which
+//! eliminates theta. With the moment g,
 //!
 //! ```text
 //! K - k k'/g',   F - k g/g',   dtheta = -(g + k.dp)/g'                                            (3)
 //! ```
 //!
-//! A rigid rod makes theta, and so the length of the spring, a function of the rod's outer end; its second derivatives
-//! come from nested derivative numbers.
+//! With a rigid rod, theta is a function of the rod's outer end, and so is the length of the spring. Nested derivative
+//! numbers give the second derivatives.
 //!
-//! An anti-roll bar of the rate k between levers at the angles b_l and b_r is two bars of the rate 2 k, joined at a
-//! middle with the twist t:
+//! An anti-roll bar of the rate k acts between levers at the angles b_l and b_r. It equals two bars of the rate 2 k, joined
+//! at a middle with the twist t:
 //!
 //! ```text
 //! k (b_l - b_r)^2/2 = min over t of k (b_l - t)^2 + k (b_r - t)^2                                 (4)
 //! ```
 //!
-//! So each wheel has a part of its own, and the twist is an unknown of the axle.
+//! So each wheel has its own part, and the twist is an unknown of the axle.
 
 use super::algebra::{cross_matrix, second_order};
 use crate::axle::SpringLaw;
@@ -34,19 +35,19 @@ use crate::mechanism::Turn;
 use crate::model::Rod;
 use crate::number::{Dual, Matrix3, Scalar, Vector3};
 
-/// A force at a moving point: the derivative of an energy by the point's position, and its tangent.
+/// Force at a moving point, the derivative of an energy by the point's position, with its tangent.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PointForce<T> {
-    /// The derivative of the energy.
+    /// Derivative of the energy.
     pub(super) force: Vector3<T>,
-    /// The same after inner unknowns are eliminated, as the equations of balance take it.
+    /// Force after elimination of inner unknowns, as in the equations of balance.
     pub(super) condensed: Vector3<T>,
-    /// Second derivative, inner unknowns eliminated.
+    /// Second derivative of the energy, after elimination of inner unknowns.
     pub(super) stiffness: Matrix3<T>,
 }
 
 impl<T: Scalar> PointForce<T> {
-    /// No force.
+    /// Returns a zero force.
     pub(super) fn none(like: T) -> Self {
         let stiffness = Matrix3::null(like);
         let force = stiffness.columns[0];
@@ -57,7 +58,7 @@ impl<T: Scalar> PointForce<T> {
         }
     }
 
-    /// The force without the change of its moment with its lever, for the forces at the design load.
+    /// Removes the change of the moment with the lever, for the forces at the design load.
     #[inline]
     pub(super) fn leverless_if(mut self, balance_only: bool) -> Self {
         if balance_only {
@@ -75,7 +76,7 @@ impl<T: Scalar> PointForce<T> {
         }
     }
 
-    /// Tangents of force and moment on a body by its shift and turn, with the point at this lever. Equation (3) of
+    /// Tangents of force and moment on a body by its shift and rotation, with the point at this lever. Equation (3) of
     /// `limb.rs`.
     #[inline]
     pub(super) fn tangents(&self, lever: Vector3<T>) -> [[Matrix3<T>; 2]; 2] {
@@ -88,7 +89,7 @@ impl<T: Scalar> PointForce<T> {
         ]
     }
 
-    /// A pull along the unit vector from the fixed point. Equation (1).
+    /// Pull along the unit vector from the fixed point, by equation (1).
     #[inline]
     pub(super) fn along(u: Vector3<T>, pull: T, rate: T, inverse_length: T) -> Self {
         let across = pull * inverse_length;
@@ -99,7 +100,7 @@ impl<T: Scalar> PointForce<T> {
     }
 }
 
-/// Stretch, present length and direction of the line between two points. Equation (2).
+/// Stretch, present length and direction of the line between two points, by equation (2).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stretched<T> {
     pub(super) stretch: T,
@@ -108,7 +109,8 @@ pub(super) struct Stretched<T> {
 }
 
 impl<T: Scalar> Stretched<T> {
-    /// `designed` is the vector between the points in the design position, `displacement` its change.
+    /// Computes the line. `designed` is the vector between the points in the design position, and `displacement` is its
+    /// change.
     #[inline]
     pub(super) fn of(designed: Vector3<T>, displacement: Vector3<T>) -> Self {
         let now = designed + displacement;
@@ -123,47 +125,47 @@ impl<T: Scalar> Stretched<T> {
     }
 }
 
-/// A rocker and the rod that turns it, in the design position.
+/// Rocker and the rod that turns it, in the design position.
 #[derive(Clone, Debug)]
 pub(super) struct RockerSeat<T> {
-    /// Two points of the axis and the rod's inner end.
+    /// Two points of the axis; `inner` is the rod's inner end.
     pub(super) axis: [Vector3<T>; 2],
     pub(super) inner: Vector3<T>,
-    /// The spring's end on the rocker.
+    /// End of the spring on the rocker.
     pub(super) spring: Vector3<T>,
-    /// Axial stiffness of the rod and its tension in the design position; `None` for a rigid rod.
+    /// Axial stiffness of the rod, and its tension in the design position; `None` for a rigid rod.
     pub(super) rod: Option<[T; 2]>,
 }
 
-/// The part on which the spring acts.
+/// Suspension part on which the spring acts.
 #[derive(Clone, Debug)]
 pub(super) struct Seat<T> {
-    /// The spring's end or the rod's outer end, in the design position.
+    /// End of the spring or outer end of the rod, in the design position.
     pub(super) point: Vector3<T>,
-    /// The spring's end on the body.
+    /// End of the spring on the body.
     pub(super) upper: Vector3<T>,
-    /// The spring; `None` if the study has hardpoints of a spring without a law.
+    /// Law of the spring.
     pub(super) law: SpringLaw<T>,
     pub(super) rocker: Option<RockerSeat<T>>,
-    /// True if another body than that of the arm's axis holds the upper end.
+    /// True if the upper end is on another body than the arm's axis.
     pub(super) is_across: bool,
 }
 
 /// Lever of an anti-roll bar with its drop link, in the design position.
 #[derive(Clone, Debug)]
 pub(super) struct BarSeat<T> {
-    /// The drop link's outer end, or that of the rigid rod which turns the rocker under it.
+    /// Outer end of the drop link, or of the rigid rod that turns the rocker below the drop link.
     pub(super) point: Vector3<T>,
-    /// The rocker on which the drop link stands, and the drop link's outer end on it.
+    /// Rocker that carries the drop link, and the drop link's outer end on it.
     pub(super) rocker: Option<(RockerSeat<T>, Vector3<T>)>,
-    /// Two points of the axis and the drop link's inner end.
+    /// Two points of the lever's axis; `inner` is the drop link's inner end.
     pub(super) axis: [Vector3<T>; 2],
     pub(super) inner: Vector3<T>,
-    /// Rate of the half of the bar: torque per angle between lever and middle.
+    /// Rate of half the bar: torque per angle between lever and middle.
     pub(super) rate: T,
 }
 
-/// Force of one half of an anti-roll bar. Equation (4).
+/// Force of half an anti-roll bar, by equation (4).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BarForce<T> {
     pub(super) point: PointForce<T>,
@@ -176,7 +178,7 @@ pub(super) struct BarForce<T> {
 }
 
 impl<T: Scalar> BarSeat<T> {
-    /// Force by a displacement of the drop link's outer end and the twist of the middle.
+    /// Force for a displacement of the drop link's outer end and a twist of the middle.
     pub(super) fn force(&self, displacement: Vector3<T>, twist: T) -> BarForce<T> {
         let constant = |v: Vector3<T>| v.map(|c| Dual::constant(Dual::constant(c)));
         let (angle, gradient, second) = second_order(displacement.to_array(), |moved| {
@@ -207,7 +209,7 @@ impl<T: Scalar> BarSeat<T> {
     }
 }
 
-/// Response of the rocker: dtheta = -(rest + by.dp). Equation (3).
+/// Response dtheta = -(rest + by.dp) of the rocker, by equation (3).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slide<T> {
     pub(super) by: Vector3<T>,
@@ -219,9 +221,9 @@ pub(super) struct Slide<T> {
 pub(super) struct SeatForce<T> {
     pub(super) point: PointForce<T>,
     pub(super) slide: Option<Slide<T>>,
-    /// Moment about the rocker's axis that is out of balance.
+    /// Unbalanced moment about the rocker's axis.
     pub(super) moment: T,
-    /// False if the rocker turns away by itself.
+    /// False if the rocker is unstable by itself.
     pub(super) is_stable: bool,
 }
 
@@ -236,8 +238,8 @@ pub(super) struct SeatState<T> {
 }
 
 impl<T: Scalar> RockerSeat<T> {
-    /// Points of the rocker as it turns by theta, tan(theta/2) = `half`: displacement, and first and second derivative
-    /// by theta.
+    /// Displacement of a point of the rocker at the rotation theta, with its first and second derivative by theta. `half` is
+    /// tan(theta/2).
     #[inline]
     fn turned(&self, point: Vector3<T>, half: T) -> [Vector3<T>; 3] {
         let [first, second] = self.axis;
@@ -262,9 +264,9 @@ impl<T: Scalar> Seat<T> {
         (lower - self.upper).norm()
     }
 
-    /// Force by a displacement of the point. `balance_only` leaves out the terms that depend on deflection: for the
-    /// forces at the design load. `slide` is tan(theta/2) of a rocker whose rod is elastic. `held` is the moment
-    /// about its axis that an outer part carries.
+    /// Force for a displacement of the point. For the forces at the design load, `balance_only` leaves out the terms that
+    /// depend on deflection. `slide` is tan(theta/2) of a rocker with an elastic rod. `held` is an external moment about its
+    /// axis.
     pub(super) fn force(
         &self,
         displacement: Vector3<T>,
@@ -383,7 +385,7 @@ impl<T: Scalar> Seat<T> {
         }
     }
 
-    /// Vector from the spring's upper to its lower end, on a rocker.
+    /// Vector from the spring's upper to its lower end on a rocker.
     fn spring_vector(&self, rocker: &RockerSeat<T>, slide: T) -> Vector3<T> {
         rocker.spring - self.upper + rocker.turned(rocker.spring, slide)[0]
     }
@@ -397,8 +399,8 @@ impl<T: Scalar> Seat<T> {
         (length, force, rate)
     }
 
-    /// Sets the tension of the rod in the design position, from a small shift of its outer end and a small turn of
-    /// the rocker.
+    /// Sets the tension of the rod in the design position. It follows from a small shift of the rod's outer end and a small
+    /// rotation of the rocker.
     pub(super) fn preload_rod(&mut self, moved: Vector3<T>, slide: T) {
         let point = self.point;
         let Some(rocker) = &mut self.rocker else {
@@ -411,7 +413,7 @@ impl<T: Scalar> Seat<T> {
         }
     }
 
-    /// Lengths and forces.
+    /// Lengths and forces at this displacement.
     pub(super) fn state(&self, displacement: Vector3<T>, slide: T) -> SeatState<T> {
         let design_length = self.design_length();
         let (spring_length, rod_tension) = match &self.rocker {

@@ -1,15 +1,15 @@
-//! Forces in bushings and links in the design position, where that is the equilibrium at the design load.
+//! Forces in bushings and links in the design position, if that is the equilibrium at the design load.
 //!
-//! Torques are zero there. Many sets of forces f0 hold every body in balance with the spring's force and a vertical
-//! force F at the contact point. The set with the least sum f0.K^-1 f0/2 is taken. K are the slopes of the laws without
-//! deflection. With B the arms of the forces, C those of rigid joints, q that of F and r the spring's forces,
+//! Torques are zero there. Many sets of forces f0 balance every body under the spring's force and a vertical force F at the
+//! contact point. The set with the smallest sum f0.K^-1 f0/2 is used, where K are the slopes of the laws at zero deflection.
+//! With the arms B of the forces, C of rigid joints and q of F, and the spring's forces r,
 //!
 //! ```text
 //! f0 = K B' v,   B K B' v + C' l - q F = -r,   C v = 0,   q.v = 0                                 (1)
 //! ```
 //!
-//! so v is the velocity that the parts would have without torsion and at constant height of the contact point. The
-//! same elimination solves it as an equilibrium. A link's spin, which no force affects, is held.
+//! So v is the velocity of the parts without torsion and at constant height of the contact point. The same elimination as
+//! for an equilibrium solves it. No force affects the spin of a link about its line, so that spin is held.
 
 use super::build::{Built, BushingPlace, LinkPlace};
 use super::ground::{Frames, Holder, SHARED, Surroundings};
@@ -18,21 +18,21 @@ use super::system::{Equations, LOOSE, Limb, Singular, State, Step};
 use crate::linear::square::SquareLu;
 use crate::number::{Scalar, Vector3};
 
-/// Why there is no preload.
+/// Reason for no preload.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NoPreload {
-    /// Some motion has no stiffness.
+    /// A motion has no stiffness.
     Singular(Singular),
     /// The law of a bushing does not reach the force along an axis.
     OutOfReach {
-        /// Number of the bushing.
+        /// Index of the bushing.
         bushing: usize,
-        /// Number of the axis.
+        /// Index of the axis.
         axis: usize,
     },
 }
 
-/// A small step from the design position, as the holders of a wheel's parts see it.
+/// Small step from the design position, as seen from the holders of a wheel's parts.
 pub(super) struct SeenStep<'s, T> {
     pub(super) step: &'s Step<T>,
     pub(super) around: &'s Surroundings<T>,
@@ -41,7 +41,7 @@ pub(super) struct SeenStep<'s, T> {
 }
 
 impl<T: Scalar> Built<T> {
-    /// Sets the forces at the design load of a wheel by itself, and returns the state in the design position.
+    /// Sets the forces at the design load of a single wheel, and returns its state in the design position.
     pub(super) fn preload(&mut self, bounds: Bounds) -> Result<State<T>, NoPreload> {
         let like = self.system.like();
         let design = State::design(like);
@@ -87,7 +87,7 @@ impl<T: Scalar> Built<T> {
         }
     }
 
-    /// Sets the forces that go with a step of equation (1), and returns the state in the design position.
+    /// Sets the forces that follow from a step of equation (1), and returns the state in the design position.
     pub(super) fn set_preload(&mut self, seen: &SeenStep<'_, T>) -> Result<State<T>, NoPreload> {
         let step = seen.step;
         let mut start = State::design(self.system.like());
@@ -132,7 +132,7 @@ impl<T: Scalar> Built<T> {
                 if slope.value() == 0.0 {
                     continue;
                 }
-                // The offset of `preload` is part of f0: the law takes the rest.
+                // The offset of `preload` is part of f0, and the law gives the rest.
                 if !law.preloaded(slope * along) {
                     return Err(NoPreload::OutOfReach {
                         bushing: number,
@@ -144,7 +144,7 @@ impl<T: Scalar> Built<T> {
         Ok(())
     }
 
-    /// Relative shift of the bodies at a bushing.
+    /// Relative shift of the two bodies at a bushing.
     fn shift_at(&self, place: BushingPlace, seen: &SeenStep<'_, T>) -> Vector3<T> {
         let step = seen.step;
         let body = |lever: Vector3<T>| shifted(&step.carrier, lever);
@@ -194,7 +194,7 @@ impl<T: Scalar> Built<T> {
         }
     }
 
-    /// A step of the carrier as a holder sees it.
+    /// Step of the carrier as seen from a holder.
     fn carrier_seen(&self, holder: Holder, on_rack: bool, seen: &SeenStep<'_, T>) -> [T; 6] {
         let carrier = &seen.step.carrier;
         let found = self.system.seen_by(
@@ -255,7 +255,7 @@ impl<T: Scalar> Built<T> {
     }
 }
 
-/// Shift of a point at this lever in a small step of a body.
+/// Shift of a point at this lever for a small step of a body.
 fn shifted<T: Scalar>(step: &[T; 6], lever: Vector3<T>) -> Vector3<T> {
     let [x, y, z, a, b, c] = *step;
     Vector3::new(x, y, z) + Vector3::new(a, b, c).cross(lever)

@@ -1,12 +1,12 @@
 //! Angles and positions of the wheel in an equilibrium. The formulas are those of the catalogue of characteristics.
 //!
-//! The spin is the angle of the carrier's design heading h, along the wheel:
+//! The spin is the rotation of the carrier's design heading h, along the wheel:
 //!
 //! ```text
 //! spin = atan2(h.u, h.T),   u = T x a                                                             (1)
 //! ```
 //!
-//! with T the level heading of the wheel and a its spin axis: positive nose up, as caster grows.
+//! with the level heading T of the wheel and its spin axis a. It is positive if the nose rises, as for growing caster.
 
 use super::loads::WheelPart;
 use super::system::{Limb, State, System};
@@ -15,27 +15,28 @@ use crate::mechanism::Ground;
 use crate::model::{Mechanism, SteeringAxis};
 use crate::number::{Real, Scalar, Vector3};
 
-/// Points from which a wheel is read, in the design position.
+/// Points that give the pose of a wheel, in the design position.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WheelGeometry<T> {
-    /// The carrier's reference point.
+    /// Reference point of the carrier.
     pub(super) origin: Vector3<T>,
     pub(super) wheel: WheelPart<T>,
     pub(super) steering: SteeringJoints<T>,
 }
 
-/// Points of the steering axis, from the carrier's reference point.
+/// Points of the steering axis, as vectors from the carrier's reference point.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum SteeringJoints<T> {
-    /// No joints give an axis.
+    /// No joints give a steering axis.
     None,
     /// Two joints of the carrier.
     Joints([Vector3<T>; 2]),
-    /// A joint of the carrier and the mount of a strut: a point of body, or of the strut's line if the mount is elastic.
+    /// Joint of the carrier and mount of a strut. The mount is a point of the body, or of the strut's line if the mount is
+    /// elastic.
     Strut {
         lower: Vector3<T>,
         top: Vector3<T>,
-        /// The limb with the mount and the strut's direction.
+        /// Index of the limb with the mount, and direction of the strut.
         mount: Option<(usize, Vector3<T>)>,
     },
 }
@@ -47,15 +48,15 @@ pub struct WheelFigures<T = f64> {
     pub toe: T,
     /// Camber angle.
     pub camber: T,
-    /// Caster angle and kingpin inclination; `None` without joints of a steering axis.
+    /// Caster angle and kingpin inclination; `None` without joints that give a steering axis.
     pub steering: Option<[T; 2]>,
-    /// Equation (1).
+    /// Spin of the carrier, by equation (1).
     pub spin: T,
-    /// Wheel centre.
+    /// Position of the wheel centre.
     pub centre: Vector3<T>,
-    /// Contact point.
+    /// Position of the contact point.
     pub contact: Vector3<T>,
-    /// Vertical force at the contact point that holds the height; 0 where the load is held.
+    /// Vertical force at the contact point that holds the height; 0 if the load is held.
     pub vertical: T,
 }
 
@@ -155,7 +156,7 @@ impl<T: Scalar> WheelGeometry<T> {
         }
     }
 
-    /// The wheel in a state.
+    /// Angles and positions of the wheel in a state.
     pub(super) fn figures(&self, state: &State<T>, constants: Constants) -> WheelFigures<T> {
         let inputs = self.inputs(state, constants);
         let (axis, centre) = (inputs.now.spin_axis, inputs.now.centre);
@@ -182,5 +183,5 @@ impl<T: Scalar> WheelGeometry<T> {
     }
 }
 
-/// An unknown vector.
+/// Vector that is not known.
 const NOTHING: Vector3<f64> = Vector3::new(f64::NAN, f64::NAN, f64::NAN);

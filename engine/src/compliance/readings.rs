@@ -13,7 +13,7 @@ use super::system::{Limb, State, System};
 use super::wheel::{BushingReading, ElasticWheel, Equilibrium, SpringReading};
 use crate::number::{Scalar, Vector3};
 
-/// Rotation of a bushing above which its law is doubtful, rad.
+/// Rotation of a bushing above which its law is doubtful, radians.
 const LARGEST_ROTATION: f64 = std::f64::consts::FRAC_PI_3;
 
 impl<T: Scalar> Built<T> {
@@ -51,7 +51,7 @@ impl<T: Scalar> Built<T> {
                 };
                 let found = self.system.mount(&frames, state)?;
                 let ([x, y], [a, b]) = (found.tilt, found.tilt_torque);
-                // The law's force is on the body; the moving part has the opposite.
+                // The law's force acts on the body, as in `BushingState`.
                 let state = BushingState {
                     deflection: found.deflection,
                     rotation: Vector3::new(x, y, x.zero()),
@@ -113,7 +113,7 @@ impl<T: Scalar> Built<T> {
         })
     }
 
-    /// Force on the rack along +y of its holder that holds it: the derivative of the energy by the rack's displacement.
+    /// Force that holds the rack, along +y of its holder. It is the derivative of the energy by the rack's displacement.
     pub(super) fn rack_force(&self, state: &State<T>, around: &Surroundings<T>) -> T {
         let frames = self.system.frames(&state.carrier, around, false);
         let at = *frames.of(self.system.holders.rack);
@@ -152,14 +152,14 @@ impl<T: Scalar> Built<T> {
         force
     }
 
-    /// The system over another kind of number.
+    /// Converts the system to another kind of number.
     pub(super) fn system_over<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> System<U> {
         self.system.map(f)
     }
 }
 
 impl<T: Scalar> System<T> {
-    /// Length of the spring; `None` without one.
+    /// Length of the spring; `None` without a spring.
     pub(super) fn spring_length(&self, state: &State<T>, rack: T) -> Option<T> {
         let frames = self.frames(&state.carrier, &Surroundings::of_rack(rack), false);
         match self.seat(&frames, state) {
@@ -181,7 +181,7 @@ impl<T: Scalar> ElasticWheel<T> {
         at.solution.state.carrier.displacement(centre).z
     }
 
-    /// All of the vertical force at the contact point.
+    /// Total vertical force at the contact point.
     pub fn wheel_load(&self, at: &Equilibrium<T>) -> T {
         at.solution.state.vertical + at.solution.task.loads.contact.z
     }
@@ -202,7 +202,7 @@ impl<T: Scalar> ElasticWheel<T> {
         self.built.spring_reading(&at.solution.state, &at.around())
     }
 
-    /// Force on the rack along the kernel's +y that holds it.
+    /// Force that holds the rack, along the kernel's +y.
     pub fn rack_force(&self, at: &Equilibrium<T>) -> T {
         self.built.rack_force(&at.solution.state, &at.around())
     }
@@ -223,7 +223,7 @@ fn rack_force_of<T: Scalar>(
         (Some(bushing), [Some(found), _]) => bushing.axes.apply(found.force).y,
         (_, [_, Some(found)]) => {
             let in_carrier = link.outer.axes.apply(found.force);
-            // The force on the link at the carrier is -F; at the rack the link gets +F, so the rack gets -F.
+            // The carrier exerts -F on the link. So the rack exerts +F on the link, and the link exerts -F on the rack.
             -carrier.rotation().apply(in_carrier).y
         }
         _ => carrier.shift.x.zero(),
@@ -244,7 +244,7 @@ fn reading<T: Scalar>(state: &BushingState<T>, bushing: &Bushing<T>) -> BushingR
 }
 
 impl<T: Scalar> Limb<T> {
-    /// The turn of a part in a step.
+    /// Rotation of a part in a step.
     pub(super) fn turn_vector(&self, step: &LimbStep<T>) -> Vector3<T> {
         let [a, b, c, d, e, f] = step.inner;
         match self {
@@ -258,7 +258,7 @@ impl<T: Scalar> Limb<T> {
         }
     }
 
-    /// The turn of a part in a step, without that of a link about its own line.
+    /// Rotation of a part in a step, without that of a link about its own line.
     pub(super) fn turn_across(&self, step: &LimbStep<T>) -> Vector3<T> {
         let turn = self.turn_vector(step);
         match self {

@@ -1,20 +1,20 @@
-//! Equilibrium by Newton's method, with the loads raised in shares.
+//! Equilibrium by Newton's method, with a gradual increase of the loads.
 //!
-//! From one equilibrium to another, loads, wheel travel and rack move together along a straight line. The first try is
-//! the whole way. A share is halved where
+//! Between two equilibria, loads, wheel travel and rack change together along a straight line. The first attempt takes the
+//! whole change. A fraction of it is halved if
 //!
-//! - the first correction is above 60 mm or 0.3 rad: the linear prediction is not to be trusted,
-//! - a correction is above 0.8 of the one before: the method does not contract,
-//! - the state that is found is not stable.
+//! - the first correction exceeds 60 mm or 0.3 rad: the linear prediction is not reliable,
+//! - a correction exceeds 0.8 of the one before: the method does not contract,
+//! - the result is not stable.
 //!
-//! Corrections s converge as s_(k+1) <= C s_k^2, since the tangents are exact. C is taken as the largest of all
-//! s_(k+1) / s_k^2 so far (P. Deuflhard, *Newton Methods for Nonlinear Problems*, Springer 2004, section 2.1, estimates
-//! contraction in this way). If the correction that is foreseen so is far below the last one of an equilibrium, it is left
-//! out. In 1,300 equilibria the corrections left out were below 0.13 of that bound.
+//! Corrections s converge as s_(k+1) <= C s_k^2, since the tangents are exact. C is the largest s_(k+1) / s_k^2 so far (P.
+//! Deuflhard, *Newton Methods for Nonlinear Problems*, Springer 2004, section 2.1, estimates contraction in this way). The
+//! next correction is left out if this estimate is far below the required last correction. In 1,300 equilibria the
+//! corrections left out were below 0.13 of that bound.
 //!
-//! A state is stable if the symmetric part of the tangent is positive definite on the free motions. Rigid joints and
-//! the held height leave these motions. This is checked first in every eliminated part, then in the rest of the
-//! carrier. The share that is reached is known to 1e-6.
+//! A state is stable if the symmetric part of the tangent is positive definite on the free motions. Rigid joints and the
+//! held height restrict these motions. This is checked first in every eliminated part, then in the remaining equations of
+//! the carrier. The fraction that is reached is accurate to 1e-6.
 
 use super::limb::is_positive;
 use super::system::{Equations, Held, Hold, Singular, State, System, Task};
@@ -22,62 +22,62 @@ use crate::linear::square::MOST;
 use crate::number::Scalar;
 use crate::threads::checkpoint;
 
-/// Largest first correction, mm.
+/// Largest first correction in shift, mm.
 const LONGEST_SHIFT: f64 = 60.0;
-/// Largest first correction, rad.
+/// Largest first correction in rotation, radians.
 const LARGEST_TURN: f64 = 0.3;
-/// A correction must be smaller than this share of the one before.
+/// Largest ratio of a correction to the one before.
 const CONTRACTION: f64 = 0.8;
-/// Last correction of an equilibrium: mm.
+/// Largest last correction in shift, mm.
 const LAST_SHIFT: f64 = 1e-11;
-/// Last correction of an equilibrium: rad.
+/// Largest last correction in rotation, radians.
 const LAST_TURN: f64 = 1e-13;
-/// A correction below this, mm, that no longer contracts is rounding: Newton's method would square it. Near the end
-/// of a wheel's capacity, rounded forces move it further than the last correction.
+/// Correction, mm, below which lack of contraction means rounding error, since Newton's method would square it. Near the
+/// limit of a wheel's capacity, rounded forces move the wheel further than the last correction.
 const ROUNDING: f64 = 1e-8;
-/// A correction that is foreseen must be this many times smaller than the last one of an equilibrium.
+/// Ratio by which an estimated correction must be below the last correction of an equilibrium.
 const FORESEEN: f64 = 100.0;
-/// Least share of the way by which the loads are raised.
+/// Smallest fraction by which the loads are increased.
 const LEAST_SHARE: f64 = 1e-6;
-/// A turn is compared with a shift at this distance, mm.
+/// Distance, mm, at which the movement by a rotation is compared with a shift.
 const TURN_LEVER: f64 = 300.0;
-/// Most Newton steps at one share. They contract by 0.8 at least, from 60 mm to 1e-11 mm.
+/// Largest number of Newton steps for one fraction. Contraction by 0.8 takes 60 mm to 1e-11 mm in that number.
 const MOST_STEPS: usize = 140;
 
-/// Reason why a share of the way has no equilibrium.
+/// Reason for no equilibrium at a fraction of the change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Obstacle {
     /// Nothing holds a motion.
     Singular(Singular),
-    /// Newton's method does not settle.
+    /// Newton's method does not converge.
     Diverges,
-    /// The state is not stable: the first part that moves away, or the carrier.
+    /// The state is not stable. The field is the first unstable part, and `None` for the carrier.
     Unstable(Option<usize>),
 }
 
-/// An equilibrium.
+/// Equilibrium with its task.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Solution<T> {
     pub(super) state: State<T>,
     pub(super) task: Task<T>,
-    /// Newton steps that led to it.
+    /// Number of Newton steps to this equilibrium.
     pub(super) steps: usize,
 }
 
-/// An equilibrium that could not be reached.
+/// Report about an equilibrium that could not be reached.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stuck {
-    /// Share of the way that was reached.
+    /// Fraction of the change that was reached.
     pub(super) share: f64,
     pub(super) obstacle: Obstacle,
-    /// The last equilibrium on the way, with its task; `None` if even the start is not one.
+    /// Last equilibrium on the path, with its task; `None` if no fraction was reached.
     pub(super) last: Option<(State<f64>, Task<f64>)>,
 }
 
-/// Bounds of Newton's method in the study's length unit.
+/// Bounds of Newton's method, in the study's length unit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bounds {
-    /// Study units in a millimetre.
+    /// Study units per millimetre.
     pub(super) millimetre: f64,
 }
 
@@ -146,7 +146,7 @@ impl System<f64> {
         }
     }
 
-    /// From one equilibrium, or a pose that `held` holds, to another.
+    /// Solves from one equilibrium, or from a pose that `held` holds, to another.
     #[inline]
     pub(super) fn solve(
         &self,
@@ -183,17 +183,17 @@ impl System<f64> {
     }
 }
 
-/// The end of a way that could not be raised to the whole.
+/// Report about a change that did not reach its end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Unraised<S> {
     pub(super) share: f64,
     pub(super) obstacle: Obstacle,
-    /// The state at this share; `None` if even the start has none.
+    /// State at this fraction; `None` if no fraction was reached.
     pub(super) last: Option<S>,
 }
 
-/// Raises the loads: the whole way at once, or in shares. `newton` finds the state at a share from another state; its last
-/// argument is true for the first try. Returns the state and the number of its steps.
+/// Increases the loads, at once or in fractions. `newton` finds the state at a fraction from another state; its last
+/// argument is true for the first attempt. Returns the state and the number of steps.
 #[inline]
 pub(super) fn raised<S: Copy>(
     start: &S,
@@ -235,22 +235,22 @@ pub(super) fn raised<S: Copy>(
     }
 }
 
-/// Judges the corrections of Newton's method.
+/// Convergence check for the corrections of Newton's method.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Judge {
     bounds: Bounds,
     before: f64,
-    /// Largest quotient of a correction and the square of the one before.
+    /// Largest ratio of a correction to the square of the one before.
     quotient: f64,
     steps: usize,
 }
 
-/// Verdict about a correction.
+/// Result of the check on a correction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
-    /// The state after it is settled.
+    /// The state after the correction is final.
     Settled,
-    /// Another one is needed.
+    /// Another correction is needed.
     GoesOn,
 }
 
@@ -264,7 +264,7 @@ impl Judge {
         }
     }
 
-    /// Judges the next correction by its largest shift and turn.
+    /// Checks the next correction by its largest shift and rotation.
     #[inline]
     pub(super) fn judge(&mut self, sizes: [f64; 2]) -> Result<Verdict, Obstacle> {
         self.steps += 1;
@@ -272,10 +272,10 @@ impl Judge {
             return Err(Obstacle::Diverges);
         }
         let size = self.bounds.size(sizes);
-        // NaN is not smaller.
+        // NaN fails this comparison.
         let contracts = size < CONTRACTION * self.before;
         let is_rounding = size < ROUNDING && !contracts;
-        // The first correction has none before it.
+        // The first correction has no predecessor.
         let quotient = size / (self.before * self.before);
         self.quotient = self.quotient.max(quotient);
         let next = sizes.map(|part| FORESEEN * part * self.quotient * size);
@@ -296,7 +296,7 @@ impl Judge {
     }
 }
 
-/// A share of the way from one task to another of the same kind.
+/// Task at a fraction between two tasks of the same kind.
 pub(super) fn between(from: &Task<f64>, to: &Task<f64>, share: f64) -> Task<f64> {
     let hold = match (from.hold, to.hold) {
         (Hold::Height(a), Hold::Height(b)) => Hold::Height(a + (b - a) * share),
@@ -309,8 +309,8 @@ pub(super) fn between(from: &Task<f64>, to: &Task<f64>, share: f64) -> Task<f64>
     }
 }
 
-/// Returns true if the symmetric part of the carrier's tangent is positive definite on the motions that keep all rows
-/// at zero, with pivots above this share of the largest.
+/// Returns true if the carrier's tangent has a positive definite symmetric part on the motions that keep all rows at zero.
+/// Its pivots must exceed this fraction of the largest.
 pub(super) fn is_definite<T: Scalar>(
     equations: &Equations<T>,
     bounds: Bounds,
@@ -342,7 +342,7 @@ pub(super) fn is_definite<T: Scalar>(
             projected[a][b] = sum;
         }
     }
-    // On fewer than six motions, copies of the largest diagonal entry fill the matrix.
+    // With fewer than six motions, copies of the largest diagonal entry fill the matrix.
     let largest = (0..free).map(|a| projected[a][a]).fold(0.0, f64::max);
     for (a, row) in projected.iter_mut().enumerate().skip(free) {
         row[a] = if free == 0 { 1.0 } else { largest };
@@ -350,7 +350,7 @@ pub(super) fn is_definite<T: Scalar>(
     is_positive(&projected, least_share)
 }
 
-/// A basis of the motions along which all rows vanish, and their number. `None` if the rows depend on each other.
+/// Basis of the motions that keep all rows at zero, and their number. `None` if the rows depend on each other.
 fn null_space(rows: &mut [[f64; 6]]) -> Option<([[f64; 6]; 6], usize)> {
     let mut pivots = [6; 6];
     let mut is_pivot = [false; 6];

@@ -14,35 +14,37 @@ use super::limb::{
 use super::point::{BarSeat, PointForce, Seat};
 use crate::number::{Each, Matrix3, Scalar, Vector3, array_of};
 
-/// An end of an arm or a link at body or rack.
+/// End of an arm or a link at the body or the rack.
 #[derive(Clone, Debug)]
 pub(super) struct End<T> {
-    /// From the part's reference point, in the design position.
+    /// Vector from the part's reference point, in the design position.
     pub(super) lever: Vector3<T>,
     pub(super) on_rack: bool,
-    /// The bushing; `None` for a ball joint.
+    /// Bushing at this end; `None` for a ball joint.
     pub(super) bushing: Option<Bushing<T>>,
     /// Two directions normal to the lever, for the force in a ball joint.
     pub(super) normals: [Vector3<T>; 2],
 }
 
-/// An arm, or a link with a ball joint at the carrier. Its reference point is that joint; 3 turns are inner unknowns.
-/// The distance between a ball joint at the body and the outer joint is a rigid rod of the carrier's.
+/// Arm, or link with a ball joint at the carrier. Its reference point is that joint, and its inner unknowns are three
+/// rotations. A ball joint at the body is at a fixed distance from the outer joint, like the end of a rigid rod of the
+/// carrier.
 #[derive(Clone, Debug)]
 pub(super) struct Swinging<T> {
-    /// The outer joint, from the carrier's reference point.
+    /// Vector from the carrier's reference point to the outer joint.
     pub(super) joint: Vector3<T>,
     pub(super) ends: Vec<End<T>>,
-    /// The spring's seat on the arm with its lever from the outer joint.
+    /// Spring's seat on the arm, with its lever from the outer joint.
     pub(super) seat: Option<(Vector3<T>, Seat<T>)>,
-    /// The drop link of an anti-roll bar with its lever from the outer joint.
+    /// Drop link of an anti-roll bar, with its lever from the outer joint.
     pub(super) bar: Option<(Vector3<T>, BarSeat<T>)>,
-    /// A direction about which nothing but torsion holds the part: a link's line. Scaled, see [`Bushing::slack`].
+    /// Direction of a link's line, with the root of a stiffness as its length; `None` for an arm. Only torsion holds a link
+    /// about its line, so the search for the forces at the design load adds this stiffness there.
     pub(super) spin: Option<Vector3<T>>,
 }
 
 impl<T: Scalar> Swinging<T> {
-    /// Displacement of an end against what holds it.
+    /// Displacement of an end relative to its holder.
     pub(super) fn deflection(
         &self,
         end: &End<T>,
@@ -64,7 +66,7 @@ impl<T: Scalar> Swinging<T> {
         bushing.state(self.deflection(end, at, state), &state.placed.turn)
     }
 
-    /// Displacement of the point of the arm at this lever from the outer joint.
+    /// Displacement of a point of the arm, at this lever from the outer joint.
     pub(super) fn displacement(
         &self,
         lever: Vector3<T>,
@@ -74,7 +76,7 @@ impl<T: Scalar> Swinging<T> {
         at.carrier.displacement(self.joint) + state.placed.turn.apply(lever)
     }
 
-    /// Displacement of the spring's seat, against the upper end if that is on another body.
+    /// Displacement of the spring's seat, relative to the upper end if that is on another body.
     pub(super) fn seat_displacement(
         &self,
         (lever, seat): &(Vector3<T>, Seat<T>),
@@ -89,7 +91,7 @@ impl<T: Scalar> Swinging<T> {
         }
     }
 
-    /// Returns true if coordinates of [`Beside`] move the arm.
+    /// Returns true if the arm moves with coordinates of [`Beside`].
     pub(super) fn has_beside(&self) -> bool {
         self.bar.is_some() || self.seat.as_ref().is_some_and(|(_, seat)| seat.is_across)
     }
@@ -193,7 +195,7 @@ impl<T: Scalar> Swinging<T> {
     }
 }
 
-/// Forces on a part about its joint, and their tangents by the joint's displacement and the part's turn.
+/// Forces on a part about its joint, with their tangents by the joint's displacement and the part's rotation.
 struct OwnSum<T> {
     /// Force at the joint, with its tangent by the joint's displacement.
     at_joint: PointForce<T>,
@@ -203,18 +205,18 @@ struct OwnSum<T> {
     by_turn: Matrix3<T>,
 }
 
-/// A ball joint of a part at the body.
+/// Ball joint of a part at the body.
 struct Pivot<T> {
     lever: Vector3<T>,
     normals: [Vector3<T>; 2],
-    /// Miss of the joint along the normals.
+    /// Gap of the joint along the normals.
     open: [T; 2],
 }
 
 /// Equations of [`OwnSum::with_pivot`].
 type PivotEquations<T> = ([[T; 5]; 5], [T; 5], [[T; 3]; 5], [[T; 5]; 3]);
 
-/// Stability of inner equations.
+/// Stability of the inner equations.
 struct Firmness {
     is_stable: bool,
     least_pivot: f64,
@@ -233,7 +235,7 @@ impl<T: Scalar> OwnSum<T> {
         }
     }
 
-    /// Adds a force at a point of the part. Equation (3) of `limb.rs`, with the joint's displacement as the shift.
+    /// Adds a force at a point of the part, by equation (3) of `limb.rs`. The joint's displacement is the shift there.
     #[inline]
     fn add(&mut self, lever: Vector3<T>, point: &PointForce<T>) {
         let all = &mut self.at_joint;
@@ -247,7 +249,7 @@ impl<T: Scalar> OwnSum<T> {
         self.by_turn = self.by_turn.plus(&twist);
     }
 
-    /// Eliminates the three turns.
+    /// Eliminates the three rotations.
     #[inline]
     fn eliminate_turns(&mut self, followers: &mut Followers<T>) -> Option<Firmness> {
         let rows: [[T; 3]; 3] = entries(&self.by_turn);
@@ -272,8 +274,8 @@ impl<T: Scalar> OwnSum<T> {
         })
     }
 
-    /// Equations of the three turns and the two forces in a ball joint: matrix, forces, tangents by the joint, and of
-    /// the joint's force.
+    /// Equations of the three rotations and of two forces in a ball joint. The results are the matrix, the residuals, their
+    /// tangents by the joint's displacement, and tangents of the joint's force.
     #[inline]
     fn with_pivot(&self, pivot: &Pivot<T>) -> PivotEquations<T> {
         let zero = self.moment.x.zero();
@@ -302,8 +304,8 @@ impl<T: Scalar> OwnSum<T> {
         (rows, force, by_joint, joint_by)
     }
 
-    /// Eliminates the three turns and the two forces in a ball joint, normal to its lever. The part may then turn about
-    /// the lever alone.
+    /// Eliminates the three rotations and the two forces in a ball joint, which are normal to its lever. The part can then
+    /// only rotate about the lever.
     fn eliminate_with_pivot(
         &mut self,
         pivot: &Pivot<T>,
@@ -342,8 +344,8 @@ impl<T: Scalar> OwnSum<T> {
     }
 }
 
-/// Forces of an arm on coordinates of [`Beside`], before its turns are eliminated. The tangents of the arm's own forces
-/// by these coordinates are the transposed ones.
+/// Forces of an arm on coordinates of [`Beside`], before its rotations are eliminated. The tangents of the arm's own forces
+/// by these coordinates are the transposes.
 struct OwnBeside<T> {
     force: [T; BESIDE],
     own: [[T; BESIDE]; BESIDE],
@@ -363,7 +365,7 @@ impl<T: Scalar> OwnBeside<T> {
         }
     }
 
-    /// Adds a force at a point of the arm that depends on the displacement of the point less that of the upper end.
+    /// Adds a force at a point of the arm. It depends on the displacement of the point relative to the upper end.
     fn add_upper(&mut self, lever: Vector3<T>, point: &PointForce<T>) {
         let turning = point.stiffness.times(&cross_matrix(lever));
         for k in 0..3 {
@@ -377,7 +379,7 @@ impl<T: Scalar> OwnBeside<T> {
         }
     }
 
-    /// Eliminates the turns of the arm, and the force in its ball joint.
+    /// Eliminates the rotations of the arm and the force in its ball joint.
     fn condense(
         &self,
         arm: &OwnSum<T>,
@@ -444,7 +446,7 @@ impl<T: Scalar> OwnBeside<T> {
     }
 }
 
-/// The entries of a matrix, by rows.
+/// Entries of a matrix by rows.
 #[inline]
 fn entries<T: Scalar, const N: usize, const C: usize>(matrix: &Matrix3<T>) -> [[T; C]; N] {
     array_of(|i| array_of(|j| matrix.entry(i, j)))

@@ -1,9 +1,9 @@
-//! The elastic suspension of one design, and its equations.
+//! Elastic suspension of one design, and its equations.
 //!
-//! Unknowns are the shift and turn of the carrier, a force for each rigid joint, and the vertical force at the contact
-//! point where the height of the wheel centre is held. The parts between body and carrier are eliminated first
-//! (`limb.rs`). With A the sum of their tangents, C the rows of the rigid joints, h that of the height and q the wrench
-//! of a vertical force at the contact point, a Newton step solves
+//! Unknowns are the shift and rotation of the carrier, and a force for each rigid joint. If the height of the wheel centre
+//! is held, the vertical force at the contact point is unknown as well. The parts between body and carrier are eliminated
+//! first (`limb.rs`). Let A be the sum of their tangents, C the rows of the rigid joints and h the row of the height. Let q
+//! be the wrench of a vertical force at the contact point. A Newton step solves
 //!
 //! ```text
 //! | A  C' -q | | du, w |     | forces out of balance |
@@ -29,14 +29,14 @@ use super::swinging::Swinging;
 use crate::linear::square::{MOST, SquareLu};
 use crate::number::{Each, Scalar, Vector3, array_of};
 
-/// The most parts with inner unknowns: five links and a seat of a spring.
+/// Largest number of parts with inner unknowns: five links and a spring's seat.
 pub(super) const MOST_LIMBS: usize = 6;
-/// A pivot below this share of the largest is no stiffness.
+/// Fraction of the largest pivot below which a pivot counts as no stiffness.
 pub(super) const LOOSE: f64 = 1e-9;
-/// The most rigid joints.
+/// Largest number of rigid joints.
 pub(super) const MOST_JOINTS: usize = 5;
 
-/// A part with inner unknowns.
+/// Part with inner unknowns.
 #[derive(Clone, Debug)]
 pub(super) enum Limb<T> {
     Swinging(Swinging<T>),
@@ -46,15 +46,15 @@ pub(super) enum Limb<T> {
     CarrierSeat(CarrierSeat<T>),
 }
 
-/// A bushing between body and carrier.
+/// Bushing between body and carrier.
 #[derive(Clone, Debug)]
 pub(super) struct CarrierBushing<T> {
-    /// Point, from the carrier's reference point.
+    /// Vector from the carrier's reference point to the bushing.
     pub(super) lever: Vector3<T>,
     pub(super) bushing: Bushing<T>,
 }
 
-/// The elastic suspension of one design.
+/// Elastic suspension of one design.
 #[derive(Clone, Debug)]
 pub(super) struct System<T> {
     pub(super) limbs: Vec<Limb<T>>,
@@ -62,17 +62,17 @@ pub(super) struct System<T> {
     pub(super) rods: Vec<RodPart<T>>,
     pub(super) joints: Vec<Joint<T>>,
     pub(super) wheel: WheelPart<T>,
-    /// Bodies that hold the inner ends of these parts.
+    /// Bodies that hold the inner ends of the parts.
     pub(super) holders: Holders,
-    /// The wheel's side of the subframe.
+    /// Subframe as the wheel's parts connect to it.
     pub(super) subframe: Option<SubframePart<T>>,
-    /// The drop link, if it is on the carrier or an arm of legs.
+    /// Drop link, if it is on the carrier or on an arm with legs.
     pub(super) bar: Option<BarPart<T>>,
-    /// The body that holds the anti-roll bar.
+    /// Body that holds the anti-roll bar.
     pub(super) bar_on: Holder,
 }
 
-/// A state of all unknowns.
+/// State of all unknowns.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct State<T> {
     pub(super) carrier: Placed<T>,
@@ -102,7 +102,7 @@ impl<T: Scalar> State<T> {
     }
 }
 
-/// A change of all unknowns, or their rate.
+/// Change of all unknowns, or their rate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step<T> {
     pub(super) carrier: [T; 6],
@@ -128,9 +128,9 @@ impl<T: Scalar> Step<T> {
 /// Quantity that stays fixed while loads change.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Hold<T> {
-    /// The height of the wheel centre above its design position.
+    /// Height of the wheel centre above its design position.
     Height(T),
-    /// The loads as they are given, the vertical one included.
+    /// All given loads, with the vertical load.
     Load,
 }
 
@@ -155,7 +155,7 @@ impl<T: Scalar> Task<T> {
     }
 }
 
-/// Forces from outside that hold a pose which is no equilibrium, while it is brought into balance.
+/// External forces that hold a pose without equilibrium while it is brought into balance.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Held<T> {
     pub(super) carrier: [T; 6],
@@ -163,7 +163,7 @@ pub(super) struct Held<T> {
 }
 
 impl<T: Scalar> Held<T> {
-    /// A share of these forces.
+    /// Fraction of these forces.
     pub(super) fn share(&self, share: T) -> Self {
         Held {
             carrier: self.carrier.map(|c| c * share),
@@ -172,23 +172,23 @@ impl<T: Scalar> Held<T> {
     }
 }
 
-/// The equations in a state.
+/// Equations in a state.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Equations<T> {
     pub(super) size: usize,
     pub(super) residual: [T; MOST],
     pub(super) matrix: [[T; MOST]; MOST],
     pub(super) followers: [Followers<T>; MOST_LIMBS],
-    /// Forces on inner unknowns that are out of balance.
+    /// Unbalanced forces on inner unknowns.
     pub(super) inner: [[T; 7]; MOST_LIMBS],
-    /// The first part that moves away by itself.
+    /// First part that is unstable by itself.
     pub(super) unstable: Option<usize>,
-    /// The first part with a motion that nothing holds.
+    /// First part with a motion that nothing holds.
     pub(super) loose: Option<usize>,
     joints: usize,
 }
 
-/// Why a system has no step.
+/// Reason for no step of a system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Singular {
     /// Nothing holds a motion of a part.
@@ -215,7 +215,7 @@ impl<T: Scalar> Limb<T> {
         }
     }
 
-    /// Returns true if coordinates of [`Beside`] move the part.
+    /// Returns true if the part moves with coordinates of [`Beside`].
     pub(super) fn has_beside(&self) -> bool {
         match self {
             Limb::Swinging(arm) => arm.has_beside(),
@@ -233,7 +233,7 @@ impl<T: Scalar> Limb<T> {
         }
     }
 
-    /// The state after a step.
+    /// Returns the state after a step.
     #[inline]
     fn stepped(&self, state: &LimbState<T>, step: &LimbStep<T>) -> LimbState<T> {
         let [a, b, c, d, e, f] = step.inner;
@@ -254,7 +254,7 @@ impl<T: Scalar> Limb<T> {
             }
             Limb::LegSeat(_) | Limb::CarrierSeat(_) => {}
         }
-        // tan of half a sum of angles.
+        // Formula for tan of half a sum of angles.
         let half = step.slide * a.constant(0.5);
         next.slide = (state.slide + half) / (a.one() - state.slide * half);
         next
@@ -262,7 +262,8 @@ impl<T: Scalar> Limb<T> {
 }
 
 impl<T: Scalar> Equations<T> {
-    /// Equations of this many rigid joints, without forces and rows apart from forces that hold the carrier from outside.
+    /// Makes equations for this many rigid joints, without forces and rows. External forces that hold the carrier are
+    /// included.
     #[inline]
     pub(super) fn empty(like: T, joints: usize, held: Option<&Held<T>>) -> Self {
         let zero = like.zero();
@@ -289,7 +290,7 @@ impl<T: Scalar> Equations<T> {
         if !of.is_stable {
             self.unstable = self.unstable.or(Some(limb));
         }
-        // NaN is not above.
+        // NaN fails this comparison.
         let is_held = of.least_pivot > LOOSE;
         if !is_held {
             self.loose = self.loose.or(Some(limb));
@@ -298,12 +299,12 @@ impl<T: Scalar> Equations<T> {
         self.inner[limb] = of.inner;
     }
 
-    /// The tangent of the carrier.
+    /// Tangent of the carrier.
     pub(super) fn tangent(&self) -> [[f64; 6]; 6] {
         std::array::from_fn(|i| std::array::from_fn(|j| self.matrix[i][j].value()))
     }
 
-    /// Rows of the carrier that nothing may move along.
+    /// Rows of the carrier that every motion must keep at zero.
     pub(super) fn rows(&self) -> impl Iterator<Item = [f64; 6]> + '_ {
         let row = |i: usize| std::array::from_fn(|j| self.matrix[i][j].value());
         (6..self.size).map(row)
@@ -324,14 +325,14 @@ impl<T: Scalar> Equations<T> {
         SquareLu::of(self.matrix, self.size)
     }
 
-    /// All unknowns from those of equation (1). `is_rate`: rates along motions in balance.
+    /// Computes all unknowns from those of equation (1). With `is_rate` they are rates along motions in balance.
     #[inline]
     pub(super) fn step(&self, solution: &[T; MOST], is_rate: bool) -> Step<T> {
         let carrier: [T; 6] = array_of(|i| solution[i]);
         self.step_seen(solution, |_, limb| limb.step(&carrier, None, is_rate))
     }
 
-    /// The same; `of_limb` gives the step of each limb by its number.
+    /// Same as `step`, with the step of each limb from `of_limb`, by the limb's index.
     #[inline]
     pub(super) fn step_seen(
         &self,
@@ -360,7 +361,7 @@ impl<T: Scalar> System<T> {
         self.wheel.centre.x.zero()
     }
 
-    /// The equations (1) in a state, of a wheel by itself.
+    /// Forms the equations (1) of a single wheel in a state.
     #[inline]
     pub(super) fn equations(
         &self,
@@ -377,7 +378,7 @@ impl<T: Scalar> System<T> {
         Ok(equations)
     }
 
-    /// Adds loads and, where the height is held, the vertical force with its row.
+    /// Adds loads and, if the height is held, the vertical force with its row.
     #[inline]
     pub(super) fn add_loads(&self, equations: &mut Equations<T>, state: &State<T>, task: &Task<T>) {
         let mut loads = task.loads;
@@ -398,16 +399,16 @@ impl<T: Scalar> System<T> {
         }
     }
 
-    /// Height of the wheel centre above its design position, and its derivative by the carrier.
+    /// Height of the wheel centre above its design position, with its derivative by the carrier's motion.
     fn height(&self, carrier: &Placed<T>) -> ([T; 6], T) {
         let lever = carrier.lever(self.wheel.centre);
         let zero = lever.x.zero();
-        // z x lever, the moment of a vertical force.
+        // The moment of a vertical unit force is lever x z.
         let row = [zero, zero, zero.one(), lever.y, -lever.x, zero];
         (row, carrier.displacement(self.wheel.centre).z)
     }
 
-    /// Adds the vertical force at the contact point as an unknown, with a row of its own.
+    /// Adds the vertical force at the contact point as an unknown, with its row.
     pub(super) fn border(
         &self,
         equations: &mut Equations<T>,
@@ -425,14 +426,14 @@ impl<T: Scalar> System<T> {
         equations.size += 1;
     }
 
-    /// Wrench of a vertical force of one at the contact point.
+    /// Wrench of a vertical unit force at the contact point.
     pub(super) fn vertical_force(&self, carrier: &Placed<T>) -> [T; 6] {
         let mut unit = WheelLoads::none(carrier.shift.x);
         unit.contact.z = unit.contact.z.one();
         self.wheel.wrench(carrier, &unit).to_array()
     }
 
-    /// The state after a step.
+    /// Returns the state after a step.
     #[inline]
     pub(super) fn stepped(&self, state: &State<T>, step: &Step<T>) -> State<T> {
         let [x, y, z, a, b, c] = step.carrier;
@@ -449,12 +450,12 @@ impl<T: Scalar> System<T> {
         next
     }
 
-    /// Largest shift and largest turn of a step. Forces of ball joints are neither. The turn of a link about its own line
-    /// moves nothing, and is known less well where little torsion holds it: it does not count.
+    /// Largest shift and largest rotation of a step, without forces of ball joints. The rotation of a link about its own
+    /// line does not count: it moves nothing, and little torsion can leave it inaccurate.
     pub(super) fn size_of(&self, step: &Step<T>) -> [f64; 2] {
         let largest = |parts: &[T]| {
             let size = |m: f64, c: &T| {
-                // Keeps NaN.
+                // A NaN in `c` gives NaN.
                 let c = c.value().abs();
                 if m >= c { m } else { c }
             };
@@ -497,7 +498,7 @@ impl<T: Scalar> System<T> {
         }
     }
 
-    /// The top mount with its state.
+    /// State of the top mount.
     pub(super) fn mount(&self, frames: &Frames<T>, state: &State<T>) -> Option<MountState<T>> {
         self.limbs
             .iter()
@@ -508,7 +509,7 @@ impl<T: Scalar> System<T> {
             })
     }
 
-    /// The seat of the spring with its state.
+    /// State of the spring's seat.
     pub(super) fn seat(&self, frames: &Frames<T>, state: &State<T>) -> Option<SeatState<T>> {
         let limbs = self.limbs.iter().zip(&self.holders.limbs);
         limbs.zip(&state.limbs).find_map(|((limb, holder), own)| {

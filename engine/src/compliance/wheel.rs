@@ -1,4 +1,4 @@
-//! An elastic wheel: its equilibria, and their changes.
+//! Elastic wheel: its equilibria, and their changes.
 
 use super::build::{Built, OfAxle};
 use super::definition::{Compliance, Relaxed};
@@ -14,41 +14,41 @@ use crate::linear::square::MOST;
 use crate::model::{Axis, Suspension};
 use crate::number::{Scalar, Vector3};
 
-/// A turn is compared with a shift at this distance, mm.
+/// Distance, mm, at which the movement by a rotation is compared with a shift.
 pub(super) const TURN_LEVER: f64 = 300.0;
-/// Steps of inverse iteration that find the softest motion.
+/// Number of inverse iterations that find the softest motion.
 const SOFT_STEPS: usize = 8;
-/// A wheel load below this share of the spring's force is no leverage.
+/// Ratio of wheel load to spring force below which the spring has no leverage.
 const LEAST_LEVERAGE: f64 = 1e-6;
 
 /// Quantity that stays fixed while a load changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum HeldQuantity {
-    /// The height of the wheel centre.
+    /// Height of the wheel centre.
     WheelHeight,
-    /// The vertical force at the contact point.
+    /// Vertical force at the contact point.
     WheelLoad,
 }
 
 /// Input along which an equilibrium changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change<T = f64> {
-    /// A load on the wheel. Its trail is taken for the side force.
+    /// Load on the wheel. Its trail applies to the side force.
     Load(WheelLoads<T>),
-    /// Wheel travel; the height is held.
+    /// Wheel travel, with the height held.
     Travel,
     /// Displacement of the rack along the kernel's +y.
     Rack,
 }
 
-/// An equilibrium.
+/// Equilibrium of one wheel.
 #[derive(Clone, Copy, Debug)]
 pub struct Equilibrium<T = f64> {
     pub(super) solution: Solution<T>,
 }
 
 impl<T: Scalar> Equilibrium<T> {
-    /// Newton steps that led to it.
+    /// Number of Newton steps to this equilibrium.
     pub fn steps(&self) -> usize {
         self.solution.steps
     }
@@ -58,40 +58,40 @@ impl<T: Scalar> Equilibrium<T> {
         Surroundings::of_rack(self.solution.task.rack)
     }
 
-    /// Rack displacement, along the kernel's +y.
+    /// Rack displacement along the kernel's +y.
     pub fn rack(&self) -> T {
         self.solution.task.rack
     }
 }
 
-/// State of a bushing, in its axes and as a left wheel's. Force and torque are those on the moving body: the arm, the
-/// link, the mount of a strut.
+/// State of a bushing in its axes, in the form for a left wheel. Force and torque act on the moving body: the arm, the link,
+/// or the mount of a strut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BushingReading<T = f64> {
-    /// Deflection along x, y, z.
+    /// Deflection along x, y and z.
     pub deflection: Vector3<T>,
     /// Rotation vector.
     pub rotation: Vector3<T>,
-    /// Force.
+    /// Force on the moving body.
     pub force: Vector3<T>,
-    /// Torque.
+    /// Torque on the moving body.
     pub torque: Vector3<T>,
-    /// True if a curve is continued beyond its points, or the rotation is above 60 degrees.
+    /// True if a curve continues beyond its points, or if the rotation exceeds 60 degrees.
     pub is_extrapolated: bool,
 }
 
 /// State of the spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpringReading<T = f64> {
-    /// Length.
+    /// Length of the spring.
     pub length: T,
     /// Force, positive in compression.
     pub force: T,
-    /// True if the bump stop is met.
+    /// True if the suspension meets the bump stop.
     pub meets_stop: bool,
 }
 
-/// An elastic suspension of one wheel, in one design.
+/// Elastic suspension of one wheel, in one design.
 #[derive(Clone, Debug)]
 pub struct ElasticWheel<T = f64> {
     pub(super) built: Built<T>,
@@ -99,12 +99,12 @@ pub struct ElasticWheel<T = f64> {
     pub(super) constants: Constants,
     pub(super) bounds: Bounds,
     pub(super) relaxed: Relaxed,
-    /// True if a bushing has a constant force or torque, which moves the wheel out of the design position.
+    /// True if a bushing has a constant force or torque. The wheel then leaves the design position.
     pub(super) has_offset: bool,
     pub(super) start: State<T>,
 }
 
-/// No loads beside the vertical force that holds the height.
+/// Task with a held height, and without loads except the vertical force that holds it.
 pub(super) fn level_task<T: Scalar>(travel: T, rack: T) -> Task<T> {
     Task {
         rack,
@@ -114,14 +114,14 @@ pub(super) fn level_task<T: Scalar>(travel: T, rack: T) -> Task<T> {
 }
 
 impl ElasticWheel {
-    /// The elastic suspension of a design.
+    /// Makes the elastic suspension of a design.
     pub fn new(suspension: &Suspension, compliance: &Compliance) -> Result<Self, ElasticFault> {
         Self::of(suspension, &suspension.design, compliance)
     }
 }
 
 impl<T: Scalar> ElasticWheel<T> {
-    /// The elastic suspension with its hardpoints at `design`.
+    /// Makes the elastic suspension with its hardpoints at `design`.
     pub fn of(
         suspension: &Suspension,
         design: &[Vector3<T>],
@@ -142,7 +142,7 @@ impl<T: Scalar> ElasticWheel<T> {
         Ok(wheel)
     }
 
-    /// The same in the design position, without forces at the design load.
+    /// Same as `of`, in the design position and without forces at the design load.
     pub(super) fn unloaded(
         suspension: &Suspension,
         design: &[Vector3<T>],
@@ -169,7 +169,7 @@ impl<T: Scalar> ElasticWheel<T> {
         }
     }
 
-    /// Refuses a spring that does not carry the wheel in the design position.
+    /// Refuses a spring that does not support the wheel in the design position.
     pub(super) fn check_leverage(&self, around: &Surroundings<T>) -> Result<(), ElasticFault> {
         let spring = self.built.spring_reading(&self.start, around);
         let force = spring.map_or(0.0, |spring| spring.force.value());
@@ -179,7 +179,7 @@ impl<T: Scalar> ElasticWheel<T> {
         }
     }
 
-    /// Refuses a design in which a motion has no stiffness while the height is held.
+    /// Refuses a design if a motion has no stiffness while the height is held.
     fn check_held(&self) -> Result<(), ElasticFault> {
         let equations = self
             .built
@@ -197,7 +197,7 @@ impl<T: Scalar> ElasticWheel<T> {
         }
     }
 
-    /// The axis of the vehicle nearest to a link's line, about which nothing but torsion holds it.
+    /// Axis of the vehicle nearest to a link's line, about which only torsion holds the link.
     pub(super) fn spin_of(&self, limb: usize) -> Motion {
         let along = match &self.built.system.limbs[limb] {
             Limb::Swinging(arm) => arm.ends[0].lever,
@@ -207,33 +207,33 @@ impl<T: Scalar> ElasticWheel<T> {
         Motion::Turn(largest_axis(along.map(Scalar::value)))
     }
 
-    /// The design height, with the rack straight ahead.
+    /// Task at the design height, with the rack straight ahead.
     fn level(&self) -> Task<T> {
         let nothing = self.start.vertical.zero();
         level_task(nothing, nothing)
     }
 
-    /// The vertical force at the contact point that goes with the forces of bushings and spring in the design position, if
-    /// they are in balance there. Constant forces of bushings come on top.
+    /// Vertical force at the contact point that balances bushings and spring in the design position; `None` if they are not
+    /// in balance there. Constant forces of bushings are not included.
     pub fn design_load(&self) -> Option<T> {
         (self.relaxed == Relaxed::AtDesignLoad).then_some(self.start.vertical)
     }
 }
 
 impl ElasticWheel {
-    /// The largest force that is out of balance in a state, on the carrier or a part of the suspension. A moment counts by
-    /// its force at a lever of 300 mm. Infinite if the state has no equations.
+    /// Largest unbalanced force in a state, on the carrier or a part of the suspension. A moment counts as its force at a
+    /// lever of 300 mm. Infinite if the state has no equations.
     pub fn out_of_balance(&self, at: &Equilibrium) -> f64 {
         let Solution { state, task, .. } = &at.solution;
         let equations = self.built.system.equations(state, task, None);
         equations.map_or(f64::INFINITY, |equations| self.largest_force(&equations))
     }
 
-    /// The largest residual force of the equations.
+    /// Largest residual force of the equations.
     pub(super) fn largest_force(&self, equations: &Equations<f64>) -> f64 {
         let lever = TURN_LEVER * self.bounds.millimetre;
         let mut worst = 0.0;
-        // NaN is not in balance.
+        // NaN replaces the largest force so far.
         let mut note = |force: f64| worst = if force <= worst { worst } else { force };
         for (k, force) in equations.residual[..6].iter().enumerate() {
             let force = if k < 3 { *force } else { force / lever };
@@ -253,7 +253,7 @@ impl ElasticWheel {
         worst
     }
 
-    /// The equilibrium with the wheel centre at a height and without horizontal loads.
+    /// Equilibrium with the wheel centre at a height, without horizontal loads.
     pub fn at(&self, travel: f64, rack: f64) -> Result<Equilibrium, NoEquilibrium> {
         let (from, to) = (level_task(0.0, 0.0), level_task(travel, rack));
         let held = match self.relaxed {
@@ -282,7 +282,7 @@ impl ElasticWheel {
             .map_err(|stuck| self.explained(&stuck))
     }
 
-    /// The equilibrium under other loads, from one that is known, with the height or the wheel load held as there.
+    /// Equilibrium under other loads, from a known one. The height or the wheel load of that one is held.
     pub fn loaded(
         &self,
         from: &Equilibrium,
@@ -294,7 +294,7 @@ impl ElasticWheel {
         to.loads = loads.plus(&task.loads, 0.0);
         to.loads.trail = loads.trail;
         if let Hold::Load = to.hold {
-            // Loads are in addition to the wheel load that is held.
+            // Loads add to the held wheel load.
             to.loads.contact.z += task.loads.contact.z;
         }
         let mut start = task;
@@ -302,8 +302,8 @@ impl ElasticWheel {
         self.solved(&state, &start, &to, None)
     }
 
-    /// The equilibrium under loads beside those of a station, from a neighbour of it. What is held is the station's
-    /// height or wheel load.
+    /// Equilibrium under loads in addition to those of a station, from a neighbouring equilibrium. The station's height or
+    /// wheel load is held.
     pub fn loaded_about(
         &self,
         station: &Equilibrium,
@@ -338,8 +338,8 @@ impl ElasticWheel {
         }
     }
 
-    /// The motion with the least stiffness, after the size of its displacement by a force of size 1: inverse iteration on
-    /// the tangent.
+    /// Finds the motion with the least stiffness by inverse iteration on the tangent. The first result is its displacement
+    /// per unit force.
     pub(super) fn softest(
         &self,
         state: &State<f64>,

@@ -1,14 +1,14 @@
-//! Derivatives by time, from those by the coordinate that a law moves.
+//! Derivatives by time, from those by the coordinate that follows a time law.
 
 use crate::number::Jet;
 use crate::study::TimeLaw;
 
-/// First and second derivative by time of the coordinate that moves, where results are by time.
+/// First and second derivative by time of the moving coordinate, if results are by time.
 #[derive(Clone, Copy)]
 pub(crate) struct ByTime(Option<[f64; 2]>);
 
 impl ByTime {
-    /// At the time of this number; `None` for results that are not by time.
+    /// Derivatives at the time with this index. `None` for results that are not by time.
     pub(crate) fn at(law: Option<&TimeLaw>, number: usize) -> Self {
         ByTime(law.map(|law| {
             let series = law
@@ -22,9 +22,8 @@ impl ByTime {
         }))
     }
 
-    /// The derivative of this order by the drive, or by time: with y', y'' by the drive q(t),
-    /// dy/dt = y' q' and d2y/dt2 = y'' q'^2 + y' q''. A quantity that is a rate itself (an angular
-    /// velocity) is by the drive too: w q' and w' q'^2 + w q''.
+    /// Derivative of this order by the drive, or by time. With y', y'' by the drive q(t), dy/dt = y' q' and d2y/dt2 = y''
+    /// q'^2 + y' q''. A quantity that is itself a rate by the drive (an angular velocity) becomes w q' and w' q'^2 + w q''.
     pub(crate) fn apply(self, is_rate: bool, by_drive: [f64; 3], order: usize) -> f64 {
         let Some([velocity, acceleration]) = self.0 else {
             return by_drive[order];

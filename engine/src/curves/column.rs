@@ -1,4 +1,4 @@
-//! Columns of the results: names that tell a number's meaning and unit.
+//! Columns of the results. Their names contain meaning and unit.
 
 use crate::ask::{Info, with_unit};
 use crate::characteristics::{Characteristic, Quantity};
@@ -9,27 +9,27 @@ use crate::study::Drive;
 /// A column of values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// Name with unit, as in `camber_d1_deg_per_mm`.
+    /// Name with unit, for example `camber_d1_deg_per_mm`.
     pub name: String,
-    /// The quantity's name without order and unit.
+    /// Name of the quantity without order and unit.
     pub output: String,
-    /// The unit alone, as in `deg_per_mm`; empty for a plain number.
+    /// Unit, for example `deg_per_mm`. Empty for a plain number.
     pub unit: String,
-    /// When it is positive, in words; of a value alone, not of its derivatives.
+    /// Meaning of a positive value, in words. `None` for derivatives.
     pub positive: Option<&'static str>,
     /// Order of the derivative; 0 for a value.
     pub order: usize,
-    /// Motion of the axle along which it is a derivative, as in `left travel`; `None` for values, and for derivatives by
-    /// the drive or by time.
+    /// Motion of the axle along which it is a derivative, for example `left travel`. `None` for values, and for derivatives
+    /// by the drive or by time.
     pub by: Option<&'static str>,
-    /// Index of the output in the plan; `None` for a force under a load.
+    /// Index of the output in the plan. `None` for a force under a load.
     pub(crate) of: Option<usize>,
     /// Factor from a value in radians and length units to the printed value.
     pub(crate) factor: f64,
 }
 
 impl Column {
-    /// The columns of a plan, output by output, the value before its derivatives.
+    /// Columns of a plan, output by output. Each value comes before its derivatives.
     pub fn all(plan: &Plan, length: LengthUnit) -> Vec<Column> {
         let mut columns = Vec::new();
         for (of, output) in plan.outputs.iter().enumerate() {
@@ -40,7 +40,7 @@ impl Column {
         columns
     }
 
-    /// The column of a characteristic.
+    /// Column of a characteristic.
     pub(crate) fn of_characteristic(of: Characteristic, length: LengthUnit) -> Column {
         let Info {
             name,
@@ -52,7 +52,7 @@ impl Column {
         Column::of_value((*name).to_owned(), unit.suffix(length), positive, factor)
     }
 
-    /// The column of a value that no plan of one wheel has.
+    /// Column of a value that no plan of one wheel contains.
     pub(crate) fn of_value(
         output: String,
         unit: String,
@@ -76,13 +76,13 @@ impl Column {
         self.factor
     }
 
-    /// The unit of this column's derivative by a hardpoint coordinate.
+    /// Unit of this column's derivative by a hardpoint coordinate.
     pub fn unit_per(&self, length: LengthUnit) -> String {
         per(&self.unit, length.symbol(), 1)
     }
 
     fn new(of: usize, output: &Output, order: usize, plan: &Plan, length: LengthUnit) -> Column {
-        // The angular velocity is a first derivative already.
+        // An angular velocity is already a first derivative.
         let rate_order = match output.quantity {
             Quantity::AngularVelocity(_) => 1,
             _ => 0,
@@ -119,15 +119,15 @@ impl Column {
     }
 }
 
-/// `wheel_centre_x` -> `wheel_centre_vx` or `wheel_centre_ax`.
+/// Converts `wheel_centre_x` to `wheel_centre_vx` or `wheel_centre_ax`.
 pub(crate) fn velocity_name(coordinate: &str, axis: Axis, order: usize) -> String {
     let point = coordinate.strip_suffix(axis.name()).unwrap_or(coordinate);
     let letter = if order == 1 { 'v' } else { 'a' };
     format!("{point}{letter}{}", axis.name())
 }
 
-/// `unit` divided by the `power`-th power of `by`: `deg`, `mm`, 2 -> `deg_per_mm2`, and
-/// `deg_per_mm`, `mm`, 1 -> `deg_per_mm2`.
+/// Unit `unit` divided by the `power`-th power of `by`. Examples: `deg`, `mm`, 2 gives `deg_per_mm2`; `deg_per_mm`, `mm`, 1
+/// gives `deg_per_mm2`.
 pub(crate) fn per(unit: &str, by: &str, power: usize) -> String {
     if power == 0 {
         return unit.to_owned();

@@ -1,4 +1,4 @@
-//! The motion of a study as one of the kernel's drives.
+//! Motion of a study, expressed by one of the kernel's drives.
 
 use super::PaperTheta;
 use crate::derive::MotionPoint;
@@ -9,19 +9,19 @@ use crate::plan::Plan;
 use crate::solve::StationOrder;
 use crate::study::Drive;
 
-/// The stations a motion has on the kernel's drive, and the order in which they are visited.
+/// Stations of a motion on the kernel's drive, and the order of the visit.
 pub struct DriveLaw {
     drive: Drive,
     /// Law of the drive, if the study's drive is not one of the kernel's.
     law: Option<PaperTheta>,
-    /// The kernel's drive values.
+    /// Order of the kernel's drive values.
     pub station_order: StationOrder,
-    /// The number in the motion of each of them.
+    /// Index in the motion of each of these stations.
     pub stations: Vec<usize>,
 }
 
 impl DriveLaw {
-    /// The motion of a plan for this design. Stations that the kernel's drive cannot express are left out.
+    /// Expresses the motion of a plan for this design. Stations that the kernel's drive cannot express are left out.
     pub fn of(suspension: &Suspension, plan: &Plan) -> Result<Self, DesignFault> {
         let law = match plan.drive {
             Drive::Travel | Drive::ArmAngle => None,
@@ -48,7 +48,7 @@ impl DriveLaw {
         })
     }
 
-    /// The kernel's drive along the study's, at a station of the motion that has this drive value.
+    /// The kernel's drive as a series along the study's drive, at a station with this drive value.
     pub fn motion<const N: usize>(&self, value: f64, rack: f64) -> MotionPoint<Jet<f64, N>> {
         let along = Jet::variable(value);
         MotionPoint {

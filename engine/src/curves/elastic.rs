@@ -11,13 +11,13 @@ use crate::number::Tape;
 use crate::plan::Plan;
 use crate::study::{ComplianceStudy, ElasticFigure};
 
-/// Reads of a column: the value, and the words for the case that it has none.
+/// Source of a column: the value to read, and the reason if it has none.
 struct Read {
     value: KcValue,
     undefined: NoValue,
 }
 
-/// Returns the columns of a plan's characteristics, then those of its figures, each with its source.
+/// Columns of a plan's characteristics, then those of its test figures, each with its source.
 fn columns(length: LengthUnit, plan: &Plan) -> Vec<(Column, Read)> {
     let mut found = Vec::new();
     for column in Column::all(plan, length) {
@@ -44,11 +44,11 @@ fn columns(length: LengthUnit, plan: &Plan) -> Vec<(Column, Read)> {
     found
 }
 
-/// Place of the signs of figures.
+/// Reference to the signs of test figures.
 const SIGNS: &str = "as docs/compliance.md says";
 
 impl ElasticFigure {
-    /// The figure as a column of results.
+    /// The test figure as a column of results.
     pub(crate) fn as_column(&self, length: LengthUnit) -> Column {
         let (suffix, factor) = (self.unit.suffix(length), self.unit.printed_factor(length));
         Column::of_value(self.name.clone(), suffix, SIGNS, factor)

@@ -27,54 +27,54 @@ pub struct Frame {
 pub struct Placement {
     /// Position of each point.
     pub points: Vec<[f64; 3]>,
-    /// Unit vector along the spin axis, outboard.
+    /// Unit vector along the spin axis, positive outboard.
     pub spin_axis: [f64; 3],
     /// Two points of the steering axis.
     pub steering_axis: Option<[[f64; 3]; 2]>,
     /// Contact point of the wheel, if its radius is known.
     pub contact: Option<[f64; 3]>,
-    /// The roll centre, in the car's centre plane. This and the following are empty where the wheel's rates
-    /// are unknown or the centre is at infinity.
+    /// Roll centre, in the car's centre plane. This and the following fields are `None` if the wheel's rates are unknown or
+    /// the centre is at infinity.
     pub roll_centre: Option<[f64; 3]>,
-    /// The instantaneous centre in front view, in the transverse plane of the contact point.
+    /// Instantaneous centre in front view, in the transverse plane of the contact point.
     pub front_view_centre: Option<[f64; 3]>,
-    /// The instantaneous centre in side view, in the longitudinal plane of the contact point.
+    /// Instantaneous centre in side view, in the longitudinal plane of the contact point.
     pub side_view_centre: Option<[f64; 3]>,
-    /// The right wheel, of an axle.
+    /// Right wheel of an axle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub right: Option<OtherWheel>,
-    /// Turn that the steered wheels of an axle give.
+    /// Turn with the steered wheels of an axle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub turn: Option<Turn>,
 }
 
-/// The right wheel of an axle, in the same axes as the left one.
+/// Right wheel of an axle, in the same axes as the left one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OtherWheel {
-    /// Unit vector along the spin axis, outboard.
+    /// Unit vector along the spin axis, positive outboard.
     pub spin_axis: [f64; 3],
     /// Contact point of the wheel.
     pub contact: Option<[f64; 3]>,
-    /// The instantaneous centre in front view.
+    /// Instantaneous centre in front view.
     pub front_view_centre: Option<[f64; 3]>,
-    /// The instantaneous centre in side view.
+    /// Instantaneous centre in side view.
     pub side_view_centre: Option<[f64; 3]>,
 }
 
-/// A turn seen from above: x and y, in the body's axes.
+/// A turn, seen from above: x and y in the body's axes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Turn {
     /// Rear and front end of the left and the right wheel.
     pub wheels: [[[f64; 2]; 2]; 2],
-    /// Points at which the spin axes meet the other axle's line; `None` straight ahead.
+    /// Points at which the spin axes meet the other axle's line. `None` straight ahead.
     pub meets: Option<[[f64; 2]; 2]>,
-    /// Midpoint of both: the vehicle's turning centre.
+    /// Midpoint of both points: the vehicle's turning centre.
     pub centre: Option<[f64; 2]>,
     /// Position of the other axle along x.
     pub other_axle: f64,
 }
 
-/// The frames of a suspension at the stations of a plan, rack by rack.
+/// Frames of a suspension at the stations of a plan, rack by rack.
 pub fn frames(suspension: &Suspension, plan: &Plan) -> Result<Vec<Frame>, DesignFault> {
     let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
     let mechanism = &suspension.mechanism;
@@ -107,7 +107,7 @@ pub fn frames(suspension: &Suspension, plan: &Plan) -> Result<Vec<Frame>, Design
                     if let Some(rod) = toggles.note(Some(solver), &at, motion.value[0]) {
                         return Err(Failure::Toggle(rod));
                     }
-                    // At a fold there are no rates.
+                    // At a fold the rates do not exist.
                     let motion = drive_law.motion::<2>(values[number], rack);
                     let moving = solver.configuration_series(&moving, pose, &motion);
                     let centres = match moving {
@@ -148,8 +148,7 @@ impl Placement {
     }
 }
 
-/// Two points of the steering axis: its joints, or for an instantaneous one two points
-/// below and above the wheel's centre.
+/// Two points of the steering axis: its joints. For an instantaneous axis, two points below and above the wheel's centre.
 fn steering_axis<T: Real>(
     suspension: &Suspension,
     at: &Configuration<T>,

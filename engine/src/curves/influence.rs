@@ -11,16 +11,16 @@ use serde::{Deserialize, Serialize};
 /// Influence of a hardpoint coordinate on an output over the motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Influence {
-    /// The output's column.
+    /// Column of the output.
     pub output: String,
-    /// The coordinate, as in `tie_rod_inner.z`.
+    /// Coordinate, for example `tie_rod_inner.z`.
     pub coordinate: String,
-    /// The derivative with the largest magnitude over the motion, in the output's unit per length unit.
+    /// Derivative with the largest absolute value over the motion, in the output's unit per length unit.
     pub largest: f64,
-    /// The root mean square of the derivative over the motion: how far the curve moves.
+    /// Root mean square of the derivative over the motion. It shows how far the curve moves.
     pub rms: f64,
-    /// The root mean square of the derivative's difference from its mean over the motion: how much the curve changes
-    /// its shape, wherever it moves to.
+    /// Root mean square of the derivative's difference from its mean over the motion. It shows how much the shape of the
+    /// curve changes.
     pub bend: f64,
 }
 

@@ -7,19 +7,19 @@ use crate::model::{Frame, LengthUnit, Mechanism, RockerId, Side};
 use crate::number::Vector3;
 use crate::study::Load;
 
-/// Loads on a wheel, and the reactions that are reported.
+/// Loads on a wheel, and the reactions in the results.
 pub(crate) struct Loads<'a> {
     loads: &'a [Load],
     mechanism: &'a Mechanism,
     frame: Frame,
     length: LengthUnit,
-    /// Support that keeps the suspension from moving.
+    /// Support that holds the suspension.
     pub(crate) support: Support,
     members: Vec<Member>,
 }
 
-/// A member under the name of its side, if it is one of a rigid axle's halves. Both halves bear a load on one wheel. A member
-/// that the axle has once keeps its name.
+/// Adds the name of its side to a member of a rigid axle's halves. Both halves carry a load on one wheel. A member that the
+/// axle has only once keeps its name.
 fn with_side(member: Member, mechanism: &Mechanism, frame: Frame) -> Member {
     let Some(rigid) = &mechanism.rigid_axle else {
         return member;
@@ -45,8 +45,8 @@ fn with_side(member: Member, mechanism: &Mechanism, frame: Frame) -> Member {
 }
 
 impl<'a> Loads<'a> {
-    /// Prepares loads on a mechanism. `frame` maps between the study's axes and the mechanism's own frame, `length` is the study's
-    /// unit.
+    /// Prepares loads on a mechanism. `frame` maps between the study's axes and the mechanism's own frame, `length` is the
+    /// study's unit.
     pub(crate) fn of(
         mechanism: &'a Mechanism,
         (frame, length): (Frame, LengthUnit),
@@ -73,13 +73,13 @@ impl<'a> Loads<'a> {
         self.loads.is_empty()
     }
 
-    /// The rocker through which the spring supports the suspension; `None` without loads or without such a rocker.
+    /// Rocker through which the spring supports the suspension. `None` without loads or without such a rocker.
     pub(crate) fn rocker(&self) -> Option<RockerId> {
         let rocker = self.support.rocker(self.mechanism);
         rocker.filter(|_| !self.is_empty())
     }
 
-    /// The columns, load by load.
+    /// Columns, load by load.
     pub(crate) fn columns(&self) -> impl Iterator<Item = Column> {
         self.loads.iter().flat_map(|load| {
             let name = |member: &Member| format!("{}_{}", load.name, member.name);
@@ -92,8 +92,8 @@ impl<'a> Loads<'a> {
         })
     }
 
-    /// The values of the columns in a pose, in their unit, forces along the study's axes; `contact` is the contact point
-    /// in the kernel's frame.
+    /// Values of the columns in a pose, in their unit. Forces are along the study's axes. `contact` is the contact point in
+    /// the kernel's frame.
     pub(crate) fn forces(
         &self,
         balance: &Balance<'_>,

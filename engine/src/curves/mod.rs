@@ -31,8 +31,8 @@ use crate::plan::Plan;
 use crate::solve::Rejection;
 use crate::study::WheelStudy;
 
-/// Curves of one wheel under a plan: of its equilibria if parts are elastic, else of its poses. Errors if its design
-/// position cannot be solved.
+/// Curves of one wheel under a plan: from equilibria if there are elastic parts, otherwise from poses. An error says why its
+/// design position cannot be solved.
 pub fn wheel_curves(own: &WheelStudy, plan: &Plan) -> Result<Curves, DesignFault> {
     match &own.compliance {
         Some(elastic) => elastic::elastic_curves(&own.suspension, elastic, plan),
@@ -40,25 +40,25 @@ pub fn wheel_curves(own: &WheelStudy, plan: &Plan) -> Result<Curves, DesignFault
     }
 }
 
-/// Status of a station: solved or not, and the quality of its values.
+/// Status of a station: whether it is solved, and the quality of its values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Status {
     /// Solved; every value that exists is present.
     Ok,
     /// Solved, but close to a singular pose: derivatives and sensitivities have fewer than six correct digits.
     IllConditioned,
-    /// Solved, but nothing supports the loads: the spring has too little leverage for six correct digits of the forces. The
-    /// forces have no values.
+    /// Solved, but no member supports the loads: the spring has too little leverage for six correct digits of the forces.
+    /// The forces have no values.
     Unsupported,
-    /// Solved, but these rods are at a toggle here or nearer to the design position: of the left wheel (or the only one),
-    /// then of the right wheel. Quantities that move with their rockers have no values.
+    /// Solved, but some rods are at a toggle here or nearer to the design position. They are listed for the left (or only)
+    /// wheel, then for the right wheel. Quantities that depend on their rockers have no values.
     Toggle([Option<Rod>; 2]),
     /// Not solved, for this reason.
     Failed(NoPose),
 }
 
 impl Status {
-    /// The word in the `status` column.
+    /// Word in the `status` column.
     pub fn word(&self) -> &'static str {
         match self {
             Status::Ok => "ok",
@@ -90,27 +90,27 @@ impl Status {
         }
     }
 
-    /// Returns true if the station is solved and every value that exists is present.
+    /// Returns true if the station is solved and every value that is defined is present.
     pub fn is_whole(&self) -> bool {
         matches!(self, Status::Ok | Status::IllConditioned)
     }
 }
 
-/// A number of the motion: given by the study, or following from the position.
+/// Coordinate of the motion. The study gives it, or it follows from the pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionColumn {
-    /// Name without the unit, as in `travel`.
+    /// Name without the unit, for example `travel`.
     pub key: &'static str,
-    /// Unit, as in `mm`.
+    /// Unit, for example `mm`.
     pub unit: &'static str,
-    /// True if the study gives the number; false if it follows from the position.
+    /// True if the study gives the coordinate, false if it follows from the pose.
     pub is_given: bool,
     /// True if files have a column for it.
     pub is_written: bool,
 }
 
 impl MotionColumn {
-    /// A number that the study gives and that files have.
+    /// Coordinate that the study gives and that has a column in files.
     pub(crate) fn given(key: &'static str, unit: &'static str) -> Self {
         MotionColumn {
             key,
@@ -126,74 +126,75 @@ impl MotionColumn {
     }
 }
 
-/// A station with its values, in the units they are printed in.
+/// A station with its values, in printed units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Station {
-    /// Value of each column of [`Curves::motion`]; `None` if it depends on a position that does not exist.
+    /// Value of each column of [`Curves::motion`]. `None` if it depends on a pose that does not exist.
     pub at: Vec<Option<f64>>,
     /// Status of the station.
     pub status: Status,
     /// Value of each column of [`Curves::columns`], or the reason why it has none.
     pub values: Vec<Result<f64, NoValue>>,
-    /// Condition number of the equations, of an axle that of the worse wheel; to within a factor of ten where the closed
-    /// form gave the pose and the number is below 1000. `None` where there is no pose.
+    /// Condition number of the equations. For an axle it is that of the worse wheel. It is accurate within a factor of ten
+    /// if the closed form gave the pose and the number is below 1000. `None` if there is no pose.
     pub condition: Option<f64>,
-    /// Proof of the position, if the study requests it and it exists.
+    /// Proof of the pose, if the study requests one and it was found.
     pub proof: Option<Proof>,
 }
 
 impl Station {
-    /// The value of a column; `None` if it does not exist.
+    /// Value of a column. `None` if it does not exist.
     pub fn value(&self, column: usize) -> Option<f64> {
         self.values.get(column)?.ok()
     }
 }
 
-/// Bounds proved for a station's position.
+/// Proved bounds for a station's pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proof {
-    /// No point of a wheel carrier is further than this from its exact position.
+    /// Bound on the distance of any point of a wheel carrier from its exact position.
     pub position_error: f64,
-    /// Least difference of any other position: in a coordinate of a carrier's origin or, at the mechanism's size, in an
-    /// entry of a rotation or in the roll angle.
+    /// Smallest difference of any other pose in one of these numbers: a coordinate of a carrier's origin, an entry of a
+    /// rotation, the roll angle. The last two are times the mechanism's size.
     pub uniqueness: f64,
-    /// These and further bounds, in the order of [`Curves::bounds`].
+    /// All bounds, including these two, in the order of [`Curves::bounds`].
     pub bounds: Vec<f64>,
 }
 
-/// The derivative of an output, or of its derivative, by a hardpoint coordinate.
+/// Derivative of an output, or of its derivative, by a hardpoint coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensitivity {
     /// Index of the station.
     pub station: usize,
     /// Index of the differentiated column.
     pub column: usize,
-    /// The wheel whose hardpoint moves; `None` if there is one wheel, or if both move as mirror images.
+    /// Wheel whose hardpoint moves. `None` if there is one wheel, or if both move as mirror images.
     pub side: Option<Side>,
     /// The hardpoint.
     pub point: PointId,
     /// The coordinate, in the study's axes.
     pub axis: Axis,
-    /// The derivative, in the column's unit per length unit.
+    /// Derivative, in the column's unit per length unit.
     pub value: f64,
 }
 
 /// Curves of a study: of one wheel, or of an axle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curves {
-    /// The numbers of the motion, in the order of [`Station::at`].
+    /// Coordinates of the motion, in the order of [`Station::at`].
     pub motion: Vec<MotionColumn>,
-    /// The columns, in the order of [`Station::values`].
+    /// Columns, in the order of [`Station::values`].
     pub columns: Vec<Column>,
-    /// Names of the proved bounds, in the order of [`Proof::bounds`]; empty unless the study requests proofs.
+    /// Names of the proved bounds, in the order of [`Proof::bounds`]. Empty unless the study requests proofs.
     pub bounds: Vec<String>,
-    /// Stations of the motion: rack displacement by rack displacement, for each in the order of the motion's values.
+    /// Stations of the motion, rack displacement by rack displacement. For each they are in the order of the motion's
+    /// values.
     pub stations: Vec<Station>,
-    /// Sensitivities, station by station; empty unless the study requests them.
+    /// Sensitivities, station by station. Empty unless the study requests them.
     pub sensitivities: Vec<Sensitivity>,
-    /// Counts of the work done; none are counted for an axle.
+    /// Counts of the work done. All zero for an axle.
     pub work: Work,
-    /// Reasons why the continuation solved stations instead of the tracker, each with the number of stations.
+    /// Reasons why the continuation instead of the tracker solved stations, each with the number of stations.
     pub left_to_continuation: Vec<(Rejection, usize)>,
 }
 
@@ -206,13 +207,13 @@ impl Curves {
             .count()
     }
 
-    /// Index of a number of the motion by its name without the unit; `None` if the motion does not have it.
+    /// Index of a coordinate of the motion by its name without the unit. `None` if the motion does not have it.
     pub fn motion_index(&self, key: &str) -> Option<usize> {
         self.motion.iter().position(|column| column.key == key)
     }
 
-    /// A number of the motion at each station, by its name without the unit: `None` where it follows from a position that
-    /// does not exist, or if the motion does not have it.
+    /// Values of a coordinate of the motion at each station, by its name without the unit. `None` if it follows from a pose
+    /// that does not exist, or if the motion does not have it.
     pub fn along<'c>(&'c self, key: &str) -> impl Iterator<Item = Option<f64>> + 'c {
         let index = self.motion_index(key);
         self.stations.iter().map(move |station| station.at[index?])
@@ -225,8 +226,8 @@ impl Curves {
         self.stations.iter().all(|s| s.status.is_whole()) && (0..self.columns.len()).all(has_value)
     }
 
-    /// Numbers of empty cells by column and reason, at stations with a pose. Cells that a toggle or a missing support
-    /// leaves empty are not counted: the station's status says it.
+    /// Numbers of empty cells by column and reason, at stations with a pose. Cells that are empty because of a toggle or a
+    /// missing support are not counted, because the station's status reports them.
     pub fn empty_cells(&self) -> Vec<(usize, NoValue, usize)> {
         let mut counts: Vec<(usize, NoValue, usize)> = Vec::new();
         for column in 0..self.columns.len() {

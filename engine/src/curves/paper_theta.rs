@@ -1,30 +1,29 @@
-//! The drive of the seed paper, its equation (15), read as a drive by arm angle.
+//! Drive of Attia's paper, its equation (15), expressed by the arm angle.
 //!
 //! ```text
 //! z5 - z1 = d51 cos(theta)
 //! ```
 //!
-//! 1 is the first named point of the arm's axis (`lower_arm_front`), 5 the arm's outer joint, d51 their
-//! distance and theta the inclination of the line 1-5 from the vertical. On the arm's circle, with psi
-//! the arm's angle from its highest position,
+//! Point 1 is the first named point of the arm's axis (`lower_arm_front`), 5 is the arm's outer joint. d51 is their
+//! distance, and theta the inclination of the line 1-5 from the vertical. On the arm's circle, with psi the arm's angle from
+//! its highest position,
 //!
 //! ```text
 //! z5 = zc + rho cos(psi)   so that   cos(psi) = (z1 - zc + d51 cos(theta))/rho
 //! ```
 //!
-//! zc the height of the circle's centre and rho its vertical half-extent. The arm angle is psi less its
-//! design value. Near its ends the cosine would cost half of the digits, so with z1 - zc = o rho and
-//! d51 = (1 + e) rho
+//! with zc the height of the circle's centre and rho its vertical half-extent. The arm angle is psi minus its design value.
+//! Near its ends the cosine would lose half of the digits. With z1 - zc = o rho and d51 = (1 + e) rho, the accurate form is
 //!
 //! ```text
 //! 1 + cos(psi) = o - e + 2 (1 + e) cos^2(theta/2)
 //! 1 - cos(psi) = -o - e + 2 (1 + e) sin^2(theta/2),   tan^2(psi/2) their quotient
 //! ```
 //!
-//! The equation knows the cosine alone, so psi stays in the half-turn it has in the design position: where theta passes
-//! a multiple of pi the arm does not pass its highest or lowest position (its dead centre) but turns back. At the dead
-//! centre itself no finite speed of the arm belongs to a speed of theta. If point 1 is not beside point 5 (d51 > rho),
-//! there are no positions about it.
+//! The equation contains only the cosine, so psi stays in the half-turn of the design position. When theta passes a multiple
+//! of pi, the arm does not pass its highest or lowest position (its dead centre), but turns back. At the dead centre itself,
+//! no finite speed of the arm gives the speed of theta. If the line 1-5 is not normal to the axis (d51 > rho), there are no
+//! positions near it.
 
 use crate::mechanism::DesignFault;
 use crate::mechanism::constraint::axis_ends;
@@ -33,23 +32,23 @@ use crate::number::Jet;
 use crate::number::Real;
 use crate::number::Vector3;
 
-/// The arm angle that belongs to the paper's theta.
+/// Conversion from the paper's theta to the arm angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PaperTheta {
-    /// o = (z1 - zc)/rho
+    /// Number o = (z1 - zc)/rho.
     offset: f64,
-    /// e = (d51 - rho)/rho
+    /// Number e = (d51 - rho)/rho.
     excess: f64,
-    /// psi in the design position, in (-pi, pi]; the arm angle adds to it.
+    /// Angle psi in the design position, in (-pi, pi]. The arm angle is added to it.
     design: f64,
 }
 
-/// 1 + cos(psi) or 1 - cos(psi), half the square of the distance from a dead centre, below which half of
-/// the digits of the arm angle are lost.
+/// Threshold of 1 + cos(psi) or 1 - cos(psi), half the square of the distance from a dead centre. Below it, half of the
+/// digits of the arm angle are lost.
 const DEAD_CENTRE: f64 = f64::EPSILON;
 
 impl PaperTheta {
-    /// The drive of a design, which must not be at the dead centre of its first arm.
+    /// Makes the drive of a design, which must not be at the dead centre of its first arm.
     pub fn of(mechanism: &Mechanism, design: &[Vector3<f64>]) -> Result<Self, DesignFault> {
         let arm = mechanism.arms[0];
         let (tail, head) = axis_ends(arm, design);
@@ -66,7 +65,7 @@ impl PaperTheta {
             excess: difference / (rho * (leg.norm() + rho)),
             design: (-ahead).atan2(up),
         };
-        // Written so that NaN, from an arm without a radius or on a vertical axis, is refused.
+        // With this form of the test, NaN (from an arm without a radius or on a vertical axis) is refused.
         if ahead * ahead > DEAD_CENTRE * rho * rho {
             Ok(drive)
         } else {
@@ -74,12 +73,12 @@ impl PaperTheta {
         }
     }
 
-    /// Theta in the design position, in (0, pi).
+    /// Angle theta in the design position, in (0, pi).
     pub fn design_value(&self) -> f64 {
         ((self.design.cos() - self.offset) / (1.0 + self.excess)).acos()
     }
 
-    /// The arm angle as a series in whatever theta is one in; `None` at a dead centre and beyond.
+    /// Arm angle as a series, in the variable of the series theta. `None` at a dead centre and beyond.
     pub fn arm_angle<const N: usize>(&self, theta: Jet<f64, N>) -> Option<Jet<f64, N>> {
         let (sine, cosine) = theta.scaled(0.5).sin_cos();
         let twice = 2.0 * (1.0 + self.excess);
@@ -111,7 +110,7 @@ mod tests {
         PaperTheta::of(&mechanism, &design).unwrap()
     }
 
-    /// With 1 beside 5 on a level axis theta is psi: the arm falls as theta grows, and rises again
+    /// If the line 1-5 is normal to a horizontal axis, theta equals psi. The arm falls as theta grows, and rises again
     /// beyond pi.
     #[test]
     fn the_arm_turns_back_at_pi() {

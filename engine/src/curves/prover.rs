@@ -1,4 +1,4 @@
-//! Proofs of poses as lengths a user can read.
+//! Proofs of poses, converted to lengths for users.
 
 use super::Proof;
 use crate::analyse::{Certificate, Certifier};
@@ -7,9 +7,9 @@ use crate::model::{Body, Suspension};
 /// Proves the poses of one suspension.
 pub(crate) struct Prover<'a> {
     pub(crate) certifier: Certifier<'a>,
-    /// The largest distance of a point of the wheel carrier from the carrier's origin.
+    /// Largest distance of a point of the wheel carrier from the carrier's origin.
     lever: f64,
-    /// Largest rounding error of a point formed from a pose.
+    /// Largest rounding error of a point that is computed from a pose.
     rounding: f64,
 }
 
@@ -26,7 +26,7 @@ impl<'a> Prover<'a> {
         Prover {
             certifier: Certifier::new(mechanism, design),
             lever,
-            // p = o + R b: a rounded b, three products and three sums in each of three components amount to less than
+            // p = o + R b. A rounded b, and three products and three sums in each of three components, amount to less than
             // eps (4.2 |b| + 0.9 |p|), and |p| is below |o| + |b|.
             rounding: 8.0 * f64::EPSILON * (farthest + lever),
         }

@@ -1,4 +1,4 @@
-//! Running a plan: visit the stations, read, differentiate.
+//! Runs a plan: visits the stations, reads values, differentiates.
 
 use super::drive_law::DriveLaw;
 use super::loads::Loads;
@@ -17,7 +17,7 @@ use crate::threads::on_large_stacks;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-/// Computes the curves of a suspension under a plan. Errors if its design position cannot be solved.
+/// Computes the curves of a suspension under a plan. An error says why its design position cannot be solved.
 pub fn curves(suspension: &Suspension, plan: &Plan) -> Result<Curves, DesignFault> {
     match plan.certify {
         true => on_large_stacks(1, || curves_here(suspension, plan)),
@@ -34,20 +34,20 @@ fn curves_here(suspension: &Suspension, plan: &Plan) -> Result<Curves, DesignFau
     }
 }
 
-/// A run with `N` coefficients for every power series.
+/// A run in which every power series has `N` coefficients.
 pub(super) struct Run<'a, const N: usize> {
     pub(super) suspension: &'a Suspension,
     pub(super) plan: &'a Plan,
     pub(super) design_series: DesignSeries<N>,
-    /// Columns of the outputs, then columns of the loads.
+    /// Columns of the outputs, then those of the loads.
     columns: Vec<Column>,
     loads: Loads<'a>,
-    /// The rockers that each output moves with.
+    /// Rockers that influence each output.
     rockers: Vec<Vec<RockerId>>,
     pub(super) toggles: Toggles,
     stations: Vec<Station>,
     sensitivities: Vec<Sensitivity>,
-    /// Number of stations that the tracker left to the continuation, by reason.
+    /// Numbers of stations that the tracker left to the continuation, by reason.
     left_to_continuation: BTreeMap<Rejection, usize>,
     /// Work counted by the solver.
     pub(super) work: Work,
@@ -59,9 +59,9 @@ pub(super) struct Run<'a, const N: usize> {
 pub(super) struct Findings {
     pub(super) travel: f64,
     pub(super) values: Vec<Result<f64, NoValue>>,
-    /// True if loads are requested and nothing supports them in this pose.
+    /// True if loads are requested and no member supports them in this pose.
     pub(super) unsupported: bool,
-    /// A rod at or beyond its toggle that moves a requested quantity.
+    /// Rod at or beyond its toggle that influences a requested quantity.
     pub(super) toggle: Option<Rod>,
     pub(super) gradients: Vec<Sensitivity>,
     pub(super) condition: Option<f64>,
@@ -82,7 +82,7 @@ impl<'a, const N: usize> Run<'a, N> {
             for (number, value) in plan.station_order.values().iter().enumerate() {
                 stations.push(Station {
                     at: place(plan, number, *value, *rack),
-                    // Stations whose drive value the kernel's drive cannot reach keep this status.
+                    // Stations keep this status if the kernel's drive cannot reach their drive value.
                     status: Status::Failed(Failure::DeadCentre.into()),
                     values: vec![Err(NoValue::NoPose); columns.len()],
                     condition: None,
@@ -120,7 +120,7 @@ impl<'a, const N: usize> Run<'a, N> {
             Formulation::KnucklePose => self.by_knuckle_pose()?,
             Formulation::PointCoordinates => self.by_point_coordinates()?,
         }
-        // Stations are visited outward; results are in the order of the motion.
+        // Stations are visited outward, but results are in the order of the motion.
         self.sensitivities.sort_by_key(|s| s.station);
         let bounds = match self.plan.certify {
             true => ["position_error", "uniqueness"]
@@ -187,13 +187,13 @@ impl<'a, const N: usize> Run<'a, N> {
         Ok(())
     }
 
-    /// Stores the result at station `number` of the motion, with the rack at its `rack`-th displacement.
+    /// Stores the result at station `number` of the motion, at the rack displacement with index `rack`.
     pub(super) fn note(&mut self, rack: usize, number: usize, found: Result<Findings, Failure>) {
         let index = rack * self.plan.station_order.values().len() + number;
         let station = &mut self.stations[index];
         match found {
             Ok(findings) => {
-                // Positions lose half as many digits as derivatives and sensitivities.
+                // Positions lose half as many digits as derivatives and sensitivities do.
                 let differentiated =
                     self.plan.coefficients > 1 || !self.plan.sensitivities.is_empty();
                 let digits = findings.condition.map(rate_digits);
@@ -219,7 +219,7 @@ impl<'a, const N: usize> Run<'a, N> {
         }
     }
 
-    /// Reads every requested quantity off a pose.
+    /// Reads every requested quantity from a pose.
     fn read(
         &mut self,
         solver: &Solver,
@@ -245,7 +245,7 @@ impl<'a, const N: usize> Run<'a, N> {
         })
     }
 
-    /// The value of every column, those of the loads included.
+    /// Values of all columns, including those of the loads.
     fn loaded(
         &self,
         solver: &Solver,
@@ -281,8 +281,8 @@ impl<'a, const N: usize> Run<'a, N> {
         findings
     }
 
-    /// Values of the outputs' columns at station `number`, where the drive has the value `drive`. `solver` is the solver that
-    /// found the pose; `None` for the paper's equations.
+    /// Values of the outputs' columns at station `number`, with the drive value `drive`. `solver` is the solver that found
+    /// the pose; `None` for the equations of Attia's paper.
     pub(super) fn values(
         &self,
         solver: Option<&Solver>,
@@ -332,20 +332,20 @@ impl<'a, const N: usize> Run<'a, N> {
         }
     }
 
-    /// Returns true if these columns of one output move with a rocker at or beyond its toggle.
+    /// Returns true if these columns of one output depend on a rocker at or beyond its toggle.
     fn is_stuck(&self, columns: &[Column]) -> bool {
         let of = columns.first().and_then(|column| column.of);
         let mut rockers = of.into_iter().flat_map(|of| &self.rockers[of]);
         rockers.any(|id| self.toggles.holds(*id))
     }
 
-    /// The columns of each output, in the plan's order.
+    /// Columns of each output, in the plan's order.
     fn columns_by_output(&self) -> impl Iterator<Item = (&[Column], &Output)> {
         let columns = self.columns.chunk_by(|a, b| a.of == b.of);
         columns.filter_map(|columns| Some((columns, &self.plan.outputs[columns[0].of?])))
     }
 
-    /// The sensitivities of every column.
+    /// Sensitivities of every column.
     fn gradients(&self, linearised: &Linearised<'_, N>, number: usize) -> Vec<Sensitivity> {
         let plan = self.plan;
         let in_time = ByTime::at(plan.time.as_ref(), number);
@@ -393,11 +393,11 @@ impl<'a, const N: usize> Run<'a, N> {
     }
 }
 
-/// Index of the travel among the numbers of the motion.
+/// Index of the travel among the coordinates of the motion.
 const TRAVEL: usize = 0;
 
-/// The numbers of the motion: travel, the drive's angle, rack and time. The travel follows where an angle drives, and so
-/// does the time's drive value.
+/// Coordinates of the motion: travel, the drive's angle, rack and time. If an angle is the drive, the travel is a result. If
+/// a time law is given, the drive value is a result.
 pub(super) fn motion(plan: &Plan, length: &'static str) -> Vec<MotionColumn> {
     let travel = MotionColumn {
         is_given: !plan.drive.is_angle(),
@@ -419,7 +419,7 @@ pub(super) fn motion(plan: &Plan, length: &'static str) -> Vec<MotionColumn> {
     motion
 }
 
-/// The numbers of the motion at a station, in the order of [`motion`].
+/// Coordinates of the motion at a station, in the order of [`motion`].
 pub(super) fn place(plan: &Plan, number: usize, value: f64, rack: f64) -> Vec<Option<f64>> {
     let printed = Some(plan.drive.printed(value));
     let mut at = match plan.drive.is_angle() {

@@ -1,10 +1,10 @@
-//! Thinned stations for drawings.
+//! Plans with fewer stations, for drawings.
 
 use crate::plan::Plan;
 use crate::solve::StationOrder;
 
 impl Plan {
-    /// The plan with at most this many drive values and rack displacements, and without loads.
+    /// Returns the plan with at most this many drive values and rack displacements, and without loads.
     pub fn thinned(&self, most: usize, most_racks: usize) -> Plan {
         let racks = evenly(&self.racks, most_racks);
         let values = evenly(self.station_order.values(), most / racks.len());
@@ -17,7 +17,7 @@ impl Plan {
     }
 }
 
-/// At most `most` of the values, evenly chosen, the first and the last among them.
+/// Selects at most `most` of the values, evenly spaced by index, including the first and the last.
 pub fn evenly(values: &[f64], most: usize) -> Vec<f64> {
     match values.len() {
         few if few <= most => values.to_vec(),

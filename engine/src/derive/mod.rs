@@ -1,7 +1,7 @@
 //! Derivatives of a pose: by the drive (power series), by the rack, and by every hardpoint coordinate.
 //!
-//! [`DesignSeries`] turns a pose into power series along the motion, [`Linearised`] gives the adjoint by which
-//! gradients of any output cost one back-substitution.
+//! [`DesignSeries`] turns a pose into power series along the motion. [`Linearised`] gives the adjoint, with which the
+//! gradient of any output costs one back-substitution.
 
 mod motion;
 pub(crate) mod rates;

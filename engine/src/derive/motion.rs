@@ -1,4 +1,4 @@
-//! A design as power series, to be evaluated pose by pose.
+//! A design as power series. Poses along the motion are evaluated with it.
 
 use super::rates::{angular_velocity, pose_series};
 use super::sensitivity::Linearised;
@@ -24,7 +24,7 @@ pub struct MotionPoint<T> {
 }
 
 impl MotionPoint<f64> {
-    /// The drive equation.
+    /// Drive equation at this point.
     pub(crate) fn driver(&self) -> Driver<f64> {
         match self.drive {
             Drive::Travel => Driver::Travel(self.value),
@@ -35,7 +35,7 @@ impl MotionPoint<f64> {
         }
     }
 
-    /// The same point with the drive as the variable of a power series, the rack held.
+    /// The same point with the drive as the variable of a power series. The rack does not move.
     pub fn along_drive<const N: usize>(&self) -> MotionPoint<Jet<f64, N>> {
         MotionPoint {
             drive: self.drive,
@@ -46,7 +46,7 @@ impl MotionPoint<f64> {
 }
 
 impl<const N: usize> MotionPoint<Jet<f64, N>> {
-    /// The constant part of the series.
+    /// Constant part of the series.
     pub(crate) fn value_point(&self) -> MotionPoint<f64> {
         MotionPoint {
             drive: self.drive,
@@ -55,7 +55,7 @@ impl<const N: usize> MotionPoint<Jet<f64, N>> {
         }
     }
 
-    /// The drive equation along the motion.
+    /// Drive equation along the motion.
     pub(crate) fn driver(&self) -> Driver<Jet<f64, N>> {
         match self.drive {
             Drive::Travel => Driver::Travel(self.value),
@@ -67,7 +67,7 @@ impl<const N: usize> MotionPoint<Jet<f64, N>> {
     }
 }
 
-/// A configuration along the motion with the factors of its Jacobian, if they were needed.
+/// A configuration along the motion, and the factors of its Jacobian if they were needed.
 pub(crate) type Factorised<'a, const N: usize> = (Configuration<'a, Jet<f64, N>>, Option<Lu6<f64>>);
 
 /// A design over power series with `N` coefficients, and its closure equations.
@@ -75,14 +75,14 @@ pub(crate) type Factorised<'a, const N: usize> = (Configuration<'a, Jet<f64, N>>
 pub struct DesignSeries<const N: usize> {
     design: Vec<Vector3<Jet<f64, N>>>,
     closure: Closure<Jet<f64, N>>,
-    /// Needed if the steering axis is an instantaneous one.
+    /// Series for an instantaneous steering axis; `None` if the axis is not instantaneous or not requested.
     steered: Option<Steered<N>>,
-    /// The equations that depend on a point by which sensitivities are formed.
+    /// Equations that depend on a point for which sensitivities are computed.
     rows: RowSet,
 }
 
 impl<const N: usize> DesignSeries<N> {
-    /// The series of a design.
+    /// Makes the series of a design.
     pub fn new(mechanism: &Mechanism, design: &[Vector3<f64>]) -> Self {
         let design: Vec<_> = design.iter().map(|p| p.map(Jet::constant)).collect();
         let closure = Closure::new(mechanism, &design);
@@ -96,15 +96,14 @@ impl<const N: usize> DesignSeries<N> {
         }
     }
 
-    /// Forms sensitivities by these points only: the gradient by the others is not to be used.
+    /// Limits sensitivities to these points. Gradients by other points are then undefined.
     pub fn with_sensitivities_to(mut self, mechanism: &Mechanism, points: &[PointId]) -> Self {
         let design: Vec<_> = self.design.iter().map(|p| p.map(|c| c[0])).collect();
         self.rows = Closure::new(mechanism, &design).rows_holding(mechanism, &design, points);
         self
     }
 
-    /// Leaves out the steering axis if it is not `wanted` and takes more than the position of two
-    /// joints.
+    /// Leaves out the steering axis if it is not `wanted`, unless the positions of two joints suffice for it.
     pub fn with_steering_axis(mut self, wanted: bool) -> Self {
         if !wanted {
             self.steered = None;
@@ -112,17 +111,17 @@ impl<const N: usize> DesignSeries<N> {
         self
     }
 
-    /// The closure equations along the series.
+    /// Closure equations along the series.
     pub(crate) fn closure(&self) -> &Closure<Jet<f64, N>> {
         &self.closure
     }
 
-    /// Returns true if configurations carry the twist of the steering motion.
+    /// Returns true if configurations contain the twist of the steering motion.
     pub(crate) fn is_steered(&self) -> bool {
         self.steered.is_some()
     }
 
-    /// Takes over another design of the same mechanism, without allocating.
+    /// Replaces the design by another one of the same mechanism, without allocation.
     pub fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<f64>]) {
         self.prepare_points(design);
         self.prepare_equations(mechanism);
@@ -141,7 +140,7 @@ impl<const N: usize> DesignSeries<N> {
         }
     }
 
-    /// Prepares for another design. Its points move along the series: `(point number, rate)`.
+    /// Replaces the design by one whose points move along the series: `(point number, rate)`.
     pub(crate) fn prepare_moving(
         &mut self,
         mechanism: &Mechanism,
@@ -160,13 +159,13 @@ impl<const N: usize> DesignSeries<N> {
         self.prepare_equations(mechanism);
     }
 
-    /// Returns true if configurations take the factors of the Jacobian.
+    /// Returns true if configurations need the factors of the Jacobian.
     pub(crate) fn takes_factors(&self) -> bool {
         N > 1 || self.is_steered()
     }
 
-    /// The configuration in a solved pose, as a series along `motion`, from the factors of its Jacobian; they
-    /// may be missing where there is no need for them ([`DesignSeries::takes_factors`]).
+    /// Configuration in a solved pose, as a series along `motion`, from the factors of its Jacobian. The factors may be
+    /// missing if they are not needed ([`DesignSeries::takes_factors`]).
     pub(crate) fn configuration<'a>(
         &'a self,
         mechanism: &'a Mechanism,
@@ -191,7 +190,7 @@ impl<const N: usize> DesignSeries<N> {
         configuration
     }
 
-    /// The pose as a series along `motion`.
+    /// Pose as a series along `motion`.
     pub(crate) fn series(
         &self,
         mechanism: &Mechanism,
@@ -210,7 +209,7 @@ impl<const N: usize> DesignSeries<N> {
         )
     }
 
-    /// The residuals of the closure equations along a series of poses.
+    /// Residuals of the closure equations along a series of poses.
     pub(crate) fn residuals(
         &self,
         mechanism: &Mechanism,
@@ -221,7 +220,7 @@ impl<const N: usize> DesignSeries<N> {
         self.closure.residuals(&at, motion.driver())
     }
 
-    /// A series of poses of this design.
+    /// Configuration of this design along a series of poses.
     pub fn at<'a>(
         &'a self,
         mechanism: &'a Mechanism,
@@ -231,7 +230,7 @@ impl<const N: usize> DesignSeries<N> {
         Configuration::new(mechanism, &self.design, pose, rack)
     }
 
-    /// The configuration made ready for sensitivities.
+    /// Configuration, prepared for sensitivities.
     pub(crate) fn linearised<'a>(
         &'a self,
         configuration: Configuration<'a, Jet<f64, N>>,
@@ -252,7 +251,7 @@ impl<const N: usize> DesignSeries<N> {
 }
 
 impl<const N: usize> Configuration<'_, Jet<f64, N>> {
-    /// Angular velocity of the knuckle along the series. Its highest coefficient is unknown.
+    /// Angular velocity of the knuckle along the series. Its highest coefficient is unknown and must not be used.
     pub fn angular_velocity(&self) -> Vector3<Jet<f64, N>> {
         angular_velocity(&self.pose)
     }

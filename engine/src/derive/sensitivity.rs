@@ -1,4 +1,4 @@
-//! Derivatives by the hardpoints, by the adjoint of the closure equations.
+//! Derivatives by the hardpoints, with the adjoint of the closure equations.
 //!
 //! With F(x, p) = 0 at the pose x of the design p, an output y(x, p) has
 //!
@@ -6,12 +6,12 @@
 //! dy/dp = y_p - mu . F_p,   J^T mu = y_x
 //! ```
 //!
-//! y_x is a wrench on the knuckle and mu are the forces with which the six constraints balance it, so
-//! one output costs one back-substitution whatever the number of hardpoints. The design moves with the
-//! hardpoint: lengths and the shape of the knuckle are recomputed, the drive value is held.
+//! y_x is a wrench on the knuckle, and mu are the forces with which the six constraints balance it. So one output costs one
+//! back-substitution, whatever the number of hardpoints. The design moves with the hardpoint: lengths and the shape of the
+//! knuckle are computed anew, while the drive value stays.
 //!
-//! Run on power series in the drive, the same lines give d/ds(dy/dp), which is d/dp(dy/ds): the
-//! sensitivities of rates and curvatures.
+//! On power series in the drive, the same code gives d/ds(dy/dp). This equals d/dp(dy/ds), the sensitivity of rates and
+//! curvatures.
 
 use super::steering::{Steered, screw_axis, screw_axis_gradient};
 use crate::linear::lu::{Lu6, Matrix6};
@@ -56,7 +56,7 @@ impl<T: Real, G: Gradient<T> + ?Sized> Sink<T> for Adjoint<'_, T, G> {
     }
 }
 
-/// A gradient by the hardpoints alone.
+/// A gradient by the hardpoints only, without a wrench.
 pub(crate) struct HardpointGradient<'a, G: ?Sized>(pub &'a mut G);
 
 impl<T: Real, G: Gradient<T> + ?Sized> Sink<T> for HardpointGradient<'_, G> {
@@ -68,10 +68,9 @@ impl<T: Real, G: Gradient<T> + ?Sized> Sink<T> for HardpointGradient<'_, G> {
     }
 }
 
-/// A configuration made ready for adjoints: its Jacobian along the motion and the factors of its constant
-/// part.
+/// A configuration prepared for adjoints: its Jacobian along the motion and the factors of its constant part.
 pub struct Linearised<'a, const N: usize> {
-    /// The configuration, as a series.
+    /// Configuration as a series.
     pub at: Configuration<'a, Jet<f64, N>>,
     closure: &'a Closure<Jet<f64, N>>,
     rows: RowSet,
@@ -104,23 +103,23 @@ impl<'a, const N: usize> Linearised<'a, N> {
         }
     }
 
-    /// The closure equations along the series.
+    /// Closure equations along the series.
     pub(crate) fn closure(&self) -> &'a Closure<Jet<f64, N>> {
         self.closure
     }
 
-    /// The counter of work.
+    /// Counter of work.
     pub(crate) fn work(&self) -> &'a WorkCounter {
         self.work
     }
 
-    /// The factors of the Jacobian.
+    /// Factors of the Jacobian.
     pub(crate) fn factors(&self) -> &Lu6<f64> {
         &self.lu
     }
 
-    /// Adds the gradient of an output by every hardpoint coordinate to `gradient`. `seed` is called once. It states through
-    /// the methods of [`Seeds`] how the output depends on the configuration.
+    /// Adds the gradient of an output by every hardpoint coordinate to `gradient`. `seed` is called once. Through the
+    /// methods of [`Seeds`] it gives the derivatives of the output by the configuration.
     #[inline]
     pub fn gradient(
         &self,
@@ -175,13 +174,13 @@ pub struct Seeds<'s, 'a, T, G: ?Sized = [Vector3<T>]> {
 }
 
 impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
-    /// Begins an output of a configuration. Its derivatives by hardpoints at fixed pose are added to `gradient`.
+    /// Starts an output of a configuration. Its derivatives by hardpoints at fixed pose are added to `gradient`.
     #[inline(always)]
     pub fn new(at: &'s Configuration<'a, T>, gradient: &'s mut G) -> Self {
         Seeds::continuing(at, Wrench::zero(at.rack), gradient)
     }
 
-    /// Begins another output that is added to earlier ones. Its derivative by the pose is `wrench`.
+    /// Starts another output, whose derivatives are added to earlier ones. Their derivative by the pose is `wrench`.
     #[inline(always)]
     pub fn continuing(
         at: &'s Configuration<'a, T>,
@@ -195,7 +194,7 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
         }
     }
 
-    /// The derivative by the pose.
+    /// Derivative by the pose.
     #[inline(always)]
     pub fn wrench(&self) -> Wrench<T> {
         self.adjoint.wrench
@@ -257,7 +256,7 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
         self.moved_spin_axis(&designed, now, gradient);
     }
 
-    /// Adds the derivative by the unit spin axis, given the axis in the design position and `now`.
+    /// Adds the derivative by the unit spin axis. `designed` is the axis in the design position, `now` the axis in the pose.
     #[inline(always)]
     pub fn moved_spin_axis(
         &mut self,
@@ -288,17 +287,18 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
     }
 }
 
-/// The spin axis in the design position.
+/// Spin axis in the design position.
 #[derive(Clone, Copy, Debug)]
 pub struct DesignedSpinAxis<T> {
-    /// Unit vector, outboard.
+    /// Unit vector, positive outboard.
     pub direction: Vector3<T>,
-    /// Inverse distance of the wheel centre from the point that gives the direction; 0 if angles give the direction.
+    /// Inverse of the distance between the wheel centre and the point that gives the direction. 0 if angles give the
+    /// direction.
     pub inverse_length: T,
 }
 
 impl<T: Real> DesignedSpinAxis<T> {
-    /// The spin axis of a design.
+    /// Spin axis of a design.
     #[inline(always)]
     pub fn of(mechanism: &Mechanism, design: &[Vector3<T>]) -> Self {
         let centre = design[mechanism.wheel_centre.0];
@@ -320,8 +320,8 @@ impl<T: Real> DesignedSpinAxis<T> {
 }
 
 impl<T: Real> Configuration<'_, T> {
-    /// A point of the steering axis and an upward vector of any length along it. `None` if the wheel is not steered, or if
-    /// no requested quantity reads the axis.
+    /// Returns a point of the steering axis, and an upward vector of any length along it. `None` if the wheel is not
+    /// steered, or if no requested quantity reads the axis.
     #[inline(always)]
     pub fn steering_axis(&self) -> Option<(Vector3<T>, Vector3<T>)> {
         match self.mechanism.steering_axis? {
@@ -336,13 +336,13 @@ impl<T: Real> Configuration<'_, T> {
         }
     }
 
-    /// Unit vector along the spin axis, outboard, in the design position.
+    /// Unit vector along the spin axis in the design position, positive outboard.
     #[inline(always)]
     pub fn designed_spin_axis(&self) -> Vector3<T> {
         DesignedSpinAxis::of(self.mechanism, self.design).direction
     }
 
-    /// Unit vector along the spin axis, outboard.
+    /// Unit vector along the spin axis, positive outboard.
     #[inline(always)]
     pub fn spin_axis(&self) -> Vector3<T> {
         self.pose.rotation.apply(self.designed_spin_axis())

@@ -1,7 +1,7 @@
-//! The instantaneous steering axis: where the knuckle screws when the rack moves and the drive is held.
+//! The instantaneous steering axis: the screw axis of the knuckle when the rack moves and the drive does not.
 //!
-//! With F(x, r) = 0 the closure equations at rack displacement r and t = x_r the twist of the knuckle
-//! (velocity v of its origin o, angular velocity w) per unit of rack displacement,
+//! With F(x, r) = 0 the closure equations at rack displacement r and t = x_r the twist of the knuckle (velocity v of its
+//! origin o, angular velocity w) per unit of rack displacement,
 //!
 //! ```text
 //! J t = -F_r,   axis: point o + (w x v)/w.w, direction w
@@ -10,14 +10,14 @@
 //! *Gradients.* An output y(t, x, p) has, with J^T l = y_t,
 //!
 //! ```text
-//! dy = y_x dx + y_p dp - l . d(J t + F_r),   t held in d()
+//! dy = y_x dx + y_p dp - l . d(J t + F_r),   t constant in d()
 //! ```
 //!
-//! J t + F_r is the derivative of F along the motion x + e t, r + e. So the last term is the coefficient
-//! of e in the differential of l . F, run on series in e: with f + e f', m + e m' the wrench it yields,
-//! a turn d(rotation) of the pose turns the moved pose by d(rotation) + e w x d(rotation), and the part
-//! of e is f' . d(origin) + (m' + m x w) . d(rotation). It joins y_x, and the usual adjoint does the
-//! rest. On series in the drive all of this yields series.
+//! J t + F_r is the derivative of F along the motion x + e t, r + e. So the last term is the coefficient of e in the
+//! differential of l . F, computed on series in e. The result is a wrench with force f + e f' and moment m + e m'. A
+//! rotation d(rotation) of the pose rotates the moved pose by d(rotation) + e w x d(rotation). The coefficient of e is
+//! therefore f' . d(origin) + (m' + m x w) . d(rotation). It is added to y_x, and the usual adjoint does the rest. With
+//! series in the drive, all results are series.
 
 use crate::linear::lu::{Lu6, Vector6};
 use crate::mechanism::RowSet;
@@ -30,7 +30,7 @@ use crate::number::{Each, Jet, Real, Vector3, outlined};
 /// A series in the drive with its first derivative along the steering motion.
 type Along<const N: usize> = Jet<Jet<f64, N>, 2>;
 
-/// A design and its closure equations over series along the steering motion.
+/// A design and its closure equations as series along the steering motion.
 #[derive(Clone, Debug)]
 pub(crate) struct Steered<const N: usize> {
     design: Vec<Vector3<Along<N>>>,
@@ -44,7 +44,7 @@ impl<const N: usize> Steered<N> {
         Steered { design, closure }
     }
 
-    /// Takes over another design of the same mechanism, without allocating.
+    /// Replaces the design by another one of the same mechanism, without allocation.
     pub(crate) fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<Jet<f64, N>>]) {
         for (design_series, point) in self.design.iter_mut().zip(design) {
             *design_series = point.map(Jet::constant);
@@ -109,8 +109,8 @@ impl<const N: usize> Sink<Along<N>> for Slope<'_, N> {
     }
 }
 
-/// The twist of the knuckle per unit of rack displacement, the drive held. `lu` has the factors of the
-/// Jacobian's constant part.
+/// Twist of the knuckle per unit of rack displacement, with the drive fixed. `lu` has the factors of the Jacobian's constant
+/// part.
 pub(crate) fn twist_by_rack<const N: usize>(
     at: &Configuration<'_, Jet<f64, N>>,
     closure: &Closure<Jet<f64, N>>,
@@ -122,7 +122,7 @@ pub(crate) fn twist_by_rack<const N: usize>(
     Twist::from_array(lu.solve_series(&wrenches.each(Wrench::to_row), &by_rack))
 }
 
-/// A point of a twist's screw axis, and its upward direction. `origin` is the origin of the twist.
+/// Point of a twist's screw axis, and its upward direction. `origin` is the origin of the twist.
 #[inline(always)]
 pub(crate) fn screw_axis<T: Real>(
     origin: Vector3<T>,
@@ -134,8 +134,8 @@ pub(crate) fn screw_axis<T: Real>(
     (point, upward)
 }
 
-/// The derivative of `by_point . point + by_direction . direction` of the screw axis by the twist: with p the point from
-/// the origin and w the turn, p w.w = w x shift.
+/// Derivative of `by_point . point + by_direction . direction` of the screw axis by the twist. With p the point relative to
+/// the origin and w the angular velocity, p w.w = w x shift.
 #[inline(always)]
 pub(crate) fn screw_axis_gradient<T: Real>(
     twist: &Twist<T>,

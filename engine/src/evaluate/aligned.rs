@@ -1,4 +1,4 @@
-//! Numbers in memory that begin with a cache line, as SIMD registers load them fastest.
+//! Numbers in memory that start at a cache line, because SIMD registers load them fastest.
 
 use std::ops::{Deref, DerefMut};
 
@@ -6,7 +6,7 @@ use std::ops::{Deref, DerefMut};
 const LINE: usize = 64;
 const IN_LINE: usize = LINE / size_of::<f64>();
 
-/// Numbers that begin with a cache line, so that no register full of them lies across two.
+/// Numbers that start at a cache line, so that no full register crosses the border of a cache line.
 #[derive(Debug)]
 pub(super) struct Aligned {
     numbers: Vec<f64>,
@@ -15,7 +15,7 @@ pub(super) struct Aligned {
 }
 
 impl Aligned {
-    /// `length` times the same number.
+    /// Makes `length` copies of a number.
     pub(super) fn new(number: f64, length: usize) -> Self {
         let numbers = vec![number; length + IN_LINE - 1];
         // The alignment affects only the speed.

@@ -1,6 +1,6 @@
-//! Designs of an axle. The evaluator moves points of both wheels and solves both at every position of the motion.
+//! Designs of an axle. The evaluator moves points of both wheels and solves both at every pose of the motion.
 //!
-//! A variable moves the same point of both wheels as mirror images, even if the right wheel has hardpoints of its own.
+//! A variable moves the same point of both wheels as mirror images, even if the right wheel has its own hardpoints.
 
 use super::axle_lanes::AxleLanes;
 use super::elastic_axle::ElasticAxleParts;
@@ -14,27 +14,27 @@ use crate::model::Side;
 use crate::number::Width;
 use std::borrow::Cow;
 
-/// The positions and quantities of an axle that a sweep evaluates.
+/// Poses and quantities of an axle that a sweep evaluates.
 #[derive(Clone, Debug)]
 pub(crate) struct AxleStations<'s> {
     pub axle: Cow<'s, Axle>,
     pub quantities: Vec<Quantity>,
-    /// The derivatives in the design position that the study requests, quantity by quantity.
+    /// Derivatives in the design position that the study requests, quantity by quantity.
     pub gains: Vec<AxleColumn>,
     /// True if some of these derivatives are by the rack.
     pub steers: bool,
-    /// Positions of the motion, then the design position and positions of targets that the motion does not contain.
+    /// Placements of the motion, then the design position, then placements of targets that the motion does not contain.
     pub placements: Vec<Placement>,
     of_motion: usize,
     pub(super) design: usize,
-    /// Further data of an axle with elastic parts; `None` for a rigid one.
+    /// Further data of an axle with elastic parts. `None` for a rigid one.
     pub elastic: Option<ElasticAxleParts>,
-    /// For each position, the printed value of the first number that moves.
+    /// Printed value of the first moving coordinate, for each placement.
     values: Vec<f64>,
 }
 
 impl<'s> AxleStations<'s> {
-    /// The stations of a plan, and further ones.
+    /// Stations of a plan, and further ones.
     pub(crate) fn of(
         axle: Cow<'s, Axle>,
         plan: &AxlePlan,
@@ -48,7 +48,7 @@ impl<'s> AxleStations<'s> {
             index_or_push(&mut placements, placement);
         }
         let value = |placement: &Placement| over.written(placement.along(over), &axle);
-        // Gains are by what moves, also where the curves are by time.
+        // Gains are by the moving coordinate, even if the curves are by time.
         let by_motion = AxlePlan {
             motion: AxleMotion {
                 time: None,
@@ -73,19 +73,19 @@ impl<'s> AxleStations<'s> {
         }
     }
 
-    /// The indices of a quantity and of a position; both must be among those evaluated.
+    /// Indices of a quantity and of a placement. Both must be among those evaluated.
     pub(crate) fn place(&self, quantity: Quantity, placement: Placement) -> [usize; 2] {
         let quantity = self.quantities.iter().position(|q| *q == quantity);
         let station = self.placements.iter().position(|p| *p == placement);
         [quantity, station].map(|place| place.expect("the plan has what is looked at"))
     }
 
-    /// The positions as stations of a sweep.
+    /// Placements as stations of a sweep.
     pub(crate) fn stations(&self) -> Stations {
         Stations::listed(&self.values, self.of_motion, self.design)
     }
 
-    /// The columns of values.
+    /// Columns of values.
     pub(crate) fn columns(&self) -> Vec<Column> {
         let length = self.axle.left.length_unit;
         let column = |q: &Quantity| {
@@ -96,7 +96,7 @@ impl<'s> AxleStations<'s> {
         self.quantities.iter().map(column).collect()
     }
 
-    /// An evaluator of designs in lanes of this width, or one by one without one. Errors if the axle's own design
+    /// Evaluator of designs in lanes of this width, or one by one without lanes. An error says why the axle's own design
     /// cannot be solved.
     pub(crate) fn evaluator(&self, width: Option<Width>) -> Result<Evaluator<'_>, DesignFault> {
         if let Some(elastic) = &self.axle.elastic {
@@ -110,7 +110,7 @@ impl<'s> AxleStations<'s> {
         };
         let mut evaluator = Evaluator::of(self.axle.left.design.len(), one_by_one);
         evaluator.axle = Some(&self.axle);
-        // Gains take one derivative more than the values do, which lanes do not carry.
+        // Gains need one derivative more than the values. Lanes do not compute it.
         let quantities = self.gains.iter().filter_map(|gain| gain.quantity());
         if let Some(order) = quantities.map(|q| q.rate_order()).max() {
             evaluator.slopes = Some(match order {
@@ -126,13 +126,13 @@ impl<'s> AxleStations<'s> {
     }
 }
 
-/// Both wheels of the design of this number; each wheel has this number of `points`.
+/// Both wheels of the design with this index. Each wheel has this number of `points`.
 fn pair([left, right]: Pairs<'_>, number: usize, points: usize) -> Pairs<'_> {
     let right = if right.is_empty() { left } else { right };
     [left, right].map(|designs| &designs[number * points..(number + 1) * points])
 }
 
-/// Solves axles one after another, with `N` coefficients of every series.
+/// Solves axles one after another. Each series has `N` coefficients.
 struct OneByOne<'a, const N: usize> {
     stations: &'a AxleStations<'a>,
     solver: AxleSolver<'a, N>,
@@ -151,7 +151,7 @@ impl<const N: usize> SolvesOneByOne for OneByOne<'_, N> {
     }
 }
 
-/// The derivatives in the design position by each number that moves.
+/// Derivatives in the design position by each moving coordinate.
 impl<const N: usize> FindsSlopes for OneByOne<'_, N> {
     fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block) {
         let points = self.stations.axle.left.design.len();
@@ -203,7 +203,7 @@ impl<'a, const N: usize> OneByOne<'a, N> {
                 }
             };
             for (k, quantity) in stations.quantities.iter().enumerate() {
-                // What has no value by its definition leaves its cell empty.
+                // The cell stays empty if the quantity has no value by its definition.
                 if let Ok(value) = read.value(*quantity) {
                     block.put(number, k, station, value);
                 }

@@ -6,15 +6,15 @@ use crate::axle::{AxleSolver, Hold};
 use crate::mechanism::DesignFault;
 use crate::model::Side;
 
-/// Solver of one axle after another, with `N` coefficients of every series.
+/// Solver of one axle after another. Each series has `N` coefficients.
 struct OneByOne<'a, const N: usize> {
     stations: &'a AxleStations<'a>,
     solver: AxleSolver<'a, N>,
 }
 
 impl AxleStations<'_> {
-    /// A solver of values with gradients. On a plane ground the design moves the travels, which takes one derivative more
-    /// than the values do. Errors if the axle's own design cannot be solved.
+    /// Makes a solver of values with gradients. On a plane ground the travels depend on the design, which takes one
+    /// derivative more than the values need. An error says why the axle's own design cannot be solved.
     pub(super) fn differentiating(
         &self,
     ) -> Result<Box<dyn DifferentiatesOneByOne + '_>, (Side, DesignFault)> {
@@ -55,7 +55,7 @@ impl<const N: usize> DifferentiatesOneByOne for OneByOne<'_, N> {
             let Ok((read, placed)) = read else {
                 continue;
             };
-            // A quantity without a value has no derivatives either.
+            // A quantity without a value has no derivatives.
             let (mut numbers, mut quantities) = (Vec::new(), Vec::new());
             for (k, quantity) in stations.quantities.iter().enumerate() {
                 if let Ok(value) = read.value(*quantity) {

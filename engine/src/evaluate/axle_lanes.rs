@@ -30,13 +30,13 @@ pub(super) struct AxleLanes<'a> {
 /// Stations that the batch visits together: those with the same heave and rack displacement.
 struct Group {
     rack: f64,
-    /// Numbers of the stations, in the order in which the batch has them.
+    /// Indices of the stations, in the order of the batch.
     numbers: Vec<usize>,
 }
 
-/// Heave, rack displacement and the number that moves (roll angle, or travel of both wheels) of a placement. `None` for
-/// a placement that lanes cannot solve. The mean travel of a rigid axle takes the place of the rack, and half the difference of
-/// its travels that of the travel.
+/// Heave, rack displacement and moving coordinate (roll angle, or travel of both wheels) of a placement. `None` for a
+/// placement that lanes cannot solve. For a rigid axle, the mean travel takes the place of the rack, and half the difference
+/// of its travels that of the travel.
 fn parts(placement: &Placement, is_rigid: bool) -> Option<[f64; 3]> {
     let [heave, rack, value] = match *placement {
         Placement::Roll { heave, roll, rack } => [heave, rack, roll],
@@ -57,7 +57,7 @@ fn parts(placement: &Placement, is_rigid: bool) -> Option<[f64; 3]> {
 }
 
 impl<'a> AxleLanes<'a> {
-    /// A solver of these stations, or the reason why lanes cannot solve them.
+    /// Makes a solver of these stations, or returns the reason why lanes cannot solve them.
     pub(super) fn new(stations: &'a AxleStations<'a>, width: Width) -> Result<Self, NotInLanes> {
         let axle: &Axle = &stations.axle;
         let quantities = &stations.quantities[..];
@@ -235,18 +235,18 @@ impl SimdTask for AxleBlockTask<'_, '_> {
     }
 }
 
-/// Reads the quantities off the poses of a group.
+/// Reads the quantities from the poses of a group.
 struct Reading<'r, 'a, B: SimdReal> {
     solver: &'r AxleLanes<'a>,
     wheels: [&'r LaneWheels<B>; 2],
     left_inputs: &'r mut LaneInputs<B>,
     right_inputs: &'r mut LaneInputs<B>,
-    /// For each station of this group, its number in the block.
+    /// Index in the block of each station of this group.
     numbers: &'r [usize],
     rack: B,
     /// Lanes accepted so far.
     accepted: B::Mask,
-    /// Destination of the values, laid out as [`Block::from`] returns it.
+    /// Destination of the values, in the layout of [`Block::from`].
     values: &'r mut [f64],
 }
 

@@ -4,50 +4,50 @@ use super::aligned::Aligned;
 use crate::mechanism::{DesignFault, NoPose};
 use crate::number::{MOST_LANES, SimdReal};
 
-/// Number of designs in a full block. Blocks are also the unit of sums, shards and resumption: the designs from
-/// `k * BLOCK` on always belong together, for any number of threads.
+/// Number of designs in a full block. Blocks are also the unit of sums, shards and resumption: the designs from `k * BLOCK`
+/// on always belong together, for any number of threads.
 pub const BLOCK: usize = 128;
-/// Designs whose values are stored side by side, as the lanes return them.
+/// Number of designs whose values are stored side by side, as the lanes return them.
 pub(super) const SIDE_BY_SIDE: usize = MOST_LANES;
 const _: () = assert!(BLOCK.is_multiple_of(SIDE_BY_SIDE));
 
-/// A station of a design without a pose.
+/// A design without a pose at a station.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FailedStation {
-    /// Number of the design in the block.
+    /// Index of the design in the block.
     pub design: usize,
-    /// Number of the station.
+    /// Index of the station.
     pub station: usize,
     /// Reason for the missing pose.
     pub failure: NoPose,
 }
 
-/// Values of up to [`BLOCK`] designs, in the kernel's frame, in radians and length units; NaN if a value does not exist.
+/// Values of up to [`BLOCK`] designs, in the kernel's frame, in radians and length units. NaN if a value does not exist.
 #[derive(Clone, Debug)]
 pub struct Block {
     outputs: usize,
     stations: usize,
-    /// Slopes of each design.
+    /// Number of slopes of each design.
     gains: usize,
     designs: usize,
-    /// `[design / SIDE_BY_SIDE][output][station][design % SIDE_BY_SIDE]`
+    /// Values, `[design / SIDE_BY_SIDE][output][station][design % SIDE_BY_SIDE]`.
     values: Aligned,
-    /// `[design / SIDE_BY_SIDE][output][design % SIDE_BY_SIDE]`: derivatives by the drive in the design
-    /// position; of an axle by each number that moves.
+    /// Slopes, `[design / SIDE_BY_SIDE][output][design % SIDE_BY_SIDE]`: derivatives by the drive in the design position.
+    /// For an axle, derivatives by each moving coordinate.
     slopes: Aligned,
-    /// In rising order of the design's number.
+    /// Failures in the order of the designs' indices.
     pub(super) failures: Vec<FailedStation>,
-    /// Designs that cannot be solved at all, by rising number.
+    /// Designs that cannot be solved at all, in the order of their indices.
     pub(super) faults: Vec<(usize, DesignFault)>,
 }
 
 impl Block {
-    /// Room for this number of outputs and stations, with a slope for each output.
+    /// Allocates a block for this number of outputs and stations, with a slope for each output.
     pub fn new(outputs: usize, stations: usize) -> Self {
         Block::with_gains(outputs, stations, outputs)
     }
 
-    /// Room for values as in [`Block::new`], with `gains` slopes per design.
+    /// Allocates a block like [`Block::new`], with `gains` slopes per design.
     pub(super) fn with_gains(outputs: usize, stations: usize, gains: usize) -> Self {
         // `from` points into the slopes, so at least one must exist even if none is requested.
         let gains = gains.max(1);
@@ -63,7 +63,7 @@ impl Block {
         }
     }
 
-    /// Makes ready for this number of designs. Values are still those of the block before.
+    /// Prepares for this number of designs. The values of the previous block remain until they are overwritten.
     pub(super) fn clear(&mut self, designs: usize) {
         assert!(designs <= BLOCK);
         self.designs = designs;
@@ -76,18 +76,18 @@ impl Block {
         self.designs
     }
 
-    /// The value of an output of a design at a station.
+    /// Value of an output of a design at a station.
     #[inline]
     pub fn value(&self, design: usize, output: usize, station: usize) -> f64 {
         self.values[self.place(design, output, station)]
     }
 
-    /// The values of an output of a design, by station.
+    /// Values of an output of a design, by station.
     pub fn values(&self, design: usize, output: usize) -> impl Iterator<Item = f64> {
         (0..self.stations).map(move |station| self.value(design, output, station))
     }
 
-    /// The values of an output of all designs at a station, in pieces, by rising number of the design.
+    /// Values of an output of all designs at a station, in pieces, in the order of the designs.
     pub(crate) fn across(&self, output: usize, station: usize) -> impl Iterator<Item = &[f64]> {
         (0..self.designs).step_by(SIDE_BY_SIDE).map(move |first| {
             let count = (self.designs - first).min(SIDE_BY_SIDE);
@@ -95,25 +95,26 @@ impl Block {
         })
     }
 
-    /// Derivative by the drive in the design position. NaN for a quantity made of velocities, unless the sweep requests it.
+    /// Derivative by the drive in the design position. NaN for a quantity that contains velocities, unless the sweep
+    /// requests it.
     #[inline]
     pub fn slope(&self, design: usize, output: usize) -> f64 {
         self.slopes[self.slope_place(design, output)]
     }
 
-    /// Writes down a value, or NaN for one that is not finite (a swing arm of a wheel that does not turn).
+    /// Stores a value. Stores NaN if it is not finite (a swing arm of a wheel that does not rotate).
     pub(super) fn put(&mut self, design: usize, output: usize, station: usize, value: f64) {
         let place = self.place(design, output, station);
         self.values[place] = value.finite();
     }
 
-    /// Writes down a slope, or NaN for one that is not finite.
+    /// Stores a slope. Stores NaN if it is not finite.
     pub(super) fn put_slope(&mut self, design: usize, output: usize, slope: f64) {
         let place = self.slope_place(design, output);
         self.slopes[place] = slope.finite();
     }
 
-    /// Writes down why a station of a design has no pose, or not all values.
+    /// Stores the reason why a design has no pose at a station, or not all values.
     pub(super) fn fail(&mut self, design: usize, station: usize, failure: NoPose) {
         self.failures.push(FailedStation {
             design,
@@ -130,7 +131,7 @@ impl Block {
         (&mut self.values[value..], &mut self.slopes[slope..])
     }
 
-    /// Leaves a design without values.
+    /// Replaces all values of a design by NaN.
     pub(super) fn forget(&mut self, design: usize) {
         for output in 0..self.outputs {
             for station in 0..self.stations {
@@ -154,12 +155,12 @@ impl Block {
         row * SIDE_BY_SIDE + design % SIDE_BY_SIDE
     }
 
-    /// The stations without a pose, by rising number of the design.
+    /// Stations without a pose, in the order of the designs.
     pub fn failures(&self) -> &[FailedStation] {
         &self.failures
     }
 
-    /// The designs that cannot be solved at all, by rising number.
+    /// Designs that cannot be solved at all, in order.
     pub fn faults(&self) -> &[(usize, DesignFault)] {
         &self.faults
     }

@@ -1,4 +1,4 @@
-//! Wheels with elastic parts, one design at a time: values of equilibria and figures of tests.
+//! Wheels with elastic parts, one design at a time: values in equilibrium and test figures.
 
 use super::evaluator::{Evaluator, Pairs, SolvesOneByOne};
 use super::{Block, NotInLanes, Stations};
@@ -12,7 +12,7 @@ use crate::study::{ComplianceStudy, WheelStudy};
 pub(crate) struct ElasticRead {
     /// The value.
     pub value: KcValue,
-    /// Derivative by wheel travel, if that is wanted in the design position.
+    /// Derivative by wheel travel, if it is requested in the design position.
     pub slope: Option<KcValue>,
 }
 
@@ -22,15 +22,15 @@ pub(crate) struct ElasticQuantities {
     suspension: Suspension,
     elastic: ComplianceStudy,
     reads: Vec<ElasticRead>,
-    /// For each station, the numbers of the values that are read there.
+    /// Indices of the values to read at each station.
     at_stations: Vec<Vec<usize>>,
-    /// The rates that differ between designs.
+    /// Rates that differ between designs.
     rates: Vec<Parameter>,
 }
 
 impl ElasticQuantities {
-    /// Values of a wheel: characteristics at every station, figures of tests in the design position. `further` lists
-    /// more, as pairs of value and station. `rates` differ between designs.
+    /// Values of a wheel: characteristics at every station, test figures in the design position. `further` lists more, as
+    /// pairs of value and station. `rates` differ between designs.
     pub(crate) fn of(
         own: &WheelStudy,
         elastic: &ComplianceStudy,
@@ -58,12 +58,12 @@ impl ElasticQuantities {
         }
     }
 
-    /// The numbers of the values that are read at a station.
+    /// Indices of the values to read at a station.
     pub(super) fn read_at(&self, station: usize) -> &[usize] {
         &self.at_stations[station]
     }
 
-    /// An evaluator of designs. Errors if the study's own design has no elastic model.
+    /// Evaluator of designs. An error says why the study's own design has no elastic model.
     pub(super) fn evaluator<'a>(
         &'a self,
         stations: &'a Stations,
@@ -89,7 +89,7 @@ struct ElasticOneByOne<'a> {
     of: &'a ElasticQuantities,
     elastic: ComplianceStudy,
     stations: &'a Stations,
-    /// Rates of the block's designs; empty if none is varied.
+    /// Rates of the block's designs. Empty if none varies.
     rates: Vec<f64>,
     wanted: Vec<KcValue>,
 }

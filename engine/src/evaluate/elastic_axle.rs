@@ -1,4 +1,4 @@
-//! Axles with elastic parts, one design at a time: quantities in equilibrium, figures of tests in the design position.
+//! Axles with elastic parts, one design at a time: quantities in equilibrium, test figures in the design position.
 
 use super::evaluator::{Evaluator, FindsSlopes, Pairs, SolvesOneByOne};
 use super::{AxleStations, Block, NotInLanes};
@@ -7,17 +7,17 @@ use crate::compliance::{AxleCompliance, AxleParameter};
 use crate::mechanism::{DesignFault, NoPose};
 use crate::study::AxleComplianceStudy;
 
-/// The elastic parts of an axle whose designs are evaluated.
+/// Elastic parts of an axle whose designs are evaluated.
 #[derive(Clone, Debug)]
 pub(crate) struct ElasticAxleParts {
-    /// The rates that differ between designs.
+    /// Rates that differ between designs.
     pub rates: Vec<AxleParameter>,
-    /// Figures that are read beside the design position, as pairs of quantity and station.
+    /// Test figures to read at other stations than the design position, as [quantity, station].
     pub further: Vec<[usize; 2]>,
 }
 
 impl AxleStations<'_> {
-    /// The quantities that are read at a station: figures of tests where they are wanted, all others everywhere.
+    /// Quantities to read at a station: test figures only where requested, all others at every station.
     pub(crate) fn quantities_at(&self, station: usize) -> Vec<usize> {
         let further = self.elastic.as_ref().map_or(&[][..], |own| &own.further);
         let is_read = |k: &usize| {
@@ -27,7 +27,7 @@ impl AxleStations<'_> {
         (0..self.quantities.len()).filter(is_read).collect()
     }
 
-    /// An evaluator of designs with elastic parts. Errors if the axle's own design has no elastic model.
+    /// Evaluator of designs with elastic parts. An error says why the axle's own design has no elastic model.
     pub(super) fn elastic_evaluator<'s>(
         &'s self,
         elastic: &'s AxleComplianceStudy,
@@ -53,12 +53,12 @@ impl AxleStations<'_> {
 struct OneByOne<'a> {
     stations: &'a AxleStations<'a>,
     parts: AxleCompliance,
-    /// Rates of the block's designs; empty if none is varied.
+    /// Rates of the block's designs. Empty if none varies.
     rates: Vec<f64>,
 }
 
 impl<'a> OneByOne<'a> {
-    /// The axle of the design of this number.
+    /// Equilibria of the design with this index.
     fn equilibria(
         &mut self,
         [left, right]: Pairs<'_>,
@@ -122,7 +122,7 @@ impl SolvesOneByOne for OneByOne<'_> {
     }
 }
 
-/// The derivatives in the design position by each number that moves.
+/// Derivatives in the design position by each moving coordinate.
 impl FindsSlopes for OneByOne<'_> {
     fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block) {
         let gains = self.stations.gains.iter();

@@ -21,8 +21,8 @@ pub type Pairs<'d> = [&'d [Vector3<f64>]; 2];
 
 /// Solver of designs in SIMD lanes.
 pub(super) trait SolvesInLanes: Send {
-    /// Evaluates the designs of a block, up to the point at which the interrupt is raised. Adds the numbers of the designs
-    /// that remain for one-by-one solution to `fallback`.
+    /// Evaluates the designs of a block, until the interrupt is raised. Adds the indices of the designs that remain for
+    /// one-by-one solution to `fallback`.
     fn evaluate(
         &mut self,
         designs: Pairs<'_>,
@@ -34,23 +34,23 @@ pub(super) trait SolvesInLanes: Send {
 
 /// Solver of designs one at a time.
 pub(super) trait SolvesOneByOne: Send {
-    /// Evaluates the designs of these numbers.
+    /// Evaluates the designs with these indices.
     fn evaluate(&mut self, designs: Pairs<'_>, numbers: &[usize], block: &mut Block);
-    /// Takes the varied rates of all designs of the next block, design after design.
+    /// Receives the varying rates of all designs of the next block, design after design.
     fn take_rates(&mut self, _rates: &[f64]) {}
 }
 
-/// Finds the slopes that take one derivative more than the values do.
+/// Computes slopes that need one derivative more than the values.
 pub(super) trait FindsSlopes: Send {
-    /// Adds these slopes to a block with evaluated values. A slope that is not found stays NaN.
+    /// Adds these slopes to a block with evaluated values. A slope without a value stays NaN.
     fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block);
-    /// Takes the varied rates of all designs of the next block, design after design.
+    /// Receives the varying rates of all designs of the next block, design after design.
     fn take_rates(&mut self, _rates: &[f64]) {}
 }
 
-/// Evaluator of blocks of designs, of a wheel or of an axle. Each thread has its own.
+/// Evaluator of blocks of designs of a wheel or an axle. Each thread has its own.
 ///
-/// Designs are solved in SIMD lanes if every requested quantity can be read there. Designs that the tracker rejects, and all
+/// Designs are solved in SIMD lanes if lanes can read every requested quantity. Designs that the tracker rejects, and all
 /// designs otherwise, are solved one by one. The design alone decides which.
 pub struct Evaluator<'a> {
     /// Number of points of a wheel.
@@ -58,17 +58,17 @@ pub struct Evaluator<'a> {
     pub(super) lanes: Result<Box<dyn SolvesInLanes + 'a>, NotInLanes>,
     one_by_one: Box<dyn SolvesOneByOne + 'a>,
     pub(super) slopes: Option<Box<dyn FindsSlopes + 'a>>,
-    /// The axle, if the designs are of one. It makes the right wheels in `rights` if their hardpoints differ.
+    /// Axle of the designs. If the hardpoints of its wheels differ, the evaluator makes the right wheels in `rights`.
     pub(super) axle: Option<&'a Axle>,
     rights: Vec<Vector3<f64>>,
-    /// Designs of the block left to be solved one by one, by number.
+    /// Indices of the designs of the block that remain for one-by-one solution.
     fallback: Vec<usize>,
-    /// Ends a block early, whose values are not to be used then.
+    /// Flag that stops a block early. Its values must then not be used.
     pub(crate) interrupt: Interrupt<'a>,
 }
 
 impl<'a> Evaluator<'a> {
-    /// An evaluator of these quantities. Errors if the suspension's own design cannot be solved.
+    /// Makes an evaluator of these quantities. An error says why the suspension's own design cannot be solved.
     pub fn new(
         suspension: &'a Suspension,
         stations: &'a Stations,
@@ -77,7 +77,7 @@ impl<'a> Evaluator<'a> {
         Evaluator::with_width(suspension, stations, quantities, Some(Width::widest()))
     }
 
-    /// The same as [`Evaluator::new`], with lanes of this width, or one by one only.
+    /// The same as [`Evaluator::new`], with lanes of this width, or without lanes.
     pub fn with_width(
         suspension: &'a Suspension,
         stations: &'a Stations,
@@ -93,7 +93,8 @@ impl<'a> Evaluator<'a> {
         Ok(evaluator)
     }
 
-    /// The same as [`Evaluator::new`], with every pose by the continuation: the same values, more slowly, for comparison.
+    /// The same as [`Evaluator::new`], with every pose from the continuation. It gives the same values, more slowly, for
+    /// comparison.
     pub fn by_continuation(
         suspension: &'a Suspension,
         stations: &'a Stations,
@@ -119,7 +120,7 @@ impl<'a> Evaluator<'a> {
         Evaluator::of(suspension.design.len(), one_by_one)
     }
 
-    /// An evaluator that solves designs one by one, of wheels with this number of points.
+    /// Makes an evaluator that solves designs one by one, for wheels with this number of points.
     pub(super) fn of(points: usize, one_by_one: Box<dyn SolvesOneByOne + 'a>) -> Self {
         Evaluator {
             points,
@@ -133,18 +134,18 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// Reason why no design is solved in lanes; `None` if lanes are in use.
+    /// Reason why no design is solved in lanes. `None` if lanes are in use.
     pub fn not_in_lanes(&self) -> Option<NotInLanes> {
         self.lanes.as_ref().err().copied()
     }
 
-    /// The designs of the last block that were left to be solved one by one, by rising number.
+    /// Indices of the designs of the last block that were solved one by one, in order.
     pub fn one_by_one(&self) -> &[usize] {
         &self.fallback
     }
 
-    /// Evaluates designs given as the points of one after the other, in the kernel's frame; of an axle those of the left
-    /// wheel. Returns how many were left to be solved one by one.
+    /// Evaluates designs, given as their points one design after the other, in the kernel's frame. For an axle these are the
+    /// points of the left wheel. Returns the number of designs that were solved one by one.
     pub fn evaluate(&mut self, designs: &[Vector3<f64>], block: &mut Block) -> usize {
         let mut rights = std::mem::take(&mut self.rights);
         rights.clear();
@@ -158,7 +159,7 @@ impl<'a> Evaluator<'a> {
         self.fallback.len()
     }
 
-    /// Sets the varied rates of elastic parts for the next designs, design after design.
+    /// Sets the varying rates of elastic parts for the next designs, design after design.
     pub(crate) fn set_rates(&mut self, rates: &[f64]) {
         self.one_by_one.take_rates(rates);
         if let Some(slopes) = &mut self.slopes {
@@ -166,8 +167,8 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// Evaluates designs given as the points of left and of right wheels, each in the frame of its side; without right
-    /// ones they are the mirror images.
+    /// Evaluates designs, given as points of left and of right wheels, each in the frame of its side. Without points of
+    /// right wheels, these are mirror images.
     pub(crate) fn evaluate_pairs(&mut self, designs: Pairs<'_>, block: &mut Block) {
         let count = designs[0].len() / self.points;
         block.clear(count);

@@ -1,8 +1,8 @@
 //! Quantities at stations with their gradients by the hardpoints, for several designs at a time.
 //!
-//! Designs are differentiated in SIMD lanes as far as the tracker accepts them and lanes support the quantities. (A single
-//! design has its stations in the lanes, with the same bits.) The others follow one by one, through the adjoint of the
-//! closure equations. The design alone decides which.
+//! SIMD lanes differentiate designs that the tracker accepts, if they support the quantities. (For a single design the lanes
+//! hold its stations, with the same bits.) The others follow one by one, with the adjoint of the closure equations. The
+//! design alone decides which.
 
 use super::gradients_one_by_one::{DifferentiatesOneByOne, OneByOne};
 use super::{AxleStations, Gradients, Jacobians, Pairs, Stations};
@@ -17,15 +17,15 @@ pub struct Evaluated {
     quantities: usize,
     stations: usize,
     points: usize,
-    /// Number of wheels with gradients: two of an axle.
+    /// Number of wheels with gradients: two for an axle.
     sides: usize,
-    /// `[design][quantity][station]`
+    /// Values, `[design][quantity][station]`.
     values: Vec<f64>,
-    /// `[design][quantity][station][side][point]`
+    /// Gradients, `[design][quantity][station][side][point]`.
     gradients: Vec<Vector3<f64>>,
-    /// For each design, why it cannot be solved; `None` if it can.
+    /// Reason why each design cannot be solved. `None` if it can.
     faults: Vec<Option<DesignFault>>,
-    /// `[design][station]`
+    /// True if a design has a pose at a station, `[design][station]`.
     solved: Vec<bool>,
 }
 
@@ -52,7 +52,7 @@ impl Evaluated {
         self.solved.resize(designs * stations, false);
     }
 
-    /// Reason why a design cannot be solved at all; `None` if it can.
+    /// Reason why a design cannot be solved at all. `None` if it can.
     pub fn fault(&self, design: usize) -> Option<&DesignFault> {
         self.faults[design].as_ref()
     }
@@ -62,13 +62,13 @@ impl Evaluated {
         self.solved[design * self.stations + station]
     }
 
-    /// Value of a quantity of a design at a station; NaN if it does not exist.
+    /// Value of a quantity of a design at a station. NaN if it does not exist.
     pub fn value(&self, design: usize, quantity: usize, station: usize) -> f64 {
         self.values[self.place(design, quantity, station)]
     }
 
-    /// The derivatives of a quantity by every hardpoint of a wheel, in the order of the design's points. The wheel of a
-    /// corner is the left one.
+    /// Derivatives of a quantity by every hardpoint of a wheel, in the order of the design's points. A single wheel is the
+    /// left one.
     pub fn gradient(
         &self,
         (design, quantity, station): (usize, usize, usize),
@@ -113,7 +113,7 @@ impl Evaluated {
         self.gradients[first..first + self.points].copy_from_slice(gradient);
     }
 
-    /// Leaves a design without values.
+    /// Replaces all values of a design by NaN.
     fn forget(&mut self, design: usize) {
         let all = self.quantities * self.stations;
         let first = design * all;
@@ -134,16 +134,16 @@ pub struct GradientEvaluator<'a> {
     stations: usize,
     quantities: usize,
     points: usize,
-    /// Number of wheels with gradients: two of an axle.
+    /// Number of wheels with gradients: two for an axle.
     sides: usize,
-    /// The points by which gradients are formed.
+    /// Points for which gradients are computed.
     wanted: Vec<PointId>,
     lanes: Option<Gradients<'a>>,
     one_by_one: Box<dyn DifferentiatesOneByOne + 'a>,
 }
 
-/// Evaluates at most as many designs as fit into the lanes, from the design with this number on: side by side, or the stations
-/// of one design.
+/// Evaluates at most as many designs as fit into the lanes, from the design with this index on. The lanes hold designs, or
+/// the stations of one design.
 fn evaluate_in_lanes(
     gradients: &mut Gradients<'_>,
     designs: &[Vector3<f64>],
@@ -177,8 +177,8 @@ fn evaluate_in_lanes(
 }
 
 impl<'a> GradientEvaluator<'a> {
-    /// Prepares to evaluate designs like that of a suspension, with gradients by these points; gradients by other
-    /// points must not be used. Designs go in lanes of this width, or one by one without one.
+    /// Prepares to evaluate designs like that of a suspension, with gradients by these points. Gradients by other points
+    /// must not be used. Lanes have this width; without a width designs are evaluated one by one.
     ///
     /// # Errors
     /// If the suspension's own design cannot be solved.
@@ -204,7 +204,7 @@ impl<'a> GradientEvaluator<'a> {
         })
     }
 
-    /// Prepares to evaluate axles, with gradients by all points of both wheels, one by one. Errors if the axle's own
+    /// Prepares to evaluate axles, with gradients by all points of both wheels, one by one. An error says why the axle's own
     /// design cannot be solved.
     pub(super) fn of_axle(stations: &'a AxleStations<'a>) -> Result<Self, (Side, DesignFault)> {
         Ok(GradientEvaluator {
@@ -218,13 +218,14 @@ impl<'a> GradientEvaluator<'a> {
         })
     }
 
-    /// Designs that are evaluated side by side.
+    /// Number of designs that are evaluated side by side.
     pub fn at_once(&self) -> usize {
         self.lanes.as_ref().map_or(1, |l| l.at_once())
     }
 
-    /// Evaluates designs given as the points of one after the other, at every station that has a pose: of left wheels, and
-    /// of right ones unless they are the mirror images. Returns how many were left to be solved one by one.
+    /// Evaluates designs, given as their points one design after the other, at every station with a pose. The second slice
+    /// has the points of right wheels, unless these are mirror images. Returns the number of designs that were evaluated one
+    /// by one.
     pub fn evaluate(&mut self, [designs, rights]: Pairs<'_>, into: &mut Evaluated) -> usize {
         let points = self.points;
         let count = designs.len() / points;

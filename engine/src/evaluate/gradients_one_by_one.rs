@@ -1,4 +1,4 @@
-//! One design at a time, by the adjoint of the closure equations.
+//! One design at a time, with the adjoint of the closure equations.
 
 use super::{Evaluated, Pairs, Stations};
 use crate::characteristics::{Constants, Quantity, Slots, WheelReading};
@@ -11,8 +11,8 @@ use std::ops::ControlFlow;
 
 /// Solver of one design after another.
 pub(super) trait DifferentiatesOneByOne: Send {
-    /// Evaluates the design of this number, at every station that has a pose: of the left wheel and of the right one, if
-    /// it is not the mirror image.
+    /// Evaluates the design with this index at every station with a pose. It evaluates the left wheel, and the right wheel
+    /// unless that is the mirror image.
     fn evaluate(
         &mut self,
         design: Pairs<'_>,
@@ -21,7 +21,7 @@ pub(super) trait DifferentiatesOneByOne: Send {
     ) -> Result<(), DesignFault>;
 }
 
-/// Solver of one design after another, with `N` coefficients of every series.
+/// Solver of one design after another. Each series has `N` coefficients.
 pub(super) struct OneByOne<'a, const N: usize> {
     stations: &'a Stations,
     quantities: &'a [Quantity],

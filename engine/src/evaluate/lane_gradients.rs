@@ -7,8 +7,8 @@
 //!
 //! The sum costs one adjoint per pose. The derivatives cost one adjoint per pose and angle.
 //!
-//! The caller receives Jacobians pose by pose; they are not stored. A strut needs 864 bytes per pose. Writing the
-//! Jacobians of a whole curve to memory would take as long as computing them.
+//! The caller receives Jacobians pose by pose; they are not stored. A strut needs 864 bytes per pose. Writing the Jacobians
+//! of a whole curve to memory would take as long as computing them.
 
 use super::Stations;
 use super::aligned::Aligned;
@@ -30,51 +30,50 @@ use std::ops::Range;
 pub struct AngleTarget {
     /// Value.
     pub value: f64,
-    /// Weight; 0 if the angle has no target.
+    /// Weight. 0 if the angle has no target.
     pub weight: f64,
 }
 
-/// Forms gradients by every hardpoint coordinate, in the kernel's frame.
+/// Computes gradients by every hardpoint coordinate, in the kernel's frame.
 #[derive(Clone)]
 pub struct Gradients<'a> {
     width: Width,
     batch: CornerTracker<'a>,
     reader: LaneReader<'a>,
-    /// Equations for gradients of quantities made of velocities; `None` if there are no such quantities.
+    /// Equations for gradients of quantities that contain velocities. `None` if there are no such quantities.
     along_travel: Option<AlongTravel>,
     stations: Stations,
     accepted: [bool; MOST_LANES],
     found: Found,
     /// Directions that are the same in every lane.
     spread: Vec<f64>,
-    /// The unknowns of a single design at the places of its routes.
+    /// Unknowns of a single design at the places of its routes.
     history: Vec<f64>,
 }
 
 /// Results of an evaluation, one value per lane.
 #[derive(Clone)]
 struct Found {
-    /// The stations of a single design, group by group.
+    /// Stations of a single design, group by group.
     groups: Vec<Vec<usize>>,
     /// Number of lanes.
     lanes: usize,
     points: usize,
-    /// The angles of a pose, `[angle][lane]`.
+    /// Angles of a pose, `[angle][lane]`.
     angles: Aligned,
-    /// Their derivatives, `[angle][point][axis][lane]`.
+    /// Derivatives of the angles, `[angle][point][axis][lane]`.
     jacobian: Aligned,
-    /// Derivatives of the angles along directions, `[angle][direction][lane]`; the next field is the number of
-    /// directions.
+    /// Derivatives of the angles along directions, `[angle][direction][lane]`. `directions` is the number of directions.
     slopes: Vec<f64>,
     directions: usize,
-    /// A sum of deviations, `[lane]`.
+    /// Sum of deviations, `[lane]`.
     sum: Aligned,
-    /// Derivatives, `[point][axis][lane]`.
+    /// Derivatives of the sum, `[point][axis][lane]`.
     gradient: Aligned,
 }
 
 impl Found {
-    /// The memory row that receives the derivatives of this angle, or of the sum of deviations.
+    /// Memory row for the derivatives of this angle, or of the sum of deviations.
     #[inline(always)]
     fn row(&mut self, is_sum: bool, angle: usize) -> &mut [f64] {
         let length = self.points * 3 * self.lanes;
@@ -98,20 +97,20 @@ impl Found {
     }
 }
 
-/// The angles of several designs at a station, and their derivatives by hardpoints and along directions. Designs and
-/// angles are numbered in the order in which the caller gave them.
+/// Angles of several designs at a station, and their derivatives by hardpoints and along directions. Indices of designs and
+/// angles follow the order in which the caller gave them.
 pub struct Jacobians<'f> {
     station: usize,
     found: &'f Found,
 }
 
-/// Sums of weighted squared deviations, by the number of the design.
+/// Sums of weighted squared deviations, by the index of the design.
 pub struct Deviations<'f> {
     found: &'f Found,
 }
 
 impl Deviations<'_> {
-    /// The sum, in squared radians times weights.
+    /// Sum, in squared radians times weights.
     #[inline(always)]
     pub fn sum(&self, design: usize) -> f64 {
         self.found.number(&self.found.sum, 0, design)
@@ -125,17 +124,17 @@ impl Deviations<'_> {
 }
 
 impl Jacobians<'_> {
-    /// The number of the station that the designs share, as [`Stations::number`] returns it.
+    /// Index of the station that the designs share, as [`Stations::number`] returns it.
     pub fn station(&self) -> usize {
         self.station
     }
 
-    /// The stations of a single design, one per lane, if the lanes hold stations instead of designs.
+    /// Stations of a single design, one per lane, if the lanes hold stations instead of designs.
     pub fn side_by_side(&self) -> &[usize] {
         &self.found.groups[self.station]
     }
 
-    /// The value of an angle, in radians.
+    /// Value of an angle, in radians.
     #[inline(always)]
     pub fn value(&self, design: usize, angle: usize) -> f64 {
         self.found.number(&self.found.angles, angle, design)
@@ -213,14 +212,13 @@ impl<'a> Gradients<'a> {
         self.width.lanes()
     }
 
-    /// Visits the stations of designs in the order of their solution. There must not be more designs than lanes.
-    /// Afterwards, [`Gradients::is_accepted`] tells the accepted designs. Values of other designs are undefined and may
-    /// be NaN.
+    /// Visits the stations of designs in the order of their solution. There must not be more designs than lanes. Afterwards,
+    /// [`Gradients::is_accepted`] identifies the accepted designs. Values of other designs are undefined and may be NaN.
     pub fn jacobians(&mut self, designs: &[Vector3<f64>], mut visit: impl FnMut(&Jacobians<'_>)) {
         self.evaluate(designs, None, Task::Jacobians(&mut visit));
     }
 
-    /// As [`Gradients::jacobians`], along directions. `along` holds the rate of every coordinate in each direction,
+    /// The same as [`Gradients::jacobians`], along directions. `along` holds the rate of every coordinate in each direction,
     /// `[direction][point][axis][lane]`, with [`at_once`](Self::at_once) lanes.
     pub fn slopes(
         &mut self,
@@ -233,9 +231,9 @@ impl<'a> Gradients<'a> {
         self.evaluate(designs, None, Task::Slopes { along, visit });
     }
 
-    /// As [`Gradients::jacobians`] for a single design, with one station per lane. The visitor gets the stations of
-    /// [`Jacobians::side_by_side`] in place of designs. Returns true if the design was accepted. If not, the visited
-    /// values must not be used. No design is accepted if [`Gradients::takes_one`] is false.
+    /// The same as [`Gradients::jacobians`] for a single design, with one station per lane. The visitor gets the stations of
+    /// [`Jacobians::side_by_side`] in place of designs. Returns true if the design was accepted. If not, the visited values
+    /// must not be used. No design is accepted if [`Gradients::takes_one`] is false.
     pub fn jacobians_of_one(
         &mut self,
         design: &[Vector3<f64>],
@@ -244,7 +242,7 @@ impl<'a> Gradients<'a> {
         self.evaluate_one(design, Task::Jacobians(&mut visit))
     }
 
-    /// As [`Gradients::jacobians_of_one`], along directions: `along` as that of [`Gradients::slopes`] for one lane.
+    /// The same as [`Gradients::jacobians_of_one`], along directions. `along` is that of [`Gradients::slopes`] for one lane.
     pub fn slopes_of_one(
         &mut self,
         design: &[Vector3<f64>],
@@ -253,7 +251,7 @@ impl<'a> Gradients<'a> {
     ) -> bool {
         self.make_room(along.len(), 1);
         let at_once = self.at_once();
-        // A tuning asks for the same directions each time.
+        // A tuning requests the same directions each time.
         let is_spread = self.spread.len() == along.len() * at_once
             && self.spread.iter().step_by(at_once).eq(along);
         if !is_spread {
@@ -304,9 +302,9 @@ impl<'a> Gradients<'a> {
         !self.reader.watches_rods()
     }
 
-    /// Computes the sum of weighted squared deviations of each design. There must not be more designs than lanes.
-    /// `wanted` lists the targets angle by angle and station by station. Afterwards,
-    /// [`is_accepted`](Self::is_accepted) tells the accepted designs.
+    /// Computes the sum of weighted squared deviations of each design. There must not be more designs than lanes. `wanted`
+    /// lists the targets angle by angle and station by station. Afterwards, [`is_accepted`](Self::is_accepted) identifies
+    /// the accepted designs.
     pub fn deviations(
         &mut self,
         designs: &[Vector3<f64>],
@@ -352,7 +350,7 @@ struct GradientTask<'s, 'a, 't> {
     gradients: &'s mut Gradients<'a>,
     /// One design per lane, or a single design repeated in all lanes.
     designs: &'s [Vector3<f64>],
-    /// The unknowns of a single design whose stations are side by side in the lanes; `None` if lanes hold designs.
+    /// Unknowns of a single design whose stations are side by side in the lanes. `None` if lanes hold designs.
     tracked: Option<&'s [f64]>,
     task: Task<'t>,
 }
@@ -469,8 +467,8 @@ fn clear<B: SimdReal>(zero: B, row: &mut [f64]) {
     }
 }
 
-/// The derivatives along directions, from those by the hardpoints; a few directions at a time, since sums would have to
-/// wait for one another.
+/// Computes derivatives along directions from those by the hardpoints. It takes a few directions at a time, because the
+/// additions of a single sum would wait for each other.
 #[inline(always)]
 fn chain<B: SimdReal>(like: B, gradient: &[f64], along: &[f64], slopes: &mut [f64]) {
     const TOGETHER: usize = 3;
@@ -484,7 +482,7 @@ fn chain<B: SimdReal>(like: B, gradient: &[f64], along: &[f64], slopes: &mut [f6
             let by = like.load(&gradient[place..]);
             let mut k = 0;
             while k < TOGETHER {
-                // Beyond the last direction its sum is formed again and not used.
+                // Beyond the last direction its sum is computed again and not used.
                 let direction = first + k.min(together - 1);
                 let rate = like.load(&along[direction * length + place..]);
                 sums[k] = sums[k].plus_product(by, rate);
@@ -504,14 +502,14 @@ pub(super) struct Differentiating<'r, 't, B: SimdReal> {
     reader: &'r LaneReader<'r>,
     wheels: &'r LaneWheels<B>,
     members: &'r AdjointConstants<B>,
-    /// The designs as series along the travel, if a quantity is made of velocities, and room for a gradient.
+    /// Designs as series along the travel, if a quantity contains velocities, and a buffer for a gradient.
     series: Option<&'r (&'r AlongTravel, SeriesDesign<B>)>,
     series_gradient: Vec<Vector3<Jet<B, 2>>>,
     inputs: &'r mut LaneInputs<B>,
     rack: B,
     /// Lanes accepted so far.
     accepted: B::Mask,
-    /// Number of all stations, and number of the first one at this rack displacement.
+    /// Number of all stations, and index of the first one at this rack displacement.
     count: usize,
     first: usize,
     task: Task<'t>,
@@ -521,8 +519,8 @@ pub(super) struct Differentiating<'r, 't, B: SimdReal> {
 }
 
 impl<B: SimdReal> Differentiating<'_, '_, B> {
-    /// The factor of an angle's derivatives: 1, or for a sum of deviations its derivative by the angle. The angle's
-    /// deviation is then added to the sum.
+    /// Factor of an angle's derivatives: 1, or the derivative of a sum of deviations by the angle. In the second case the
+    /// angle's deviation is added to the sum.
     #[inline(always)]
     fn weight(&mut self, angle: usize, station: usize) -> B {
         let one = self.rack.one();
@@ -549,7 +547,7 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
     }
 }
 
-/// Out of line, so that poses of one design side by side and poses of many designs share the code.
+/// Work piece in a separate function, so that poses of one design side by side and poses of many designs share the code.
 struct AtPose<'v, 'r, 't, B: SimdReal, P> {
     differentiating: &'v mut Differentiating<'r, 't, B>,
     station: usize,
@@ -633,8 +631,8 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
         }
     }
 
-    /// Adds the gradients of those of the numbered quantities that are not made of velocities, each times its weight,
-    /// to the row of the first.
+    /// Adds the gradients of those quantities in the range that contain no velocities, each times its weight, to the row of
+    /// the first.
     #[inline(always)]
     fn add_gradients(
         &mut self,
@@ -668,8 +666,8 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
     }
 }
 
-/// Adds the gradient of a quantity made of velocities, times a weight, to its row. Out of line, since its many series
-/// would take room on the stack of every pose.
+/// Adds the gradient of a quantity that contains velocities, times a weight, to its row. A separate function, since its many
+/// series would use stack in every pose.
 struct AddingGradientOfRates<'v, 'r, 't, 'c, B: SimdReal> {
     differentiating: &'v mut Differentiating<'r, 't, B>,
     number: usize,

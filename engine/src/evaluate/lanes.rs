@@ -15,20 +15,20 @@ use crate::threads::Interrupt;
 pub enum NotInLanes {
     /// The caller requested solution one by one.
     Asked,
-    /// The drive, or the study's own design, is not one for the tracker.
+    /// The tracker does not support the drive or the study's own design.
     Mechanism,
-    /// Two stations coincide, or one is out of all reach.
+    /// Two stations coincide, or one is out of reach.
     Stations,
     /// A requested quantity cannot be read in lanes.
     Reading,
-    /// The wheels of an axle are moved by travels of their own, or their mean travel follows from a load.
+    /// Each wheel of an axle has its own travel, or their mean travel follows from a load.
     Travels,
-    /// The solver of equilibria of elastic parts takes one design after the other.
+    /// The solver of equilibria of elastic parts solves one design after the other.
     Elastic,
 }
 
 impl NotInLanes {
-    /// The reason as the end of a sentence.
+    /// Reason, as the end of a sentence.
     pub fn describe(self) -> &'static str {
         match self {
             NotInLanes::Asked => "the run requested it",
@@ -56,7 +56,7 @@ pub(super) struct LaneSolver<'a> {
 }
 
 impl<'a> LaneSolver<'a> {
-    /// A solver of these quantities, or the reason why lanes cannot provide them.
+    /// Makes a solver of these quantities, or returns the reason why lanes cannot provide them.
     pub(super) fn new(
         suspension: &'a Suspension,
         stations: &'a Stations,
@@ -225,9 +225,9 @@ pub(crate) fn scatter<B: SimdReal>(
 
 /// Visitor of the poses of a group. One type for both tasks, so that the tracker is compiled once.
 pub(super) enum Visitor<'v, 'r, 't, B: SimdReal> {
-    /// Values are read.
+    /// Reads values.
     Values(&'v mut Reading<'r, B>),
-    /// Gradients are formed.
+    /// Computes gradients.
     Gradients(&'v mut Differentiating<'r, 't, B>),
 }
 
@@ -241,7 +241,7 @@ impl<B: SimdReal> Visit<B> for Visitor<'_, '_, '_, B> {
     }
 }
 
-/// Reads the quantities off the poses of a group.
+/// Reads the quantities from the poses of a group.
 pub(super) struct Reading<'r, B: SimdReal> {
     reader: &'r LaneReader<'r>,
     wheels: &'r LaneWheels<B>,
@@ -249,11 +249,11 @@ pub(super) struct Reading<'r, B: SimdReal> {
     rack: B,
     /// Lanes accepted so far.
     accepted: B::Mask,
-    /// Number of all stations, and number of the first one at this rack displacement.
+    /// Number of all stations, and index of the first one at this rack displacement.
     count: usize,
     first: usize,
     design_station: usize,
-    /// Destination of the values, laid out as [`Block::from`] returns it.
+    /// Destination of the values, in the layout of [`Block::from`].
     values: &'r mut [f64],
     slopes: &'r mut [f64],
 }

@@ -1,8 +1,9 @@
-//! Evaluates quantities of many designs at stations, of one wheel or of an axle.
+//! Evaluates quantities of many designs at stations, for one wheel or for an axle.
 //!
-//! A `Request` names vehicle, quantities and stations. An [`Evaluator`] fills a [`Block`] with the values of designs: in
-//! SIMD lanes as far as the tracker accepts them, else one by one. A [`GradientEvaluator`] finds values with their
-//! gradients by the hardpoints ([`Evaluated`]). A design's values depend on that design alone, never on its neighbours.
+//! A `Request` names vehicle, quantities and stations. An [`Evaluator`] fills a [`Block`] with the values of designs. It
+//! uses SIMD lanes for designs that the tracker accepts, and solves the others one by one. A [`GradientEvaluator`] computes
+//! values with their gradients by the hardpoints ([`Evaluated`]). A design's values depend on that design alone, never on
+//! its neighbours.
 
 mod aligned;
 mod axle;

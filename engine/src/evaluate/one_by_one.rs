@@ -1,4 +1,4 @@
-//! Designs one at a time, with every check on the way.
+//! Designs one at a time, with every check.
 
 use super::Stations;
 use super::block::Block;
@@ -18,7 +18,7 @@ pub(super) struct OneByOne<'a, const N: usize> {
     constants: Constants,
     /// Inputs of the quantities.
     slots: Slots,
-    /// The rockers each quantity moves with.
+    /// Rockers that influence each quantity.
     rockers: Vec<Vec<RockerId>>,
     toggles: Toggles,
     solver: Solver<'a>,
@@ -27,7 +27,7 @@ pub(super) struct OneByOne<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> OneByOne<'a, N> {
-    /// Evaluates these quantities, at these stations, with the solver of the suspension.
+    /// Evaluates these quantities at these stations, with the solver of the suspension.
     pub(super) fn new(
         suspension: &'a Suspension,
         stations: &'a Stations,
@@ -59,7 +59,7 @@ impl<const N: usize> SolvesOneByOne for OneByOne<'_, N> {
             let design = &designs[0][number * points..(number + 1) * points];
             block.forget(number);
             if let Err(fault) = self.evaluate_design(number, design, block) {
-                // Values from before the fault must not be used.
+                // Values that were computed before the fault must not be used.
                 block.forget(number);
                 block.failures.retain(|f| f.design != number);
                 block.faults.push((number, fault));

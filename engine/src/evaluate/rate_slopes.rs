@@ -1,8 +1,7 @@
-//! Slopes in the design position of quantities that are made of velocities: `motion_ratio`, `roll_centre_height` and
-//! the like.
+//! Slopes in the design position for quantities that contain velocities, such as `motion_ratio` and `roll_centre_height`.
 //!
-//! Their derivatives by the drive need accelerations, which lanes do not have. Only one pose of each design is needed,
-//! so they are found one design at a time, with power series.
+//! Their derivatives by the drive need accelerations, which lanes do not compute. Only one pose of each design is needed, so
+//! they are computed one design at a time, with power series.
 
 use super::Stations;
 use super::block::Block;
@@ -15,11 +14,11 @@ use crate::number::Vector3;
 use crate::solve::{Solver, StationOrder, Toggles};
 use std::ops::ControlFlow;
 
-/// Fills in the slopes of quantities that are made of velocities.
+/// Computes the slopes of quantities that contain velocities.
 pub(super) struct RateSlopes<'a> {
-    /// The quantities with their numbers, and the rockers that each moves with.
+    /// Quantities with their indices, and the rockers that influence each.
     quantities: Vec<(usize, Quantity, Vec<RockerId>)>,
-    /// The design position: number of its station, an order of this station alone, and its drive value and rack
+    /// Design position: index of its station, a station order with only this station, and its drive value and rack
     /// displacement.
     station: usize,
     order: StationOrder,
@@ -32,8 +31,8 @@ pub(super) struct RateSlopes<'a> {
 }
 
 impl<'a> RateSlopes<'a> {
-    /// Prepares the slopes of the velocity-dependent quantities for which `is_wanted` is true. Returns `None` if none is.
-    /// Errors if the suspension's own design cannot be solved.
+    /// Prepares the slopes of those quantities with velocities for which `is_wanted` is true. `None` if there are none. An
+    /// error says why the suspension's own design cannot be solved.
     pub(super) fn of(
         suspension: &'a Suspension,
         stations: &Stations,
@@ -83,7 +82,7 @@ impl FindsSlopes for RateSlopes<'_> {
                 !block.value(number, *k, self.station).is_nan()
             };
             if self.quantities.iter().any(has_value) {
-                // A fault of the design has been found before, with its values.
+                // A fault of the design has been reported before, with its values.
                 let _: Result<(), DesignFault> = self.evaluate_design(number, design, block);
             }
         }

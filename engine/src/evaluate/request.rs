@@ -11,10 +11,10 @@ use crate::model::{PointId, Side, Suspension};
 use crate::number::Width;
 use std::borrow::Cow;
 
-/// Quantities at stations, of a corner or of an axle.
+/// Quantities at stations, for one wheel or for an axle.
 #[derive(Clone, Debug)]
 pub(crate) struct Request<'s> {
-    /// The column of each quantity.
+    /// Column of each quantity.
     columns: Vec<Column>,
     stations: Stations,
     of: Requested<'s>,
@@ -27,17 +27,17 @@ enum Requested<'s> {
     Elastic(Box<ElasticQuantities>),
 }
 
-/// Quantities of the wheel of a corner.
+/// Quantities of one wheel.
 #[derive(Clone, Debug)]
 struct CornerQuantities<'s> {
     suspension: Cow<'s, Suspension>,
     quantities: Vec<Quantity>,
-    /// For each quantity, true if its derivative by the drive in the design position is requested too.
+    /// True for each quantity whose derivative by the drive in the design position is requested, too.
     has_slope: Vec<bool>,
 }
 
 impl<'s> Request<'s> {
-    /// Quantities of the wheel of a corner, each with its column.
+    /// Request for quantities of one wheel, each with its column.
     pub(crate) fn of_corner(
         suspension: Cow<'s, Suspension>,
         stations: Stations,
@@ -56,7 +56,7 @@ impl<'s> Request<'s> {
         }
     }
 
-    /// Quantities of a wheel with elastic parts, each with its column.
+    /// Request for quantities of a wheel with elastic parts, each with its column.
     pub(crate) fn of_elastic(
         quantities: ElasticQuantities,
         stations: Stations,
@@ -69,7 +69,7 @@ impl<'s> Request<'s> {
         }
     }
 
-    /// Quantities of an axle.
+    /// Request for quantities of an axle.
     pub(crate) fn of_axle(stations: AxleStations<'s>) -> Self {
         Request {
             columns: stations.columns(),
@@ -78,8 +78,8 @@ impl<'s> Request<'s> {
         }
     }
 
-    /// The request with derivatives by the drive in the design position of those quantities of a corner for which
-    /// `is_wanted` is true. An axle's request has its own.
+    /// Adds derivatives by the drive in the design position, for those quantities of one wheel for which `is_wanted` is
+    /// true. An axle's request already contains its own.
     pub(crate) fn with_slopes(mut self, is_wanted: impl Fn(usize) -> bool) -> Self {
         if let Requested::Corner(corner) = &mut self.of {
             for (number, has_slope) in corner.has_slope.iter_mut().enumerate() {
@@ -89,17 +89,17 @@ impl<'s> Request<'s> {
         self
     }
 
-    /// The column of each quantity.
+    /// Column of each quantity.
     pub(crate) fn columns(&self) -> &[Column] {
         &self.columns
     }
 
-    /// The stations.
+    /// Stations of the request.
     pub(crate) fn stations(&self) -> &Stations {
         &self.stations
     }
 
-    /// The numbers of the values that are read at a station of a wheel with elastic parts; empty for others.
+    /// Indices of the values that are read at a station of a wheel with elastic parts. Empty for others.
     pub(crate) fn read_at(&self, station: usize) -> &[usize] {
         match &self.of {
             Requested::Elastic(quantities) => quantities.read_at(station),
@@ -107,7 +107,7 @@ impl<'s> Request<'s> {
         }
     }
 
-    /// The quantities of a corner; empty for an axle.
+    /// Quantities of one wheel. Empty for an axle.
     pub(crate) fn of_wheel(&self) -> &[Quantity] {
         match &self.of {
             Requested::Corner(corner) => &corner.quantities,
@@ -115,7 +115,7 @@ impl<'s> Request<'s> {
         }
     }
 
-    /// Positions and quantities of an axle; `None` for a corner.
+    /// Placements and quantities of an axle. `None` for one wheel.
     pub(crate) fn axle(&self) -> Option<&AxleStations<'s>> {
         match &self.of {
             Requested::Corner(_) | Requested::Elastic(_) => None,
@@ -123,7 +123,7 @@ impl<'s> Request<'s> {
         }
     }
 
-    /// Room for the values of a block of designs.
+    /// Allocates a block for the values of designs.
     pub(crate) fn block(&self) -> Block {
         let (values, stations) = (self.columns.len(), self.stations.count());
         match &self.of {
@@ -132,7 +132,7 @@ impl<'s> Request<'s> {
         }
     }
 
-    /// An evaluator of designs in lanes of this width, or one by one without one. Errors if the vehicle's own design
+    /// Makes an evaluator of designs in lanes of this width, or without lanes. An error says why the vehicle's own design
     /// cannot be solved.
     pub(crate) fn evaluator(&self, width: Option<Width>) -> Result<Evaluator<'_>, DesignFault> {
         match &self.of {
@@ -153,9 +153,9 @@ impl<'s> Request<'s> {
         }
     }
 
-    /// An evaluator of values with gradients by these points, in lanes of this width as far as they go, or one by one
-    /// without one; gradients by other points must not be used. An axle has gradients by all points, one by one. Errors
-    /// if the vehicle's own design cannot be solved, with the wheel of an axle.
+    /// Makes an evaluator of values with gradients by these points. It uses lanes of this width where possible; without a
+    /// width it works one by one. Gradients by other points must not be used. An axle has gradients by all points, one by
+    /// one. An error says why the vehicle's own design cannot be solved, and names the wheel of an axle.
     pub(crate) fn gradients(
         &self,
         points: &[PointId],
@@ -168,7 +168,7 @@ impl<'s> Request<'s> {
                     .map_err(|fault| (Side::Left, fault))
             }
             Requested::Axle(stations) => GradientEvaluator::of_axle(stations),
-            // Gradients of equilibria are formed with those by rates, on a tape.
+            // Gradients of equilibria are computed together with those by rates, on a tape.
             Requested::Elastic(_) => Err((Side::Left, DesignFault::Singular)),
         }
     }

@@ -1,32 +1,32 @@
-//! The stations at which every design of a sweep is solved.
+//! Stations at which every design of a sweep is solved.
 
 use crate::model::{Axis, Drive, Frame};
 use crate::solve::StationOrder;
 use crate::study::Motion;
 
-/// Every combination of drive values and rack displacements. Of both, those of the motion come first, then those needed
-/// besides, for the design position and for targets.
+/// All combinations of drive values and rack displacements. In both lists, those of the motion come first. Further ones
+/// follow, for the design position and for targets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stations {
-    /// The drive.
+    /// Kind of drive.
     pub drive: Drive,
-    /// Drive values and the order in which they are visited.
+    /// Drive values, and the order in which the solver visits them.
     pub station_order: StationOrder,
     /// Rack displacements, towards the kernel's +y.
     pub racks: Vec<f64>,
-    /// Number of drive values that belong to the motion.
+    /// Number of drive values of the motion.
     of_motion: usize,
-    /// Number of rack displacements that belong to the motion.
+    /// Number of rack displacements of the motion.
     racks_of_motion: usize,
-    /// Index of the rack displacement at which the design position and targets are looked at.
+    /// Index of the rack displacement for the design position and for targets.
     home: usize,
     /// Index of the drive value of the design position.
     design: usize,
 }
 
 impl Stations {
-    /// The stations of a motion, and those at `further` drive values. Single values are looked at where
-    /// the study puts the rack, or straight ahead where the study moves it.
+    /// Stations of a motion, and those at `further` drive values. Single values use the rack displacement of the study, or
+    /// straight ahead if the study moves the rack.
     pub fn of(motion: &Motion, frame: &Frame, further: &[f64]) -> Self {
         let mut values = motion.values.clone();
         for value in further {
@@ -48,8 +48,8 @@ impl Stations {
         }
     }
 
-    /// Stations that are a list rather than combinations: `values` name them, the first `of_motion` are the motion's,
-    /// and number `design` is the design position.
+    /// Stations that are a list, not combinations. `values` name them, the first `of_motion` are those of the motion, and
+    /// number `design` is the design position.
     pub(super) fn listed(values: &[f64], of_motion: usize, design: usize) -> Self {
         Stations {
             of_motion,
@@ -58,8 +58,7 @@ impl Stations {
         }
     }
 
-    /// The stations of an order at one rack displacement (towards the kernel's +y). None of them counts as the design
-    /// position.
+    /// Stations of an order at one rack displacement (towards the kernel's +y). None of them counts as the design position.
     pub(crate) fn at_rack(drive: Drive, order: &StationOrder, rack: f64) -> Self {
         let values = order.values().len();
         Stations {
@@ -78,12 +77,12 @@ impl Stations {
         self.values().len() * self.racks.len()
     }
 
-    /// Drive values, the motion's first.
+    /// Drive values. Those of the motion come first.
     pub fn values(&self) -> &[f64] {
         self.station_order.values()
     }
 
-    /// The number of the station with this rack displacement and drive value, given by their indices.
+    /// Index of the station with this rack displacement and drive value, given by their indices.
     #[inline]
     pub fn number(&self, rack: usize, value: usize) -> usize {
         rack * self.values().len() + value
@@ -100,25 +99,25 @@ impl Stations {
         station / self.values().len()
     }
 
-    /// The station of the design position.
+    /// Index of the station of the design position.
     pub fn design(&self) -> usize {
         self.number(self.home, self.design)
     }
 
-    /// The number of the station at which a target looks at this drive value, if there is one.
+    /// Index of the station at which a target evaluates this drive value, if there is one.
     pub fn at(&self, value: f64) -> Option<usize> {
         let value = self.values().iter().position(|v| *v == value)?;
         Some(self.number(self.home, value))
     }
 
-    /// Numbers of the motion's own stations, rack displacement by rack displacement.
+    /// Indices of the motion's own stations, rack displacement by rack displacement.
     pub fn of_motion(&self) -> impl Iterator<Item = usize> + '_ {
         let racks = 0..self.racks_of_motion;
         racks.flat_map(move |rack| (0..self.of_motion).map(move |value| self.number(rack, value)))
     }
 }
 
-/// Index of `place` in the list; it is appended if it is not there.
+/// Index of `place` in the list. If it is missing, it is appended.
 pub(crate) fn index_or_push<P: PartialEq>(places: &mut Vec<P>, place: P) -> usize {
     let known = places.iter().position(|p| *p == place);
     known.unwrap_or_else(|| {

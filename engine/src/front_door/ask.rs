@@ -1,4 +1,4 @@
-//! Studies from numbers.
+//! Methods that make studies from numbers.
 
 use super::Error;
 use super::error::{checked, finite};
@@ -12,7 +12,7 @@ use crate::study::{GOOD_ENOUGH, MAX_ITERATIONS};
 use std::ops::RangeInclusive;
 
 impl Motion {
-    /// The wheel at one travel, the rack at one displacement along the suspension's +y.
+    /// Motion with one travel of the wheel and one displacement of the rack along the suspension's +y.
     ///
     /// # Errors
     /// If one of them is not finite.
@@ -24,7 +24,7 @@ impl Motion {
         })
     }
 
-    /// Evenly spaced travels over a range, both ends included, with the rack straight ahead.
+    /// Motion with evenly spaced travels over a range, both ends included, and the rack straight ahead.
     ///
     /// # Errors
     /// If an end is not finite, the range is empty, or there are fewer than two stations.
@@ -46,10 +46,10 @@ impl Motion {
         })
     }
 
-    /// The motion at each of these rack displacements, along the suspension's +y.
+    /// Returns the motion at each of these rack displacements, along the suspension's +y.
     ///
     /// # Errors
-    /// The list is empty, or a displacement is not finite.
+    /// If the list is empty, or a displacement is not finite.
     pub fn with_racks(mut self, racks: &[f64]) -> Result<Self, Error> {
         for rack in racks {
             finite("the rack displacement", *rack)?;
@@ -64,9 +64,10 @@ impl Motion {
 }
 
 impl Study {
-    /// A study of a suspension. It covers the design position only and requests nothing.
+    /// Makes a study of a suspension. It covers only the design position and requests nothing.
     ///
-    /// Its `text` is empty. Functions that edit the text of a study ([`Study::with_design`]) need a study from a file or text.
+    /// Its `text` is empty. Functions that edit the text of a study ([`Study::with_design`]) need a study from a file or
+    /// text.
     pub fn of(suspension: Suspension) -> Self {
         Study {
             name: suspension.mechanism.topology.name.to_owned(),
@@ -81,7 +82,7 @@ impl Study {
         }
     }
 
-    /// The study over a motion. A study of an axle, whose motion is in its text, stays as it is.
+    /// Returns the study with this motion. A study of an axle does not change, because its motion is in its text.
     pub fn over(mut self, motion: Motion) -> Self {
         if let Some(own) = self.one_wheel_mut() {
             own.motion = motion;
@@ -89,11 +90,11 @@ impl Study {
         self
     }
 
-    /// The study with these characteristics requested, and their derivatives by travel up to `order`. They replace earlier
-    /// requests.
+    /// Returns the study with these characteristics requested, and their derivatives by travel up to `order`. They replace
+    /// earlier requests.
     ///
     /// # Errors
-    /// [`Error::Lacking`] if the suspension lacks a figure or part that one of them needs. [`Error::Axle`] for a study of an
+    /// [`Error::Lacking`] if the suspension lacks an input or part that one of them needs. [`Error::Axle`] for a study of an
     /// axle, whose requests are in its text.
     pub fn asking(
         mut self,
@@ -109,7 +110,7 @@ impl Study {
         Ok(self)
     }
 
-    /// The study with the positions of these points requested. They replace earlier requests.
+    /// Returns the study with the positions of these points requested. They replace earlier requests.
     ///
     /// # Errors
     /// [`Error::UnknownPoint`]; [`Error::Axle`] as for [`Study::asking`].
@@ -120,23 +121,24 @@ impl Study {
         Ok(self)
     }
 
-    /// The wheel whose requests are given. Errors if the study is of an axle.
+    /// Wheel whose requests change. An error for the study of an axle.
     fn wheel_to_ask(&mut self) -> Result<&mut WheelStudy, Error> {
         let refusal = Error::Axle("give its requests in the study file");
         self.one_wheel_mut().ok_or(refusal)
     }
 
-    /// The study with variables and targets for [`Study::tune`]. Further settings are fields of [`Study::optimise`].
+    /// Returns the study with variables and targets for [`Study::tune`]. Further settings are fields of [`Study::optimise`].
     pub fn tuning(mut self, variables: Vec<Variable>, targets: Vec<Target>) -> Self {
         self.optimise = Some(Optimise::of(variables, targets));
         self
     }
 
-    /// The study with designs sampled from the ranges of variables for [`Study::sweep`], which reports their errors.
+    /// Returns the study with designs sampled from the ranges of variables. [`Study::sweep`] computes them and reports
+    /// errors in them.
     ///
-    /// A grid has the same number of values of every variable, and `samples` is that number to the power of the number of
-    /// variables: 5 values of each of 3 variables are 125 samples. Different numbers of values are fields of
-    /// [`Sampled::variables`].
+    /// A grid has the same number of values for every variable, and `samples` is that number to the power of the number of
+    /// variables. For example, 5 values of each of 3 variables are 125 samples. To give variables different numbers of
+    /// values, set the fields of [`Sampled::variables`].
     pub fn sampling(
         mut self,
         method: Sampling,
@@ -153,7 +155,7 @@ impl Study {
             moves: variable.moves.clone(),
             rate: variable.rate,
             absolute: false,
-            // The range of a rate as a variable is in logarithms or changes; here it is in factors or rates.
+            // The range of a rate as a design variable is in logarithms or changes. Here it is in factors or rates.
             range: match &variable.rate {
                 Some(rate) if rate.is_relative => variable.range.map(f64::exp),
                 Some(rate) => variable.range.map(|change| rate.design + change),
@@ -176,7 +178,8 @@ impl Study {
 }
 
 impl Optimise {
-    /// A tuning of these variables towards these targets, from the design itself, with the default settings of a study.
+    /// Makes a tuning of these variables towards these targets. It starts from the design itself, with the default settings
+    /// of a study.
     pub fn of(variables: Vec<Variable>, targets: Vec<Target>) -> Self {
         Optimise {
             starts: 1,
@@ -195,10 +198,10 @@ impl Optimise {
 }
 
 impl Variable {
-    /// A coordinate of a hardpoint, which may move by an offset within a range, in the suspension's axes.
+    /// Variable that moves one coordinate of a hardpoint by an offset within a range, in the suspension's axes.
     ///
     /// # Errors
-    /// [`Error::UnknownPoint`]; or an end of the range is not finite, or the range is empty.
+    /// [`Error::UnknownPoint`]. Also if an end of the range is not finite, or the range is empty.
     pub fn offset(
         suspension: &Suspension,
         point: &str,
@@ -208,7 +211,7 @@ impl Variable {
         Variable::together(suspension, &[(point, 1.0)], axis, range)
     }
 
-    /// A coordinate of several hardpoints, each moving by its factor times the offset.
+    /// Variable that moves one coordinate of several hardpoints, each by its factor times the offset.
     ///
     /// # Errors
     /// As [`Variable::offset`]; [`Error::Empty`] if there is no point.
@@ -242,13 +245,11 @@ impl Variable {
 }
 
 impl Target {
-    /// A wanted curve of a characteristic over the travel. `points` are pairs of travel and wanted value, in the unit of the
+    /// Target curve of a characteristic over the travel. `points` are pairs of travel and target value, in the unit of the
     /// characteristic's column. A monotone cubic joins them. The curve is compared at the stations of the motion between its
     /// ends. `tolerance` is the acceptable deviation, in the same unit.
     ///
-    /// # Errors
-    /// [`Error::Lacking`]; or there are fewer than two points (use [`Target::at`] for a value at one travel), a figure is not
-    /// finite, travels do not rise, or the tolerance is not positive.
+    /// # Errors [`Error::Lacking`]. Also if there are fewer than two points; use [`Target::at`] for a value at one travel. Also if a number is not finite, travels do not rise, or the tolerance is not positive.
     pub fn curve(
         suspension: &Suspension,
         characteristic: Characteristic,
@@ -286,11 +287,11 @@ impl Target {
         })
     }
 
-    /// A value of a characteristic at one travel. The motion need not have a station there. Units and `tolerance` are
+    /// Target value of a characteristic at one travel. The motion need not have a station there. Units and `tolerance` are
     /// those of [`Target::curve`].
     ///
     /// # Errors
-    /// [`Error::Lacking`]; or a figure is not finite, or the tolerance is not above 0.
+    /// [`Error::Lacking`]. Also if a number is not finite, or the tolerance is not positive.
     pub fn at(
         suspension: &Suspension,
         characteristic: Characteristic,
@@ -306,7 +307,7 @@ impl Target {
         })
     }
 
-    /// Wanted values of a characteristic, and the travels of comparison in addition to those of the motion.
+    /// Target values of a characteristic, and travels of comparison in addition to those of the motion.
     fn of(
         suspension: &Suspension,
         characteristic: Characteristic,
@@ -330,7 +331,7 @@ impl Target {
 }
 
 impl Suspension {
-    /// The point of this name.
+    /// Finds the point with this name.
     fn point_named(&self, name: &str) -> Result<PointId, Error> {
         let mechanism = &self.mechanism;
         mechanism.point(name).ok_or_else(|| {
@@ -344,7 +345,7 @@ impl Suspension {
     }
 }
 
-/// The ends of a range that is not empty.
+/// Ends of a range. An error if the range is empty.
 fn ends(what: &str, range: &RangeInclusive<f64>) -> Result<[f64; 2], Error> {
     let low = finite(&format!("{what}'s lowest value"), *range.start())?;
     let high = checked(
@@ -359,7 +360,7 @@ fn ends(what: &str, range: &RangeInclusive<f64>) -> Result<[f64; 2], Error> {
 /// Returns the number of values of each variable in a grid of `points` points, if there is such a grid.
 fn steps_of_grid(points: u64, variables: usize) -> Option<u64> {
     let variables = u32::try_from(variables).ok().filter(|n| *n > 0)?;
-    // Below 2^53 the nearest whole number is the exact root, if there is one. Larger numbers are refused anyway.
+    // Below 2^53 the nearest whole number is the exact root, if there is one. Larger numbers are refused in any case.
     let steps = (points as f64).powf(1.0 / f64::from(variables)).round() as u64;
     (steps >= 2 && steps.checked_pow(variables) == Some(points)).then_some(steps)
 }

@@ -7,11 +7,11 @@ use crate::plan::Plan;
 use crate::study::WheelStudy;
 
 impl SuspensionBuilder {
-    /// Returns the suspension after solving its design position. It has a pose there, and the drive can move the wheel
-    /// from it.
+    /// Returns the suspension after solving its design position. It has a pose there, and the drive can move the wheel from
+    /// it.
     ///
     /// # Errors
-    /// Returns the first fault of the hardpoints and figures, or of the design position.
+    /// The first error in the hardpoints, in other inputs, or in the design position.
     pub fn build(self) -> Result<Suspension, BuildError> {
         let own = WheelStudy::of(self.assemble()?);
         let suspension = &own.suspension;

@@ -7,45 +7,45 @@ use crate::study::StudyErrors;
 use crate::sweep::NotBegun;
 use thiserror::Error;
 
-/// Reason why there is no answer.
+/// Error of the interface for Rust programs.
 #[derive(Clone, Debug, Error)]
 #[non_exhaustive]
 pub enum Error {
     /// No point of the suspension has this name.
     #[error("there is no point {name:?} in a {topology} suspension; there are {known}")]
     UnknownPoint {
-        /// The name.
+        /// Unknown name.
         name: String,
-        /// The topology.
+        /// Name of the topology.
         topology: &'static str,
-        /// The names there are.
+        /// Names that exist.
         known: String,
     },
-    /// The suspension lacks something that a characteristic needs.
+    /// The suspension lacks an input or a part that a characteristic needs.
     #[error("{characteristic} needs {need}, which the suspension does not have")]
     Lacking {
-        /// The characteristic's name.
+        /// Name of the characteristic.
         characteristic: &'static str,
-        /// The figure or part that it needs.
+        /// Missing input or part.
         need: &'static str,
     },
-    /// A figure is not a finite number, or out of its range.
+    /// A number is not finite, or out of its range.
     #[error("{what} is {value}; expected {expected}")]
     Number {
-        /// The figure.
+        /// Name of the number.
         what: String,
-        /// Value of the figure.
+        /// Its value.
         value: f64,
-        /// The expected values, in words.
+        /// Expected values, in words.
         expected: &'static str,
     },
-    /// The study does not request this.
+    /// The study does not request this result.
     #[error("the study has {0}")]
     NotAsked(&'static str),
     /// A list is empty.
     #[error("no {0} is given; expected at least one")]
     Empty(&'static str),
-    /// The study is of an axle, and the called function is for one wheel.
+    /// The study describes an axle, and the called function is for one wheel.
     #[error("the study is of an axle: {0}")]
     Axle(&'static str),
     /// A variable of a sweep moves no coordinate.
@@ -56,7 +56,7 @@ pub enum Error {
     /// The design itself cannot be solved.
     #[error("{0}")]
     Design(String),
-    /// The wheel cannot be there.
+    /// The wheel has no pose at this travel and rack displacement.
     #[error("no pose at travel {travel} {unit}, rack {rack} {unit}: {reason}")]
     NoPose {
         /// Wheel travel.
@@ -65,27 +65,27 @@ pub enum Error {
         rack: f64,
         /// Unit of both, and of lengths in the reason.
         unit: &'static str,
-        /// Reason.
+        /// Reason, in words.
         reason: String,
     },
-    /// A file that the study names is wrong.
+    /// A file that the study names has an error.
     #[error("{0}")]
     File(StudyErrors),
     /// Two columns of a sweep's rows would have this name.
     #[error("two columns would be named {0}; give a variable another name")]
     TwoColumns(String),
-    /// The threads could not be started.
+    /// The system could not start the threads.
     #[error("cannot start {threads} threads: {reason}")]
     Threads {
         /// Number of threads.
         threads: usize,
-        /// Reason.
+        /// Reason, in words.
         reason: String,
     },
 }
 
 impl Error {
-    /// A design that cannot be solved, in words with the names of its points.
+    /// Converts the fault of a design into an error, with the names of its points.
     pub(super) fn design(suspension: &Suspension, fault: &DesignFault) -> Self {
         Error::Design(fault.describe(&suspension.mechanism))
     }
@@ -98,7 +98,7 @@ impl Error {
         }
     }
 
-    /// Errors if the suspension lacks something that a characteristic needs.
+    /// Returns an error if the suspension lacks something that a characteristic needs.
     pub(super) fn if_lacking(
         suspension: &Suspension,
         characteristic: Characteristic,
@@ -114,12 +114,12 @@ impl Error {
     }
 }
 
-/// The figure, if it is finite.
+/// Returns the number if it is finite.
 pub(super) fn finite(what: &str, value: f64) -> Result<f64, Error> {
     checked(what, value, "a finite number", f64::is_finite)
 }
 
-/// Returns the figure if it is in the expected range.
+/// Returns the number if it is in the expected range.
 pub(super) fn checked(
     what: &str,
     value: f64,

@@ -1,11 +1,11 @@
 //! Interface for Rust programs: a suspension from numbers, its pose at a travel, curves, sweeps, tuning.
 //!
-//! A [`Suspension`] comes from [`Suspension::builder`] or from a study. [`Suspension::pose_at`] answers for one position of
-//! the wheel. For everything else, [`Study::of`] makes a [`Study`] of it. The study holds the [`Motion`], the requested
-//! characteristics, the variables and the targets. It answers [`Study::curves`], [`Study::sweep`] and [`Study::tune`].
+//! A [`Suspension`] comes from [`Suspension::builder`] or from a study. [`Suspension::pose_at`] computes one pose of the
+//! wheel. For everything else, [`Study::of`] makes a [`Study`] of it. The study holds the [`Motion`], the requested
+//! characteristics, the variables and the targets. Its methods are [`Study::curves`], [`Study::sweep`] and [`Study::tune`].
 //! No text or file is needed. The commands use the same objects and the same code.
 //!
-//! Figures are in the units of the column names (degrees, the suspension's length unit) and in the suspension's axes.
+//! Numbers are in the units of the column names (degrees, the suspension's length unit) and in the suspension's axes.
 
 mod ask;
 mod build;

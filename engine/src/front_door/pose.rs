@@ -1,4 +1,4 @@
-//! One position of the wheel.
+//! One pose of the wheel.
 
 use super::Error;
 use crate::characteristics::Characteristic;
@@ -8,7 +8,7 @@ use crate::plan::Plan;
 use crate::study::{Motion, WheelStudy};
 use std::collections::BTreeMap;
 
-/// A suspension at one travel of the wheel and one displacement of the rack.
+/// Pose of a suspension at one travel of the wheel and one displacement of the rack.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SuspensionPose {
     /// Wheel travel, jounce positive.
@@ -22,30 +22,30 @@ pub struct SuspensionPose {
 }
 
 impl SuspensionPose {
-    /// The position of a point by its name, in the suspension's axes and unit. `None` for a name that the topology
-    /// does not have, and for a point beyond a rocker that is at toggle.
+    /// Position of the point with this name, in the suspension's axes and unit. `None` if the topology has no such name, or
+    /// if the point moves with a rocker that is at a toggle.
     pub fn point(&self, name: &str) -> Option<[f64; 3]> {
         self.points.get(name).copied()
     }
 
-    /// The positions of all points, by name.
+    /// Positions of all points, with their names.
     pub fn points(&self) -> impl Iterator<Item = (&str, [f64; 3])> {
         self.points.iter().map(|(name, p)| (name.as_str(), *p))
     }
 
-    /// Value of a characteristic in the unit of its column; [`Characteristic::info`] gives sign and formula. `None` if the
-    /// suspension lacks a figure for it, or if it has no value here (a swing arm whose centre is at infinity).
+    /// Value of a characteristic in the unit of its column. [`Characteristic::info`] gives sign and formula. `None` if the
+    /// suspension lacks an input for it, or if it has no value here (a swing arm whose centre is at infinity).
     pub fn characteristic(&self, characteristic: Characteristic) -> Option<f64> {
         self.characteristics.get(&characteristic).copied()
     }
 }
 
 impl Suspension {
-    /// The suspension with the wheel at `travel` above its design position and the rack displaced by `rack` along the
-    /// suspension's +y: every point, and every characteristic that the suspension has the figures for.
+    /// Pose of the suspension with the wheel at `travel` above its design position and the rack displaced by `rack` along
+    /// the suspension's +y. It contains every point, and every characteristic for which the suspension has the inputs.
     ///
-    /// The pose is the one that the design position can be moved to; a mechanism that could be put together there in
-    /// another way is not taken for it.
+    /// The pose is the one that a motion from the design position reaches. Other assemblies of the mechanism at this travel
+    /// are excluded.
     ///
     /// ```
     /// # extern crate hardpoint_engine as hardpoint;

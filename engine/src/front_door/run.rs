@@ -12,18 +12,18 @@ use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
-/// The threads of a sweep, and a switch to end it early.
+/// Threads of a sweep, and a flag that stops it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SweepControl<'a> {
-    /// Number of threads; one per core if `None`. Results do not depend on it.
+    /// Number of threads. `None` for one per core. Results do not depend on it.
     pub threads: Option<NonZeroUsize>,
-    /// Once it is true, the sweep ends after the current designs.
+    /// Flag that stops the sweep. Once true, the sweep ends after the current designs.
     pub interrupt: Option<&'a AtomicBool>,
 }
 
 impl Study {
-    /// The requested curves at every station of the motion, of one wheel or of an axle. The status of a station without a
-    /// pose gives the reason.
+    /// Computes the requested curves at every station of the motion, of one wheel or of an axle. If a station has no pose,
+    /// its status gives the reason.
     ///
     /// ```
     /// # extern crate hardpoint_engine as hardpoint;
@@ -53,9 +53,9 @@ impl Study {
         }
     }
 
-    /// Tunes the variables towards the targets. The design found is [`Tuning::best`]; `None` if no start can be
-    /// solved at all stations. Starts run in parallel, on no more threads than the rayon pool has that this is called
-    /// in (its global pool, outside of any), but on threads of its own: their stacks are large enough.
+    /// Tunes the variables towards the targets. [`Tuning::best`] is the tuned design; it is `None` if no start can be solved
+    /// at all stations. Starts run in parallel, on at most as many threads as the calling rayon pool has (outside a pool,
+    /// the global one). They use separate threads with large enough stacks.
     ///
     /// ```
     /// # extern crate hardpoint_engine as hardpoint;
@@ -92,12 +92,12 @@ impl Study {
         tune(&self.vehicle, optimise, control).map_err(|fault| Error::design(self.wheel(), &fault))
     }
 
-    /// Solves the designs of the sweep on all cores and hands their rows to `sink`, block by block in the order of
-    /// the designs, while it runs; memory holds a few blocks, however many designs there are. The names of the
-    /// columns, those of the variables before those of the outputs, are returned. Ends early, with everything
-    /// before handed over, when `sink` breaks or the control interrupts; the names are returned then, too. A sweep is
-    /// whole if as many designs ([`Rows::designs`]) were handed over as there are ([`Sampled::designs`], or the rows of
-    /// the file or table).
+    /// Solves the designs of the sweep on all cores. While it runs, it passes their rows to `sink`, block by block in the
+    /// order of the designs. Memory holds only a few blocks, however many designs there are. Returns the names of the
+    /// columns, first those of the variables, then those of the outputs. The sweep ends early if `sink` breaks or the
+    /// control stops it. All earlier rows have then been passed on, and the names are returned, too. A sweep is complete if
+    /// the number of received designs ([`Rows::designs`]) equals the number of its designs ([`Sampled::designs`], or the
+    /// rows of the file or table).
     ///
     /// ```
     /// # extern crate hardpoint_engine as hardpoint;
@@ -124,9 +124,9 @@ impl Study {
     /// ```
     ///
     /// # Errors
-    /// [`Error::NotAsked`] without [`Study::sampling`], [`Error::Empty`] without a variable in it, [`Error::Number`]
-    /// for a number of samples that is none or that of no grid, [`Error::MovesNothing`],
-    /// [`Error::Design`] if the design itself cannot be solved, and what is wrong with a file of designs.
+    /// [`Error::NotAsked`] without [`Study::sampling`]. [`Error::Empty`] if it has no variable. [`Error::Number`] if the
+    /// number of samples is 0 or does not fit a grid. [`Error::MovesNothing`]. [`Error::Design`] if the design itself cannot
+    /// be solved. The error of a file of designs.
     pub fn sweep(
         &self,
         control: SweepControl<'_>,
@@ -145,7 +145,7 @@ impl Study {
             reason: error.to_string(),
         })?;
         let go_on = || !Interrupt(control.interrupt).is_raised();
-        // The plan solves the design itself, which takes the stack of one of the pool's threads, too.
+        // The plan solves the design itself, which also needs the large stack of a pool's thread.
         pool.install(|| {
             let plan = SweepPlan::of(self, sweep)
                 .map_err(|reason| Error::not_begun(self.wheel(), reason))?;
@@ -155,7 +155,7 @@ impl Study {
     }
 }
 
-/// Refuses the same errors as the reader of studies.
+/// Refuses the same sampling errors as the reader of studies.
 fn refuse_wrong(sampled: &Sampled) -> Result<(), Error> {
     let variables = &sampled.variables;
     if variables.is_empty() {

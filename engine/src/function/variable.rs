@@ -1,4 +1,4 @@
-//! The variables of a function.
+//! Variables of a function.
 
 use crate::model::Suspension;
 use crate::study::{Designs, Study, SweepVariable, Variable, nearest};
@@ -8,7 +8,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum FunctionError {
-    /// The study solves the seed paper's equations, which do not give every output of every design.
+    /// The study solves the equations of Attia's paper, which do not give every output of every design.
     #[error(
         "DesignFunction does not support formulation = \"point_coordinates\" or drive = \"paper_theta\""
     )]
@@ -16,7 +16,7 @@ pub enum FunctionError {
     /// The study has elastic parts. Their equilibria depend on more than positions.
     #[error("DesignFunction is of the rigid mechanism; the study has [compliance]")]
     Elastic,
-    /// The study asks for nothing that is a function of position.
+    /// The study has no output that is a function of position.
     #[error("the study requests no characteristic and no point")]
     NoOutputs,
     /// The design itself cannot be solved.
@@ -30,22 +30,21 @@ pub enum FunctionError {
     UnknownVariable(String, String),
 }
 
-/// A number that a design depends on.
+/// A design variable of a function.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DesignVariable {
-    /// Unique: `tie_rod_inner_dz`, `lower_arm_front+lower_arm_rear_dz`, `tie_rod_inner_z` of a coordinate,
-    /// `lower_arm_front+lower_arm_rear_turn_x` of a turn.
+    /// Unique name: `tie_rod_inner_dz`, `lower_arm_front+lower_arm_rear_dz`, `tie_rod_inner_z` for a coordinate,
+    /// `lower_arm_front+lower_arm_rear_turn_x` for a rotation.
     pub name: String,
-    /// The points it moves and its range: an offset from the design in the study's length unit and axes, or degrees of
-    /// a turn.
+    /// Points that the variable moves, and its range: an offset from the design in the study's length unit and axes, or
+    /// degrees for a rotation.
     pub(super) moved: Variable,
     /// True if the number is the coordinate itself, false if it is an offset.
     pub(super) absolute: bool,
 }
 
 impl DesignVariable {
-    /// The variables of a study: those of `[optimise]`, else those of `[sweep]`, else every coordinate of every
-    /// hardpoint.
+    /// Variables of a study: those of `[optimise]`, else those of `[sweep]`, else every coordinate of every hardpoint.
     pub fn of(study: &Study) -> Vec<Self> {
         if let Some(optimise) = &study.optimise {
             return optimise.variables.iter().map(Self::tuned).collect();
@@ -57,11 +56,11 @@ impl DesignVariable {
         }
     }
 
-    /// The variable of this name: one of `[optimise]` or `[sweep]`, or the offset or the coordinate of any hardpoint
+    /// Finds the variable with this name: one of `[optimise]` or `[sweep]`, or the offset or the coordinate of any hardpoint
     /// along an axis.
     ///
     /// # Errors
-    /// [`FunctionError::UnknownVariable`] if there is none, with the name that comes nearest.
+    /// [`FunctionError::UnknownVariable`] if there is none. It suggests the closest name.
     pub fn named(name: &str, study: &Study) -> Result<Self, FunctionError> {
         let mut known = Self::of(study);
         if let Some(Designs::Sampled(sampled)) = study.sweep.as_ref().map(|sweep| &sweep.designs) {
@@ -102,15 +101,15 @@ impl DesignVariable {
         }
     }
 
-    /// An offset of every coordinate of every hardpoint by up to ten millimetres.
+    /// Offsets of every coordinate of every hardpoint, in a range of +-10 mm.
     fn every_coordinate(suspension: &Suspension) -> Vec<Self> {
         let far = 0.01 * suspension.length_unit.per_metre();
         let all = Variable::every_coordinate(suspension, [-far, far]);
         all.iter().map(Self::tuned).collect()
     }
 
-    /// A variable that is the coordinate itself in place of its offset. A variable that moves more than one coordinate
-    /// stays as it is.
+    /// Replaces the offset of a coordinate by the coordinate itself. A variable that moves more than one coordinate does not
+    /// change.
     fn as_coordinate(&self, suspension: &Suspension) -> Self {
         let [m] = self.moved.moves[..] else {
             return self.clone();
@@ -126,13 +125,13 @@ impl DesignVariable {
         }
     }
 
-    /// Lowest and highest value, in the study's axes and length unit, or in degrees for a turn.
+    /// Lowest and highest value, in the study's axes and length unit, or in degrees for a rotation.
     pub fn range(&self) -> [f64; 2] {
         self.moved.range
     }
 
-    /// The offset that moves the design as this variable does, and the variable's value at the design. `None` for a coordinate
-    /// that several points share: it has no one value there.
+    /// Offset that moves the design as this variable does, and the variable's value at the design. `None` for a coordinate
+    /// that several points share, because it has no single value at the design.
     pub fn as_offset(&self, suspension: &Suspension) -> Option<(Variable, f64)> {
         if !self.absolute {
             return Some((self.moved.clone(), 0.0));
@@ -144,7 +143,7 @@ impl DesignVariable {
         Some((self.moved.clone(), at / m.factor + 0.0))
     }
 
-    /// The variable as a column of a table of designs. `None` for a turn or a rate, which cannot be one.
+    /// The variable as a column of a table of designs. `None` for a rotation or a rate, which cannot be a column.
     pub fn swept_as(&self) -> Option<SweepVariable> {
         let is_of_points = self.moved.turn.is_none() && self.moved.rate.is_none();
         is_of_points.then(|| SweepVariable {

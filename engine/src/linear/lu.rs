@@ -1,28 +1,28 @@
-//! LU factorisation with partial pivoting. It serves the six closure equations, the same bordered by a tangent, the
-//! twelve equations of a certificate, and the paper's fifteen.
+//! LU factorisation with partial pivoting. It serves the six closure equations, the same equations bordered by a tangent,
+//! the twelve equations of a certificate, and the fifteen of Attia's paper.
 
 use crate::number::{Each, Jet, Scalar, array_of};
 
-/// Six numbers: residuals, multipliers or a twist (shift, turn).
+/// Six numbers: residuals, multipliers, or a twist (displacement, rotation).
 pub(crate) type Vector6<T> = [T; 6];
-/// Six rows of six.
+/// Six rows of six numbers.
 pub(crate) type Matrix6<T> = [[T; 6]; 6];
 
-/// The factors of a row-permuted matrix: unit lower and upper triangle in one.
+/// Factors of a row-permuted matrix: unit lower and upper triangle in one.
 #[derive(Clone, Copy, Debug)]
 pub struct Lu<T, const N: usize> {
     factors: [[T; N]; N],
-    /// Row `order[i]` of the matrix became row `i`.
+    /// Row permutation: row `order[i]` of the matrix became row `i`.
     order: [usize; N],
     determinant: f64,
 }
 
-/// The factors of the Jacobian of a closure.
+/// Factors of the Jacobian of a closure.
 pub type Lu6<T> = Lu<T, 6>;
 
 impl<T: Scalar> Lu6<T> {
-    /// Factorises a closure Jacobian. Its last three columns (moments) are lengths; the determinant is divided by
-    /// `size`^3, so that it is dimensionless: +-1 for six orthogonal unit lines, 0 at a singularity.
+    /// Factorises a closure Jacobian. Its last three columns (moments) are lengths, so the determinant is divided by
+    /// `size`^3 to be dimensionless. It is +-1 for six orthogonal unit lines, and 0 at a singularity.
     #[inline]
     pub fn new(jacobian: Matrix6<T>, size: f64) -> Option<Self> {
         Lu::of(jacobian, size.powi(-3))
@@ -30,7 +30,7 @@ impl<T: Scalar> Lu6<T> {
 }
 
 impl<T: Scalar, const N: usize> Lu<T, N> {
-    /// Factorises a matrix. `None` if a pivot is zero or NaN. The determinant is the matrix's times `unit`.
+    /// Factorises a matrix. `None` if a pivot is zero or NaN. The stored determinant is that of the matrix times `unit`.
     #[inline]
     pub fn of(mut a: [[T; N]; N], unit: f64) -> Option<Self> {
         let mut order: [usize; N] = array_of(|i| i);
@@ -65,17 +65,17 @@ impl<T: Scalar, const N: usize> Lu<T, N> {
         })
     }
 
-    /// The determinant. Its sign cannot change along a path without passing a singularity.
+    /// Determinant of the matrix. Its sign cannot change along a path without passing a singularity.
     pub fn determinant(&self) -> f64 {
         self.determinant
     }
 
-    /// The pivots, in the order in which they were taken.
+    /// Pivots, in the order of elimination.
     pub fn pivots(&self) -> [T; N] {
         array_of(|k| self.factors[k][k])
     }
 
-    /// x with A x = b.
+    /// Solves A x = b for x.
     #[inline]
     pub fn solve(&self, b: [T; N]) -> [T; N] {
         let mut x = self.order.each(|i| b[i]);
@@ -93,7 +93,7 @@ impl<T: Scalar, const N: usize> Lu<T, N> {
         x
     }
 
-    /// x with A^T x = b.
+    /// Solves A^T x = b for x.
     #[inline]
     pub fn solve_transposed(&self, b: [T; N]) -> [T; N] {
         let mut y = b;
@@ -115,8 +115,8 @@ impl<T: Scalar, const N: usize> Lu<T, N> {
         x
     }
 
-    /// x with A x = b for a matrix and a right-hand side that vary along the drive; `self` holds the
-    /// factors of the constant part of `matrix`.
+    /// Solves A x = b for a matrix and a right-hand side that are series along the drive. `self` holds the factors of the
+    /// constant part of `matrix`.
     pub(crate) fn solve_series<const M: usize>(
         &self,
         matrix: &[[Jet<T, M>; N]; N],
@@ -126,7 +126,7 @@ impl<T: Scalar, const N: usize> Lu<T, N> {
         coefficient_by_coefficient(b, entry, |right| self.solve(right))
     }
 
-    /// x with A^T x = b for a matrix and a right-hand side that vary along the drive, as [`Lu::solve_series`].
+    /// Solves A^T x = b for a matrix and a right-hand side that are series along the drive, like [`Lu::solve_series`].
     #[inline]
     pub(crate) fn solve_transposed_series<const M: usize>(
         &self,
@@ -138,8 +138,8 @@ impl<T: Scalar, const N: usize> Lu<T, N> {
     }
 }
 
-/// x with A x = b, both series: A_0 x_k = b_k - sum_i A_i x_(k-i), where `entry` has A_i by row, column and i, and
-/// `solve` is that with A_0.
+/// Solves A x = b for series: A_0 x_k = b_k - sum_i A_i x_(k-i). `entry` returns A_i by row, column and i, and `solve`
+/// solves with A_0.
 #[inline(always)]
 fn coefficient_by_coefficient<T: Scalar, const N: usize, const M: usize>(
     b: &[Jet<T, M>; N],
@@ -165,7 +165,7 @@ fn coefficient_by_coefficient<T: Scalar, const N: usize, const M: usize>(
 }
 
 impl<const N: usize> Lu<f64, N> {
-    /// The matrix, multiplied out again, its rows in an order of their own.
+    /// The matrix as the product of its factors, with rows in the order of the factors.
     pub(crate) fn matrix(&self) -> [[f64; N]; N] {
         let f = &self.factors;
         let mut rows = *f;
@@ -181,7 +181,7 @@ impl<const N: usize> Lu<f64, N> {
         rows
     }
 
-    /// The inverse.
+    /// Inverse of the matrix.
     pub fn inverse(&self) -> [[f64; N]; N] {
         let f = &self.factors;
         let mut rows = [[0.0; N]; N];
@@ -229,8 +229,8 @@ mod tests {
         [0.5, 1.0, 4.0, -1.0, -2.0, 5.0],
     ];
 
-    /// Backward stability: the residual is of the order of eps |A| |x|, whatever the condition number.
-    /// Partial pivoting lets entries grow by at most 2^5.
+    /// Backward stability: the residual is of the order of eps |A| |x|, whatever the condition number. With partial
+    /// pivoting, entries grow by at most 2^5.
     const BOUND: f64 = 36.0 * 32.0 * f64::EPSILON;
 
     #[test]
@@ -249,8 +249,8 @@ mod tests {
         }
     }
 
-    /// Solves fifteen equations, the paper's number, in an order that forces pivoting. The right-hand side returns within a
-    /// few roundings.
+    /// Solves fifteen equations, as many as in Attia's paper, in an order that forces pivoting. The product with the
+    /// solution gives the right-hand side within a few roundings.
     #[test]
     fn fifteen_equations_are_solved_both_ways() {
         let mut seed = 0.3_f64;

@@ -1,4 +1,4 @@
-//! Small dense linear algebra over any number.
+//! Small dense linear algebra over any number type.
 
 pub(crate) mod lu;
 pub(crate) mod square;

@@ -1,11 +1,11 @@
-//! LU factorisation of a square matrix of up to [`MOST`] rows, without memory from the heap.
+//! LU factorisation of a square matrix of up to [`MOST`] rows, without heap memory.
 
 use crate::number::{Scalar, array_of};
 
-/// The most rows.
+/// Largest number of rows.
 pub(crate) const MOST: usize = 12;
 
-/// The factors of a row-permuted matrix of `size` rows: unit lower and upper triangle in one.
+/// Factors of a row-permuted matrix of `size` rows: unit lower and upper triangle in one.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SquareLu<T> {
     factors: [[T; MOST]; MOST],
@@ -50,7 +50,7 @@ impl<T: Scalar> SquareLu<T> {
         })
     }
 
-    /// x with A x = b.
+    /// Solves A x = b for x.
     #[inline]
     pub(crate) fn solve(&self, b: &[T; MOST]) -> [T; MOST] {
         let mut x = *b;
@@ -76,7 +76,7 @@ impl<T: Scalar> SquareLu<T> {
 mod tests {
     use super::*;
 
-    /// The right-hand side returns within a few roundings, in an order that forces pivoting.
+    /// The product with the solution gives the right-hand side within a few roundings, in an order that forces pivoting.
     #[test]
     fn the_solution_satisfies_the_equations() {
         let mut seed = 0.3_f64;

@@ -1,28 +1,28 @@
-//! The position to which an arm carries a point.
+//! Position of a point on an arm.
 //!
-//! An arm is hinged about the line through its front and rear bushing, along the unit vector e. With r the part
-//! of `outer - front` normal to e in the design position and r' now, it has turned by
+//! An arm is hinged about the line through its front and rear bushing, along the unit vector e. With r the component of
+//! `outer - front` normal to e in the design position and r' in the present pose, its rotation is
 //!
 //! ```text
 //! cos = r.r'/r.r,   sin = e.(r x r')/r.r
 //! ```
 //!
-//! and a point whose lever, the part of `point - front` normal to e, is L moves by L (cos - 1) + e x L sin.
+//! Let L be the lever of a point: the component of `point - front` normal to e. The point moves by L (cos - 1) + e x L sin.
 
 use crate::number::{Real, Vector3};
 
-/// Inputs for the position of a point of an arm: front, rear and outer joint and the point itself in the design
-/// position, and the outer joint now.
+/// Inputs for the position of a point of an arm. They are the front, rear and outer joint and the point itself in the design
+/// position, then the outer joint in the present pose.
 pub(super) type Inputs<T> = [Vector3<T>; 5];
 
-/// The arm's turn about its axis, with the intermediate results that its derivatives need.
+/// Rotation of the arm about its axis, with the intermediate results that its derivatives need.
 struct ArmTurn<T> {
     axis: Vector3<T>,
-    /// 1/|rear - front|
+    /// Inverse length 1/|rear - front|.
     inverse_length: T,
-    /// r, r' and L.
+    /// Vectors r, r' and L.
     levers: [Vector3<T>; 3],
-    /// 1/r.r
+    /// Number 1/r.r.
     inverse: T,
     cosine: T,
     sine: T,
@@ -61,8 +61,7 @@ pub(super) fn arm_point<T: Real>(inputs: Inputs<T>) -> Vector3<T> {
     inputs[3] - lever + lever * cosine + axis.cross(lever) * sine
 }
 
-/// The derivative of `gradient . arm_point(inputs)` by each of the inputs: the formulas above, differentiated in
-/// reverse order.
+/// Derivatives of `gradient . arm_point(inputs)` by each of the inputs: the formulas above, differentiated in reverse order.
 #[inline(always)]
 pub(super) fn arm_point_gradient<T: Real>(inputs: Inputs<T>, gradient: Vector3<T>) -> Inputs<T> {
     let ArmTurn {
@@ -84,7 +83,7 @@ pub(super) fn arm_point_gradient<T: Real>(inputs: Inputs<T>, gradient: Vector3<T
     ];
     let mut by_axis = lever.cross(gradient) * sine + radius.cross(radius_now) * by_sine;
     let [front, _, outer, point, outer_now] = inputs;
-    // Each lever is made of a point, the front bushing and the axis.
+    // Each lever depends on a point, the front bushing and the axis.
     let points = [outer, outer_now, point];
     let mut by_points = by_levers;
     for k in 0..3 {
@@ -108,7 +107,7 @@ pub(super) mod tests {
     use super::*;
     use crate::number::{Dual, Jet};
 
-    /// The gradient of one backward pass equals that of dual numbers, also after the outer joint has left its circle. So does
+    /// The gradient of one backward pass equals that of dual numbers, even if the outer joint has left its circle. So does
     /// its rate along a motion.
     #[test]
     fn the_gradient_is_that_of_dual_numbers() {

@@ -1,4 +1,4 @@
-//! Suspensions from numbers.
+//! Builder of suspensions from numbers.
 
 use super::validation::{GeometryFault, HardpointFault};
 use crate::model::{
@@ -8,7 +8,7 @@ use crate::number::Vector3;
 use hardpoint_study_file::names::nearest;
 use thiserror::Error;
 
-/// Reason why there is no suspension.
+/// Reason why a suspension cannot be built.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum BuildError {
@@ -21,14 +21,14 @@ pub enum BuildError {
     /// A hardpoint is given twice.
     #[error("{0} is given twice")]
     GivenTwice(String),
-    /// A figure is not a finite number, or out of its range.
+    /// A number is not finite, or out of its range.
     #[error("{what} is {value}; expected {expected}")]
     Number {
-        /// The figure.
+        /// Name of the number.
         what: String,
-        /// Value of the figure.
+        /// Its value.
         value: f64,
-        /// Expected range of the value.
+        /// Expected range, in words.
         expected: &'static str,
     },
     /// Neither `spindle_inner` nor static camber and toe are given, or both are.
@@ -36,10 +36,10 @@ pub enum BuildError {
         "the direction of the wheel takes either the hardpoint spindle_inner or static camber and toe"
     )]
     SpinAxis,
-    /// The topology carries both wheels, so it is no suspension of one.
+    /// The topology carries both wheels, so it is not a suspension of one wheel.
     #[error("{0} carries both wheels; expected a topology of one wheel, or a study")]
     BothWheels(&'static str),
-    /// The hardpoints make no suspension.
+    /// The hardpoints do not form a suspension.
     #[error(transparent)]
     Geometry(Box<GeometryFault>),
     /// The design position cannot be solved.
@@ -108,7 +108,7 @@ pub struct SuspensionBuilder {
 }
 
 impl Suspension {
-    /// Begins a suspension of a topology. [`Topology::ALL`] holds their names and hardpoints. The defaults are a left wheel,
+    /// Starts a suspension of a topology. [`Topology::ALL`] has their names and hardpoints. The defaults are a left wheel,
     /// ISO 8855 axes and millimetres.
     pub fn builder(topology: &str) -> SuspensionBuilder {
         SuspensionBuilder {
@@ -126,56 +126,56 @@ impl Suspension {
 }
 
 impl SuspensionBuilder {
-    /// The side of the car.
+    /// Sets the side of the car.
     pub fn side(mut self, side: Side) -> Self {
         self.side = side;
         self
     }
 
-    /// The axes of all coordinates.
+    /// Sets the axes of all coordinates.
     pub fn frame(mut self, convention: FrameConvention) -> Self {
         self.convention = convention;
         self
     }
 
-    /// The unit of every length.
+    /// Sets the unit of all lengths.
     pub fn length_unit(mut self, unit: LengthUnit) -> Self {
         self.length_unit = unit;
         self
     }
 
-    /// A hardpoint.
+    /// Adds a hardpoint.
     pub fn hardpoint(mut self, name: &str, position: [f64; 3]) -> Self {
         self.hardpoints.push((name.to_owned(), position));
         self
     }
 
-    /// Camber and toe (degrees) in the design position, in place of the hardpoint `spindle_inner`: camber
-    /// positive with the top outboard, toe positive with the front inboard.
+    /// Sets camber and toe (degrees) in the design position, in place of the hardpoint `spindle_inner`. Camber is positive
+    /// with the top outboard, toe with the front inboard.
     pub fn static_angles_deg(mut self, camber: f64, toe: f64) -> Self {
         self.static_angles = Some([camber, toe]);
         self
     }
 
-    /// The loaded radius of the wheel.
+    /// Sets the loaded radius of the wheel.
     pub fn wheel_radius(mut self, radius: f64) -> Self {
         self.wheel_radius = Some(radius);
         self
     }
 
-    /// The width of the tyre, which the envelope of the tyre needs.
+    /// Sets the width of the tyre, which the envelope of the tyre needs.
     pub fn tyre_width(mut self, width: f64) -> Self {
         self.tyre_width = Some(width);
         self
     }
 
-    /// Figures of the whole vehicle.
+    /// Sets the data of the whole vehicle.
     pub fn vehicle(mut self, vehicle: VehicleFigures) -> Self {
         self.vehicle = vehicle;
         self
     }
 
-    /// Assembles the suspension; its design position has not been solved yet.
+    /// Assembles the suspension. Its design position is not solved yet.
     pub(crate) fn assemble(self) -> Result<Suspension, BuildError> {
         let topology = Topology::named(&self.topology)
             .ok_or_else(|| BuildError::UnknownTopology(self.topology.clone()))?;
@@ -229,7 +229,7 @@ impl SuspensionBuilder {
         }
     }
 
-    /// Refuses figures of wheel and vehicle that the reader of studies would refuse.
+    /// Refuses data of wheel and vehicle that the reader of studies would refuse.
     fn check_figures(&self) -> Result<(), BuildError> {
         let vehicle = &self.vehicle;
         let lengths = [
@@ -259,7 +259,7 @@ impl SuspensionBuilder {
         Ok(())
     }
 
-    /// The hardpoints by the topology's names.
+    /// Hardpoints in the topology's order, with its names.
     fn given(
         &self,
         topology: &'static Topology,

@@ -1,8 +1,8 @@
-//! The six closure equations of a mechanism in the pose of its knuckle: five constraints (see
-//! [`crate::mechanism::constraint`]) and a drive.
+//! Six closure equations of a mechanism in the pose of its knuckle: five constraints (see [`crate::mechanism::constraint`])
+//! and a drive.
 //!
-//! Their Jacobian J by the pose has the constraints' lines as rows, so it is singular exactly where the
-//! mechanism is.
+//! The rows of their Jacobian J by the pose are the lines of the constraints. So J is singular exactly where the mechanism
+//! is.
 
 use super::constraint::{ArmAngle, PartDimensions, Row, TravelRow};
 use super::pose::{Configuration, Pose, Sink, Twist, Wrench};
@@ -10,12 +10,12 @@ use crate::linear::lu::{Lu6, Matrix6, Vector6};
 use crate::model::{Mechanism, PointId};
 use crate::number::{Each, Matrix3, Outlined, Real, Vector3};
 
-/// The sixth equation: the drive with its present value.
+/// Sixth equation: the drive with its present value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Driver<T> {
-    /// Height of the wheel centre above its design position; of a rigid axle the travel that is not held.
+    /// Height of the wheel centre above its design position. For a rigid axle: the travel that is not held.
     Travel(T),
-    /// Angle of the first arm from its design position.
+    /// Angle of the first arm, from its design position.
     ArmAngle {
         /// Sine of the angle.
         sine: T,
@@ -24,7 +24,7 @@ pub enum Driver<T> {
     },
 }
 
-/// A set of closure equations. A bit each: the five constraints, then the drive by travel and the drive by arm angle.
+/// Set of closure equations, with one bit for each: the five constraints, the drive by travel, the drive by arm angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct RowSet(u8);
 
@@ -37,14 +37,14 @@ impl RowSet {
         self.0 & (1 << row) != 0
     }
 
-    /// Number of equations of the set, of the two drives counting only this one.
+    /// Number of equations in the set, with `driver` as the only drive.
     #[inline]
     pub(crate) fn count<T>(self, driver: Driver<T>) -> u64 {
         u64::from((self.0 & 0b1_1111).count_ones()) + u64::from(self.holds(driver.row()))
     }
 }
 
-/// Records whether a derivative by one of these hardpoints is added.
+/// Records whether any derivative by these hardpoints is added.
 struct Touches<'a> {
     points: &'a [PointId],
     found: bool,
@@ -57,18 +57,19 @@ impl<T> Sink<T> for Touches<'_> {
     }
 }
 
-/// The closure equations of one design.
+/// Closure equations of one design.
 #[derive(Clone, Debug)]
 pub struct Closure<T> {
     rows: [Row<T>; 5],
 }
 
-/// Dimensions that rows are made of. A trait and not an enum: code that only knows designs then holds no rows of parts. Its
-/// function is inlined, since a call would not be compiled for lanes.
+/// Dimensions from which rows are made. A trait, unlike an enum, keeps rows of parts out of code that only knows designs.
+/// Its function is inlined, since a call would not be compiled for SIMD lanes.
 trait Dimensions<T>: Copy {
-    /// One of the numbers.
+    /// Any number of the dimensions, for constants of its kind.
     fn like(self) -> T;
-    /// A row, by the number of its constraint and its own number among that constraint's rows.
+    /// Makes a row. `constraint` is the index of its constraint, and `number` is its index among the rows of that
+    /// constraint.
     fn row(self, mechanism: &Mechanism, constraint: usize, number: usize) -> Row<T>;
 }
 
@@ -94,7 +95,7 @@ impl<T: Real> Dimensions<T> for PartDimensions<'_, T> {
     }
 }
 
-/// A row to be made, by the number of its constraint and its own number among that constraint's rows.
+/// A row to make: the index of its constraint, and its index among the rows of that constraint.
 #[derive(Clone, Copy)]
 struct RowToMake<'a, T, D> {
     mechanism: &'a Mechanism,
@@ -113,13 +114,13 @@ impl<T: Real, D: Dimensions<T>> Outlined for RowToMake<'_, T, D> {
 }
 
 impl<T: Real> Closure<T> {
-    /// The equations of a design.
+    /// Makes the equations of a design.
     #[inline(always)]
     pub fn new(mechanism: &Mechanism, design: &[Vector3<T>]) -> Self {
         Closure::of_rows(mechanism, design)
     }
 
-    /// The equations of parts with dimensions of their own.
+    /// Makes the equations for parts with their own dimensions.
     #[inline(always)]
     pub(crate) fn of_parts(mechanism: &Mechanism, parts: PartDimensions<T>) -> Self {
         Closure::of_rows(mechanism, parts)
@@ -147,25 +148,25 @@ impl<T: Real> Closure<T> {
         Closure { rows }
     }
 
-    /// Takes over another design of the same mechanism.
+    /// Takes a new design of the same mechanism.
     pub fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<T>]) {
         *self = Closure::new(mechanism, design);
     }
 
-    /// The five constraints, one by one.
+    /// Rows of the five constraints.
     #[inline(always)]
     pub(crate) fn rows(&self) -> &[Row<T>; 5] {
         &self.rows
     }
 
-    /// The residuals, as lengths: five constraints, then the drive. Out of line: inlined everywhere, this
-    /// would take the compiler minutes for derivative numbers.
+    /// Residuals as lengths: five constraints, then the drive. This function is not inlined, since that would cost minutes
+    /// of compile time for derivative numbers.
     #[inline(never)]
     pub fn residuals(&self, at: &Configuration<T>, driver: Driver<T>) -> Vector6<T> {
         self.residuals_inlined(at, driver)
     }
 
-    /// The same as [`Closure::residuals`], for SIMD lanes.
+    /// Same as [`Closure::residuals`], for SIMD lanes.
     #[inline(always)]
     pub(crate) fn residuals_inlined(&self, at: &Configuration<T>, driver: Driver<T>) -> Vector6<T> {
         let mut residuals = [at.rack.zero(); 6];
@@ -176,13 +177,13 @@ impl<T: Real> Closure<T> {
         residuals
     }
 
-    /// The Jacobian by the pose.
+    /// Jacobian by the pose.
     #[inline]
     pub fn jacobian(&self, at: &Configuration<T>, driver: Driver<T>) -> Matrix6<T> {
         self.wrenches(at, driver).each(Wrench::to_row)
     }
 
-    /// The Jacobian by the pose, row by row, with the derivatives by the displacement of the rack.
+    /// Jacobian by the pose, row by row, with the derivatives by the displacement of the rack.
     #[inline(never)]
     pub(crate) fn wrenches(&self, at: &Configuration<T>, driver: Driver<T>) -> [Wrench<T>; 6] {
         let like = at.rack;
@@ -194,7 +195,7 @@ impl<T: Real> Closure<T> {
         wrenches
     }
 
-    /// The residual of one of the six equations and its row of the Jacobian, as in [`Closure::wrenches`].
+    /// Residual of one of the six equations, and its row of the Jacobian as in [`Closure::wrenches`].
     #[inline(always)]
     pub(crate) fn row(
         &self,
@@ -217,8 +218,8 @@ impl<T: Real> Closure<T> {
         (residual, wrench)
     }
 
-    /// Rates of the rows of [`Closure::wrenches`] along a motion of the knuckle, with the rack held. The sixth row is that of
-    /// the travel.
+    /// Rates of the rows of [`Closure::wrenches`] along a motion of the knuckle, with the rack held. The sixth row is the
+    /// drive by travel.
     #[inline(always)]
     pub(crate) fn wrench_rates(&self, at: &Configuration<T>, along: &Twist<T>) -> [Wrench<T>; 6] {
         let mut rates = [Wrench::zero(at.rack); 6];
@@ -236,8 +237,8 @@ impl<T: Real> Closure<T> {
         rates
     }
 
-    /// Adds `weights` times the differentials of some of the six equations to the sink. Out of line, as
-    /// [`Closure::residuals`].
+    /// Adds `weights` times the differentials of the equations in `rows` to the sink. It is not inlined, for the same reason
+    /// as [`Closure::residuals`].
     #[inline(never)]
     pub(crate) fn differential(
         &self,
@@ -250,7 +251,7 @@ impl<T: Real> Closure<T> {
         self.differential_inlined(rows, at, driver, weights, &mut sink);
     }
 
-    /// The same as [`Closure::differential`], for SIMD lanes.
+    /// Same as [`Closure::differential`], for SIMD lanes.
     #[inline(always)]
     pub(crate) fn differential_inlined(
         &self,
@@ -272,7 +273,7 @@ impl<T: Real> Closure<T> {
 }
 
 impl Closure<f64> {
-    /// The equations that depend on one of these hardpoints, in the design position or elsewhere.
+    /// Set of equations that depend on one of these hardpoints, in the design position or elsewhere.
     pub(crate) fn rows_holding(
         &self,
         mechanism: &Mechanism,
@@ -307,7 +308,7 @@ impl Closure<f64> {
             set.0 |= u8::from(touches.found) << number;
         }
         for driver in drivers {
-            // The angle of an arm is a drive only where there is an arm.
+            // A mechanism without an arm has no drive by arm angle.
             if mechanism.arms.is_empty() && matches!(driver, Driver::ArmAngle { .. }) {
                 continue;
             }
@@ -318,8 +319,8 @@ impl Closure<f64> {
         set
     }
 
-    /// One Newton step from a pose. Returns the corrected pose, the size of the correction as a length (a rotation counts at
-    /// the distance `size`), and the factorised Jacobian of the step.
+    /// Takes one Newton step from a pose. Returns the corrected pose, the size of the correction as a length, and the
+    /// factorised Jacobian. A rotation counts as the movement at the distance `size`.
     pub(crate) fn newton_step(
         &self,
         at: &Configuration<f64>,
@@ -334,7 +335,7 @@ impl Closure<f64> {
     }
 }
 
-/// The travel that drives a rigid axle; `None` for other mechanisms, which the height of the wheel centre drives.
+/// Travel that drives a rigid axle; `None` for other mechanisms, which the height of the wheel centre drives.
 #[inline(always)]
 fn driven_travel(mechanism: &Mechanism) -> Option<TravelRow> {
     let axle = mechanism.rigid_axle.as_ref()?;
@@ -343,7 +344,7 @@ fn driven_travel(mechanism: &Mechanism) -> Option<TravelRow> {
 }
 
 impl<T> Driver<T> {
-    /// The bit of this drive's equation in a [`RowSet`].
+    /// Bit of this drive's equation in a [`RowSet`].
     #[inline]
     fn row(&self) -> usize {
         match self {
@@ -354,7 +355,7 @@ impl<T> Driver<T> {
 }
 
 impl<T: Real> Driver<T> {
-    /// The drive over another kind of number.
+    /// Converts the drive to another kind of number.
     #[inline]
     pub(crate) fn map<U: Copy>(self, f: impl Fn(T) -> U + Copy) -> Driver<U> {
         match self {

@@ -1,4 +1,4 @@
-//! Reasons why there is no pose, or no design.
+//! Reasons why there is no pose, or no solvable design.
 
 use crate::model::Rod;
 use crate::model::{Axis, Drive, Frame, LengthUnit, Mechanism, PointId};
@@ -10,27 +10,27 @@ use std::fmt;
 pub enum Failure {
     /// The drive cannot reach the value: the mechanism folds at `limit`.
     Unreachable {
-        /// The drive.
+        /// Kind of drive.
         drive: Drive,
-        /// The value at the fold.
+        /// Value at the fold.
         limit: f64,
         /// Reason for the fold.
         cause: LimitCause,
     },
     /// The rack cannot reach its displacement, at zero travel.
     RackUnreachable {
-        /// The displacement at the fold, towards the kernel's +y.
+        /// Displacement at the fold, towards the kernel's +y.
         limit: f64,
         /// Reason for the fold.
         cause: LimitCause,
     },
-    /// The pose was reached, but its derivatives do not exist there.
+    /// The solver reached the pose, but its derivatives do not exist there.
     Singular,
-    /// A proof was requested but does not exist.
+    /// A proof was requested but was not found.
     Uncertified(Unproven),
-    /// The pose was reached, but a rocker that a requested quantity reads is at its toggle there, or has passed it.
+    /// The solver reached the pose, but a rocker that a requested quantity reads is at its toggle there, or has passed it.
     Toggle(Rod),
-    /// The paper's drive asks for the arm's highest or lowest position, or for a position beyond it.
+    /// The drive of Attia's paper requests the arm's highest or lowest position, or a position beyond it.
     DeadCentre,
     /// The formulation in point coordinates found no pose.
     PointCoordinates(FormulationFailure),
@@ -40,30 +40,30 @@ pub enum Failure {
 /// clause about a part, such as "the strut is horizontal".
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FormulationFailure {
-    /// At the pose asked for, fewer than half of the digits would be left.
+    /// Fewer than half of the digits would be correct in the requested pose.
     Singular {
-        /// The part that is singular.
+        /// Part that is singular.
         cause: &'static str,
     },
     /// The branch of the design position ends before the drive value.
     DriveEnds {
-        /// The drive.
+        /// Kind of drive.
         drive: Drive,
-        /// The last drive value that the solver reached on the branch, as the study counts it.
+        /// Last drive value that the solver reached on the branch, in the study's convention.
         value: f64,
-        /// The part that is singular there.
+        /// Part that is singular there.
         cause: &'static str,
     },
-    /// The branch of the design position ends before the paper's angle theta.
+    /// The branch of the design position ends before the angle theta of Attia's paper.
     ThetaEnds {
-        /// The last angle that the solver reached on the branch.
+        /// Last angle that the solver reached on the branch.
         value: f64,
-        /// The part that is singular there.
+        /// Part that is singular there.
         cause: &'static str,
     },
     /// The branch of the design position ends before the requested displacement of the rack.
     RackEnds {
-        /// The part that is singular there.
+        /// Part that is singular there.
         cause: &'static str,
     },
     /// A number in the input is not finite.
@@ -88,30 +88,30 @@ impl fmt::Display for FormulationFailure {
     }
 }
 
-/// Reason why a mechanism stops at a fold: the part that is singular there, or the quantity that is stationary there
-/// although no part is singular (see `solve::cause`).
+/// Reason why a mechanism stops at a fold: a part is singular there, or no part is singular, and a quantity reaches an
+/// extreme (see `solve::cause`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LimitCause {
-    /// The tie rod's ends and the steering axis lie in one plane, so the tie rod no longer holds the wheel's heading.
+    /// The tie rod's ends and the steering axis lie in one plane, so the tie rod no longer holds the wheel's steer angle.
     TieRodToggle,
-    /// The upper arm is in line with the steering axis, seen along its own axis, and lets the knuckle swing.
+    /// The upper arm is in line with the steering axis, seen along its own axis, so the knuckle can swing.
     UpperArmStraight,
-    /// The strut is square to the steering axis and lets the knuckle swing.
+    /// The strut is perpendicular to the steering axis, so the knuckle can swing.
     StrutSquare,
-    /// Some of the links have become dependent on each other and leave the wheel carrier one more degree of freedom.
+    /// Some of the links have become dependent on each other. The wheel carrier has an additional degree of freedom.
     DependentLinks,
     /// The links of a rigid axle are at a dead centre.
     AxleFolds,
-    /// No part is singular: the wheel centre is at the highest point of its way.
+    /// No part is singular. The wheel centre is at the highest point of its path.
     CentreHighest,
-    /// No part is singular: the wheel centre is at the lowest point of its way.
+    /// No part is singular. The wheel centre is at the lowest point of its path.
     CentreLowest,
-    /// No part is singular: the arm stands still while the wheel moves on.
+    /// No part is singular. The arm stops while the wheel moves on.
     ArmStandsStill,
-    /// No part is singular: the rack stands still while the wheel steers on, its centre held at its height.
+    /// No part is singular. The rack stops while the wheel steers on, with its centre at constant height.
     RackStandsStill,
-    /// The path could not be followed: it meets another assembly, or comes closer to one than rounding
-    /// can tell apart. The limit is the last value that was reached.
+    /// The path could not be followed: it meets another assembly, or comes closer to one than rounding can distinguish. The
+    /// limit is the last value that was reached.
     Unresolved,
 }
 
@@ -157,29 +157,29 @@ impl fmt::Display for LimitCause {
 /// Distance of a part from its singular position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PartMeasure {
-    /// The part, named by the cause it would be if it were singular.
+    /// The part, named by the cause for which it would be responsible.
     pub cause: LimitCause,
-    /// The sine of the angle that is left until it is singular.
+    /// Sine of the angle between the part and its singular position.
     pub sine: f64,
 }
 
 /// A toggle of a rocker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Toggle {
-    /// The travel, to rounding.
+    /// Travel at the toggle, accurate to rounding.
     pub travel: f64,
-    /// The rod that is in line with its lever: of the rocker, or of one that turns it.
+    /// Rod that is in line with its lever: that of the rocker, or of a rocker that moves it.
     pub rod: Rod,
 }
 
-/// Reason why nothing could be proved.
+/// Reason why a proof failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unproven {
     /// The pose is singular, or singular within double precision.
     Singular,
-    /// The residual is too large against the distance to the next solution: the inequality fails.
+    /// The residual is too large compared with the distance to the next solution, so the inequality fails.
     TooClose,
-    /// The pose is proved, but not that it lies on the branch of the design position.
+    /// The pose is proved, but it is not proved that it lies on the branch of the design position.
     Branch,
 }
 
@@ -200,36 +200,36 @@ pub enum DesignFault {
     NotFinite(PointId),
     /// The outer joint of an arm lies on the arm's axis.
     ArmWithoutRadius {
-        /// The joint.
+        /// Outer joint of the arm.
         outer: PointId,
     },
     /// A tie rod whose inner end is on the steering axis cannot steer.
     NoSteering {
-        /// The end that lies on the axis.
+        /// End that lies on the axis.
         end: PointId,
     },
-    /// The tie rod is in line with the plane it should turn the knuckle out of.
+    /// The tie rod lies in the plane through steering axis and rack joint, so it cannot rotate the knuckle.
     Toggle,
     /// The strut has no length above the ball joint.
     NoStrutLength,
     /// The upper arm is in line with the steering axis, so that it does not hold the knuckle.
     UpperArmInLine {
-        /// The upper ball joint.
+        /// Upper ball joint.
         outer: PointId,
     },
-    /// Two points that a rod, a strut axis or the wheel's spin axis runs between coincide.
+    /// Two points that define a rod, a strut axis or the wheel's spin axis coincide.
     Coincident {
         /// First point.
         first: PointId,
         /// Second point.
         second: PointId,
     },
-    /// The coordinates are so large, or the points so close to each other for their distance from the
-    /// origin, that double precision cannot tell them apart.
+    /// The coordinates are too large, or the points are too close to each other compared with their distance from the
+    /// origin. Double precision cannot distinguish them.
     OutOfScale,
-    /// The seed paper's drive is singular in the design position.
+    /// The drive of Attia's paper is singular in the design position.
     DeadCentre {
-        /// The outer joint of the arm.
+        /// Outer joint of the arm.
         outer: PointId,
     },
     /// The formulation in point coordinates cannot describe the design.
@@ -238,12 +238,12 @@ pub enum DesignFault {
     NoFormulation(&'static str),
     /// The constraints are dependent and do not hold the knuckle, or the drive cannot move it.
     Singular,
-    /// The elastic parts have no equilibrium to begin with, for this reason.
+    /// The elastic parts have no equilibrium in the initial position, for this reason.
     Elastic(String),
 }
 
 impl DesignFault {
-    /// The fault in words, with the names of the points.
+    /// Describes the fault in words, with the names of the points.
     pub fn describe(&self, mechanism: &Mechanism) -> String {
         self.words(|id| mechanism.name(*id).to_owned())
     }
@@ -297,7 +297,8 @@ impl DesignFault {
     }
 }
 
-/// Points are numbered from 0, in the order of the topology's hardpoints; [`DesignFault::describe`] names them.
+/// Shows points by their index from 0, in the order of the topology's hardpoints. [`DesignFault::describe`] uses their
+/// names.
 impl fmt::Display for DesignFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.words(|id| format!("point number {}", id.0)))
@@ -307,7 +308,7 @@ impl fmt::Display for DesignFault {
 impl Error for DesignFault {}
 
 impl Failure {
-    /// The reason in words, with lengths in this unit and the rack in the axes of this frame.
+    /// Describes the reason in words, with lengths in this unit and the rack in the axes of this frame.
     pub fn describe(&self, unit: LengthUnit, frame: Frame) -> String {
         self.words(Some(unit), frame.sign(Axis::Y))
     }
@@ -364,7 +365,7 @@ impl Failure {
     }
 }
 
-/// Lengths are in the unit of the hardpoints, and the rack is in the kernel's axes, because a failure knows no others.
+/// Shows lengths in the unit of the hardpoints and the rack in the kernel's axes, because a failure knows no others.
 /// [`Failure::describe`] uses those of a study.
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

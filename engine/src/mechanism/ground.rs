@@ -1,28 +1,28 @@
-//! The ground under a wheel, in the frame of that wheel.
+//! Ground under a wheel, in the frame of that wheel.
 //!
-//! The body stays fixed in its own axes; when the body rolls, the ground tilts. Let phi be the roll of the body about
-//! +x (right wheel in jounce). The normal of the ground and its direction to the left are
+//! The body stays fixed in its own axes; when the body rolls, the ground tilts. Let phi be the roll of the body about +x
+//! (right wheel in jounce). The normal of the ground and its direction to the left are
 //!
 //! ```text
 //! n = (0, sin phi, cos phi),   e = (0, cos phi, -sin phi)           (1)
 //! ```
 //!
-//! The kernel's frame of the right wheel is the mirror image: phi becomes -phi, and e points outboard again. So
-//! every formula of a wheel is written once, with n and the outboard direction of the ground.
+//! The kernel's frame of the right wheel is the mirror image: phi becomes -phi, and e points outboard again. So every
+//! formula of a wheel is written once, with n and the outboard direction of the ground.
 
 use crate::number::{Real, Vector3, outlined};
 
-/// The tilt of the ground at one wheel.
+/// Tilt of the ground at one wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ground<T> {
-    /// Sine of the angle by which the ground falls off outboard.
+    /// Sine of the angle by which the ground falls in the outboard direction.
     pub sine: T,
     /// Cosine of that angle.
     pub cosine: T,
 }
 
 impl Ground<f64> {
-    /// The ground under a left wheel where the body rolls by this angle.
+    /// Ground under a left wheel when the body rolls by this angle.
     pub fn rolled(roll: f64) -> Self {
         let (sine, cosine) = roll.sin_cos();
         Ground { sine, cosine }
@@ -30,7 +30,7 @@ impl Ground<f64> {
 }
 
 impl<T> Ground<T> {
-    /// The same ground over another kind of number.
+    /// Converts the ground to another number type.
     #[inline(always)]
     pub fn map<U: Copy>(self, f: impl Fn(T) -> U) -> Ground<U> {
         Ground {
@@ -41,7 +41,7 @@ impl<T> Ground<T> {
 }
 
 impl<T: Real> Ground<T> {
-    /// Level ground, in the shape of `like`.
+    /// Level ground, with the number type of `like`.
     #[inline(always)]
     pub fn level(like: T) -> Self {
         Ground {
@@ -65,14 +65,14 @@ impl<T: Real> Ground<T> {
         Vector3::new(self.sine.zero(), self.sine, self.cosine)
     }
 
-    /// Unit vector in the ground across the vehicle, outboard.
+    /// Unit vector in the ground across the vehicle, positive outboard.
     #[inline(always)]
     pub fn outboard(self) -> Vector3<T> {
         Vector3::new(self.sine.zero(), self.cosine, -self.sine)
     }
 
-    /// Vector from the wheel centre to the contact point. The contact point is the lowest point above the ground of the disc
-    /// with this radius about the spin axis a: -R (n - (n.a) a)/|n - (n.a) a|.
+    /// Vector from the wheel centre to the contact point. The contact point is the lowest point, relative to the ground, of
+    /// the disc with this radius about the spin axis a: -R (n - (n.a) a)/|n - (n.a) a|.
     #[inline(always)]
     pub fn contact_lever(self, a: Vector3<T>, radius: f64) -> Vector3<T> {
         outlined!(

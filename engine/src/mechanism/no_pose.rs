@@ -1,9 +1,9 @@
-//! Reasons why a vehicle has no position at a station.
+//! Reasons why a vehicle has no pose at a station.
 
 use super::Failure;
 use crate::model::{Frame, LengthUnit, Side};
 
-/// Reason why a vehicle has no position at a station, or no values that move with a rocker.
+/// Reason why a vehicle has no pose at a station, or no values that depend on a rocker.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NoPose {
     /// The wheel of a corner has no pose.
@@ -16,7 +16,7 @@ pub enum NoPose {
         side: Side,
         /// Travel.
         travel: f64,
-        /// Reason of the failure.
+        /// Reason for the failure.
         failure: Failure,
     },
     /// A rigid axle has no pose at a difference of its travels.
@@ -24,38 +24,39 @@ pub enum NoPose {
     RigidAxle {
         /// Travel of the left wheel minus that of the right one.
         difference: f64,
-        /// Reason of the failure. Its limit is half a difference of travels as a wheel sees it.
+        /// Reason for the failure. Its limit is half a difference of travels in the frame of a wheel.
         failure: Failure,
-        /// The wheel that sees it.
+        /// Wheel whose frame this is.
         side: Side,
     },
-    /// No difference of travels puts both wheels on the ground at this roll angle: a wheel falls where it
-    /// should rise, or the iteration did not settle.
+    /// No difference of travels puts both wheels on the ground at this roll angle. Either a wheel falls where it should
+    /// rise, or the iteration did not settle.
     #[error("at no difference of the travels do both wheels touch the ground")]
     NoGround,
-    /// No mean travel gives the axle the load that is held: the load does not grow with the travel, or a wheel does not
+    /// No mean travel gives the axle the required load. Either the load does not grow with the travel, or a wheel cannot
     /// reach it.
     #[error("at no mean travel do the wheels carry the held load")]
     NoLoad,
-    /// A proof was requested: both poses are proved, but not that the ground under them is the only one there.
+    /// A proof was requested. The poses of both wheels are proved, but it is not proved that the ground under them is
+    /// unique.
     #[error("both poses are proved, but not the uniqueness of the ground position")]
     Unproven,
-    /// Elastic parts hold no equilibrium.
+    /// The elastic parts have no equilibrium.
     #[error(
         "no equilibrium: the wheel holds {share:.6} of the way from the design position; `hardpoint kc` names the part that gives way"
     )]
     NoEquilibrium {
-        /// Share of the way that was reached.
+        /// Share of the distance from the design position that was reached.
         share: f64,
     },
-    /// Elastic parts have an equilibrium that a small push ends.
+    /// The elastic parts have an equilibrium, but it is unstable.
     #[error("the equilibrium is not stable: a small push ends it")]
     Unstable,
 }
 
 impl NoPose {
-    /// The reason in words, with lengths in this unit and the rack in the axes of this frame: of the wheel of a corner,
-    /// or of the left wheel of an axle. If the rack ends, the wheel's travel says nothing and is left out.
+    /// Describes the reason in words, with lengths in this unit and the rack in the axes of this frame. The frame is that of
+    /// a single wheel, or of an axle's left wheel. If the rack is the limit, the wheel's travel is irrelevant and left out.
     pub fn describe(&self, unit: LengthUnit, frame: Frame) -> String {
         let frame_of = |side: Side| match side {
             Side::Left => frame,
@@ -102,7 +103,7 @@ impl NoPose {
         }
     }
 
-    /// The failure of the wheel, if a wheel is the reason.
+    /// Failure of the wheel, if a wheel is the reason.
     pub fn of_wheel(&self) -> Option<&Failure> {
         match self {
             NoPose::Corner(failure)
@@ -116,7 +117,7 @@ impl NoPose {
         }
     }
 
-    /// Returns true if there is a position, but no proof of it.
+    /// Returns true if there is a pose, but no proof of it.
     pub fn is_unproven(&self) -> bool {
         match self.of_wheel() {
             Some(failure) => matches!(failure, Failure::Uncertified(_)),

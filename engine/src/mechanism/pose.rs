@@ -1,4 +1,4 @@
-//! The pose of a mechanism and where it puts every point.
+//! Pose of a mechanism, and the positions of all points in it.
 
 use super::arm::{self, arm_point, arm_point_gradient};
 use crate::model::{Arm, Body, Mechanism, PointId};
@@ -15,7 +15,7 @@ pub struct Pose<T> {
 }
 
 impl<T: Real> Pose<T> {
-    /// The pose over another kind of number.
+    /// Converts the pose to another number type.
     #[inline]
     pub fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Pose<U> {
         Pose {
@@ -24,7 +24,7 @@ impl<T: Real> Pose<T> {
         }
     }
 
-    /// The pose moved by a twist: `shift` of the origin, `turn` = tan(angle/2) axis about it.
+    /// The pose moved by a twist: `shift` displaces the origin; `rodrigues` = tan(angle/2) times the axis rotates about it.
     #[inline(always)]
     pub fn moved(&self, shift: Vector3<T>, rodrigues: Vector3<T>) -> Self {
         Pose {
@@ -45,8 +45,8 @@ pub struct Configuration<'a, T> {
     pub pose: Pose<T>,
     /// Displacement of the rack, towards the kernel's +y.
     pub rack: T,
-    /// The knuckle's velocity per unit of rack displacement with the drive held. Known if the mechanism has an instantaneous
-    /// steering axis and a requested quantity reads it.
+    /// Velocity of the knuckle per unit of rack displacement, with the drive fixed. `Some` only if the mechanism has an
+    /// instantaneous steering axis and a requested quantity reads it.
     pub steering: Option<Twist<T>>,
 }
 
@@ -71,7 +71,7 @@ impl<T: Real> Neg for Twist<T> {
 }
 
 impl<T> Twist<T> {
-    /// Makes a twist of six components, the shift first.
+    /// Makes a twist from six components. The velocity comes first.
     #[inline(always)]
     pub(crate) fn from_array([x, y, z, a, b, c]: [T; 6]) -> Self {
         Twist {
@@ -80,17 +80,17 @@ impl<T> Twist<T> {
         }
     }
 
-    /// The six components, the shift first.
+    /// Six components of the twist. The velocity comes first.
     pub(crate) fn into_array(self) -> [T; 6] {
         let (v, w) = (self.shift, self.turn);
         [v.x, v.y, v.z, w.x, w.y, w.z]
     }
 }
 
-/// Collects the derivative of a quantity by the pose and by the hardpoints.
+/// Collects the derivatives of a quantity by the pose and by the hardpoints.
 ///
-/// A derivative by the pose is a wrench on the knuckle: the force is the derivative by the position of
-/// its origin, the moment the derivative by its rotation.
+/// A derivative by the pose is a wrench on the knuckle. The force is the derivative by the position of its origin, the
+/// moment the derivative by its rotation.
 pub(crate) trait Sink<T> {
     /// Adds a wrench at the knuckle's origin.
     fn wrench(&mut self, force: Vector3<T>, moment: Vector3<T>);
@@ -116,13 +116,13 @@ impl<T, S: Sink<T> + ?Sized> Sink<T> for &mut S {
     }
 }
 
-/// A wrench on the knuckle at its origin: a row of the Jacobian, or the derivative of an output by the
-/// pose. With it the force along the rack, which is the derivative by the rack's displacement.
+/// A wrench on the knuckle at its origin: a row of the Jacobian, or the derivative of an output by the pose. It includes the
+/// force along the rack, which is the derivative by the rack's displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wrench<T> {
     /// Derivative by the position of the knuckle's origin.
     pub force: Vector3<T>,
-    /// Derivative by its rotation.
+    /// Derivative by the rotation of the knuckle.
     pub moment: Vector3<T>,
     /// Derivative by the displacement of the rack.
     pub rack: T,
@@ -160,7 +160,7 @@ impl<T: Real> Sink<T> for Wrench<T> {
 }
 
 impl<'a, T: Real> Configuration<'a, T> {
-    /// A design in a pose, with `steering` unknown.
+    /// Configuration of a design in a pose. `steering` is `None`.
     #[inline(always)]
     pub fn new(mechanism: &'a Mechanism, design: &'a [Vector3<T>], pose: Pose<T>, rack: T) -> Self {
         Configuration {
@@ -221,7 +221,7 @@ impl<'a, T: Real> Configuration<'a, T> {
         match self.mechanism.body(id) {
             Body::Rack => Vector3::new(p.x, p.y + self.rack, p.z),
             Body::Opposite(other) => {
-                // In a call, since it is rare.
+                // A function call, because this is rare.
                 let moved = self.point(other).y - self.designed(other).y;
                 Vector3::new(p.x, p.y - moved, p.z)
             }
@@ -281,7 +281,7 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
-    /// Out of line and with a dynamic sink, so that it is compiled once.
+    /// A separate function with a dynamic sink, so that it is compiled once.
     #[inline(never)]
     fn push_point_outlined(&self, id: PointId, gradient: Vector3<T>, mut sink: &mut dyn Sink<T>) {
         self.push_point_inline(id, gradient, &mut sink);
@@ -309,13 +309,14 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
-    /// Present position of a point of an arm. Out of line, since it is rare and large.
+    /// Present position of a point of an arm. A separate function, because it is rarely used and large.
     #[inline(always)]
     fn on_arm(&self, arm: Arm, id: PointId) -> Vector3<T> {
         outlined!([T: Real] self.rack; inputs: arm::Inputs<T> = self.arm_inputs(arm, id) => Vector3<T> { arm_point(inputs) })
     }
 
-    /// Adds the derivative of `gradient . on_arm(arm, id)` to the sink. Out of line, since it is rare and large.
+    /// Adds the derivative of `gradient . on_arm(arm, id)` to the sink. A separate function, because it is rarely used and
+    /// large.
     #[inline(always)]
     pub(crate) fn push_arm_point(
         &self,
@@ -373,7 +374,7 @@ impl<'a, T: Real> Configuration<'a, T> {
         let front = self.designed(arm.front);
         let axis = self.designed(arm.rear) - front;
         let [outer, outer_rate] = self.moving_carried(arm.outer, motion);
-        // The arm turns with w times the axis, and w axis x (outer - front) is the joint's velocity.
+        // The arm's angular velocity is w times the axis, and w axis x (outer - front) is the joint's velocity.
         let across = axis.cross(outer - front);
         let turn = across.dot(outer_rate) / across.norm_squared();
         [now, axis.cross(now - front) * turn]
@@ -386,7 +387,7 @@ impl<'a, T: Real> Configuration<'a, T> {
         [now, rate]
     }
 
-    /// The inputs of [`arm_point`].
+    /// Inputs of [`arm_point`].
     #[inline(always)]
     fn arm_inputs(&self, arm: Arm, id: PointId) -> arm::Inputs<T> {
         [

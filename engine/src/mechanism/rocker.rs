@@ -1,10 +1,11 @@
-//! The angle to which a rod turns a rocker.
+//! Angle to which a rod turns a rocker.
 //!
-//! A rocker turns about a line fixed in its base, along the unit vector e. The base is the vehicle, or a solid axle: then
-//! everything below is in the axle's frame in the design position, with (12) between both frames. A rod of constant length turns it; the
-//! rod is the vector l in the design position. c is the foot of the rod's inner end on the axis, r the lever from c to
-//! that end in the design position, and t = e x r. d is the displacement of the rod's outer end, and q runs from this
-//! end to c. The angle obeys
+//! A rocker turns about a line fixed in its base, along the unit vector e. The base is the vehicle or a solid axle. On a
+//! solid axle, all vectors below are in the axle's frame in the design position, and (12) joins both frames.
+//!
+//! A rod of constant length turns the rocker; it is the vector l in the design position. c is the foot of the perpendicular
+//! from the rod's inner end to the axis. r is the lever from c to that end in the design position, and t = e x r. d is the
+//! displacement of the rod's outer end, and q is the vector from this end to c. The angle obeys
 //!
 //! ```text
 //! |q + r cos + t sin| = |l| = |q + r + d|                                                       (1)
@@ -13,15 +14,15 @@
 //! H = A^2 + B^2, w^2 = H - C^2 = B^2 - E (2 A + E)                                              (4)
 //! ```
 //!
-//! In the design position E = 0, cos = 1 and sin = 0, so w = -B there, and w keeps that sign. |w| is the lever arm of
-//! the rod about the axis times |l|. The ratio |w|/(|r| |l|) is the rod's *leverage*: 1 if the rod is square to the
-//! lever, 0 at toggle, where rod, lever and axis lie in one plane. A rocker stops at a toggle, and derivatives do not
-//! exist there.
+//! In the design position E = 0, cos = 1 and sin = 0, so w = -B there, and w keeps that sign. |w| is the lever arm of the
+//! rod about the axis times |l|. The ratio |w|/(|r| |l|) is the rod's *leverage*: 1 if the rod is square to the lever, 0 at
+//! toggle. At a toggle, rod, lever and axis lie in one plane. A rocker stops there, and derivatives do not exist.
 //!
 //! # Derivatives
 //!
-//! Let f be a point of the axis, x' = f + R (x - f) a point of the rocker, and s' = n' - o' the rod from its outer end
-//! o' to its inner end n'. A change of axis and angle turns the rocker by the small rotation v, with de normal to e:
+//! Let f be a point of the axis, and x' = f + R (x - f) a point of the rocker. The vector s' = n' - o' is the rod from its
+//! outer end o' to its inner end n'. A change of axis and angle turns the rocker by the small rotation v, with de normal to
+//! e:
 //!
 //! ```text
 //! v = e dtheta + sin de + (1 - cos) e x de                                                      (5)
@@ -58,24 +59,24 @@ use crate::model::{Rocker, RockerId, Rod};
 use crate::number::{Each, Scalar};
 use crate::number::{Real, SimdReal, Vector3, outlined};
 
-/// Inputs for the turn of a rocker: two points of its axis, the rod's inner and outer end in the design position, and
-/// the outer end now.
+/// Inputs for the rotation of a rocker. They are two points of its axis, the rod's inner and outer end in the design
+/// position, and the present outer end.
 pub(super) type Ends<T> = [Vector3<T>; 5];
 
-/// The turn of a rocker about its axis. Beyond a toggle it is NaN.
+/// Rotation of a rocker about its axis; NaN beyond a toggle.
 pub(crate) struct Turn<T> {
     first: Vector3<T>,
     axis: Vector3<T>,
     cosine: T,
     sine: T,
-    /// 1 or -1: the sign of the turn by which the rod pushes its inner end.
+    /// Sign of the rotation that a push of the rod causes: 1 or -1.
     pushed: T,
-    /// w^2/(r.r l.l)
+    /// Square of the leverage, w^2/(r.r l.l).
     pub(crate) leverage_squared: T,
 }
 
 impl<T: Real> Turn<T> {
-    /// The turn that these inputs lead to.
+    /// Computes the rotation from these inputs.
     #[inline(always)]
     pub(crate) fn of([first, second, inner, outer, outer_now]: Ends<T>) -> Self {
         let axis = (second - first).normalised();
@@ -102,7 +103,7 @@ impl<T: Real> Turn<T> {
         }
     }
 
-    /// Present position of the rocker's point that is at `point` in the design position.
+    /// Present position of the rocker's point with the design position `point`.
     #[inline(always)]
     pub(crate) fn moved(&self, point: Vector3<T>) -> Vector3<T> {
         let lever = (point - self.first).across(self.axis);
@@ -149,14 +150,14 @@ impl<T: Real> Turn<T> {
         (by_ends, back)
     }
 
-    /// The angle from the design position, positive where a rod of this kind has pushed the rocker, or a pullrod has
-    /// pulled it.
+    /// Angle from the design position. It is positive if a rod of this kind has pushed the rocker or, for a pullrod, pulled
+    /// it.
     #[inline(always)]
     pub(crate) fn angle(&self, rod: Rod) -> T {
         (self.sine * self.sense(rod)).atan2(self.cosine)
     }
 
-    /// 1 or -1: the sign of the turn that counts as positive.
+    /// Sign of the rotation that counts as positive: 1 or -1.
     #[inline(always)]
     fn sense(&self, rod: Rod) -> T {
         match rod {
@@ -166,39 +167,39 @@ impl<T: Real> Turn<T> {
     }
 }
 
-/// The turn of a rocker and its rate.
+/// Rotation of a rocker and its rate.
 struct Turning<T> {
     rocker: Rocker,
     turn: Turn<T>,
-    /// Angular rate about its axis.
+    /// Angular rate about the axis.
     speed: T,
-    /// The least w^2/(r.r l.l) of this rocker and those that turn it.
+    /// Smallest w^2/(r.r l.l) among this rocker and the rockers that turn it.
     leverage_squared: T,
 }
 
-/// A point with its velocity.
+/// Point with its velocity.
 #[derive(Clone, Copy, Debug)]
 pub struct MovingPoint<T> {
     /// Present position.
     pub now: Vector3<T>,
     /// Velocity.
     pub rate: Vector3<T>,
-    /// The square of the least leverage of the rockers it moves with; 1 without any.
+    /// Square of the smallest leverage among the rockers that move the point; 1 without a rocker.
     pub leverage_squared: T,
 }
 
-/// A rocker's angle with its rate.
+/// Angle of a rocker, with its rate.
 #[derive(Clone, Copy, Debug)]
 pub struct MovingAngle<T> {
-    /// The angle, as [`Configuration::rocker_angle`] returns it.
+    /// Angle as in [`Configuration::rocker_angle`].
     pub now: T,
     /// Rate of change.
     pub rate: T,
-    /// The square of the least leverage of this rocker and those that turn it.
+    /// Square of the smallest leverage among this rocker and the rockers that turn it.
     pub leverage_squared: T,
 }
 
-/// Rockers and their points in SIMD lanes, with velocities from the knuckle's; without recursion.
+/// Rockers and their points in SIMD lanes. Their velocities follow from that of the knuckle, without recursion.
 impl<B: SimdReal> Configuration<'_, B> {
     #[inline(always)]
     fn turning(&self, id: RockerId, motion: &Twist<B>) -> Turning<B> {
@@ -229,11 +230,11 @@ impl<B: SimdReal> Configuration<'_, B> {
             let (first, inner) = (self.designed(rocker.first), self.designed(rocker.inner));
             let (second, designed) = (self.designed(rocker.second), self.designed(rocker.outer));
             let turn = Turn::of([first, second, inner, designed, outer]);
-            // The rod keeps its length: its ends have the same velocity along it.
+            // The rod keeps its length, so both ends have the same velocity along it.
             let end = turn.moved(inner);
             let rod = end - outer;
             let speed = rod.dot(rate) / rod.dot(turn.axis.cross(end - first));
-            // Keeps NaN.
+            // This selection keeps NaN.
             least = B::select(
                 least.less(turn.leverage_squared),
                 least,
@@ -251,7 +252,7 @@ impl<B: SimdReal> Configuration<'_, B> {
             rocker = mechanism.rocker(before(depth).unwrap_or(id));
             outer = turn.moved(self.designed(rocker.outer));
             rate = turn.axis.cross(outer - first) * speed;
-            // The rocker that this one turns may have another base.
+            // The rocker that this one turns can have another base.
             [outer, rate] =
                 self.moving_out_of_base(before(depth + 1).unwrap_or(id), [outer, rate], motion);
         }
@@ -288,7 +289,7 @@ impl<B: SimdReal> Configuration<'_, B> {
         }
     }
 
-    /// The rod of a rocker in this pose, seen from the rocker.
+    /// Rod of a rocker in this pose, as seen from the rocker.
     #[inline(always)]
     pub fn moving_rod(&self, id: RockerId, motion: &Twist<B>) -> RodReach<B> {
         let rocker = self.mechanism.rocker(id);
@@ -296,14 +297,14 @@ impl<B: SimdReal> Configuration<'_, B> {
         RodReach::of(self.ends_with(rocker, now))
     }
 
-    /// The rod of a rocker in the design position, seen from the rocker.
+    /// Rod of a rocker in the design position, as seen from the rocker.
     #[inline(always)]
     pub fn designed_rod(&self, id: RockerId) -> RodReach<B> {
         let rocker = self.mechanism.rocker(id);
         RodReach::of(self.ends_in_base(rocker, self.designed(rocker.outer)))
     }
 
-    /// A point with its velocity, in the base of a rocker.
+    /// Position and velocity of a point in the base of a rocker.
     #[inline(always)]
     fn moving_in_base(
         &self,
@@ -321,7 +322,7 @@ impl<B: SimdReal> Configuration<'_, B> {
         }
     }
 
-    /// The inverse of [`Configuration::moving_in_base`].
+    /// Inverse of [`Configuration::moving_in_base`].
     #[inline(always)]
     fn moving_out_of_base(
         &self,
@@ -357,14 +358,14 @@ impl<B: SimdReal> Configuration<'_, B> {
     }
 }
 
-/// Returns true if w^2/(r.r l.l) of a rod, known to a few units in the last place, leaves six digits of a derivative.
-/// Returns false for NaN.
+/// Returns true if w^2/(r.r l.l) of a rod leaves six accurate digits of a derivative. The number itself is accurate to a few
+/// units in the last place. Returns false for NaN.
 #[inline]
 pub(crate) fn is_effective(ends: Ends<f64>) -> bool {
     Turn::of(ends).leverage_squared > DEGENERATE
 }
 
-/// Returns true if a rocker is away from its toggle in the design position, so that its rod can turn it.
+/// Returns true if the rod can turn its rocker in the design position, away from a toggle.
 pub fn has_leverage(rocker: &Rocker, design: &[Vector3<f64>]) -> bool {
     let outer = design[rocker.outer.0];
     let [first, second, inner] = [rocker.first, rocker.second, rocker.inner].map(|id| design[id.0]);
@@ -377,19 +378,19 @@ impl<T: Real> Configuration<'_, T> {
         self.ends_with(rocker, self.point(rocker.outer))
     }
 
-    /// Ends of a rod whose outer end is at `now`.
+    /// Ends of a rod with its outer end at `now`.
     #[inline(always)]
     fn ends_with(&self, rocker: Rocker, now: Vector3<T>) -> Ends<T> {
         self.ends_in_base(rocker, self.in_base(rocker, now))
     }
 
-    /// Returns true for a rocker whose base is the knuckle of a solid axle.
+    /// Returns true if the base of a rocker is the knuckle of a solid axle.
     #[inline(always)]
     fn is_on_axle(&self, rocker: Rocker) -> bool {
         self.mechanism.body(rocker.first) == Body::Knuckle
     }
 
-    /// A place in the base of a rocker: y of (12).
+    /// Position in the base of a rocker: y of (12).
     #[inline(always)]
     fn in_base(&self, rocker: Rocker, now: Vector3<T>) -> Vector3<T> {
         match self.is_on_axle(rocker) {
@@ -402,7 +403,7 @@ impl<T: Real> Configuration<'_, T> {
         }
     }
 
-    /// The inverse of [`Configuration::in_base`]: x of (12).
+    /// Inverse of [`Configuration::in_base`]: x of (12).
     #[inline(always)]
     fn out_of_base(&self, rocker: Rocker, place: Vector3<T>) -> Vector3<T> {
         match self.is_on_axle(rocker) {
@@ -414,7 +415,7 @@ impl<T: Real> Configuration<'_, T> {
         }
     }
 
-    /// Ends of a rod whose outer end is at `now` in the base.
+    /// Ends of a rod with its outer end at `now` in the base.
     #[inline(always)]
     fn ends_in_base(&self, rocker: Rocker, now: Vector3<T>) -> Ends<T> {
         [
@@ -426,7 +427,7 @@ impl<T: Real> Configuration<'_, T> {
         ]
     }
 
-    /// Present position of a point of a rocker. In a function of its own: it is rare, and large.
+    /// Present position of a point of a rocker. This code is large and rarely used, so it is not inlined.
     #[inline(always)]
     pub(crate) fn rocker_point(&self, id: RockerId, designed: Vector3<T>) -> Vector3<T> {
         outlined!(
@@ -450,8 +451,8 @@ impl<T: Real> Configuration<'_, T> {
         )
     }
 
-    /// Adds the derivative of `gradient . rocker_point(id, point)` to the sink, except the part by the point's own design
-    /// position, which it returns.
+    /// Adds the derivative of `gradient . rocker_point(id, point)` to the sink. It returns the part by the point's own
+    /// design position instead of adding it.
     #[inline(always)]
     pub(crate) fn push_rocker_point(
         &self,
@@ -489,7 +490,7 @@ impl<T: Real> Configuration<'_, T> {
         }
         let by_outer = match self.is_on_axle(rocker) {
             false => by[4],
-            // (12), the other way.
+            // Second form of (12): the outer end goes into the frame of the axle.
             true => {
                 let pull = self.pose.rotation.apply(by[4]);
                 let lever = self.point(rocker.outer) - self.pose.origin;
@@ -502,7 +503,7 @@ impl<T: Real> Configuration<'_, T> {
         by_point
     }
 
-    /// A seed in the base of the rocker, after the parts of (12) that are not of the point there.
+    /// Seed in the base of the rocker. The other parts of (12) go to the sink first.
     #[inline(always)]
     fn seed_in_base(
         &self,
@@ -525,7 +526,7 @@ impl<T: Real> Configuration<'_, T> {
         }
     }
 
-    /// Derivatives of the seed by the rod's ends, and by the design position of its point.
+    /// Derivatives of the seed by the rod's ends and by the design position of its point.
     #[inline(always)]
     fn rocker_gradient(&self, id: RockerId, seed: RockerSeed<T>) -> (Ends<T>, Vector3<T>) {
         let rocker = self.mechanism.rocker(id);
@@ -554,13 +555,13 @@ enum RockerSeed<T> {
 }
 
 impl Configuration<'_, f64> {
-    /// Leverage of the rod of a rocker: 1 if it is square to its lever, 0 at toggle, NaN beyond it.
+    /// Leverage of a rocker's rod: 1 if the rod is square to its lever, 0 at toggle, NaN beyond it.
     pub(crate) fn leverage(&self, id: RockerId) -> f64 {
         let turn = Turn::of(self.ends(self.mechanism.rocker(id)));
         turn.leverage_squared.sqrt()
     }
 
-    /// The rod that keeps a rocker from turning here: its own, or that of a rocker which turns it.
+    /// Rod that keeps a rocker from turning here: its own rod, or that of a rocker that turns it.
     pub(crate) fn toggle(&self, id: RockerId) -> Option<Rod> {
         let before = self
             .mechanism
@@ -573,7 +574,7 @@ impl Configuration<'_, f64> {
 }
 
 impl<T: Scalar> Configuration<'_, T> {
-    /// Tension in the rod of a rocker for a force of one at a point of the rocker: moments about the axis.
+    /// Tension in the rod of a rocker for a force at a point of the rocker, from moments about the axis.
     pub(crate) fn rod_tension(&self, id: RockerId, at: Vector3<T>, force: Vector3<T>) -> T {
         let rocker = self.mechanism.rocker(id);
         let ends = [rocker.first, rocker.second].each(|id| self.designed(id));
@@ -602,7 +603,7 @@ mod tests {
     use crate::mechanism::arm::tests::assert_gradient;
     use crate::number::{Dual, Jet};
 
-    /// The derivatives by the rod's tension are those of dual numbers, with their rates along a motion.
+    /// The derivatives from the rod's tension equal those of dual numbers. So do their rates along a motion.
     #[test]
     fn the_gradient_is_that_of_dual_numbers() {
         let at = |x: f64, y: f64, z: f64| {

@@ -6,10 +6,10 @@
 //! w^2 = r.r s - C^2,   C = (l.l - q.q - r.r)/2.                                                 (1)
 //! ```
 //!
-//! Along the chord c between two places, s and q.q are linear functions less at most c^2/4. If s and C were linear,
-//! w^2 would be concave, with its minimum at an end. An arc of at most a sixth of a turn leaves its chord by less than
-//! d = c/7. That changes the square root of s by at most d, and C by at most |q| d + d^2/2. So along the whole arc, with
-//! the largest s, |q| and |C| of the two ends,
+//! Along the chord c between two places, s and q.q are linear functions minus at most c^2/4. If s and C were linear, w^2
+//! would be concave, with its minimum at an end. An arc of at most 60 degrees differs from its chord by less than d = c/7.
+//! That changes the square root of s by at most d, and C by at most |q| d + d^2/2. So along the whole arc, with the largest
+//! s, |q| and |C| of the two ends,
 //!
 //! ```text
 //! w^2 >= least w^2 - r.r (c^2/4 + 2 d sqrt s) - k (2 |C| + k),   k = c^2/8 + |q| d + d^2/2.     (2)
@@ -18,26 +18,25 @@
 use super::rocker::Ends;
 use crate::number::{SimdReal, Vector3};
 
-/// Largest distance of an arc of a sixth of a turn from its chord, as a share of the chord: half the tangent of 15
-/// degrees, and a little more.
+/// Largest distance of a 60-degree arc from its chord, as a share of the chord: half the tangent of 15 degrees, rounded up.
 const STRAYING: f64 = 1.0 / 7.0;
 
-/// The place of a rod's outer end as seen from the rocker, in the numbers of the formula above.
+/// Position of a rod's outer end relative to the rocker, with the numbers of the formula above.
 #[derive(Clone, Copy, Debug)]
 pub struct RodReach<T> {
     outer: Vector3<T>,
-    /// r.r
+    /// Product r.r.
     lever: T,
-    /// s
+    /// Squared distance s.
     from_axis: T,
-    /// q.q
+    /// Product q.q.
     from_foot: T,
     c: T,
     w_squared: T,
 }
 
 impl<B: SimdReal> RodReach<B> {
-    /// A place in which every number is `number`.
+    /// Makes a place in which every number is `number`.
     #[inline(always)]
     pub fn filled(number: B) -> Self {
         RodReach {
@@ -69,7 +68,7 @@ impl<B: SimdReal> RodReach<B> {
         }
     }
 
-    /// Returns, lane by lane, whichever of two places of the rod is nearer to this one.
+    /// Returns the nearer of two places of the rod, lane by lane.
     #[inline(always)]
     pub fn nearer(&self, first: &Self, second: &Self) -> Self {
         let first_away = (first.outer - self.outer).norm_squared();
@@ -88,7 +87,7 @@ impl<B: SimdReal> RodReach<B> {
         }
     }
 
-    /// Lanes in which the rod surely keeps its leverage all the way to another place. False for NaN.
+    /// Lanes in which the rod certainly keeps its leverage on the whole path to another place. False for NaN.
     #[inline(always)]
     pub fn keeps_leverage_to(&self, other: &Self) -> B::Mask {
         let largest = |a: B, b: B| B::select(a.less(b), b, a);

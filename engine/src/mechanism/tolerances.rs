@@ -1,11 +1,11 @@
-//! Thresholds that all solvers of the crate share for zero, for rounding and for a good prediction.
+//! Thresholds that all solvers of the crate share: for zero, for rounding and for a good prediction.
 
-/// Relative quantities below this are taken as zero: with less, fewer than six digits of a
-/// double-precision result would be left.
+/// Threshold below which relative quantities count as zero. With less, fewer than six digits of a double-precision result
+/// would be correct.
 pub(crate) const DEGENERATE: f64 = 1e-10;
 
 /// Largest error of a second-order prediction, as a share of the step. On a smooth path the error is of third order;
 /// near another assembly branch it is much larger.
 pub(crate) const GOOD_PREDICTION: f64 = 0.01;
-/// Corrections this small relative to the size are rounding.
+/// Threshold below which corrections relative to the size count as rounding.
 pub(crate) const ROUNDING: f64 = 4.0 * f64::EPSILON;

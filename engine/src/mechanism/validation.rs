@@ -1,46 +1,46 @@
-//! Checks that hardpoints form a suspension: complete, distinct, arms and rockers that can turn, a plausible size, and
-//! the correct side.
+//! Checks that hardpoints form a suspension: complete, distinct, arms and rockers that can rotate, a plausible size, and the
+//! correct side.
 //!
-//! The [builder](super::SuspensionBuilder) and studies share these checks. Studies add the place in the file and the
-//! remedy.
+//! The [builder](super::SuspensionBuilder) and the reader of studies share these checks. The reader adds the place in the
+//! file and the remedy.
 
 use super::rocker::has_leverage;
 use crate::model::{Body, Group, LengthUnit, PointId, Rod, Suspension, Topology};
 use thiserror::Error;
 
-/// Points closer than this share of the mechanism's size coincide.
+/// Distance, as a share of the mechanism's size, below which points coincide.
 const COINCIDENT: f64 = 1e-9;
 
-/// Sizes of a suspension that are believed, in metres: from a small model car to a haul truck. The
-/// wrong unit is a factor of a thousand.
+/// Range of plausible sizes of a suspension, in metres: from a small model car to a haul truck. A wrong unit is a factor of
+/// a thousand.
 const PLAUSIBLE_SIZE: [f64; 2] = [0.005, 50.0];
 
-/// Reason why the given hardpoints are not those of a topology.
+/// Reason why the given hardpoints do not fit a topology.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum HardpointFault {
     /// The topology has no hardpoint of this name.
     #[error("{topology} has no hardpoint {name:?}")]
     Unknown {
-        /// The topology.
+        /// Name of the topology.
         topology: &'static str,
-        /// The name.
+        /// Unknown name.
         name: String,
     },
-    /// Hardpoints that every suspension of the topology has are not given.
+    /// Required hardpoints of the topology are missing.
     #[error("missing for {topology}: {}", .missing.join(", "))]
     Missing {
-        /// The topology.
+        /// Name of the topology.
         topology: &'static str,
         /// Missing hardpoints, each with its description.
         missing: Vec<String>,
     },
-    /// Two ways to make up a group are mixed.
+    /// The hardpoints mix two alternatives of a group.
     #[error("{first} is given beside {second}: expected one or the other for {group}")]
     Both {
-        /// A hardpoint of one way.
+        /// A hardpoint of one alternative.
         first: &'static str,
-        /// The first hardpoint of the other way.
+        /// First hardpoint of the other alternative.
         second: &'static str,
         /// Name of the group.
         group: &'static str,
@@ -56,7 +56,7 @@ pub enum HardpointFault {
 }
 
 impl HardpointFault {
-    /// Returns the required hardpoints of a topology that are missing.
+    /// Reports the required hardpoints of a topology that are missing.
     pub fn missing(
         topology: &'static Topology,
         is_given: impl Fn(&str) -> bool,
@@ -73,7 +73,7 @@ impl HardpointFault {
         })
     }
 
-    /// Returns the fault of a group if the study gives only a part of it.
+    /// Reports the error of a group if the study gives only a part of it.
     pub fn of_group(
         topology: &'static Topology,
         group: &'static Group,
@@ -81,7 +81,7 @@ impl HardpointFault {
     ) -> Option<HardpointFault> {
         let is_given = |name: &&str| given.contains(name);
         let count = |list: &[&'static str]| list.iter().filter(|name| is_given(name)).count();
-        // The list with the most given hardpoints; the first one of several.
+        // List with the most given hardpoints. If there are several, the first one.
         let nearest = group.complete.iter().rev().max_by_key(|list| count(list));
         let is_beside = group.beside.iter().any(is_given);
         let list = nearest.filter(|list| count(list) > 0 || is_beside)?;
@@ -110,11 +110,11 @@ impl HardpointFault {
     }
 }
 
-/// Reason why a complete set of hardpoints forms no suspension.
+/// Reason why a complete set of hardpoints is not a valid suspension.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum GeometryFault {
-    /// Two points that must be distinct are one.
+    /// Two points that must be distinct coincide.
     #[error("{second} coincides with {first}: {reason}")]
     Coincident {
         /// First point.
@@ -127,48 +127,48 @@ pub enum GeometryFault {
     /// An arm's outer joint is on the arm's axis.
     #[error("{outer} is in line with {front} and {rear}: the arm could not move it")]
     ArmInLine {
-        /// The outer joint.
+        /// Outer joint of the arm.
         outer: String,
         /// A point of the axis.
         front: String,
         /// Second point of the axis.
         rear: String,
     },
-    /// A rod's end lies on the axis of the body that the rod should turn.
+    /// The end of a rod lies on the axis of the body that the rod rotates.
     #[error("{inner} is in line with {first} and {second}: it could not turn {turned}")]
     LeverInLine {
-        /// The rod's end.
+        /// End of the rod on this body.
         inner: String,
         /// A point of the axis.
         first: String,
         /// Second point of the axis.
         second: String,
-        /// Body that should turn.
+        /// Body that cannot rotate.
         turned: &'static str,
     },
-    /// A rod is at toggle in the design position.
+    /// A rod is at a toggle in the design position.
     #[error(
         "the {rod} is at toggle in the design position: {outer}, {inner} and the axis from {first} to \
          {second} lie in one plane, so it cannot turn {turned}"
     )]
     LeverAtToggle {
-        /// The kind of rod.
+        /// Kind of rod.
         rod: String,
-        /// The rod's end on the body that it turns.
+        /// End of the rod on the body that it rotates.
         inner: String,
-        /// The rod's other end.
+        /// Other end of the rod.
         outer: String,
         /// A point of the axis.
         first: String,
         /// Second point of the axis.
         second: String,
-        /// Body that should turn.
+        /// Body that cannot rotate.
         turned: &'static str,
     },
-    /// The suspension is too large or too small, in all likelihood for a wrong unit of length.
+    /// The suspension is too large or too small, probably because of a wrong unit of length.
     #[error("the hardpoints are {size:.3} {} apart, which is no suspension", unit.symbol())]
     ImplausibleSize {
-        /// The largest distance of a hardpoint from the wheel carrier's origin.
+        /// Largest distance of a hardpoint from the wheel carrier's origin.
         size: f64,
         /// Unit of the size.
         unit: LengthUnit,
@@ -176,13 +176,13 @@ pub enum GeometryFault {
     /// The wheel is not outboard of the body, so that side or axes must be wrong.
     #[error("{wheel_centre} is inboard of the points on the body")]
     WrongSide {
-        /// The wheel centre.
+        /// Wheel centre.
         wheel_centre: String,
     },
 }
 
 impl GeometryFault {
-    /// Returns the faults of a suspension. Only the first kind of fault is reported, because other kinds follow from it.
+    /// Finds the errors of a suspension. Only the first kind of error is reported, because other kinds follow from it.
     pub fn all_of(suspension: &Suspension) -> Vec<GeometryFault> {
         let checks = [
             distinct_points,
@@ -233,7 +233,7 @@ fn arms_turn(suspension: &Suspension) -> Vec<GeometryFault> {
 fn levers_turn(suspension: &Suspension) -> Vec<GeometryFault> {
     let design = &suspension.design;
     let mut faults = Vec::new();
-    // A twist beam has no real rod; the study checks the places of its points.
+    // A twist beam has no real rod. The study checks the positions of its points.
     let rockers = suspension.mechanism.rockers.iter();
     for rocker in rockers.filter(|rocker| rocker.rod != Rod::TwistBeam) {
         let [inner, outer, first, second] =
@@ -271,7 +271,7 @@ fn plausible_size(suspension: &Suspension) -> Vec<GeometryFault> {
     }
 }
 
-/// A wheel is outboard of the points on the body, wherever the origin is.
+/// Checks that the wheel is outboard of the points on the body, wherever the origin is.
 fn right_side(suspension: &Suspension) -> Vec<GeometryFault> {
     let (mechanism, design) = (&suspension.mechanism, &suspension.design);
     let points = mechanism.points.iter().zip(design);

@@ -1,6 +1,6 @@
-//! Counts of the steps that cost time.
+//! Counts of the solver's time-consuming steps.
 //!
-//! Counts say more than a clock: they are the same on every machine, and a study that asks for less must show lower
+//! Counts are more reliable than a clock: they are the same on every machine. A study that requests less must show lower
 //! counts.
 
 use serde::{Deserialize, Serialize};
@@ -10,20 +10,20 @@ use std::cell::Cell;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Work {
-    /// Poses taken from the closed form.
+    /// Poses from the closed form.
     pub closed_form_solves: u64,
-    /// Times the closed form was evaluated to find them.
+    /// Evaluations of the closed form to find them.
     pub closed_form_evaluations: u64,
-    /// Newton iterations on closure equations, of either formulation.
+    /// Newton iterations on closure equations, for both formulations.
     pub newton_iterations: u64,
     /// Factorisations of a Jacobian.
     pub factorisations: u64,
-    /// Right-hand sides solved with the factors of a Jacobian or of its transpose, a power series
-    /// counted by its coefficients.
+    /// Right-hand sides solved with the factors of a Jacobian or of its transpose. Each coefficient of a power series
+    /// counts.
     pub right_hand_sides: u64,
-    /// Closure equations differentiated by the hardpoints, for sensitivities.
+    /// Closure equations that were differentiated by the hardpoints, for sensitivities.
     pub gradient_rows: u64,
-    /// Values of characteristics, each with its derivatives by the drive.
+    /// Evaluations of characteristics, each with its derivatives by the drive.
     pub characteristic_evaluations: u64,
     /// Gradients of characteristics by their inputs.
     pub characteristic_gradients: u64,
@@ -56,7 +56,7 @@ impl std::ops::Add for Work {
     }
 }
 
-/// Counts of work that can be added to through a shared reference.
+/// Counts of work that a shared reference can add to.
 #[derive(Clone, Debug, Default)]
 pub struct WorkCounter(Cell<Work>);
 
@@ -69,7 +69,7 @@ impl WorkCounter {
         self.0.set(work);
     }
 
-    /// The counts so far.
+    /// Present counts.
     pub fn work(&self) -> Work {
         self.0.get()
     }

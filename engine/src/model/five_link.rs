@@ -1,4 +1,4 @@
-//! Five-link: the knuckle held by five separate rods.
+//! Five-link: five separate rods hold the knuckle.
 
 use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER};
 use super::topology::{

@@ -69,12 +69,13 @@ impl Side {
         ["left", "right"][self as usize]
     }
 
-    /// Puts the wheel of this side before a sentence about it: "left wheel: ...".
+    /// Prefixes a sentence with the wheel of this side: "left wheel: ...".
     pub fn about(self, sentence: &impl std::fmt::Display) -> String {
         format!("{} wheel: {sentence}", self.name())
     }
 
-    /// 1 for left, -1 for right: a rack that moves to the left, in the frame of a side, and half a difference of the two.
+    /// Sign of the side: 1 for left, -1 for right. It converts a rack movement to the left, or half a difference of both
+    /// wheels, to the frame of a side.
     pub fn sign(self) -> f64 {
         [1.0, -1.0][self as usize]
     }
@@ -92,7 +93,7 @@ pub enum FrameConvention {
 }
 
 impl FrameConvention {
-    /// Every convention there is.
+    /// All conventions.
     pub const ALL: [FrameConvention; 3] = [
         FrameConvention::Iso8855,
         FrameConvention::SaeJ670,
@@ -116,7 +117,7 @@ pub enum MassUnit {
 }
 
 impl MassUnit {
-    /// Every unit there is.
+    /// All units.
     pub const ALL: [MassUnit; 2] = [MassUnit::Kilogram, MassUnit::Pound];
 
     /// The unit's symbol.
@@ -127,7 +128,7 @@ impl MassUnit {
         }
     }
 
-    /// Kilograms in the unit; a pound by definition (International Yard and Pound Agreement, 1959).
+    /// Value of the unit in kg; a pound by definition (International Yard and Pound Agreement, 1959).
     pub fn kilograms(self) -> f64 {
         match self {
             MassUnit::Kilogram => 1.0,
@@ -150,7 +151,7 @@ pub enum LengthUnit {
 }
 
 impl LengthUnit {
-    /// Every unit there is.
+    /// All units that a study can name as its unit of length.
     pub const ALL: [LengthUnit; 3] = [LengthUnit::Millimetre, LengthUnit::Metre, LengthUnit::Inch];
 
     /// The unit's symbol.
@@ -162,7 +163,7 @@ impl LengthUnit {
         }
     }
 
-    /// The same unit of lengths, with forces in newtons.
+    /// The same unit of length, with forces in newtons.
     fn with_newtons(self) -> LengthUnit {
         match self {
             LengthUnit::InchPound => LengthUnit::Inch,
@@ -170,7 +171,7 @@ impl LengthUnit {
         }
     }
 
-    /// Symbol of the unit of forces.
+    /// Symbol of the unit of force.
     pub fn force_symbol(self) -> &'static str {
         match self {
             LengthUnit::InchPound => "lbf",
@@ -178,7 +179,7 @@ impl LengthUnit {
         }
     }
 
-    /// Newtons in the unit of forces. A pound-force is 0.45359237 kg times 9.80665 m/s2.
+    /// Value of the unit of force in newtons. A pound-force is 0.45359237 kg times 9.80665 m/s2.
     pub fn newtons(self) -> f64 {
         match self {
             LengthUnit::InchPound => 4.448_221_615_260_5,
@@ -186,7 +187,8 @@ impl LengthUnit {
         }
     }
 
-    /// Length of a lever in torques, in this unit, with its symbol: a metre, or a foot beside pounds-force.
+    /// Lever arm in the unit of torque, as a length in this unit, with its symbol: a metre, or a foot together with
+    /// pounds-force.
     pub fn lever(self) -> (f64, &'static str) {
         match self {
             LengthUnit::InchPound => (12.0, "ft"),
@@ -203,7 +205,7 @@ impl LengthUnit {
         }
     }
 
-    /// A length of another unit in this one, rounded once. A length of the same unit keeps its bits.
+    /// Converts a length from another unit to this one, rounded once. A length in the same unit keeps its bits.
     pub fn convert(self, length: f64, from: LengthUnit) -> f64 {
         match (from.with_newtons(), self.with_newtons()) {
             (LengthUnit::Millimetre, LengthUnit::Metre) => length / 1000.0,
@@ -217,7 +219,7 @@ impl LengthUnit {
     }
 }
 
-/// The map between the study's axes and the kernel's: a sign for each coordinate.
+/// Map between the study's axes and the kernel's: a sign for each coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     signs: [f64; 3],
@@ -237,7 +239,7 @@ impl Frame {
         Frame { signs }
     }
 
-    /// The convention and the side it is the frame of: no two have the same signs.
+    /// Convention and side of this frame. They are unique, because no two frames have the same signs.
     pub fn meaning(&self) -> (FrameConvention, Side) {
         let both = |convention| Side::ALL.map(|side| (convention, side));
         let mut all = FrameConvention::ALL.into_iter().flat_map(both);
@@ -245,25 +247,24 @@ impl Frame {
             .expect("a frame is made of a convention and a side")
     }
 
-    /// The frame of the other wheel in the same axes: its mirror image.
+    /// Frame of the other wheel in the same axes: the mirror image.
     pub fn of_other_side(self) -> Self {
         let [x, y, z] = self.signs;
         Frame { signs: [x, -y, z] }
     }
 
-    /// The sign of one coordinate: kernel = sign x study, and the other way round.
+    /// Sign of one coordinate: kernel = sign x study, and study = sign x kernel.
     pub fn sign(&self, axis: Axis) -> f64 {
         self.signs[axis as usize]
     }
 
-    /// A position or displacement, study to kernel or kernel to study (the map is its own inverse).
+    /// Converts a position or displacement between study and kernel. The map is its own inverse.
     pub fn vector(&self, v: Vector3<f64>) -> Vector3<f64> {
         let [x, y, z] = self.signs;
         Vector3::new(x * v.x, y * v.y, z * v.z)
     }
 
-    /// The sign of one component of an angular velocity or acceleration, which turns the other way
-    /// in a mirror.
+    /// Sign of one component of an angular velocity or acceleration. A mirror reverses rotations.
     pub fn turn_sign(&self, axis: Axis) -> f64 {
         self.signs.iter().product::<f64>() * self.sign(axis)
     }
@@ -273,7 +274,7 @@ impl Frame {
 mod tests {
     use super::*;
 
-    /// The international inch is 25.4 mm exactly; all nine pairs of units.
+    /// The international inch is exactly 25.4 mm. The test covers all nine pairs of units.
     #[test]
     fn lengths_are_converted_between_all_units() {
         let [mm, m, inch] = LengthUnit::ALL;
@@ -302,7 +303,7 @@ mod tests {
         }
     }
 
-    /// omega x r maps like a vector when omega maps like a turn, in every convention.
+    /// omega x r transforms like a vector if omega transforms like a rotation, in every convention.
     #[test]
     fn turns_map_so_that_velocities_map_as_vectors() {
         let (omega, r) = (Vector3::new(0.1, 0.2, -0.4), Vector3::new(3.0, -1.0, 2.0));

@@ -1,5 +1,5 @@
-//! H-arm: a lower arm with two joints at the body and two at the knuckle, which turns about the line through the latter; and
-//! an upper link.
+//! H-arm: a lower arm with two joints at the body and two at the knuckle, and an upper link. The knuckle rotates about the
+//! line through its two joints.
 
 use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER};
 use super::topology::{

@@ -1,5 +1,5 @@
-//! Integral link: a lower arm that also holds the knuckle against turning about the spin axis, by a short link between arm
-//! and knuckle; above it an upper link, beside it a toe link.
+//! Integral link: a lower arm, an upper link and a toe link. A short link between arm and knuckle prevents the knuckle from
+//! rotating about the spin axis.
 
 use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER};
 use super::topology::{

@@ -1,4 +1,4 @@
-//! MacPherson strut: one lower arm, a strut clamped in the knuckle, a tie rod.
+//! MacPherson strut: one lower arm, a strut fixed to the knuckle, a tie rod.
 
 use super::rocker::{ANTI_ROLL_BAR, Carriers};
 use super::topology::{

@@ -1,8 +1,7 @@
 //! Suspension model: hardpoints, the bodies they belong to, and the constraints between the bodies.
 //!
-//! A topology is data: a list of named hardpoints and of [`Constraint`]s that hold the knuckle. This
-//! module knows nothing about solving. A new topology is one new file here and one line in
-//! [`Topology::ALL`].
+//! A topology is data: a list of named hardpoints, and a list of [`Constraint`]s that hold the knuckle. This module contains
+//! no solver. A new topology is one new file here and one line in [`Topology::ALL`].
 
 mod double_wishbone;
 mod five_link;
@@ -28,39 +27,40 @@ pub use twist_beam::TwistBeam;
 
 use crate::number::Vector3;
 
-/// A hardpoint, by its place in [`Mechanism::points`].
+/// Index of a hardpoint in [`Mechanism::points`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct PointId(pub usize);
 
-/// An arm, by its place in [`Mechanism::arms`].
+/// Index of an arm in [`Mechanism::arms`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ArmId(pub usize);
 
-/// The rigid body a point sits on.
+/// Rigid body that carries a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Body {
     /// Fixed in the vehicle.
     Chassis,
     /// Moved sideways by the steering rack.
     Rack,
-    /// Held in the vehicle, but as far to one side as a point of the knuckle has moved to the other: the mounts of a twist beam.
+    /// Held in the vehicle, but displaced sideways: as far to one side as a point of the knuckle has moved to the other. For
+    /// the mounts of a twist beam.
     Opposite(PointId),
     /// The wheel carrier.
     Knuckle,
-    /// A control arm, turning about its axis.
+    /// A control arm, which rotates about its axis.
     Arm(ArmId),
-    /// The upper part of a strut: it turns with the knuckle, about the given chassis point.
+    /// Upper part of a strut. It rotates with the knuckle, about the given chassis point.
     StrutRod(PointId),
-    /// A rocker, turning about its axis as its rod moves it.
+    /// A rocker, which rotates about its axis as its rod moves it.
     Rocker(RockerId),
 }
 
-/// A point of the mechanism: a hardpoint of the topology or one the study adds.
+/// A point of the mechanism: a hardpoint of the topology, or a point that the study adds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
     /// Name as written in the study.
     pub name: String,
-    /// The body it moves with.
+    /// Body that carries the point.
     pub body: Body,
 }
 
@@ -75,68 +75,68 @@ pub struct Arm {
     pub outer: PointId,
 }
 
-/// A constraint on the knuckle. Together the constraints of a mechanism remove five of its six degrees of freedom.
+/// A constraint on the knuckle. Together, the constraints of a mechanism remove five of its six degrees of freedom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Constraint {
-    /// A rod of fixed length between a point of the chassis, the rack or an arm, and a knuckle point. Takes one freedom;
-    /// a two-legged arm is two of them with the same outer point.
+    /// A rod of fixed length between a point of the chassis, the rack or an arm, and a knuckle point. Removes one degree of
+    /// freedom. A two-legged arm is two such rods with the same outer point.
     Link {
-        /// The end on the chassis, the rack or an arm.
+        /// End on the chassis, the rack or an arm.
         inner: PointId,
-        /// The knuckle end.
+        /// End on the knuckle.
         outer: PointId,
     },
-    /// A telescopic strut, clamped in the knuckle and hung in a ball joint at `top`: `top` stays on a
-    /// line fixed in the knuckle. Takes two freedoms. The line is the one through `top` in the design
-    /// position, along `lower` -> `upper`, or along `lower` -> `top` where there is no `upper`.
+    /// A telescopic strut, fixed to the knuckle and held by a ball joint at `top`. `top` stays on a line fixed in the
+    /// knuckle. Removes two degrees of freedom. In the design position the line passes through `top`. Its direction is from
+    /// `lower` to `upper`, or from `lower` to `top` if there is no `upper`.
     StrutLine {
         /// The chassis mount.
         top: PointId,
         /// A knuckle point.
         lower: PointId,
-        /// A second knuckle point, where the line is not given by `lower` and `top`.
+        /// A second knuckle point, if `lower` and `top` do not give the line.
         upper: Option<PointId>,
     },
-    /// A hinge: the knuckle turns about the line through two chassis points. Takes five freedoms; the
-    /// knuckle then is the arm itself.
+    /// A hinge: the knuckle rotates about the line through two chassis points. Removes five degrees of freedom. The knuckle
+    /// is then the arm itself.
     Revolute {
         /// A chassis point of the axis.
         first: PointId,
         /// A second chassis point of the axis.
         second: PointId,
     },
-    /// A ball joint at the body: the knuckle turns about a chassis point. Takes three freedoms.
+    /// A ball joint at the body: the knuckle rotates about a chassis point. Removes three degrees of freedom.
     BallJoint {
         /// The chassis point.
         at: PointId,
     },
-    /// A mount that holds a knuckle point in x and z and lets it move sideways. Takes two freedoms.
+    /// A mount that fixes a knuckle point in x and z and lets it move sideways. Removes two degrees of freedom.
     Mount {
         /// The knuckle point.
         at: PointId,
     },
-    /// A second joint of an arm and the knuckle, which then turns about the line through both joints. Takes two
-    /// freedoms beside the two legs of the arm.
+    /// A second joint between an arm and the knuckle. The knuckle then rotates about the line through both joints. Removes
+    /// two degrees of freedom in addition to the two legs of the arm.
     ArmJoint {
         /// The arm.
         arm: ArmId,
-        /// The point of both.
+        /// Point of the joint, common to arm and knuckle.
         at: PointId,
     },
-    /// One of the two travels of a rigid axle has the value that stands where other mechanisms have the rack's
-    /// displacement. Takes one freedom.
+    /// One of the two travels of a rigid axle has a given value. This value takes the place of the rack's displacement in
+    /// other mechanisms. Removes one degree of freedom.
     AxleTravel {
         /// Centre of the near wheel.
         near: PointId,
         /// Centre of the far wheel.
         far: PointId,
-        /// The travel that is held.
+        /// Travel with the given value.
         held: AxleTravel,
     },
 }
 
 impl Constraint {
-    /// Freedoms it takes.
+    /// Number of degrees of freedom that the constraint removes.
     pub fn freedoms(&self) -> usize {
         match self {
             Constraint::Link { .. } | Constraint::AxleTravel { .. } => 1,
@@ -157,7 +157,7 @@ impl Constraint {
     }
 }
 
-/// The axis the knuckle turns about when it is steered.
+/// Axis about which the knuckle rotates in steering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SteeringAxis {
     /// Through two joints of the knuckle.
@@ -167,24 +167,22 @@ pub enum SteeringAxis {
         /// The upper joint or mount.
         upper: PointId,
     },
-    /// The instantaneous screw axis of the motion that a displacement of the rack gives the knuckle
-    /// while the drive is held: with wheel travel as the drive, at constant height of the wheel
-    /// centre. For linkages without an upper and a lower joint.
+    /// Instantaneous screw axis of the knuckle's motion when the rack moves and the drive is fixed. With wheel travel as the
+    /// drive, the height of the wheel centre is constant. For linkages without an upper and a lower joint.
     Instantaneous,
 }
 
-/// The axis the wheel spins about, through the wheel centre.
+/// Axis about which the wheel spins, through the wheel centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SpinAxis {
     /// Direction from this knuckle point, inboard of the wheel, to the wheel centre.
     From(PointId),
-    /// Fixed in the knuckle with this outboard direction in the design position (from static camber
-    /// and toe).
+    /// Fixed in the knuckle. The vector is its outboard direction in the design position (from static camber and toe).
     Along(Vector3<f64>),
 }
 
 impl SpinAxis {
-    /// The direction that static camber and toe (radians) give the wheel.
+    /// Spin axis of a wheel with this static camber and toe (radians).
     pub fn standing(camber: f64, toe: f64) -> SpinAxis {
         SpinAxis::Along(Vector3::new(
             camber.cos() * toe.sin(),
@@ -199,11 +197,11 @@ impl SpinAxis {
 pub struct Spring {
     /// The chassis end.
     pub upper: PointId,
-    /// The end that moves with the wheel.
+    /// End that moves with the wheel.
     pub lower: PointId,
 }
 
-/// A mechanism for which the pose is known in closed form once the drive arm's angle is.
+/// A mechanism whose pose has a closed form for a given angle of the drive arm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ClosedForm {
     /// Lower arm, strut and tie rod.
@@ -212,33 +210,33 @@ pub enum ClosedForm {
     DoubleWishbone,
 }
 
-/// Input of the mechanism.
+/// Coordinate that drives the mechanism.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Drive {
-    /// The height of the wheel centre above its design position.
+    /// Height of the wheel centre above its design position.
     Travel,
-    /// The angle of the first control arm from its design position: positive raises its outer joint.
+    /// Angle of the first control arm from its design position. A positive angle raises its outer joint.
     ArmAngle,
 }
 
 /// The structure of a suspension without its dimensions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mechanism {
-    /// The topology it was made from.
+    /// Topology from which it was made.
     pub topology: &'static Topology,
-    /// Every point, hardpoints of the topology first.
+    /// All points. Hardpoints of the topology come first.
     pub points: Vec<Point>,
-    /// The bodies a study may put points on, with their names.
+    /// Bodies that a study may assign to points, with their names.
     pub bodies: Vec<(&'static str, Body)>,
-    /// The points that may stand on several bodies and whose body the study does not name: it is assumed.
+    /// Points that could be on several bodies, and for which the study names none. Their bodies are assumed.
     pub unsaid_seats: Vec<PointId>,
-    /// Five scalar constraints in all.
+    /// Constraints, five scalar equations in total.
     pub constraints: Vec<Constraint>,
-    /// Control arms; the first one is the one an arm-angle drive turns.
+    /// Control arms. An arm-angle drive rotates the first one.
     pub arms: Vec<Arm>,
     /// Rockers. The rod of a rocker may be mounted on an earlier rocker.
     pub rockers: Vec<Rocker>,
-    /// The knuckle point whose position, with the knuckle's rotation, describes the pose.
+    /// Knuckle point whose position, with the knuckle's rotation, describes the pose.
     pub origin: PointId,
     /// Centre of the wheel, on the knuckle.
     pub wheel_centre: PointId,
@@ -246,19 +244,19 @@ pub struct Mechanism {
     pub spin_axis: SpinAxis,
     /// The steering axis; `None` for a wheel that cannot be steered.
     pub steering_axis: Option<SteeringAxis>,
-    /// The spring, where the topology has one.
+    /// Spring, if the topology has one.
     pub spring: Option<Spring>,
-    /// The closed form that applies, if any.
+    /// Closed form of this mechanism, if there is one.
     pub closed_form: Option<ClosedForm>,
-    /// The far half, if the knuckle is an axle that carries both wheels.
+    /// Far half of the axle, if the knuckle is an axle that carries both wheels.
     pub rigid_axle: Option<RigidAxle>,
 }
 
-/// The point that gives the spin axis of a built wheel.
+/// Name of the point that gives the spin axis of a built wheel.
 pub(crate) const SPINDLE_INNER: &str = "spindle_inner";
 
 impl Mechanism {
-    /// The point of this name.
+    /// Point with this name.
     pub fn point(&self, name: &str) -> Option<PointId> {
         self.points.iter().position(|p| p.name == name).map(PointId)
     }
@@ -268,8 +266,8 @@ impl Mechanism {
         self.points.iter().any(|point| point.body == Body::Rack)
     }
 
-    /// The name of a point. A built wheel has one more than a study that gives camber and toe as angles: faults of builds
-    /// name it, too.
+    /// Name of a point. A built wheel has an additional point if the study gives camber and toe as angles. Errors of builds
+    /// may name it, so it has a name, too.
     pub fn name(&self, id: PointId) -> &str {
         self.points
             .get(id.0)
@@ -288,7 +286,7 @@ impl Mechanism {
         }
     }
 
-    /// The mechanism with this travel of its rigid axle held, and the other one as its drive.
+    /// The mechanism with this travel of its rigid axle held, and the other travel as its drive.
     pub fn holding(&self, travel: AxleTravel) -> Mechanism {
         let mut mechanism = self.clone();
         if let Some(rigid) = &mut mechanism.rigid_axle {
@@ -309,7 +307,7 @@ impl Mechanism {
             .is_some_and(|rigid| rigid.is_far(id))
     }
 
-    /// The name of a link, from that of its end at the body.
+    /// Name of a link, derived from the name of its end at the body.
     pub fn link_name(&self, inner: PointId) -> &str {
         let name = self.name(inner);
         let of_body = ["_inner", "_chassis", "_rocker"];
@@ -317,7 +315,7 @@ impl Mechanism {
         stripped.unwrap_or(name)
     }
 
-    /// The second point of a strut's axis on the knuckle, where there is one.
+    /// Second point of a strut's axis on the knuckle, if there is one.
     #[inline]
     pub fn strut_upper(&self) -> Option<PointId> {
         self.constraints.iter().find_map(|c| match c {
@@ -326,14 +324,14 @@ impl Mechanism {
         })
     }
 
-    /// The size of a design: the largest distance of a point from the knuckle's origin.
+    /// Size of a design: the largest distance of a point from the knuckle's origin.
     pub fn size(&self, design: &[Vector3<f64>]) -> f64 {
         let origin = design[self.origin.0];
         let farthest = |far: f64, p: &Vector3<f64>| far.max((*p - origin).norm_squared());
         design.iter().fold(0.0, farthest).sqrt()
     }
 
-    /// The largest absolute coordinate of a design, at least its size. Rounding errors of positions scale with it.
+    /// Largest absolute coordinate of a design, or its size if that is larger. Rounding errors of positions scale with it.
     pub fn coordinate_scale(&self, design: &[Vector3<f64>]) -> f64 {
         let largest = |far: f64, p: &Vector3<f64>| far.max(p.norm_squared());
         design
@@ -343,8 +341,7 @@ impl Mechanism {
             .max(self.size(design))
     }
 
-    /// Pairs of points that something with a length or a direction runs between: arm axes, rods, strut and
-    /// spin axis.
+    /// Pairs of points that define a length or a direction: arm axes, rods, strut and spin axis.
     pub fn lengths(&self) -> impl Iterator<Item = (PointId, PointId)> {
         let arms = self.arms.iter().map(|arm| (arm.front, arm.rear));
         let constraints = self
@@ -366,15 +363,15 @@ impl Mechanism {
         arms.chain(constraints).chain(spin_axis)
     }
 
-    /// Returns true if two points keep their distance in every pose: points of one body, the two ends of a rod, and the
-    /// outer joint of an arm with the points of its axis.
+    /// Returns true if two points keep their distance in every pose. These are points of one body, the two ends of a rod,
+    /// and the outer joint of an arm with the points of its axis.
     pub fn are_rigidly_joined(&self, a: PointId, b: PointId) -> bool {
         let are = |p: PointId, q: PointId| (a, b) == (p, q) || (b, a) == (p, q);
         let on_ground = |id| matches!(self.body(id), Body::Chassis);
         let links = self.constraints.iter().any(|constraint| match *constraint {
             Constraint::Link { inner, outer } => are(inner, outer),
             Constraint::Revolute { first, second } => {
-                // The hinge's own points stand still, and the wheel carrier turns about them.
+                // The hinge's own points are fixed, and the wheel carrier rotates about them.
                 let of_axis = |id| id == first || id == second;
                 let carried = |id| self.body(id) == Body::Knuckle;
                 of_axis(a) && carried(b) || of_axis(b) && carried(a)
@@ -398,7 +395,8 @@ impl Mechanism {
         links || rods || self.body(a) == self.body(b) || on_ground(a) && on_ground(b)
     }
 
-    /// The arm on which a constraint ends, besides its own legs: an arm with a link or a second joint to the knuckle.
+    /// Arm to which a constraint is attached, for links on an arm and for second joints between arm and knuckle. The arm's
+    /// own legs do not count.
     pub fn arm_under(&self, constraint: &Constraint) -> Option<ArmId> {
         match *constraint {
             Constraint::ArmJoint { arm, .. } => Some(arm),
@@ -410,14 +408,14 @@ impl Mechanism {
         }
     }
 
-    /// The body a point sits on.
+    /// Body that carries a point.
     #[inline(always)]
     pub fn body(&self, id: PointId) -> Body {
         self.points[id.0].body
     }
 }
 
-/// Whole-vehicle figures that some characteristics need. Lengths in the study's unit.
+/// Data of the whole vehicle that some characteristics need. Lengths are in the study's unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct VehicleFigures {
     /// Distance between the axles.
@@ -430,7 +428,7 @@ pub struct VehicleFigures {
     pub brake_share_front: Option<f64>,
     /// Share of the drive force at the front axle, 0 to 1.
     pub drive_share_front: Option<f64>,
-    /// Axle that has this suspension.
+    /// Position of the axle with this suspension.
     pub position: Option<AxlePosition>,
     /// Part that takes the torque of the brakes.
     pub brakes: Option<TorquePath>,
@@ -463,7 +461,7 @@ pub enum TorquePath {
 pub struct Suspension {
     /// Structure.
     pub mechanism: Mechanism,
-    /// Design position of every point, by [`PointId`].
+    /// Design positions of all points, indexed by [`PointId`].
     pub design: Vec<Vector3<f64>>,
     /// Map from the study's axes to the kernel's.
     pub frame: Frame,
@@ -473,13 +471,13 @@ pub struct Suspension {
     pub wheel_radius: Option<f64>,
     /// Width of the tyre.
     pub tyre_width: Option<f64>,
-    /// Whole-vehicle figures.
+    /// Data of the whole vehicle.
     pub vehicle: VehicleFigures,
 }
 
 impl Suspension {
-    /// The size of the mechanism: the largest distance of a point from the knuckle's origin. Bounds
-    /// on rounding and step lengths are stated relative to it.
+    /// Size of the mechanism: the largest distance of a point from the knuckle's origin. Bounds on rounding and step lengths
+    /// are relative to it.
     pub fn size(&self) -> f64 {
         self.mechanism.size(&self.design)
     }

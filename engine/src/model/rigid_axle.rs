@@ -1,16 +1,16 @@
-//! A rigid axle: one body that carries both wheels.
+//! Rigid axle: one body carries both wheels.
 //!
-//! The mechanism of a rigid axle is that of one wheel, the near one, whose knuckle is the axle itself. It has the points of
-//! both halves. Two travels drive the axle. With z_n and z_f the heights of the near and of the far wheel centre over
-//! their design positions, they are
+//! The mechanism of a rigid axle is that of one wheel, the near wheel, and its knuckle is the axle itself. It has the points
+//! of both halves. Two travels drive the axle. With the heights z_n and z_f of the near and the far wheel centre over their
+//! design positions, they are
 //!
 //! ```text
 //! mean        (z_n + z_f)/2                                                        (1)
 //! difference  (z_n - z_f)/2                                                        (2)
 //! ```
 //!
-//! One of them is the drive. The other one takes the place of the rack's displacement, and one constraint holds it.
-//! Seen from the other wheel, (1) is the same and (2) has the other sign.
+//! One travel is the drive. The other replaces the displacement of the rack, and one constraint holds it. As seen from the
+//! far wheel, (1) is the same and (2) has the opposite sign.
 
 use super::{PointId, TwistBeam};
 use crate::number::{Real, Vector3};
@@ -20,7 +20,7 @@ use crate::number::{Real, Vector3};
 pub enum AxleTravel {
     /// Equation (1): both wheels rise.
     Mean,
-    /// Equation (2): the near wheel rises and the far one falls.
+    /// Equation (2): the near wheel rises and the far wheel falls.
     Difference,
 }
 
@@ -33,7 +33,7 @@ impl AxleTravel {
         }
     }
 
-    /// Factor of the far wheel's height: 1 or -1.
+    /// Factor on the far wheel's height: 1 or -1.
     #[inline(always)]
     pub fn far_sign(self) -> f64 {
         match self {
@@ -46,45 +46,45 @@ impl AxleTravel {
 /// The far half of a rigid axle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigidAxle {
-    /// Points of the near half, each with its partner in the far half.
+    /// Points of the near half, each with its counterpart in the far half.
     pub pairs: Vec<[PointId; 2]>,
-    /// Points that the axle has once, such as the ends of a Panhard rod.
+    /// Points that exist once on the axle, such as the ends of a Panhard rod.
     pub singles: Vec<PointId>,
     /// Centre of the far wheel.
     pub far_centre: PointId,
-    /// The travel that a constraint holds. The other one drives.
+    /// Travel that a constraint holds. The other travel is the drive.
     pub held: AxleTravel,
     /// Further points, if the axle is a twist beam.
     pub twist_beam: Option<TwistBeam>,
 }
 
-/// The mirror image of a position in the vehicle's middle plane.
+/// Mirror image of a position in the middle plane of the vehicle.
 #[inline(always)]
 pub fn mirrored<T: Real>(position: Vector3<T>) -> Vector3<T> {
     Vector3::new(position.x, -position.y, position.z)
 }
 
 impl RigidAxle {
-    /// Returns true for a point of the far half, or one that follows another point.
+    /// Returns true for a point of the far half and for a point that follows another point.
     pub fn is_far(&self, id: PointId) -> bool {
         let mut following = self.followers();
         self.pairs.iter().any(|[_, far]| *far == id) || following.any(|[point, _]| point == id)
     }
 
-    /// Points that a study does not give, each with the point that it stays beside.
+    /// Points that a study does not give, each with the point that it follows.
     #[inline]
     fn followers(&self) -> impl Iterator<Item = [PointId; 2]> {
         self.twist_beam.iter().flat_map(TwistBeam::followers)
     }
 
-    /// The partner in the far half of a point of the near half.
+    /// Counterpart in the far half of a point of the near half.
     pub fn far_of(&self, id: PointId) -> Option<PointId> {
         let pair = self.pairs.iter().find(|[near, _]| *near == id);
         pair.map(|[_, far]| *far)
     }
 
-    /// Moves the far half as the near half moves. `own` is a design that has both halves: where its far half is no mirror
-    /// image, the difference stays.
+    /// Moves the far half with the near half. `own` is a design with both halves. Differences between its far half and a
+    /// mirror image stay.
     #[inline(always)]
     pub fn complete<T: Real>(&self, own: &[Vector3<f64>], design: &mut [Vector3<T>]) {
         for [near, far] in &self.pairs {
@@ -98,8 +98,8 @@ impl RigidAxle {
         }
     }
 
-    /// Writes the same axle seen from its other wheel, in the frame of that side, into `into`. Points that are neither in
-    /// a pair nor single belong to each wheel and stay.
+    /// Writes the axle as seen from its other wheel, in the frame of that side, into `into`. Points that are neither in a
+    /// pair nor single belong to each wheel and stay.
     #[inline(always)]
     pub fn turn_over<T: Real>(&self, design: &[Vector3<T>], into: &mut [Vector3<T>]) {
         into.copy_from_slice(design);
@@ -123,8 +123,8 @@ impl RigidAxle {
             && singles.all(|single| design[single.0] == mirrored(design[single.0]))
     }
 
-    /// Adds up the derivatives by all places of a point: those of the far half and those of the axle seen from the right
-    /// wheel are added to the derivatives by the left half.
+    /// Collects the derivatives by all copies of a point at the left half. The copies are in the far half, and in the axle
+    /// as seen from the right wheel.
     pub fn gather(&self, [left, right]: [&mut [Vector3<f64>]; 2]) {
         let zero = Vector3::new(0.0, 0.0, 0.0);
         for [point, beside] in self.followers() {

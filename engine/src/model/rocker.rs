@@ -1,49 +1,49 @@
-//! Rockers: parts that a rod turns about an axis fixed in the body or in a solid axle. Examples are the bell crank of a
+//! Rockers: parts on an axis fixed in the body or in a solid axle, which a rod rotates. Examples are the bell crank of a
 //! pushrod or pullrod, an anti-roll bar with its drop link, and the rocker of a Watt linkage.
 //!
-//! Their hardpoints form groups that a topology offers in addition to its own. A study gives every hardpoint of a
-//! group, or none.
+//! Their hardpoints form groups that a topology offers in addition to its own. A study gives every hardpoint of a group, or
+//! none.
 
 use super::topology::{Group, optional};
 use super::{Body, Mechanism, PointId};
 use std::fmt;
 
-/// A rocker, by its place in [`Mechanism::rockers`].
+/// Index of a rocker in [`Mechanism::rockers`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RockerId(pub usize);
 
-/// A body hinged about a line fixed in its base, the vehicle or a solid axle, and turned by a rod of fixed length.
+/// A part hinged about a line fixed in its base, the vehicle or a solid axle. A rod of fixed length rotates it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rocker {
-    /// The rod that turns it.
+    /// Rod that rotates the rocker.
     pub rod: Rod,
     /// A point of the axis, on the chassis or on a solid axle.
     pub first: PointId,
     /// Another point of the axis.
     pub second: PointId,
-    /// The rod's end on the rocker.
+    /// End of the rod on the rocker.
     pub inner: PointId,
-    /// The rod's other end: on an arm, the knuckle or an earlier rocker; on the chassis for a rocker on a solid axle.
+    /// Other end of the rod: on an arm, the knuckle or an earlier rocker. For a rocker on a solid axle it is on the chassis.
     pub outer: PointId,
 }
 
-/// Kind of the rod that turns a rocker.
+/// Kind of the rod that rotates a rocker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rod {
     /// Pushes the rocker of the spring in jounce.
     Pushrod,
     /// Pulls the rocker of the spring in jounce.
     Pullrod,
-    /// Turns the lever of an anti-roll bar.
+    /// Rotates the lever of an anti-roll bar.
     DropLink,
-    /// The upper link of a Watt linkage, which turns its rocker.
+    /// Upper link of a Watt linkage, which rotates its rocker.
     WattLink,
     /// No real rod: a mount of a twist beam, which turns its half of the beam against the other half.
     TwistBeam,
 }
 
 impl Rod {
-    /// Returns the name of the part that the rod turns.
+    /// Name of the part that the rod rotates.
     pub fn turns(self) -> &'static str {
         match self {
             Rod::Pushrod | Rod::Pullrod => "the rocker",
@@ -53,7 +53,7 @@ impl Rod {
         }
     }
 
-    /// Returns true for the rods that turn the rocker of the spring.
+    /// Returns true for rods of the spring's rocker.
     pub fn is_of_spring(self) -> bool {
         matches!(self, Rod::Pushrod | Rod::Pullrod)
     }
@@ -165,14 +165,14 @@ pub(super) static ANTI_ROLL_BAR: Group = Group {
     ],
 };
 
-/// Watt linkage with its rocker on a solid axle: the upper link's end on the body and on the rocker, pivot and axis.
+/// Watt linkage with its rocker on a solid axle: ends of the upper link on the body and on the rocker, pivot, and axis.
 const WATT_ON_AXLE: [&str; 4] = [
     "watt_upper_chassis",
     "watt_upper_rocker",
     "watt_pivot",
     "watt_axis",
 ];
-/// The same with the rocker on the body.
+/// The same linkage with the rocker on the body.
 const WATT_ON_CHASSIS: [&str; 4] = [
     "watt_upper_axle",
     "watt_upper_rocker",
@@ -180,18 +180,18 @@ const WATT_ON_CHASSIS: [&str; 4] = [
     "watt_axis",
 ];
 
-/// The bodies that the rods are mounted on unless a study says otherwise.
+/// Bodies that carry the rods if a study does not name others.
 #[derive(Clone, Copy)]
 pub(super) struct Carriers {
     pub pushrod: Body,
     pub pullrod: Body,
     pub drop_link: Body,
-    /// Without a rocker.
+    /// Body that carries the lower end of the spring if there is no rocker.
     pub spring: Body,
 }
 
 impl Carriers {
-    /// All of them on one body.
+    /// Assigns all of them to one body.
     pub(super) const fn all(body: Body) -> Self {
         Carriers {
             pushrod: body,
@@ -201,7 +201,7 @@ impl Carriers {
         }
     }
 
-    /// The body of a hardpoint of spring, rocker and anti-roll bar; `None` of another one.
+    /// Body of a hardpoint of spring, rocker or anti-roll bar. `None` for other hardpoints.
     pub(super) fn body(self, name: &str, given: &[&str]) -> Option<Body> {
         let has_rocker = given.contains(&"rocker_pivot_front");
         Some(match name {
@@ -222,7 +222,7 @@ impl Carriers {
     }
 }
 
-/// The rockers whose hardpoints are given, the spring's first.
+/// Rockers whose hardpoints are given. The spring's comes first.
 pub(super) fn rockers(find: impl Fn(&str) -> Option<PointId>) -> Vec<Rocker> {
     let rods = [
         (Rod::Pushrod, PUSHROD),
@@ -245,7 +245,7 @@ pub(super) fn rockers(find: impl Fn(&str) -> Option<PointId>) -> Vec<Rocker> {
     given.collect()
 }
 
-/// The rockers as bodies that a study may put points on.
+/// Rockers as bodies that a study may assign to points.
 pub(super) fn bodies(rockers: &[Rocker]) -> impl Iterator<Item = (&'static str, Body)> {
     rockers.iter().enumerate().map(|(number, rocker)| {
         let name = match rocker.rod {
@@ -259,21 +259,21 @@ pub(super) fn bodies(rockers: &[Rocker]) -> impl Iterator<Item = (&'static str, 
 }
 
 impl Mechanism {
-    /// The rocker with this number.
+    /// Rocker with this index.
     #[inline]
     pub fn rocker(&self, id: RockerId) -> Rocker {
         self.rockers[id.0]
     }
 
-    /// The rocker that a pushrod or pullrod turns.
+    /// Index of the rocker with a pushrod or pullrod.
     #[inline]
     pub fn spring_rocker(&self) -> Option<RockerId> {
         let mut rods = self.rockers.iter().map(|rocker| rocker.rod);
         rods.position(Rod::is_of_spring).map(RockerId)
     }
 
-    /// The anti-roll bar, which a drop link turns; for a twist beam the other half, whose rotation twists the cross
-    /// member.
+    /// Index of the anti-roll bar, which a drop link rotates. For a twist beam it is the other half, whose rotation twists
+    /// the cross member.
     #[inline]
     pub fn anti_roll_bar(&self) -> Option<RockerId> {
         let mut rods = self.rockers.iter().map(|rocker| rocker.rod);
@@ -281,7 +281,7 @@ impl Mechanism {
             .map(RockerId)
     }
 
-    /// The end of the heave spring on the rocker.
+    /// End of the heave spring on the rocker.
     #[inline]
     pub fn heave_spring(&self) -> Option<PointId> {
         let is_end = |point: &super::Point| point.name == "heave_spring";
@@ -289,7 +289,7 @@ impl Mechanism {
         self.points.iter().position(is_end).map(PointId)
     }
 
-    /// The rockers a point moves with: the one it sits on, and the one whose motion turns that.
+    /// Rockers that move a point: the one that carries it, and the one that moves that rocker.
     pub fn rockers_moving(&self, id: PointId) -> impl Iterator<Item = RockerId> + '_ {
         let under = |id: PointId| match self.body(id) {
             Body::Rocker(rocker) => Some(rocker),
@@ -298,22 +298,21 @@ impl Mechanism {
         std::iter::successors(under(id), move |rocker| under(self.rocker(*rocker).outer))
     }
 
-    /// The point at which the spring acts on arm or knuckle: its own lower end, or where the rod of its rocker
-    /// stands.
+    /// Point at which the spring acts on the arm or knuckle: its own lower end, or the outer end of its rocker's rod.
     pub fn spring_seat(&self) -> Option<PointId> {
         let lower = self.spring?.lower;
         let last = self.rockers_moving(lower).last();
         Some(last.map_or(lower, |rocker| self.rocker(rocker).outer))
     }
 
-    /// Returns the name of the body on which the rod of a rocker is mounted.
+    /// Name of the body that carries the outer end of a rocker's rod.
     pub fn seat(&self, rocker: &Rocker) -> String {
         let body = self.body(rocker.outer);
         let found = self.bodies.iter().find(|(_, known)| *known == body);
         found.map_or_else(String::new, |(name, _)| name.replace('_', " "))
     }
 
-    /// The mechanism of the same hardpoints, each on the body that the topology mounts it on.
+    /// The same mechanism with each hardpoint on the body that the topology assigns to it.
     fn usual(&self) -> Mechanism {
         let known = self.points.iter();
         let known = known.filter_map(|point| self.topology.hardpoint(&point.name));
@@ -321,13 +320,13 @@ impl Mechanism {
         (self.topology.build)(self.topology, &given)
     }
 
-    /// The body that the topology mounts a hardpoint on.
+    /// Body that the topology assigns to a hardpoint.
     pub(super) fn usual_body(&self, id: PointId) -> Body {
         let usual = self.usual();
         usual.body(usual.point(self.name(id)).unwrap_or(id))
     }
 
-    /// The hardpoints that a study has mounted on another body than the topology does.
+    /// Hardpoints that the study assigns to another body than the topology does.
     pub fn points_on_other_bodies(&self) -> Vec<&str> {
         let usual = self.usual();
         let differs = |point: &&super::Point| {
@@ -338,8 +337,8 @@ impl Mechanism {
         moved.map(|point| point.name.as_str()).collect()
     }
 
-    /// The bodies a hardpoint may sit on: of the ends of springs and rods that stand on the suspension, by
-    /// the study's choice. Empty for every other hardpoint.
+    /// Bodies that a study may assign to a hardpoint. Only the ends of springs and rods on the suspension have such a
+    /// choice. Empty for every other hardpoint.
     pub fn possible_bodies(&self, id: PointId) -> Vec<(&'static str, Body)> {
         let is_turned = |rocker: &Rocker| {
             rocker.outer == id && !matches!(rocker.rod, Rod::WattLink | Rod::TwistBeam)

@@ -1,12 +1,12 @@
-//! The bodies that ends of springs and rods stand on, where a study does not say.
+//! Bodies that carry ends of springs and rods, if a study does not name them.
 
 use super::{Body, Mechanism, PointId};
 use crate::number::Vector3;
 
-/// A body is taken in place of the usual one if the point is less than this share of the distance away.
+/// Ratio of distances below which a body counts as clearly nearer than the usual one.
 const CLEARLY_NEARER: f64 = 0.5;
 
-/// A body that a point may stand on.
+/// A body that may carry a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seat {
     /// Name of the body in studies.
@@ -18,7 +18,7 @@ pub struct Seat {
 }
 
 impl Mechanism {
-    /// The bodies that a hardpoint may stand on, with its distance from each, nearest first.
+    /// Bodies that may carry a hardpoint, with the hardpoint's distance from each, nearest first.
     pub fn seats(&self, design: &[Vector3<f64>], id: PointId) -> Vec<Seat> {
         let possible = self.possible_bodies(id).into_iter();
         let seat = |(name, body)| Seat {
@@ -31,7 +31,7 @@ impl Mechanism {
         seats
     }
 
-    /// The seat of a hardpoint, and the nearest one if it is another one and clearly nearer.
+    /// Present body of a hardpoint, and the nearest body. `None` unless the nearest is a different one and clearly nearer.
     pub fn doubtful_seat(&self, design: &[Vector3<f64>], id: PointId) -> Option<[Seat; 2]> {
         let seats = self.seats(design, id);
         let own = seats.iter().find(|seat| seat.body == self.body(id))?;
@@ -40,16 +40,16 @@ impl Mechanism {
         is_doubtful.then_some([*own, *nearest])
     }
 
-    /// Notes that the bodies of all points are assumed that may stand on several.
+    /// Marks the bodies of all points with several candidates as assumed.
     pub fn assume_seats(&mut self) {
         let points = (0..self.points.len()).map(PointId);
         let may_choose = |id: &PointId| self.possible_bodies(*id).len() > 1;
         self.unsaid_seats = points.filter(may_choose).collect();
     }
 
-    /// Puts the drop link of an anti-roll bar on the body that is clearly nearest to it. That applies if the study does
-    /// not name its body and a rocker is among the candidates. On the wrong body of these the bar turns ten times too
-    /// little or too much.
+    /// Assigns the drop link of an anti-roll bar to the body that is clearly nearest to it. This applies if the study does
+    /// not name its body and a rocker is among the candidates. On the wrong body the bar would rotate ten times too little
+    /// or too much.
     pub fn seat_drop_link(&mut self, design: &[Vector3<f64>]) {
         if let Some(id) = self.unsaid_drop_link()
             && let Some([_, nearest]) = self.doubtful_seat(design, id)
@@ -58,7 +58,7 @@ impl Mechanism {
         }
     }
 
-    /// True if a drop link whose body the study does not name stays on its body when the points move to `design`.
+    /// Returns true if a drop link without a named body stays on its body when the points move to `design`.
     pub fn keeps_drop_link(&self, design: &[Vector3<f64>]) -> bool {
         let Some(id) = self.unsaid_drop_link() else {
             return true;
@@ -69,8 +69,7 @@ impl Mechanism {
         anew.body(id) == self.body(id)
     }
 
-    /// The outer end of the drop link, if a rocker is among the bodies that it may stand on and the study does not name
-    /// its body.
+    /// Outer end of the drop link, if a rocker is among the bodies that may carry it and the study does not name its body.
     pub fn unsaid_drop_link(&self) -> Option<PointId> {
         self.spring_rocker()?;
         let id = self.rocker(self.anti_roll_bar()?).outer;
@@ -103,7 +102,7 @@ impl Mechanism {
     }
 }
 
-/// Distance of a point from a segment, whose ends may coincide.
+/// Distance of a point from a segment. The ends of the segment may coincide.
 fn from_segment(point: Vector3<f64>, [a, b]: [Vector3<f64>; 2]) -> f64 {
     let (along, away) = (b - a, point - a);
     let share = match along.norm_squared() {

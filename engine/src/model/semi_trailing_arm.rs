@@ -1,5 +1,5 @@
-//! Semi-trailing arm: the wheel carrier is one arm on a hinge. With the hinge axis along y it is a
-//! trailing arm, with the axis along x a swing axle.
+//! Semi-trailing arm: the wheel carrier is one arm on a hinge. With the hinge axis along y it is a trailing arm, with the
+//! axis along x it is a swing axle.
 
 use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER};
 use super::topology::{

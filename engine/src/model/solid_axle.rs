@@ -11,7 +11,7 @@ use super::topology::{
 };
 use super::{Body, Constraint, Mechanism, Point, PointId, RockerId, Topology};
 
-/// A Panhard rod. A study gives both ends or none.
+/// Panhard rod. A study gives both ends or neither.
 static PANHARD: Group = Group {
     what: "the Panhard rod",
     hardpoints: &[
@@ -23,7 +23,7 @@ static PANHARD: Group = Group {
     distinct: &[("panhard_chassis", "panhard_axle", NO_LINK)],
 };
 
-/// The Watt linkage: a rocker on the axle with two links to the body, or a rocker on the body with two links to the axle.
+/// Watt linkage: a rocker on the axle with two links to the body, or a rocker on the body with two links to the axle.
 static WATT: Group = Group {
     what: "the Watt linkage",
     beside: &[],
@@ -68,7 +68,7 @@ static WATT: Group = Group {
     ],
 };
 
-/// The solid axle.
+/// Topology of the solid axle.
 pub(super) static SOLID_AXLE: Topology = Topology {
     name: "solid_axle",
     summary: "Solid axle: one body with both wheels on four links, or on three and a Panhard rod or Watt linkage",
@@ -101,7 +101,7 @@ pub(super) static SOLID_AXLE: Topology = Topology {
     template: include_str!("../../templates/solid_axle.toml"),
 };
 
-/// The part that holds the axle sideways.
+/// Part that holds the axle laterally.
 #[derive(Clone, Copy)]
 enum Lateral {
     /// Two splayed upper links.

@@ -1,4 +1,4 @@
-//! The catalogue of topologies.
+//! Catalogue of topologies.
 
 use super::rocker::{self, Carriers};
 use super::{
@@ -7,7 +7,7 @@ use super::{
 };
 use crate::number::Vector3;
 
-/// A hardpoint that a topology has.
+/// Hardpoint of a topology.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hardpoint {
     /// Name in the study.
@@ -36,23 +36,23 @@ pub(super) const fn optional(name: &'static str, about: &'static str) -> Hardpoi
     }
 }
 
-/// The centre of the wheel. Every topology has this hardpoint.
+/// Centre of the wheel. Every topology has this hardpoint.
 pub(super) const WHEEL_CENTRE: Hardpoint =
     required("wheel_centre", "centre of the wheel on its spin axis");
 
-/// The second point of the spin axis. Every topology has this hardpoint.
+/// Second point of the spin axis. Every topology has this hardpoint.
 pub(super) const SPINDLE_INNER: Hardpoint = optional(
     "spindle_inner",
     "a point of the spin axis inboard of the wheel; without it [wheel] gives static_camber and static_toe",
 );
 
-/// The upper end of spring and damper, for topologies that can do without it.
+/// Upper end of spring and damper, for topologies in which it is optional.
 pub(super) const SPRING_UPPER: Hardpoint = optional(
     "spring_upper",
     "upper end of spring and damper, on the body",
 );
 
-/// The lower end of spring and damper, for topologies whose lower arm carries it.
+/// Lower end of spring and damper, for topologies whose lower arm carries it.
 pub(super) const SPRING_ON_LOWER_ARM: Hardpoint = optional(
     "spring_lower",
     "lower end of spring and damper, on the lower arm or the rocker",
@@ -92,7 +92,7 @@ pub(super) const SPINDLE: (&str, &str, &str) = (
     "they define the spin axis of the wheel",
 );
 
-// Why points of arms and tie rods must be distinct.
+// Reasons why points of arms and tie rods must be distinct.
 pub(super) const LOWER_ARM_AXIS: &str = "they define the axis of the lower arm";
 pub(super) const NO_LOWER_ARM: &str = "the lower arm would have no length";
 pub(super) const NO_LINK: &str = "the link would have no length";
@@ -110,16 +110,16 @@ pub struct Group {
     pub complete: &'static [&'static [&'static str]],
     /// Further names that a study may give, but only together with a complete list.
     pub beside: &'static [&'static str],
-    /// Pairs of hardpoints that must not coincide, and why.
+    /// Pairs of hardpoints that must not coincide, each with the reason.
     pub distinct: &'static [(&'static str, &'static str, &'static str)],
 }
 
-/// The hardpoints a study gives, each on its body, while a mechanism is built of them.
+/// Hardpoints of a study, each with its body, from which a mechanism is built.
 pub(super) struct Given(pub Vec<Point>);
 
 impl Given {
-    /// The given hardpoints of a topology, in its order; those of spring and rockers on their `carriers`,
-    /// the others on a `body`.
+    /// Given hardpoints of a topology, in its order. Those of spring and rockers are on their `carriers`, the others on a
+    /// `body`.
     pub(super) fn of(
         topology: &Topology,
         given: &[&'static str],
@@ -139,12 +139,12 @@ impl Given {
         )
     }
 
-    /// The point of this name, if it is given.
+    /// Point with this name, if it is given.
     pub(super) fn find(&self, name: &str) -> Option<PointId> {
         self.0.iter().position(|p| p.name == name).map(PointId)
     }
 
-    /// A required point.
+    /// Required point with this name.
     pub(super) fn id(&self, name: &str) -> PointId {
         self.find(name).expect("a required hardpoint is given")
     }
@@ -159,7 +159,7 @@ impl Given {
         let rockers = rocker::rockers(|name| self.find(name));
         let wheel_centre = self.id("wheel_centre");
         let ends = self.find("spring_upper").zip(self.find("spring_lower"));
-        // Without `spindle_inner` straight outboard, until the study says how it is turned.
+        // Without `spindle_inner` the spin axis points straight outboard, until the study gives camber and toe.
         let outboard = SpinAxis::Along(Vector3::new(0.0, 1.0, 0.0));
         Mechanism {
             topology,
@@ -190,20 +190,20 @@ pub struct Topology {
     pub name: &'static str,
     /// Description in one line.
     pub summary: &'static str,
-    /// Hardpoints, in the order they are printed.
+    /// Hardpoints, in the order of printing.
     pub hardpoints: &'static [Hardpoint],
     /// Optional groups of hardpoints. A study gives the hardpoints of a group together.
     pub groups: &'static [&'static Group],
-    /// Pairs of hardpoints that must not coincide, and why.
+    /// Pairs of hardpoints that must not coincide, each with the reason.
     pub distinct: &'static [(&'static str, &'static str, &'static str)],
-    /// Builds the mechanism from the hardpoints a study gives (all required ones among them).
+    /// Builds the mechanism from the hardpoints of a study, which include all required ones.
     pub build: fn(&'static Topology, &[&'static str]) -> Mechanism,
-    /// A commented study that runs as it is.
+    /// A commented study that runs without changes.
     pub template: &'static str,
 }
 
 impl Topology {
-    /// Every topology there is.
+    /// All topologies.
     pub const ALL: &'static [&'static Topology] = &[
         &macpherson::MACPHERSON,
         &double_wishbone::DOUBLE_WISHBONE,
@@ -216,7 +216,7 @@ impl Topology {
         &twist_beam::TWIST_BEAM,
     ];
 
-    /// Returns true for a solid axle or a twist beam, which are no suspensions of one wheel.
+    /// Returns true for a solid axle or a twist beam, which carry both wheels.
     pub fn carries_both_wheels(&self) -> bool {
         self.name == solid_axle::SOLID_AXLE.name || self.is_twist_beam()
     }
@@ -226,18 +226,18 @@ impl Topology {
         self.name == twist_beam::TWIST_BEAM.name
     }
 
-    /// Own hardpoints, then the hardpoints of the groups.
+    /// The topology's own hardpoints, then those of its groups.
     pub fn all_hardpoints(&self) -> impl Iterator<Item = &'static Hardpoint> {
         let further = self.groups.iter().flat_map(|group| group.hardpoints);
         self.hardpoints.iter().chain(further)
     }
 
-    /// Hardpoint of this name.
+    /// Hardpoint with this name.
     pub fn hardpoint(&self, name: &str) -> Option<&'static Hardpoint> {
         self.all_hardpoints().find(|h| h.name == name)
     }
 
-    /// Pairs of hardpoints that must not coincide, and why.
+    /// Pairs of hardpoints that must not coincide, each with the reason.
     pub fn all_distinct(
         &self,
     ) -> impl Iterator<Item = &'static (&'static str, &'static str, &'static str)> {
@@ -245,7 +245,7 @@ impl Topology {
         self.distinct.iter().chain(further)
     }
 
-    /// The topology of this name.
+    /// Topology with this name.
     pub fn named(name: &str) -> Option<&'static Topology> {
         Self::ALL.iter().find(|t| t.name == name).copied()
     }

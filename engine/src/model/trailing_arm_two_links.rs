@@ -1,4 +1,4 @@
-//! Trailing arm with two lateral links: the arm is the wheel carrier, held by a ball joint at the body and by two links.
+//! Trailing arm with two lateral links: the arm is the wheel carrier. A ball joint at the body and two links hold it.
 
 use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER};
 use super::topology::{

@@ -1,13 +1,14 @@
 //! Twist beam: two rigid halves that are hinged about the line of the cross member's shear centres.
 //!
-//! Each half is a trailing arm with half of the cross member. The hinge is the line along y through the shear centre S. A mount
-//! holds its half in x and z. The rubber of the mounts lets them move sideways, both by the same distance and oppositely. So
-//! each half has six unknowns, the hinge removes five of both, the mounts five, and two travels move the rest.
+//! Each half is a trailing arm with half of the cross member. The hinge is the line along y through the shear centre S. A
+//! mount holds its half in x and z. The rubber of the mounts lets them move sideways, by equal distances in opposite
+//! directions. Each half has six unknowns. The hinge removes five of these twelve, the mounts five, and the two travels
+//! determine the rest.
 //!
 //! The mechanism is that of the near half. Let M be the far mount, and S and T two points of the hinge. The near mount takes
-//! two rows. M keeps its distances from S and T, which is a link each. The travels are two rows (see `rigid_axle.rs`).
-//! The far half is a rocker on the near half, with the hinge as its axis. Every place P of the far half keeps its distance from
-//! M, so that a rod from M to P turns this rocker. The place does not matter: it is chosen so that the rod is square to
+//! two rows. M keeps its distances from S and T, each of which is a link. The travels are two rows (see `rigid_axle.rs`).
+//! The far half is a rocker on the near half, with the hinge as its axis. Every point P of the far half keeps its distance
+//! from M, so that a rod from M to P rotates this rocker. Any P will do. It is chosen so that the rod is perpendicular to
 //! its lever.
 
 use super::rigid_axle::{AxleTravel, RigidAxle};
@@ -46,7 +47,7 @@ pub(super) static TWIST_BEAM: Topology = Topology {
     template: include_str!("../../templates/twist_beam.toml"),
 };
 
-/// Points of a twist beam that hinge and rod need.
+/// Points of a twist beam that define its hinge and rod.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TwistBeam {
     /// The near mount.
@@ -55,14 +56,14 @@ pub struct TwistBeam {
     pub far_mount: PointId,
     /// A point of the hinge: the shear centre.
     pub shear_centre: PointId,
-    /// A second point of the hinge, which stays beside the shear centre.
+    /// Second point of the hinge. It keeps its offset from the shear centre.
     pub hinge: PointId,
-    /// A place of the far half, which stays beside the far mount.
+    /// End of the rod on the far half. It keeps its offset from the far mount.
     pub rod_end: PointId,
 }
 
 impl TwistBeam {
-    /// Points that a study does not give. Each keeps its distance from the second point of its pair.
+    /// Points that a study does not give. Each keeps its offset from the second point of its pair.
     pub fn followers(&self) -> [[PointId; 2]; 2] {
         [
             [self.hinge, self.shear_centre],
@@ -70,11 +71,11 @@ impl TwistBeam {
         ]
     }
 
-    /// Places of [`TwistBeam::followers`] in a design with these mounts and this shear centre.
+    /// Positions of [`TwistBeam::followers`] in a design with these mounts and this shear centre.
     pub(crate) fn followers_of(&self, design: &[Vector3<f64>]) -> [Vector3<f64>; 2] {
         let [mount, centre] = [self.far_mount, self.shear_centre].map(|id| design[id.0]);
         let aside = Vector3::new(0.0, mount.y.abs(), 0.0);
-        // By Thales: the rod from the mount is square to the lever from the hinge.
+        // By Thales' theorem, the rod from the mount is perpendicular to the lever from the hinge.
         let (x, z) = (0.5 * (mount.x - centre.x), 0.5 * (mount.z - centre.z));
         let rod = Vector3::new(-x - z, 0.0, x - z);
         [centre + aside, mount + rod]

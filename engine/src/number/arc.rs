@@ -1,9 +1,9 @@
-//! Arc sine and arc tangent in arithmetic alone: the same bits for every kind of lanes, on every
-//! platform, at a fraction of the cost of a mathematical library.
+//! Arc sine and arc tangent with elementary arithmetic. They have the same bits in all lanes and on every platform, at a
+//! fraction of the cost of a mathematical library.
 //!
-//! atan t = t + t u P(u) for |t| <= tan(pi/8), asin x = x + x u Q(u) for |x| <= 1/2, with u the square. P and
-//! Q interpolate at Chebyshev points (sixty-digit arithmetic, then rounded to doubles). Their relative errors
-//! are 8e-18 and 5e-18, so the only significant error is the rounding of two sums. Outside:
+//! atan t = t + t u P(u) for |t| <= tan(pi/8), asin x = x + x u Q(u) for |x| <= 1/2, with u the square of the argument. P
+//! and Q interpolate at Chebyshev points (sixty-digit arithmetic, then rounded to doubles). Their relative errors are 8e-18
+//! and 5e-18, so the only significant error is the rounding of two sums. For other arguments:
 //!
 //! ```text
 //! atan t = pi/4 + atan (t-1)/(t+1)            tan(pi/8) < t <= 1
@@ -44,13 +44,14 @@ const ASIN: [f64; 13] = [
     0.028757851367421566,
 ];
 
-/// tan(pi/8)
+/// tan(pi/8).
 const TAN_EIGHTH: f64 = 0.41421356237309503;
-/// pi/2 and pi/4 beyond their doubles.
+/// Differences between pi/2 and pi/4 and their nearest doubles.
 const FRAC_PI_2_REST: f64 = 6.123233995736766e-17;
 const FRAC_PI_4_REST: f64 = 0.5 * FRAC_PI_2_REST;
 
-/// x + x u (c0 + c1 u + ...), u = x^2. Even and odd coefficients are summed apart: half the latency.
+/// Odd polynomial x + x u (c0 + c1 u + ...), u = x^2. Even and odd coefficients are summed separately, which halves the
+/// latency.
 #[inline(always)]
 fn odd<B: SimdReal, const N: usize>(x: B, coefficients: &[f64; N]) -> B {
     let u = x * x;
@@ -65,7 +66,7 @@ fn odd<B: SimdReal, const N: usize>(x: B, coefficients: &[f64; N]) -> B {
         before = x.constant(coefficients[k - 2]).plus_product(before, v);
         k -= 2;
     }
-    // An odd N leaves one coefficient over.
+    // If N is odd, one coefficient remains.
     let (even, odd) = if k == 1 {
         (x.constant(coefficients[0]).plus_product(last, v), before)
     } else {
@@ -74,7 +75,7 @@ fn odd<B: SimdReal, const N: usize>(x: B, coefficients: &[f64; N]) -> B {
     x.plus_product(x, u * even.plus_product(odd, u))
 }
 
-/// Arc sine; NaN outside [-1, 1].
+/// Arc sine. NaN outside [-1, 1].
 #[inline(always)]
 pub(super) fn asin<B: SimdReal>(x: B) -> B {
     let size = x.abs();
@@ -85,7 +86,7 @@ pub(super) fn asin<B: SimdReal>(x: B) -> B {
     x.outlined(AnyArc(x))
 }
 
-/// The arc sine anywhere; rarer than near zero.
+/// Arc sine of any argument. Used less often than the form for small arguments.
 struct AnyArc<B>(B);
 
 impl<B: SimdReal> Outlined for AnyArc<B> {
@@ -104,7 +105,7 @@ impl<B: SimdReal> Outlined for AnyArc<B> {
     }
 }
 
-/// The angle of the vector (x, y) from the x-axis; 0 for the null vector.
+/// Angle of the vector (x, y) from the x-axis. 0 for the zero vector.
 #[inline(always)]
 pub(super) fn atan2<B: SimdReal>(y: B, x: B) -> B {
     if B::all(y.abs().less(x * x.constant(TAN_EIGHTH))) {
@@ -113,7 +114,7 @@ pub(super) fn atan2<B: SimdReal>(y: B, x: B) -> B {
     x.outlined(AnyAngle { y, x })
 }
 
-/// The angle in any direction; rarer than the small ones, and large.
+/// Angle of any vector. Used less often than the form for small angles, and larger.
 struct AnyAngle<B> {
     y: B,
     x: B,
@@ -158,7 +159,7 @@ mod tests {
     use super::*;
     use crate::number::{SimdTask, Width};
 
-    /// In units of the last place, against the platform's library (itself good to one).
+    /// Difference in units of the last place from the platform's library, which is itself accurate to one unit.
     fn apart(computed: f64, library: f64) -> f64 {
         let unit = library.abs().next_up() - library.abs();
         (computed - library).abs() / unit
@@ -223,7 +224,7 @@ mod tests {
         }
     }
 
-    /// The neighbours decide which branch is taken, but not a lane's bits.
+    /// The numbers in other lanes decide which branch runs, but do not change a lane's bits.
     #[test]
     fn every_width_yields_the_same_bits() {
         let within = arguments().filter(|x| x.abs() <= 1.0);

@@ -13,7 +13,7 @@ pub struct Dual<T, const N: usize> {
 }
 
 impl<T: Real, const N: usize> Dual<T, N> {
-    /// A constant: it depends on none of the inputs.
+    /// Makes a constant, whose derivatives by all inputs are zero.
     #[inline(always)]
     pub fn constant(value: T) -> Self {
         let fill = |value: T| Dual {
@@ -26,7 +26,7 @@ impl<T: Real, const N: usize> Dual<T, N> {
         }
     }
 
-    /// Input number `index`, at `value`.
+    /// Makes input number `index`, with this value.
     #[inline(always)]
     pub fn input(value: T, index: usize) -> Self {
         let mut input = Dual::constant(value);
@@ -45,7 +45,7 @@ impl<T: Real, const N: usize> Dual<T, N> {
 }
 
 impl<T: Real> Dual<T, 3> {
-    /// The components of a vector, the inputs.
+    /// Makes the components of a vector the inputs.
     #[inline(always)]
     pub fn inputs(at: Vector3<T>) -> Vector3<Self> {
         Vector3::new(
@@ -57,7 +57,7 @@ impl<T: Real> Dual<T, 3> {
 }
 
 impl<T: Real, const N: usize> Dual<T, N> {
-    /// Arithmetic is done in calls if true.
+    /// True if arithmetic is done in function calls.
     const IS_LONG: bool = N > 4 && !T::IN_REGISTERS;
 
     #[inline]
@@ -146,8 +146,8 @@ impl<T: Real, const N: usize> Dual<T, N> {
     }
 }
 
-/// Does an operation where it stands, or on large numbers in a function of its own, which for numbers in registers is
-/// compiled for them.
+/// Runs an operation inline, or for large numbers in a separate function. For numbers in registers that function is compiled
+/// for their instruction set.
 macro_rules! perform {
     ($operation:ident($number:ident $(, $other:ident)?) if $is_large:expr) => {
         match $is_large {
@@ -258,7 +258,7 @@ mod tests {
     use super::super::Jet;
     use super::*;
 
-    /// A dual number and a jet are two ways to the same first derivative.
+    /// Dual numbers and jets give the same first derivative.
     #[test]
     fn agrees_with_jets() {
         fn formula<T: Real>(x: T) -> T {

@@ -1,11 +1,11 @@
 //! Intervals that contain the exact result: arithmetic rounded outward.
 //!
-//! IEEE 754 rounds to the nearest number, so the exact result of +, -, x, / and the square root lies
-//! between the neighbours of the computed one; a sum is not widened where its rounding error, which is
-//! itself a double (D. E. Knuth, *The Art of Computer Programming* 2, 4.2.2), is zero. Sine, cosine and
-//! the inverse functions are taken from the platform and trusted to two units in the last place.
+//! IEEE 754 rounds to the nearest number, so the exact result of +, -, x, / and the square root lies between the neighbours
+//! of the computed one. A sum is not widened if its rounding error is zero. That error is itself a double and can be
+//! computed (D. E. Knuth, *The Art of Computer Programming* 2, 4.2.2). Sine, cosine and the inverse functions come from the
+//! platform. Their error is assumed to be at most two units in the last place.
 //!
-//! A result that is NaN or unbounded becomes the whole line: nothing is ever proved from it.
+//! A result that is NaN or unbounded becomes the whole line, from which nothing can be proved.
 
 use super::{Real, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -26,13 +26,13 @@ impl Interval {
         high: f64::INFINITY,
     };
 
-    /// The interval of one number.
+    /// Interval that contains only one number.
     #[inline]
     pub fn point(value: f64) -> Self {
         Interval::bounds(value, value)
     }
 
-    /// Between two numbers, or the whole line if one of them is not a number.
+    /// Interval between two numbers, or the whole line if one of them is NaN.
     #[inline]
     pub fn bounds(low: f64, high: f64) -> Self {
         if low <= high {
@@ -42,19 +42,19 @@ impl Interval {
         }
     }
 
-    /// The interval from the least to the greatest number of both.
+    /// Smallest interval that contains both.
     #[inline]
     pub fn hull(self, other: Self) -> Self {
         Interval::bounds(self.low.min(other.low), self.high.max(other.high))
     }
 
-    /// The numbers that both contain. There must be some, as there are if both enclose one number.
+    /// Intersection of the two intervals. It must not be empty, which holds if both enclose the same number.
     #[inline]
     pub fn meet(self, other: Self) -> Self {
         Interval::bounds(self.low.max(other.low), self.high.min(other.high))
     }
 
-    /// Intersection of the two intervals; `None` if they do not meet.
+    /// Intersection of the two intervals. `None` if it is empty.
     #[inline]
     pub fn common(self, other: Self) -> Option<Self> {
         let (low, high) = (self.low.max(other.low), self.high.min(other.high));
@@ -79,13 +79,13 @@ impl Interval {
         self.low.abs().max(self.high.abs())
     }
 
-    /// A number in the middle.
+    /// Middle of the interval, rounded.
     #[inline]
     pub fn middle(self) -> f64 {
         0.5 * self.low + 0.5 * self.high
     }
 
-    /// The product with a finite number.
+    /// Product with a finite number.
     #[inline]
     pub fn times(self, factor: f64) -> Self {
         let is_exact = |v: f64| v == 0.0 || v == 1.0;
@@ -96,11 +96,11 @@ impl Interval {
             true => (self.low * factor, self.high * factor),
             false => (self.high * factor, self.low * factor),
         };
-        // If a factor is not a number, the result is the whole line.
+        // If a factor is NaN, the result is the whole line.
         Interval::bounds(low.next_down(), high.next_up())
     }
 
-    /// Sine and cosine: those of the middle, widened by the half width (both have slopes within +-1).
+    /// Sine and cosine: those of the middle, widened by half the width. Both have slopes between -1 and 1.
     pub fn sin_cos(self) -> (Self, Self) {
         let middle = self.middle();
         let reach = (Interval::point(self.high) - Interval::point(middle))
@@ -112,13 +112,13 @@ impl Interval {
     }
 }
 
-/// A result of the platform's mathematics library.
+/// Encloses a result of the platform's mathematics library.
 #[inline]
 fn trusted(value: f64) -> Interval {
     Interval::bounds(value.next_down().next_down(), value.next_up().next_up())
 }
 
-/// The interval between the least and the greatest of results at the corners, widened by their rounding.
+/// Interval between the smallest and the largest result at the corners, widened by their rounding.
 #[inline]
 fn around(corners: [f64; 4]) -> Interval {
     if corners.iter().any(|c| c.is_nan()) {
@@ -180,7 +180,7 @@ impl Sub for Interval {
 
 impl Mul for Interval {
     type Output = Self;
-    // A function of its own, as division is: inlined, a closed form is a single function of 160 kB.
+    // A separate function, like division. With these inlined, a closed form would be a single function of 160 kB.
     #[inline(never)]
     fn mul(self, other: Self) -> Self {
         let is_zero = |i: Interval| i.low == 0.0 && i.high == 0.0;
@@ -212,7 +212,7 @@ impl Div for Interval {
     type Output = Self;
     #[inline(never)]
     fn div(self, other: Self) -> Self {
-        // NaN does not exclude it.
+        // This test is also true for NaN.
         if !other.excludes_zero() {
             return Interval::WHOLE;
         }
@@ -237,7 +237,7 @@ impl Real for Interval {
     fn constant(self, value: f64) -> Self {
         Interval::point(value)
     }
-    /// Square root of the part of the interval that is not negative.
+    /// Square root of the non-negative part of the interval.
     #[inline]
     fn sqrt(self) -> Self {
         if self.high < 0.0 {
@@ -255,8 +255,8 @@ impl Real for Interval {
         }
         trusted(self.low.asin()).hull(trusted(self.high.asin()))
     }
-    /// The angle, from its values at the corners: on a rectangle without the origin and the negative x-axis it is
-    /// monotonic along every side.
+    /// Angle, from its values at the corners. On a rectangle without the origin and the negative x-axis it is monotonic
+    /// along every side.
     fn atan2(self, x: Self) -> Self {
         if !(x.low > 0.0 || self.low > 0.0 || self.high < 0.0) {
             return Interval::WHOLE;
@@ -273,7 +273,7 @@ impl Real for Interval {
     }
     #[inline]
     fn scaled(self, factor: f64) -> Self {
-        // Halves and doubles are exact short of underflow, where the product is widened.
+        // Halving and doubling are exact except near underflow, where the product is widened.
         if factor == 0.5 && self.low.abs().min(self.high.abs()) > f64::MIN_POSITIVE * 2.0 {
             return Interval {
                 low: 0.5 * self.low,
@@ -300,8 +300,8 @@ impl Scalar for Interval {
 mod tests {
     use super::*;
 
-    /// 1/3, 0.1 + 0.2 and sqrt(2) are no doubles: their intervals are two doubles wide at most and
-    /// contain them (checked with integers: 0.1 and 0.2 here are the doubles next to them).
+    /// 1/3, 0.1 + 0.2 and sqrt(2) are not doubles. Their intervals contain them and are at most two doubles wide. Integers
+    /// check this; 0.1 and 0.2 here are the nearest doubles.
     #[test]
     fn inexact_results_lie_inside() {
         let one = Interval::point(1.0);

@@ -1,9 +1,9 @@
 //! Truncated Taylor series: a value with its derivatives by one variable, the drive.
 //!
-//! `Jet([c0, c1, c2])` stands for `c0 + c1 e + c2 e^2 + O(e^3)`; the k-th derivative is `k! c_k`.
-//! The recurrences are the usual ones for power series (A. Griewank, A. Walther, *Evaluating
-//! Derivatives*, 2nd ed., SIAM 2008, tables 13.1 and 13.2). Plain loops: `array::map` and `from_fn` cost
-//! the compiler ten times as much. The code multiplies the shortest series most often, so these are written out.
+//! `Jet([c0, c1, c2])` means `c0 + c1 e + c2 e^2 + O(e^3)`; the k-th derivative is `k! c_k`. The recurrences are the usual
+//! ones for power series (A. Griewank, A. Walther, *Evaluating Derivatives*, 2nd ed., SIAM 2008, tables 13.1 and 13.2). The
+//! code uses plain loops, because `array::map` and `from_fn` cost the compiler ten times as much. Products of the shortest
+//! series are the most frequent, so these are written out.
 
 #![allow(
     clippy::needless_range_loop,
@@ -13,12 +13,12 @@
 use super::{Outlined, Real, Scalar, call_outlined, outlined};
 use std::ops::{Add, Div, Index, Mul, Neg, Sub};
 
-/// A Taylor series with `N` coefficients, that is derivatives up to order `N - 1`.
+/// A Taylor series with `N` coefficients, and so with derivatives up to order `N - 1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jet<T, const N: usize>(pub [T; N]);
 
 impl<T: Real, const N: usize> Jet<T, N> {
-    /// A constant: every derivative is zero.
+    /// Makes a constant: every derivative is zero.
     #[inline]
     pub fn constant(value: T) -> Self {
         let mut series = [value.zero(); N];
@@ -26,7 +26,7 @@ impl<T: Real, const N: usize> Jet<T, N> {
         Jet(series)
     }
 
-    /// The variable itself, at `value`: first derivative one.
+    /// Makes the variable itself, at `value`: its first derivative is one.
     #[inline(always)]
     pub fn variable(value: T) -> Self {
         let mut series = Jet::constant(value);
@@ -36,14 +36,14 @@ impl<T: Real, const N: usize> Jet<T, N> {
         series
     }
 
-    /// The `order`-th derivative.
+    /// Derivative of this order.
     #[inline(always)]
     pub fn derivative(&self, order: usize) -> T {
         const FACTORIAL: [f64; 6] = [1.0, 1.0, 2.0, 6.0, 24.0, 120.0];
         self.0[order].scaled(FACTORIAL[order])
     }
 
-    /// The derivative as a series. Its highest coefficient is unknown and given as zero.
+    /// Derivative as a series. Its highest coefficient is unknown and set to zero.
     #[inline(always)]
     pub fn differentiated(self) -> Self {
         let mut rate = [self.0[0].zero(); N];
@@ -53,7 +53,7 @@ impl<T: Real, const N: usize> Jet<T, N> {
         Jet(rate)
     }
 
-    /// The series whose derivative is `rate` and whose constant is `value`.
+    /// Series with the derivative `rate` and the constant `value`.
     #[inline(always)]
     fn integrated(value: T, rate: Self) -> Self {
         let mut series = [value; N];
@@ -70,7 +70,7 @@ impl<const N: usize> Jet<f64, N> {
         let rate = self.differentiated();
         let (s, c) = self.0[0].sin_cos();
         let (mut sine, mut cosine) = (Jet::constant(s), Jet::constant(c));
-        // Each series is the other's integral, so every pass makes one more coefficient right.
+        // Each series is the integral of the other, so every pass makes one more coefficient correct.
         for _ in 1..N {
             (sine, cosine) = (
                 Jet::integrated(s, cosine * rate),
@@ -89,7 +89,7 @@ impl<T, const N: usize> Index<usize> for Jet<T, N> {
     }
 }
 
-/// Adds or subtracts coefficient by coefficient; numbers in registers where they stand.
+/// Adds or subtracts coefficient by coefficient. Numbers in registers are added inline.
 macro_rules! by_coefficients {
     ($trait:ident, $method:ident, $operation:ident, $operator:tt) => {
         impl<T: Real, const N: usize> Jet<T, N> {
@@ -155,15 +155,15 @@ impl<T: Real, const N: usize> Mul for Jet<T, N> {
     }
 }
 
-/// Constants, since a comparison of `N` where it is needed would leave both branches to the compiler.
+/// Associated constants, because a comparison of `N` in a function would leave both branches to the compiler.
 impl<T: Real, const N: usize> Jet<T, N> {
     const IS_SINGLE: bool = N == 1;
     const IS_PAIR: bool = N == 2;
     const IS_LONG: bool = N > 2;
-    /// True if angle functions are called and not inlined. Inlining lets the compiler drop the value of a series in
-    /// registers when only its slope is used.
+    /// True if angle functions are called instead of inlined. For series in registers, inlining lets the compiler drop the
+    /// value if only the slope is used.
     const ANGLES_IN_CALLS: bool = T::IS_LARGE && (T::IS_NESTED || !T::IN_REGISTERS);
-    /// Products, quotients and roots are function calls if true (see [`call_outlined`]).
+    /// True if products, quotients and roots are function calls (see [`call_outlined`]).
     const LARGE: bool = (size_of::<Self>() > 16 || T::IS_LARGE) && !T::IN_REGISTERS;
 
     #[inline]
@@ -356,7 +356,7 @@ impl<T: Scalar, const N: usize> Scalar for Jet<T, N> {
 mod tests {
     use super::*;
 
-    /// sin^2 + cos^2 = 1, atan2(sin, cos) = x and asin(sin) = x, as power series.
+    /// Identities as power series: sin^2 + cos^2 = 1, atan2(sin, cos) = x and asin(sin) = x.
     #[test]
     fn elementary_functions_invert_each_other() {
         let x = Jet([0.7, 1.0, -0.4, 0.3]);
@@ -373,7 +373,7 @@ mod tests {
         }
     }
 
-    /// d^3/dx^3 of 1/x at 2 is -6/16.
+    /// The third derivative of 1/x at 2 is -6/16.
     #[test]
     fn derivatives_carry_the_factorial() {
         let x = Jet::<f64, 4>::variable(2.0);

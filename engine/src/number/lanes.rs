@@ -1,16 +1,14 @@
 //! SIMD registers as numbers.
 //!
-//! The instruction set is chosen when the program runs ([`Width`]). It is AVX-512 or AVX2 where the processor
-//! has it, and plain numbers elsewhere. Two registers are worked on at a time, because one chain of dependent
-//! operations leaves the processor idle.
+//! The program chooses the instruction set at run time ([`Width`]): AVX-512 or AVX2 if the processor has it, otherwise plain
+//! numbers. Each operation works on two registers, because one chain of dependent operations leaves the processor idle.
 //!
-//! [`Real::plus_product`] and [`Real::minus_product`] round once. Everything else is the IEEE operation. So every
-//! width yields the same bits. (Plain numbers then use the mathematical library's fused product and sum: the same
-//! bits, slowly.)
+//! [`Real::plus_product`] and [`Real::minus_product`] round once. Everything else is the IEEE operation. So every width
+//! yields the same bits. (Plain numbers use the mathematical library's fused product and sum: the same bits, slowly.)
 //!
 //! Code that runs on [`Lanes`] must be inlined into the one function that is compiled for the instruction set. Mark it
-//! `#[inline(always)]`, and use no closure that the compiler might leave as a call. [`Real::outlined`] turns a large
-//! piece into a function of its own.
+//! `#[inline(always)]`, and use no closure that the compiler might leave as a call. [`Real::outlined`] turns a large piece
+//! into a separate function.
 
 use super::registers::{Plain, Registers, Single};
 #[cfg(target_arch = "x86_64")]
@@ -153,19 +151,19 @@ logic!(BitAnd, bitand, and, other);
 logic!(BitOr, bitor, or, other);
 logic!(Not, not, not);
 
-/// Number of numbers that are worked on at a time.
+/// Number of values that are processed at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Width {
-    /// One number: for every processor.
+    /// One value, on every processor.
     Scalar,
-    /// AVX2: registers of four.
+    /// AVX2: registers of four values.
     Avx2,
-    /// AVX-512: registers of eight.
+    /// AVX-512: registers of eight values.
     Avx512,
 }
 
 impl Width {
-    /// Every width, narrowest first.
+    /// All widths, narrowest first.
     pub const ALL: [Width; 3] = [Width::Scalar, Width::Avx2, Width::Avx512];
 
     /// Name for tables.
@@ -190,7 +188,7 @@ impl Width {
         }
     }
 
-    /// The widest there is.
+    /// Widest available width.
     pub fn widest() -> Width {
         Width::ALL
             .into_iter()
@@ -198,7 +196,7 @@ impl Width {
             .unwrap_or(Width::Scalar)
     }
 
-    /// Numbers that tasks of this width work on at a time.
+    /// Number of values that tasks of this width process at a time.
     pub fn lanes(self) -> usize {
         struct Count;
         impl SimdTask for Count {
@@ -230,8 +228,8 @@ impl Width {
         task.run(Single(Plain).splat(0.0))
     }
 
-    /// Runs a task on one number at a time, with the processor's fused products and sums if this width has them. The bits
-    /// are those of the lanes. AVX-512 adds nothing for one number, so no code is compiled for it here.
+    /// Runs a task on one value at a time, with the processor's fused products and sums if this width has them. The bits are
+    /// those of the lanes. AVX-512 has no advantage for one value, so no code is compiled for it here.
     pub fn run_one<T: SimdTask>(self, task: T) -> T::Output {
         #[cfg(target_arch = "x86_64")]
         if self != Width::Scalar

@@ -1,10 +1,9 @@
-//! Numbers the formulas are written over: plain `f64`, Taylor series in the drive ([`Jet`]), first
-//! derivatives by a handful of inputs ([`Dual`]), SIMD registers ([`Lanes`]).
+//! Number types of the formulas: plain `f64`, Taylor series in the drive ([`Jet`]), first derivatives by a few inputs
+//! ([`Dual`]), SIMD registers ([`Lanes`]).
 //!
-//! Every formula of the crate is written once, generic over [`Real`]. The kind of number decides the result: a
-//! value, its derivatives by wheel travel, its gradient, or the same for many designs. The numbers
-//! nest: a `Dual<Jet<f64, 3>, 4>` carries the gradient of a value together with the gradient's own
-//! first and second derivative by the drive.
+//! Every formula of the crate is written once, generic over [`Real`]. The number type decides the result: a value, its
+//! derivatives by wheel travel, its gradient, or the same for many designs. Number types nest: a `Dual<Jet<f64, 3>, 4>`
+//! contains the gradient of a value, together with the gradient's own first and second derivative by the drive.
 
 mod arc;
 mod dual;
@@ -28,7 +27,7 @@ pub use vector::{Matrix3, Vector3};
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A real number, or something that obeys the same rules.
+/// A real number, or a type with the same arithmetic.
 ///
 /// Angles are in radians.
 pub trait Real:
@@ -42,37 +41,39 @@ pub trait Real:
     /// True if the number lives in SIMD registers. All of its arithmetic must then be inlined into the function that is
     /// compiled for them.
     const IN_REGISTERS: bool = false;
-    /// True if the number is more than a plain number. Types made of several such numbers do their arithmetic in calls.
+    /// True if the number is larger than a plain number. Types that consist of several such numbers do their arithmetic in
+    /// function calls.
     const IS_LARGE: bool = size_of::<Self>() > 8;
-    /// True if the number holds derivatives of derivatives. Its arithmetic is then done in calls (see `call_outlined`).
+    /// True if the number contains derivatives of derivatives. Its arithmetic is then done in function calls (see
+    /// `call_outlined`).
     const IS_NESTED: bool = false;
-    /// True if two divisions may become one division and some products. False for intervals: a divisor that contains zero
-    /// would spoil the other quotient, too.
+    /// True if two divisions may be replaced by one division and some products. False for intervals, because a divisor that
+    /// contains zero would then also spoil the other quotient.
     const SHARES_DIVISIONS: bool = true;
 
-    /// The constant `value`, in the shape of `self` (all derivatives zero).
+    /// The constant `value`, with the type and size of `self` (all derivatives zero).
     fn constant(self, value: f64) -> Self;
-    /// Square root; NaN for a negative number.
+    /// Square root. NaN for a negative number.
     fn sqrt(self) -> Self;
     /// Arc sine.
     fn asin(self) -> Self;
-    /// The angle of the vector (`x`, `self`) from the x-axis, in (-pi, pi].
+    /// Angle of the vector (`x`, `self`) from the x-axis, in (-pi, pi].
     fn atan2(self, x: Self) -> Self;
     /// The constant 1 or -1, whichever has the sign of the value.
     fn sign(self) -> Self;
 
-    /// `self` + `a` `b`; rounded once in SIMD lanes.
+    /// Sum `self` + `a` `b`, rounded once in SIMD lanes.
     #[inline(always)]
     fn plus_product(self, a: Self, b: Self) -> Self {
         self + a * b
     }
-    /// `self` - `a` `b`; rounded once in SIMD lanes.
+    /// Difference `self` - `a` `b`, rounded once in SIMD lanes.
     #[inline(always)]
     fn minus_product(self, a: Self, b: Self) -> Self {
         self - a * b
     }
 
-    /// 1/`self` and 1/`other`.
+    /// Inverses 1/`self` and 1/`other`.
     #[inline(always)]
     fn inverses(self, other: Self) -> [Self; 2] {
         if Self::SHARES_DIVISIONS {
@@ -83,33 +84,33 @@ pub trait Real:
         }
     }
 
-    /// Runs a piece of work in a function of its own, compiled for the instructions of this number type. A single function
-    /// with everything inlined takes too long to compile.
+    /// Runs a piece of work in a separate function, compiled for the instructions of this number type. A single function
+    /// with everything inlined would take too long to compile.
     #[inline(always)]
     fn outlined<P: Outlined>(&self, piece: P) -> P::Output {
         piece.work_outlined()
     }
 
-    /// Runs a piece of work as [`Real::outlined`] does, for the first of several numbers. (To index the numbers before the
-    /// call would make the compiler add code that drops the piece if the index is out of range.)
+    /// Runs a piece of work like [`Real::outlined`], for the first of several numbers. (If the caller indexed the numbers,
+    /// the compiler would add code that drops the piece when the index is out of range.)
     #[inline(always)]
     fn outlined_as<P: Outlined>(_: &[Self], piece: P) -> P::Output {
         piece.work_outlined()
     }
 
-    /// The same number, given that it also equals the argument: an interval is narrowed to the intersection of both,
-    /// any other number stays as it is.
+    /// The same number, given that it also equals the argument. An interval is reduced to the intersection of both; other
+    /// number types do not change.
     #[inline(always)]
     fn intersected_with(self, _: Self) -> Self {
         self
     }
 
-    /// Zero, in the shape of `self`.
+    /// Zero, with the type and size of `self`.
     #[inline(always)]
     fn zero(self) -> Self {
         self.constant(0.0)
     }
-    /// The number one, in the shape of `self`.
+    /// One, with the type and size of `self`.
     #[inline(always)]
     fn one(self) -> Self {
         self.constant(1.0)
@@ -126,40 +127,42 @@ pub trait Real:
     }
 }
 
-/// A piece of work on numbers of one kind.
+/// A piece of work on numbers of one type.
 pub trait Outlined: Sized {
-    /// True if the piece is small enough to be inlined where it is called. Each part of the crate then compiles its own copy.
+    /// True if the piece is small enough to be inlined into its callers. Each codegen unit of the crate then compiles its
+    /// own copy.
     const IS_SMALL: bool = false;
     /// Result of the piece of work.
     type Output;
-    /// Does it. To be marked `#[inline(always)]`.
+    /// Does the work. Mark implementations `#[inline(always)]`.
     fn work(self) -> Self::Output;
-    /// Runs the piece in a function of its own, compiled for no particular instruction set. It is a method of the piece, so
+    /// Runs the piece in a separate function, compiled for no particular instruction set. It is a method of the piece, so
     /// the compiler places it with the piece's module. A change in another module does not recompile it.
     #[inline(never)]
     fn work_outlined(self) -> Self::Output {
         self.work()
     }
-    /// Runs a small piece, compiled for no particular instruction set. The compiler shortens it once and then inlines it.
+    /// Runs a small piece, compiled for no particular instruction set. The compiler first optimises it once, and then
+    /// inlines the result.
     #[inline]
     fn work_small(self) -> Self::Output {
         self.work()
     }
 }
 
-/// Runs an operation on large numbers in a function of its own. Inlined arithmetic of long series and of derivatives of
-/// series would take minutes to compile. The function is compiled for no particular instruction set; numbers in
-/// registers have [`Real::outlined`] instead. (Products of series were a quarter slower that way, because it copies
-/// their operands once more.)
+/// Runs an operation on large numbers in a separate function. Inlined arithmetic of long series and of derivatives of series
+/// would take minutes to compile. The function is compiled for no particular instruction set; numbers in registers have
+/// [`Real::outlined`] instead. (With `outlined`, products of series were a quarter slower, because it copies their operands
+/// once more.)
 #[inline(never)]
 pub(crate) fn call_outlined<A, R>(operands: A, operation: impl Fn(A) -> R) -> R {
     operation(operands)
 }
 
-/// Maps arrays of numbers by plain loops, inlined. The standard library's `map` and `from_fn` are six functions for each use;
-/// the compiler spent a twelfth of its time on them.
+/// Maps arrays of numbers with plain, inlined loops. The standard library's `map` and `from_fn` make six functions for each
+/// use, and the compiler spent a twelfth of its time on them.
 pub(crate) trait Each<T, const N: usize> {
-    /// The array with `f` applied to each entry.
+    /// Returns the array with `f` applied to each entry.
     fn each<U: Copy>(&self, f: impl FnMut(T) -> U) -> [U; N];
 }
 
@@ -174,7 +177,7 @@ impl<T: Copy, const N: usize> Each<T, N> for [T; N] {
     }
 }
 
-/// The array of `entry(0)`, `entry(1)`, and so on.
+/// Array of `entry(0)`, `entry(1)`, and so on.
 #[inline(always)]
 #[allow(
     clippy::needless_range_loop,
@@ -188,9 +191,9 @@ pub(crate) fn array_of<T: Copy, const N: usize>(mut entry: impl FnMut(usize) -> 
     array
 }
 
-/// A block in a function of its own by [`Real::outlined`], for a number of the type named first:
-/// `outlined!([T: Real] like; a: Vector3<T> = left, b: &'p Vector3<T> = right => T { a.dot(*b) })`. References live
-/// for `'p`; the length of a series may follow the types, as in `[T: Real; N]`. Begun with `small`, it is a small piece.
+/// Compiles a block as a separate function with [`Real::outlined`], for a number of the type named first: `outlined!([T:
+/// Real] like; a: Vector3<T> = left, b: &'p Vector3<T> = right => T { a.dot(*b) })`. References live for `'p`. The length of
+/// a series may follow the types, as in `[T: Real; N]`. With `small` in front, the block is a small piece.
 macro_rules! outlined {
     (small $($piece:tt)*) => { $crate::number::outlined!(@ true $($piece)*) };
     ([$($parameter:tt)*] $($piece:tt)*) => { $crate::number::outlined!(@ false [$($parameter)*] $($piece)*) };
@@ -216,7 +219,7 @@ macro_rules! outlined {
 }
 pub(crate) use outlined;
 
-/// One real number, possibly with derivatives, whose value can be compared.
+/// A real number, possibly with derivatives, whose value can be compared.
 pub trait Scalar: Real {
     /// The value without its derivatives.
     fn value(self) -> f64;

@@ -1,26 +1,26 @@
 //! Operations of each instruction set, on a pair of registers at a time. One chain of dependent operations leaves a
-//! processor idle most of the time; a second, independent chain fills the gaps.
+//! processor idle most of the time. A second, independent chain fills the gaps.
 //!
-//! [`Single`] is one number at a time with the instructions of a set. It serves chains of dependent steps, which
-//! registers full of the same number would only slow down.
+//! [`Single`] is one number at a time with the instructions of a set. It serves chains of dependent steps, for which
+//! registers full of the same number would only be slower.
 //!
-//! The code is written once for each set ([`super::x86`]), not generically. A product is then two instructions. A generic
-//! function would be a stack of calls that costs the compiler more than all the arithmetic built on it.
+//! The code is written separately for each set ([`super::x86`]), not generically. A product is then two instructions. A
+//! generic function would be a stack of calls that costs the compiler more than all the arithmetic built on it.
 
 use super::lanes::{LaneMask, Lanes};
 use std::fmt::Debug;
 
-/// A set of instructions: the registers of one bundle of numbers, and the operations on them. Operations take whole bundles,
-/// not their registers: a bundle then reaches the operation without a copy, which the compiler would have to remove again.
+/// An instruction set: registers for one bundle of numbers, and operations on them. Operations take whole bundles, not their
+/// registers. So a bundle reaches the operation without a copy, which the compiler would have to remove again.
 pub trait Registers: Copy + Debug {
-    /// Number of numbers.
+    /// Number of numbers in a bundle.
     const LANES: usize;
-    /// Registers of the numbers.
+    /// Registers of a bundle.
     type Numbers: Copy + Debug;
-    /// Registers of a truth value for each number.
+    /// Registers with a truth value for each number.
     type Truths: Copy + Debug;
 
-    /// Does a piece of work in a function of its own, compiled for the set.
+    /// Does a piece of work in a separate function, compiled for the set.
     fn outlined<P: crate::number::Outlined>(self, piece: P) -> P::Output;
     /// The same number in every lane.
     fn splat(self, value: f64) -> Lanes<Self>;
@@ -54,21 +54,21 @@ pub trait Registers: Copy + Debug {
     fn or(a: LaneMask<Self>, b: LaneMask<Self>) -> LaneMask<Self>;
     /// Logical not, lane by lane.
     fn not(a: LaneMask<Self>) -> LaneMask<Self>;
-    /// Lane by lane, the first one lowest: a bit that is set where the truth value is true.
+    /// Bits of the truth values, one per lane. The first lane is the lowest bit; true is 1.
     fn bits(a: LaneMask<Self>) -> u32;
-    /// The first numbers of a slice.
+    /// Loads the first numbers of a slice.
     fn load(self, from: &[f64]) -> Lanes<Self>;
     /// Writes the numbers to the beginning of a slice.
     fn store(a: Lanes<Self>, to: &mut [f64]);
 }
 
-/// A set of instructions that work can be compiled for.
+/// An instruction set for which pieces of work can be compiled.
 pub(super) trait Instructions: Copy + Debug {
-    /// Does a piece of work in a function of its own, compiled for the set.
+    /// Does a piece of work in a separate function, compiled for the set.
     fn compiled<P: crate::number::Outlined>(self, piece: P) -> P::Output;
 }
 
-/// The instructions that every processor has.
+/// Instructions that every processor has.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plain;
 
@@ -86,7 +86,7 @@ impl Instructions for Plain {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Single<S>(pub(super) S);
 
-/// Two registers, or their masks. Aligned so that no register in memory lies across two cache lines.
+/// Two registers, or their masks. Aligned so that no register in memory crosses the border of a cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(super) struct Pair<R>(pub(super) R, pub(super) R);

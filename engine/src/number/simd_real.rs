@@ -1,17 +1,17 @@
-//! Independent numbers side by side, as SIMD registers hold them.
+//! Independent numbers side by side, as in SIMD registers.
 
 use super::Real;
 use std::ops::{BitAnd, BitOr, Not};
 
-/// More lanes than any processor has.
+/// Largest number of lanes. No processor has more.
 pub const MOST_LANES: usize = 16;
 
-/// One or more independent numbers that take the same steps at the same time.
+/// One or more independent numbers that go through the same operations at the same time.
 ///
-/// Every operation is the IEEE operation, lane by lane. A lane's bits depend neither on its neighbours nor on
-/// the number of lanes. Code that depends on the values goes through [`SimdReal::select`].
+/// Every operation is the IEEE operation, lane by lane. A lane's bits depend neither on its neighbours nor on the number of
+/// lanes. Code that depends on the values must use [`SimdReal::select`].
 pub trait SimdReal: Real {
-    /// Numbers in the bundle.
+    /// Number of numbers in the bundle.
     const LANES: usize;
     /// A truth value for each lane.
     type Mask: Copy
@@ -19,7 +19,7 @@ pub trait SimdReal: Real {
         + BitOr<Output = Self::Mask>
         + Not<Output = Self::Mask>;
 
-    /// The first [`SimdReal::LANES`] numbers of a slice, in the shape of `self`.
+    /// Loads the first [`SimdReal::LANES`] numbers of a slice, with the type of `self`.
     fn load(self, from: &[f64]) -> Self;
     /// Writes the lanes to the beginning of a slice.
     fn store(self, to: &mut [f64]);
@@ -41,7 +41,7 @@ pub trait SimdReal: Real {
     fn everywhere(self) -> Self::Mask {
         self.zero().less(self.one())
     }
-    /// `yes` where the mask is set, else `no`.
+    /// Selects `yes` where the mask is set, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     /// Returns true if the mask is set in every lane.
     fn all(mask: Self::Mask) -> bool;
@@ -52,7 +52,7 @@ pub trait SimdReal: Real {
     }
     /// Returns true if the mask is set in this lane.
     fn lane(mask: Self::Mask, lane: usize) -> bool;
-    /// The number, or NaN for one that is not finite.
+    /// Returns the number, or NaN if it is not finite.
     #[inline(always)]
     fn finite(self) -> Self {
         let is_finite = self.abs().less(self.constant(f64::INFINITY));

@@ -1,18 +1,17 @@
-//! Numbers that remember how they were made, for gradients by many inputs at once.
+//! Numbers that record their operations, for gradients by many inputs at once.
 //!
-//! Every operation notes its operands and its slopes by them; one pass backwards over these notes gives
-//! the derivatives of a result by all inputs, for a few times the cost of the result (A. Griewank,
-//! A. Walther, *Evaluating Derivatives*, 2nd ed., SIAM 2008, chapter 3). [`super::Dual`] is the better
-//! choice for a handful of inputs.
+//! Every operation records its operands and its derivatives by them. One backward pass over this record gives the
+//! derivatives of a result by all inputs, for a few times the cost of the result (A. Griewank, A. Walther, *Evaluating
+//! Derivatives*, 2nd ed., SIAM 2008, chapter 3). [`super::Dual`] is the better choice for a few inputs.
 
 use super::{Real, Scalar, array_of};
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Results whose derivatives one pass backwards finds.
+/// Number of results in one backward pass.
 const AT_ONCE: usize = 8;
 
-/// The notes of one computation.
+/// Record of one computation.
 #[derive(Clone, Debug, Default)]
 pub struct Tape {
     /// For each number, the indices of up to two operands and the derivatives by them.
@@ -24,13 +23,13 @@ pub struct Tape {
 #[derive(Clone, Debug, Default)]
 struct Adjoints {
     of: Vec<[f64; AT_ONCE]>,
-    /// A bit for each number: set if a derivative by it was noted, so that a pass meets no others. Most numbers of a long tape
-    /// have no part in a result.
+    /// One bit for each number, set if its derivative may be nonzero. A pass visits only these numbers. Most numbers of a
+    /// long tape do not contribute to a result.
     noted: Vec<u64>,
 }
 
 impl Adjoints {
-    /// Room for so many numbers.
+    /// Makes room for this count of numbers.
     fn fit(&mut self, numbers: usize) {
         let length = self.of.len().max(numbers);
         self.of.resize(length, [0.0; AT_ONCE]);
@@ -43,8 +42,7 @@ impl Adjoints {
         &mut self.of[number]
     }
 
-    /// Passes the derivatives by a number on to its operands. A derivative of zero passes nothing on, even if a slope is
-    /// unknown.
+    /// Adds the derivatives by a number to those by its operands. A zero derivative adds nothing, even if a slope is NaN.
     #[inline(always)]
     fn pass_on(&mut self, number: usize, node: &[(usize, f64); 2]) {
         let weights = self.of[number];
@@ -63,11 +61,11 @@ impl Adjoints {
         }
     }
 
-    /// Passes everything on that was noted by numbers below `end`, the last one first. Leaves the derivatives by the first
-    /// `inputs` numbers.
+    /// Processes all marked numbers below `end`, from last to first. Only the derivatives by the first `inputs` numbers
+    /// remain.
     fn pass_back(&mut self, end: usize, inputs: usize, nodes: &[[(usize, f64); 2]]) {
         for word in (0..end.div_ceil(64)).rev() {
-            // Operands stand before their results, often in the same word.
+            // Operands have lower indices than their results, often in the same word.
             while self.noted[word] != 0 {
                 let bit = 63 - self.noted[word].leading_zeros() as usize;
                 self.noted[word] &= !(1 << bit);
@@ -82,17 +80,17 @@ impl Adjoints {
 }
 
 impl Tape {
-    /// Forgets everything, and keeps its memory.
+    /// Clears the tape, and keeps its memory.
     pub fn clear(&mut self) {
         self.nodes.get_mut().clear();
     }
 
-    /// An input; inputs are numbered from 0 in the order they are made, if all are made first.
+    /// Adds an input. If all inputs are made first, their indices start from 0 in order.
     pub fn input(&self, value: f64) -> Tracked<'_> {
         self.note(value, [(0, 0.0); 2])
     }
 
-    /// Number of entries on the tape, and index of the next one.
+    /// Number of entries on the tape, which is the index of the next one.
     pub fn len(&self) -> usize {
         self.nodes.borrow().len()
     }
@@ -111,8 +109,8 @@ impl Tape {
         }
     }
 
-    /// The derivatives of results by the first `inputs` numbers of the tape. `receive` gets the number of each result and
-    /// its derivatives. Several results share a pass backwards; each has the same bits as it would have alone.
+    /// Derivatives of results by the first `inputs` numbers of the tape. `receive` gets the index of each result and its
+    /// derivatives. Several results share a backward pass; each has the same bits as it would have alone.
     ///
     /// # Panics
     /// If the tape has fewer numbers than `inputs`.
@@ -147,7 +145,7 @@ impl Tape {
     }
 }
 
-/// A number on a [`Tape`], or a constant, which is on none.
+/// A number on a [`Tape`], or a constant, which is on no tape.
 #[derive(Clone, Copy, Debug)]
 pub struct Tracked<'t> {
     value: f64,
@@ -155,7 +153,7 @@ pub struct Tracked<'t> {
 }
 
 impl<'t> Tracked<'t> {
-    /// A number that depends on no input.
+    /// Makes a number that depends on no input.
     #[inline(always)]
     pub fn constant(value: f64) -> Self {
         Tracked {
@@ -169,7 +167,7 @@ impl<'t> Tracked<'t> {
         self.value
     }
 
-    /// Index of its note; `None` of a constant.
+    /// Index of the number on the tape. `None` for a constant.
     pub fn index(self) -> Option<usize> {
         self.origin.map(|(_, index)| index)
     }
@@ -177,7 +175,7 @@ impl<'t> Tracked<'t> {
     #[inline(never)]
     fn of_one(self, value: f64, slope: f64) -> Self {
         match self.origin {
-            // What does not change with its operand needs no note.
+            // A number that does not change with its operand needs no record.
             Some(_) if slope == 0.0 => Tracked::constant(value),
             None => Tracked::constant(value),
             Some((tape, index)) => tape.note(value, [(index, slope), (index, 0.0)]),
@@ -237,7 +235,7 @@ impl Neg for Tracked<'_> {
 }
 
 impl Real for Tracked<'_> {
-    /// Notes cost more than a call.
+    /// A record costs more than a function call.
     const IS_NESTED: bool = true;
 
     fn constant(self, value: f64) -> Self {
@@ -276,7 +274,7 @@ mod tests {
         (x.sqrt() / (x.one() + y * y)).asin() + (x * y - x).atan2(x.constant(0.3) + y) - (-y)
     }
 
-    /// Backwards and forwards agree, also in the slope of a series.
+    /// Backward and forward differentiation agree, also for the slope of a series.
     #[test]
     fn agrees_with_dual_numbers() {
         let tape = Tape::default();
@@ -293,7 +291,8 @@ mod tests {
         });
     }
 
-    /// Results that share a pass have the bits that each has alone, beside constants, inputs and slopes without a value.
+    /// Results that share a pass have the same bits as alone. Some results are constants or inputs, or have undefined
+    /// slopes.
     #[test]
     fn results_do_not_touch_each_other() {
         let tape = Tape::default();

@@ -1,7 +1,7 @@
 //! Vectors and rotations over any [`Real`].
 //!
-//! nalgebra's own vectors ask more of their scalar than a derivative number (or a bundle of SIMD
-//! lanes) can give, so the kernel has these two; at the crate's edges plain `[f64; 3]` is used.
+//! nalgebra's vectors require more of their scalar than a derivative number or a bundle of SIMD lanes can offer. So the
+//! kernel has its own; at the crate's edges plain `[f64; 3]` is used.
 
 use super::{Jet, Real, call_outlined, outlined};
 use std::ops::{Add, Mul, Neg, Sub};
@@ -25,15 +25,16 @@ impl<T> Vector3<T> {
     }
 }
 
-/// Copies need no destructor. Without this bound, most of a function is code that drops its arguments when a call unwinds.
+/// Copies need no destructor. Without this bound, most of a function would be code that drops its arguments when a call
+/// unwinds.
 impl<T: Copy> Vector3<T> {
-    /// The vector with `f` applied to each component.
+    /// Applies `f` to each component.
     #[inline(always)]
     pub fn map<U: Copy>(self, f: impl Fn(T) -> U + Copy) -> Vector3<U> {
         Vector3::new(f(self.x), f(self.y), f(self.z))
     }
 
-    /// The vector of each component and its partner in another vector.
+    /// Combines each component with the same component of another vector.
     #[inline(always)]
     pub(crate) fn zip<U: Copy, V: Copy>(
         self,
@@ -58,16 +59,16 @@ impl<T> From<[T; 3]> for Vector3<T> {
 }
 
 impl<T: Real> Vector3<T> {
-    /// True if sums are function calls: for nested numbers, except those in a few registers, whose sum is shorter than a
-    /// call.
+    /// True if sums are function calls. They are for nested numbers, except those in a few registers, whose sum is shorter
+    /// than a call.
     const ADDS_IN_CALLS: bool = T::IS_NESTED && !T::IN_REGISTERS;
-    /// True if products are small pieces: for numbers in registers, so that the compiler shortens each operation once and not
-    /// at each use; and for nested numbers.
+    /// True if products are small pieces. They are for numbers in registers, so that the compiler optimises each operation
+    /// once instead of at each use, and for nested numbers.
     const IN_PIECES: bool = T::IS_NESTED || T::IN_REGISTERS;
 }
 
-/// The arithmetic itself. Code in SIMD registers must be inlined, and closures are not inlined reliably. There these
-/// functions are used directly; only nested derivatives call them.
+/// The arithmetic itself. Code in SIMD registers must be inlined, and closures are not inlined reliably. So such code uses
+/// these functions directly; only nested derivatives call them.
 impl<T: Real> Vector3<T> {
     #[inline(always)]
     fn dot_inline(self, other: Self) -> T {
@@ -138,7 +139,7 @@ impl<T: Real> Vector3<T> {
         }
     }
 
-    /// This vector and a multiple of another.
+    /// Sum of this vector and a multiple of another.
     #[inline(always)]
     pub fn plus_scaled(self, other: Self, factor: T) -> Self {
         match Self::IN_PIECES {
@@ -150,7 +151,7 @@ impl<T: Real> Vector3<T> {
         }
     }
 
-    /// The vector as a series, from its derivative.
+    /// Series of the vector, from its derivative.
     #[inline(always)]
     pub fn with_rate(self, rate: Self) -> Vector3<Jet<T, 2>> {
         Vector3::new(
@@ -160,7 +161,7 @@ impl<T: Real> Vector3<T> {
         )
     }
 
-    /// The part of the vector that is normal to a unit vector.
+    /// Component of the vector perpendicular to a unit vector.
     #[inline(always)]
     pub fn across(self, axis: Self) -> Self {
         self - axis * axis.dot(self)
@@ -178,7 +179,7 @@ impl<T: Real> Vector3<T> {
         self.norm_squared().sqrt()
     }
 
-    /// The vector of length one in this direction.
+    /// Unit vector in this direction.
     #[inline(always)]
     pub fn normalised(self) -> Self {
         match Self::IN_PIECES {
@@ -189,7 +190,7 @@ impl<T: Real> Vector3<T> {
         }
     }
 
-    /// A constant vector, in the shape of this one's components.
+    /// A constant vector, with the number type of this one.
     #[inline(always)]
     pub fn constant(self, value: Vector3<f64>) -> Self {
         Vector3::new(
@@ -199,7 +200,7 @@ impl<T: Real> Vector3<T> {
         )
     }
 
-    /// The null vector.
+    /// Zero vector.
     #[inline(always)]
     pub fn zero(self) -> Self {
         let zero = self.x.zero();
@@ -256,15 +257,15 @@ impl<T: Real> Mul<T> for Vector3<T> {
     }
 }
 
-/// A 3x3 matrix, by columns. Nearly always a rotation.
+/// A 3x3 matrix, stored by columns. Nearly always a rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Matrix3<T> {
-    /// The images of the three unit vectors.
+    /// Images of the three unit vectors.
     pub columns: [Vector3<T>; 3],
 }
 
 impl<T: Real> Matrix3<T> {
-    /// The identity, in the shape of `like`.
+    /// Identity, with the number type of `like`.
     #[inline(always)]
     pub fn identity(like: T) -> Self {
         let (zero, one) = (like.zero(), like.one());
@@ -277,7 +278,7 @@ impl<T: Real> Matrix3<T> {
         }
     }
 
-    /// The rotation with Rodrigues vector `rodrigues` = tan(angle/2) times the axis.
+    /// Rotation with the Rodrigues vector `rodrigues` = tan(angle/2) times the axis.
     #[inline(always)]
     pub fn by_rodrigues(rodrigues: Vector3<T>) -> Self {
         let Vector3 { x, y, z } = rodrigues;
@@ -306,7 +307,7 @@ impl<T: Real> Matrix3<T> {
         }
     }
 
-    /// The matrix times a column.
+    /// Product of the matrix and a column vector.
     #[inline(always)]
     pub fn apply(&self, v: Vector3<T>) -> Vector3<T> {
         match Vector3::<T>::IN_PIECES {
@@ -325,7 +326,7 @@ impl<T: Real> Matrix3<T> {
             .plus_scaled_inline(c, v.z)
     }
 
-    /// The transposed matrix (the inverse rotation) times a column.
+    /// Product of the transposed matrix (the inverse rotation) and a column vector.
     #[inline(always)]
     pub fn apply_transposed(&self, v: Vector3<T>) -> Vector3<T> {
         match Vector3::<T>::IN_PIECES {
@@ -361,7 +362,7 @@ impl<T: Real> Matrix3<T> {
     fn turned_inline(&self, rodrigues: Vector3<T>) -> Self {
         let one = rodrigues.x.one();
         let factor = (one + one) / (one + rodrigues.norm_squared());
-        // No closure: the compiler might leave it as a call, compiled for no lanes.
+        // No closure, because the compiler might leave it as a call, which would not be compiled for lanes.
         let mut columns = self.columns;
         for column in &mut columns {
             let across = rodrigues.cross(*column);
@@ -370,8 +371,7 @@ impl<T: Real> Matrix3<T> {
         Matrix3 { columns }
     }
 
-    /// The nearest rotation, to second order in the deviation: one Newton step of the polar
-    /// decomposition, R (3 - R'R)/2.
+    /// Nearest rotation, to second order in the deviation: one Newton step of the polar decomposition, R (3 - R'R)/2.
     #[inline]
     pub fn orthonormalised(&self) -> Self {
         let [a, b, c] = self.columns;
@@ -388,7 +388,7 @@ impl<T: Real> Matrix3<T> {
         }
     }
 
-    /// The matrix with `f` applied to each entry.
+    /// Applies `f` to each entry.
     #[inline(always)]
     pub fn map<U: Copy>(self, f: impl Fn(T) -> U + Copy) -> Matrix3<U> {
         let [x, y, z] = self.columns;

@@ -19,7 +19,7 @@ use super::lanes::{LaneMask, Lanes};
 use super::registers::{Instructions, Pair, Registers};
 use std::arch::x86_64::*;
 
-/// A set of instructions: its token, and pieces of work compiled for it.
+/// Defines an instruction set: its token, and the compilation of pieces of work for it.
 macro_rules! instruction_set {
     ($(#[$about:meta])* $set:ident, $compiled:ident: $($feature:tt),+) => {
         $(#[$about])*
@@ -34,9 +34,9 @@ macro_rules! instruction_set {
             }
         }
 
-        /// Pieces of work, compiled for the set: all of them.
+        /// Compilation for the set, implemented for all pieces of work.
         trait $compiled: Outlined {
-            /// In a function of its own.
+            /// Runs the piece in a separate function.
             ///
             /// # Safety
             /// The processor has the instructions.
@@ -86,8 +86,8 @@ instruction_set!(
 );
 
 /// Defines a set's operations on pairs of registers of `$width` numbers from its operations on one register. Each operation
-/// is a function compiled for the set; the compiler shortens it once and then inlines it. (Inlined first and
-/// shortened at each use, the operations took an eighth of the compiler time of the engine.)
+/// is a function compiled for the set. The compiler optimises it once and then inlines it. (When operations were inlined
+/// first and optimised at each use, they took an eighth of the compiler time of the engine.)
 macro_rules! registers {
     ($set:ident, $features:literal, $width:literal, $register:ty, $mask:ty, $load:ident, $store:ident, {
         fn splat($value:ident) $splat:block
@@ -95,7 +95,7 @@ macro_rules! registers {
     $(
         fn $operation:ident($first:ident: $first_kind:ident $(, $operand:ident: $kind:ident)*) -> $result:ident $body:block
     )*}) => {
-        // SAFETY, of every call: the token proves that the processor has the instructions.
+        // SAFETY of every call: the token proves that the processor has the instructions.
         impl Registers for $set {
             const LANES: usize = 2 * $width;
             type Numbers = Pair<$register>;
@@ -147,14 +147,14 @@ macro_rules! registers {
             #[inline(always)]
             fn load(self, from: &[f64]) -> Lanes<$set> {
                 let from = from[..Self::LANES].as_ptr();
-                // SAFETY: there are two registers of numbers.
+                // SAFETY: the slice has at least two registers of numbers.
                 let registers = unsafe { Pair($load(from), $load(from.add($width))) };
                 Lanes { simd: self, registers }
             }
             #[inline(always)]
             fn store(a: Lanes<$set>, to: &mut [f64]) {
                 let to = to[..Self::LANES].as_mut_ptr();
-                // SAFETY: there is room for two registers of numbers.
+                // SAFETY: the slice has room for two registers of numbers.
                 unsafe {
                     $store(to, a.registers.0);
                     $store(to.add($width), a.registers.1);

@@ -9,19 +9,19 @@
 //! ```
 //!
 //! with R upper triangular and regular. The method begins at the minimum without constraints, -R^-1 q. It adds the most
-//! violated constraint, moves to the minimum under the constraints that it holds, and repeats this (D. Goldfarb, A.
-//! Idnani, A numerically stable dual method for solving strictly convex quadratic programs, Mathematical Programming
-//! 27, 1983). So it needs no feasible point to begin with. If there is none, it ends at a constraint whose gradient is
-//! a combination of the held gradients, all of which push against it. By Farkas' lemma these constraints exclude one
-//! another. The held gradients are independent, so none of these constraints can be left out.
+//! violated constraint, moves to the minimum under the constraints that it holds, and repeats this (D. Goldfarb, A. Idnani,
+//! A numerically stable dual method for solving strictly convex quadratic programs, Mathematical Programming 27, 1983). So
+//! it needs no feasible point to begin with. If there is none, it ends at a constraint whose gradient is a combination of
+//! the held gradients, all of which push against it. By Farkas' lemma these constraints exclude one another. The held
+//! gradients are independent, so none of these constraints can be left out.
 //!
-//! The method works on J with J^T R^T R J = 1, whose first columns span the gradients held and whose
-//! others are directions in which the held constraints keep their values. It begins as R^-1: the
-//! normal equations are never formed. With normals n pointing into the feasible side, n . d >= b:
+//! The method works on a matrix J with J^T R^T R J = 1. The first columns of J span the held gradients. A move along the
+//! other columns leaves the values of the held constraints unchanged. J begins as R^-1, so the normal equations are never
+//! formed. With normals n that point into the feasible side, n . d >= b:
 //!
 //! ```text
-//! J^T [n_1 .. n_q] = [T; 0]        T upper triangular, held as it is by plane rotations            (1)
-//! v = J^T n,   z = J_2 v_2,   w = T^-1 v_1       way of d and of the multipliers when n is added    (2)
+//! J^T [n_1 .. n_q] = [T; 0]        T upper triangular, kept so by plane rotations                   (1)
+//! v = J^T n,   z = J_2 v_2,   w = T^-1 v_1       directions of d and of the multipliers when n is added    (2)
 //! ```
 
 use super::qr::{back_substitute, dot};
@@ -37,14 +37,14 @@ pub enum Held {
     Upper(usize),
 }
 
-/// Rows a . d + c, the equalities first.
+/// Rows a . d + c. The equalities come first.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Rows<'a> {
-    /// The entries of a, row after row.
+    /// Entries of a, row after row.
     pub normals: &'a [f64],
-    /// c.
+    /// Offsets c.
     pub offsets: &'a [f64],
-    /// Number of the rows that must vanish; the others must not be positive.
+    /// Number of rows that must be zero. The others must not be positive.
     pub equalities: usize,
     /// Violation, in the unit of the rows, up to which a row counts as kept when its gradient depends on the gradients
     /// of the constraints held. Duplicate rows agree up to rounding only; without this they exclude one another.
@@ -54,11 +54,11 @@ pub struct Rows<'a> {
 /// Outcome of a quadratic program.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
-    /// The step is its minimum.
+    /// The step is the minimum of the program.
     Solved,
-    /// These constraints exclude one another, and no one of them could be left out.
+    /// These constraints exclude one another. Without any one of them, the rest could be met.
     Infeasible(Vec<Held>),
-    /// Rounding kept the method from ending.
+    /// The method did not end because of rounding.
     Stalled,
 }
 
@@ -66,19 +66,19 @@ pub enum Outcome {
 #[derive(Clone, Debug)]
 pub struct ActiveSet {
     variables: usize,
-    /// The basis J of the method, column after column.
+    /// Basis J of the method, column after column.
     basis: Vec<f64>,
-    /// T, column after column, n entries each.
+    /// Triangle T of (1), column after column, n entries each.
     triangle: Vec<f64>,
-    /// The constraints held, their signs (of equalities, whose normal may point either way) and
-    /// multipliers.
+    /// The held constraints, their signs, and their multipliers. Only equalities need a sign, because their normal may point
+    /// either way.
     held: Vec<Held>,
     sign: Vec<f64>,
     multipliers: Vec<f64>,
     /// True for each row, lower bound or upper bound that is held, in this order.
     is_held: Vec<bool>,
     step: Vec<f64>,
-    /// n, v, z and w of (2).
+    /// Vectors n, v, z and w of (2).
     normal: Vec<f64>,
     projected: Vec<f64>,
     way: Vec<f64>,
@@ -87,23 +87,24 @@ pub struct ActiveSet {
     norms: Vec<f64>,
 }
 
-/// A row counts as kept when it is violated by no more than this share of its terms.
+/// Relative tolerance of a row: a violation of at most this share of its terms counts as met.
 const ROUNDING: f64 = 1e-13;
-/// A gradient of which less than this share (squared) is outside of those held depends on them.
+/// Threshold of dependence: a gradient depends on the held gradients if less than this share of its squared length lies
+/// outside their span.
 const DEPENDENT: f64 = 1e-25;
-/// The same share for a row that is violated by no more than [`Rows::slack`]: duplicate rows differ by the rounding of
+/// The same threshold for a row that is violated by no more than [`Rows::slack`]. Duplicate rows differ by the rounding of
 /// their gradients.
 const NEARLY_DEPENDENT: f64 = 1e-18;
-/// Share of [`Rows::slack`] up to which any row counts as kept.
+/// Share of [`Rows::slack`] up to which a violation of any row counts as met.
 const UNFELT: f64 = 1e-2;
-/// A constraint that depends on those held counts as kept when it is violated by no more than this share
-/// of its terms: the point is known to no more digits where R is badly conditioned.
+/// Relative tolerance of a constraint that depends on the held ones. It is larger, because a badly conditioned R gives the
+/// point with fewer digits.
 const MARGINAL: f64 = 1e-9;
-/// A constraint whose part in a combination is smaller has none.
+/// Smallest coefficient in a combination of gradients. A constraint with a smaller one does not belong to the combination.
 const UNINVOLVED: f64 = 1e-9;
 
 impl ActiveSet {
-    /// Room for programs of this number of variables.
+    /// Allocates the workspace for programs with this number of variables.
     pub fn new(variables: usize) -> Self {
         let n = variables;
         ActiveSet {
@@ -123,22 +124,22 @@ impl ActiveSet {
         }
     }
 
-    /// The point found.
+    /// Returns the step of the last program.
     pub fn step(&self) -> &[f64] {
         &self.step
     }
 
-    /// The constraints held there with their multipliers: the minimum obeys R^T (R d + q) + sum of
-    /// multiplier times gradient = 0, the gradients being a of a row, -1 of a lower bound and +1 of an
-    /// upper one. Of rows that must not be positive, and of bounds, multipliers are not negative.
+    /// Returns the held constraints with their multipliers. At the minimum, R^T (R d + q) + sum of multiplier times gradient
+    /// = 0. The gradient is a for a row, -1 for a lower bound and +1 for an upper bound. Multipliers of inequalities and
+    /// bounds are not negative.
     pub fn multipliers(&self) -> impl Iterator<Item = (Held, f64)> {
         let held = self.held.iter().zip(&self.sign);
         held.zip(&self.multipliers)
             .map(|((held, sign), multiplier)| (*held, sign * multiplier))
     }
 
-    /// Solves a program. `triangle` has the n columns of R, of n entries each, `offset` is q; `lower`
-    /// and `upper` may be infinite.
+    /// Solves a program. `triangle` holds the n columns of R with n entries each; `offset` is q. `lower` and `upper` may be
+    /// infinite.
     pub fn solve(
         &mut self,
         triangle: &[f64],
@@ -154,7 +155,7 @@ impl ActiveSet {
                 return outcome;
             }
         }
-        // Every round adds a constraint and raises the minimum, so the rounds end but for rounding.
+        // Every round adds a constraint and raises the minimum. So the rounds would end without a cap, except for rounding.
         for _ in 0..20 * (n + rows.offsets.len()) + 100 {
             let Some((constraint, slack)) = self.most_violated(rows, lower, upper) else {
                 return Outcome::Solved;
@@ -166,7 +167,7 @@ impl ActiveSet {
         Outcome::Stalled
     }
 
-    /// J = R^-1 and d = -R^-1 q, nothing held.
+    /// Starts with J = R^-1, d = -R^-1 q and no held constraint.
     fn begin(&mut self, triangle: &[f64], offset: &[f64], rows: Rows<'_>) {
         let n = self.variables;
         self.held.clear();
@@ -191,11 +192,11 @@ impl ActiveSet {
         }
     }
 
-    /// Takes a row in that must vanish.
+    /// Adds an equality row to the held constraints.
     fn add_equality(&mut self, row: usize, rows: Rows<'_>) -> Result<(), Outcome> {
         let a = &rows.normals[row * self.variables..][..self.variables];
         let value = dot(a, &self.step) + rows.offsets[row];
-        // The normal points to where the row comes nearer to zero.
+        // The normal points in the direction in which the row's value approaches zero.
         let sign = if value > 0.0 { -1.0 } else { 1.0 };
         for (normal, a) in self.normal.iter_mut().zip(a) {
             *normal = sign * a;
@@ -218,7 +219,7 @@ impl ActiveSet {
         Ok(())
     }
 
-    /// The constraint violated by the longest way, and how much it lacks.
+    /// Returns the constraint with the largest violation, measured as a distance, and its violation.
     fn most_violated(&self, rows: Rows<'_>, lower: &[f64], upper: &[f64]) -> Option<(Held, f64)> {
         let n = self.variables;
         let mut worst = (0.0, None);
@@ -232,7 +233,7 @@ impl ActiveSet {
             let value = dot(a, &self.step) + c;
             if value > UNFELT * rows.slack && !self.is_held[row] {
                 let terms = a.iter().zip(&self.step).map(|(a, d)| (a * d).abs());
-                // A row without a gradient that is violated cannot be mended: it is found out next.
+                // A violated row without a gradient cannot be met. The tiny norm selects it, and the next step reports it.
                 let norm = self.norms[row].max(f64::MIN_POSITIVE);
                 note(value, norm, c.abs() + terms.sum::<f64>(), Held::Row(row));
             }
@@ -267,7 +268,7 @@ impl ActiveSet {
             }
         }
         let (mut slack, mut multiplier) = (slack, 0.0);
-        // Every round but the last lets one constraint go.
+        // Every round except the last releases one constraint.
         for _ in 0..=n {
             self.project();
             let (gain, size) = self.gain();
@@ -315,7 +316,7 @@ impl ActiveSet {
         Err(Outcome::Stalled)
     }
 
-    /// The sum of the sizes of the terms of a constraint's value.
+    /// Sum of the absolute values of the terms in a constraint's value.
     fn terms(&self, constraint: Held, rows: Rows<'_>) -> f64 {
         match constraint {
             Held::Row(row) => {
@@ -342,7 +343,7 @@ impl ActiveSet {
         matches!(self.held[place], Held::Row(row) if row < rows.equalities)
     }
 
-    /// The constraint that cannot be met, and of those held the ones that keep it from being met.
+    /// Names a constraint that cannot be met, and the held constraints that exclude it.
     fn exclusion(&self, constraint: Held) -> Outcome {
         let held = self.held.iter().zip(&self.change);
         let pushing = held.filter(|(_, change)| change.abs() > UNINVOLVED);
@@ -352,7 +353,7 @@ impl ActiveSet {
         Outcome::Infeasible(culprits)
     }
 
-    /// (2) of the normal.
+    /// Computes v, z and w of (2) for the normal.
     fn project(&mut self) {
         let n = self.variables;
         let q = self.held.len();
@@ -377,7 +378,7 @@ impl ActiveSet {
         (dot(free, free), dot(&self.projected, &self.projected))
     }
 
-    /// Goes so far along the way, and so far along that of the multipliers.
+    /// Advances the step by `length` along z, and the multipliers by `by_multipliers` along w.
     fn advance(&mut self, length: f64, by_multipliers: f64) {
         if length != 0.0 {
             for (step, way) in self.step.iter_mut().zip(&self.way) {
@@ -413,7 +414,7 @@ impl ActiveSet {
         self.is_held[place] = true;
     }
 
-    /// Lets go of the constraint at a place: T loses a column, and rotations make it a triangle again.
+    /// Releases the constraint at a place. T loses a column, and rotations make it triangular again.
     fn release(&mut self, place: usize) {
         let n = self.variables;
         let q = self.held.len();
@@ -441,8 +442,8 @@ impl ActiveSet {
     }
 }
 
-/// Returns true if a gradient depends on the gradients held. `gain` is the part of its squared `size` outside of
-/// them, and its constraint lacks `lack`.
+/// Returns true if a gradient depends on the held gradients. `gain` is the part of its squared length `size` outside their
+/// span. `lack` is the violation of its constraint.
 fn depends(gain: f64, size: f64, lack: f64, rows: Rows<'_>) -> bool {
     let share = match lack <= rows.slack {
         true => NEARLY_DEPENDENT,
@@ -451,7 +452,7 @@ fn depends(gain: f64, size: f64, lack: f64, rows: Rows<'_>) -> bool {
     gain <= share * size
 }
 
-/// Turns the columns `k - 1` and `k` of a matrix with columns of n entries.
+/// Rotates the columns `k - 1` and `k` of a matrix with columns of n entries.
 fn rotate(matrix: &mut [f64], n: usize, k: usize, cosine: f64, sine: f64) {
     let (before, from) = matrix.split_at_mut(k * n);
     let columns = before[(k - 1) * n..].iter_mut().zip(&mut from[..n]);
@@ -466,7 +467,7 @@ mod tests {
     use crate::optimise::test_problems::Noise;
     use nalgebra::{DMatrix, DVector};
 
-    /// A program in plain matrices.
+    /// A program as plain matrices.
     struct Program {
         triangle: DMatrix<f64>,
         offset: DVector<f64>,
@@ -478,8 +479,8 @@ mod tests {
     }
 
     impl Program {
-        /// Random; every third has parallel and repeated rows, every fifth a factor spread over seven
-        /// decades, every second bounds that a vertex of the rows may lie on.
+        /// A random program. Every third has parallel and repeated rows. Every fifth has a factor R whose pivots span seven
+        /// decades. In every second, a vertex of the rows may lie on bounds.
         fn random(seed: u64, n: usize, rows: usize, equalities: usize) -> Self {
             let mut noise = Noise::new(seed);
             let mut triangle = DMatrix::from_fn(n, n, |_, _| noise.next()).qr().r();
@@ -497,7 +498,7 @@ mod tests {
             }
             let mut normals = DMatrix::from_fn(rows, n, |_, _| noise.next());
             let inside = DVector::from_fn(n, |_, _| noise.next());
-            // Most programs have a point inside; on the border of every row where they are degenerate.
+            // Most programs have an interior point. In degenerate programs the point lies on the boundary of every row.
             let spread = if seed.is_multiple_of(4) { 0.0 } else { 1.0 };
             let mut slack: Vec<f64> = (0..rows).map(|_| spread * noise.next().abs()).collect();
             if seed.is_multiple_of(7) {
@@ -564,7 +565,7 @@ mod tests {
             rows.chain(bounds).fold(0.0, f64::max)
         }
 
-        /// The gradient of a constraint.
+        /// Gradient of a constraint.
         fn gradient(&self, held: Held) -> DVector<f64> {
             let mut gradient = DVector::zeros(self.offset.len());
             match held {
@@ -575,7 +576,7 @@ mod tests {
             gradient
         }
 
-        /// The least value over all ways to hold constraints whose point is feasible.
+        /// Least objective over all sets of held constraints whose minimum is feasible.
         fn by_enumeration(&self) -> f64 {
             let n = self.offset.len();
             let mut all: Vec<Held> = (self.equalities..self.offsets.len())
@@ -655,13 +656,13 @@ mod tests {
                         program.violation(&d)
                     );
                 }
-                // A combination of the gradients with factors of the right signs vanishes, while that of
-                // the constraints' values does not become negative anywhere.
+                // Farkas: with multipliers of the right signs, the gradients cancel, and the same combination of the values
+                // stays positive everywhere.
                 Outcome::Infeasible(culprits) => {
                     refused += 1;
                     let gradients: Vec<_> = culprits.iter().map(|h| program.gradient(*h)).collect();
                     let gradients = DMatrix::from_columns(&gradients);
-                    // There is one dependence: no one of them could be left out.
+                    // The gradients have exactly one dependence, so every culprit is necessary.
                     let square = gradients.tr_mul(&gradients);
                     let eigen = square.symmetric_eigen();
                     let least = eigen.eigenvalues.imin();
@@ -693,7 +694,7 @@ mod tests {
 
     #[test]
     fn the_minimum_is_the_least_of_all_active_sets() {
-        // The enumeration squares the factor's condition: none of the badly conditioned ones.
+        // The enumeration squares the condition of R, so badly conditioned programs are left out.
         for seed in (0..75).filter(|seed| seed % 5 != 0) {
             let n = 1 + seed as usize % 3;
             let equalities = usize::from(seed % 3 == 1 && n > 1);
@@ -714,7 +715,7 @@ mod tests {
         }
     }
 
-    /// Two rows that exclude one another are named, and none of the others.
+    /// Names the two rows that exclude one another, and no other row.
     #[test]
     fn a_planted_contradiction_is_named_alone() {
         let normals = [1.0, 1.0, 0.0, 0.3, -1.0, 0.2, -1.0, -1.0, 0.0];

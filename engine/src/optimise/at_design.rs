@@ -1,4 +1,4 @@
-//! Targets and constraints about one design, with their Jacobians, where nothing is tuned.
+//! Targets and constraints at one given design, with their Jacobians, without tuning.
 
 use super::{
     Assessment, Constrained, Infeasible, LeastSquares, Linearisation, Objective, TargetLayout,
@@ -8,8 +8,8 @@ use crate::model::Suspension;
 use crate::study::Variable;
 use nalgebra::DVector;
 
-/// Deviations from the targets with the variables at these offsets from the design; or why it has none. An error says why
-/// the design itself cannot be solved.
+/// Returns the deviations from the targets with the variables at these offsets from the design, or the reason why they
+/// cannot be computed. The outer error says why the design itself cannot be solved.
 pub fn evaluated(
     suspension: &Suspension,
     variables: &[Variable],
@@ -23,8 +23,8 @@ pub fn evaluated(
     Ok(evaluated.map(|()| evaluation))
 }
 
-/// Targets and constraints of the design itself, by these variables; or why it has none. An error says why the design itself
-/// cannot be solved.
+/// Returns targets and constraints of the design itself, with derivatives by these variables, or the reason why they cannot
+/// be computed. The outer error says why the design itself cannot be solved.
 pub fn assessed(
     suspension: &Suspension,
     variables: &[Variable],
@@ -33,8 +33,8 @@ pub fn assessed(
     assessed_at(suspension, variables, layout, &vec![0.0; variables.len()])
 }
 
-/// Targets and constraints with the variables at these offsets from the design; or why it has none. An error says why the
-/// design itself cannot be solved.
+/// Returns targets and constraints with the variables at these offsets from the design, or the reason why they cannot be
+/// computed. The outer error says why the design itself cannot be solved.
 pub fn assessed_at(
     suspension: &Suspension,
     variables: &[Variable],

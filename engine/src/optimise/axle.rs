@@ -1,8 +1,8 @@
 //! Targets of an axle: rows of the least-squares problem beside those of one wheel.
 //!
-//! A variable moves the same points of both wheels, each in the frame of its side. So the derivative of a row is the
-//! sum of both wheels' gradients along the variable's rates. Where the right wheel has hardpoints of its own they are
-//! moved as the mirror images of the left ones are.
+//! A variable moves the same points of both wheels, each in the frame of its side. So the derivative of a row is the sum of
+//! both wheels' gradients along the variable's rates. If the right wheel has its own hardpoints, the variables move them as
+//! mirror images of the left ones.
 
 use super::elastic_axle::elastic_axle_rows;
 use super::layout::{LimitedValue, TargetSample};
@@ -18,7 +18,7 @@ use crate::number::{Each, Vector3};
 use crate::study::{Limited, Optimise, Variable};
 use nalgebra::DVector;
 
-/// A position, and the wanted value there.
+/// A pose of the axle, with its target values.
 #[derive(Clone, Debug)]
 pub(super) struct AxleStation {
     pub placement: Placement,
@@ -35,7 +35,7 @@ pub(super) struct AxleLayout {
 }
 
 impl AxleLayout {
-    /// The targets of an axle; their rows are counted on in `rows`, by target in `own`.
+    /// Lays out the targets of an axle. `rows` counts the rows of all targets, `own` those of each target.
     pub(super) fn of(
         axle: &Axle,
         optimise: &Optimise,
@@ -77,7 +77,7 @@ impl AxleLayout {
         &mut self.stations[place]
     }
 
-    /// Limits a quantity in a position.
+    /// Adds a limit of a quantity in a pose.
     pub(super) fn limit(
         &mut self,
         part: usize,
@@ -90,19 +90,19 @@ impl AxleLayout {
         self.station(placement).limits.push(limited);
     }
 
-    /// The limited values of each station.
+    /// Limited values of each station.
     pub(super) fn limits(&self) -> impl Iterator<Item = &[LimitedValue]> {
         self.stations.iter().map(|station| &station.limits[..])
     }
 
-    /// The same, to be given their rows.
+    /// Limited values of each station, mutable, so that the caller can number their rows.
     pub(super) fn limits_mut(&mut self) -> impl Iterator<Item = &mut [LimitedValue]> {
         self.stations
             .iter_mut()
             .map(|station| &mut station.limits[..])
     }
 
-    /// Weighs the rows: the residual of each target per deviation in tolerances.
+    /// Sets the weights of the rows: residual of each target per deviation in tolerances.
     pub(super) fn weigh(&mut self, shares: &[f64]) {
         for station in &mut self.stations {
             for target_sample in &mut station.samples {
@@ -111,7 +111,7 @@ impl AxleLayout {
         }
     }
 
-    /// Derivatives by travel and rack that are read, one more where the design moves the travels.
+    /// Highest order of derivatives by travel and rack that the rows read, plus one if the design changes the travels.
     fn degree(&self) -> usize {
         let orders = self.quantities.iter().map(|q| q.rate_order());
         let on_plane = |s: &AxleStation| s.placement.hold() != Hold::TravelsOnPads;
@@ -127,12 +127,12 @@ pub(super) struct Moved<'m> {
     pub x: &'m DVector<f64>,
     /// The left wheel's design.
     pub design: &'m [Vector3<f64>],
-    /// The ways in which the variables move its points.
+    /// Rates at which the variables move its points.
     pub point_rates: &'m [PointRate],
 }
 
 impl Moved<'_> {
-    /// The rates of elastic parts that are varied, with their derivatives, by number of the variable.
+    /// Rates of elastic parts that are design variables, by number of the variable, each as [value, derivative].
     pub(super) fn rates(&self) -> impl Iterator<Item = (usize, Parameter, [f64; 2])> {
         let variables = self.variables.iter().zip(self.x.iter()).enumerate();
         variables.filter_map(|(column, (variable, x))| {
@@ -142,7 +142,7 @@ impl Moved<'_> {
     }
 }
 
-/// The points that variables move, each once.
+/// Points that the variables move, each once.
 pub(super) fn moved_points(variables: &[Variable]) -> Vec<PointId> {
     let mut points: Vec<PointId> = variables.iter().flat_map(Variable::points).collect();
     points.sort();
@@ -150,18 +150,18 @@ pub(super) fn moved_points(variables: &[Variable]) -> Vec<PointId> {
     points
 }
 
-/// Room for a right wheel that has hardpoints of its own.
+/// Workspace for a right wheel that has its own hardpoints.
 #[derive(Default)]
 pub(super) struct RightWheel {
     design: Vec<Vector3<f64>>,
     point_rates: Vec<PointRate>,
 }
 
-/// Design of a wheel, and the ways in which the variables move its points.
+/// Design of a wheel, and the rates at which the variables move its points.
 pub(super) type WheelMoved<'m> = (&'m [Vector3<f64>], &'m [PointRate]);
 
 impl RightWheel {
-    /// Left and right wheel of an axle whose left design has moved.
+    /// Returns the left and the right wheel of an axle after its left design has moved.
     pub(super) fn with_left<'m>(
         &'m mut self,
         axle: &Axle,
@@ -185,7 +185,7 @@ impl RightWheel {
 
 /// Residuals and their derivatives.
 pub(super) trait RowsBeside: Send {
-    /// Writes the rows of all its targets, and those of its constraints into `rows`, if given.
+    /// Writes the rows of all targets, and the rows of the constraints into `rows` if given.
     fn evaluate(
         &mut self,
         moved: &Moved<'_>,

@@ -1,20 +1,19 @@
 //! The sub-problem: linear least squares with damping, between bounds.
 //!
-//! Minimise |J W s + r|^2 + damping |s|^2 subject to lower <= s <= upper, where W scales the columns
-//! of J. With damping > 0 the minimum is unique, whatever the rank of J; it is characterised by the
-//! Kuhn-Tucker conditions, with g = W J^T (J W s + r) + damping s:
+//! Minimise |J W s + r|^2 + damping |s|^2 subject to lower <= s <= upper, where W scales the columns of J. With damping > 0
+//! the minimum is unique, whatever the rank of J. With g = W J^T (J W s + r) + damping s, the Kuhn-Tucker conditions
+//! characterise it:
 //!
 //! ```text
 //! g_j = 0 where lower_j < s_j < upper_j,   g_j >= 0 where s_j = lower_j,   g_j <= 0 where s_j = upper_j
 //! ```
 //!
-//! It is found exactly, by an active set: variables are held at bounds or free; the free ones are
-//! solved for by orthogonal factorisation; the first bounds in the way are added; and when nothing is
-//! in the way, the held variable that gains most by leaving its bound is freed. (Ch. L. Lawson,
-//! R. J. Hanson, Solving Least Squares Problems, 1974, chapter 23; P. B. Stark, R. L. Parker,
-//! Bounded-variable least-squares: an algorithm and applications, Computational Statistics 10, 1995.)
-//! No normal equations are formed: they would square singular values that already spread over eight
-//! decades.
+//! An active-set method finds it exactly. Each variable is either free or held at a bound. An orthogonal factorisation
+//! solves for the free variables. If this step crosses bounds, the method stops at the first of them and holds these
+//! variables. If it crosses none, the method frees the held variable that gains most by leaving its bound. (Ch. L. Lawson,
+//! R. J. Hanson, Solving Least Squares Problems, 1974, chapter 23; P. B. Stark, R. L. Parker, Bounded-variable
+//! least-squares: an algorithm and applications, Computational Statistics 10, 1995.) The method forms no normal equations:
+//! they would square singular values that already spread over eight decades.
 
 use super::qr::{back_substitute, dot, scale_columns, triangularise, triangularise_within};
 use nalgebra::{DMatrix, DVector};
@@ -30,33 +29,33 @@ pub enum ActiveBound {
     Upper,
 }
 
-/// The sub-problem, its solution and the workspace to find it in.
+/// The sub-problem, its solution and its workspace.
 ///
-/// J is reduced to a triangle once by [`reduce`](Self::reduce); each [`solve`](Self::solve) then works
-/// on n x n numbers, for any damping and bounds.
+/// [`reduce`](Self::reduce) reduces J to a triangle once. Each [`solve`](Self::solve) then works on n x n numbers, for any
+/// damping and bounds.
 #[derive(Clone, Debug)]
 pub struct BoundedLeastSquares {
     variables: usize,
-    /// R of J W = Q R: n columns of n entries, zero below the diagonal.
+    /// Factor R of J W = Q R: n columns of n entries, zero below the diagonal.
     triangle: Vec<f64>,
-    /// The first n entries of Q^T r.
+    /// First n entries of Q^T r.
     offset: Vec<f64>,
-    /// Norms of the columns of R, which are those of J W.
+    /// Norms of the columns of R. They equal those of J W.
     norms: Vec<f64>,
     step: Vec<f64>,
     active_bounds: Vec<ActiveBound>,
-    /// R s + offset.
+    /// Remainder R s + offset.
     remainder: Vec<f64>,
     /// Indices of the free variables, by rising index.
     free: Vec<usize>,
-    /// Held variables that were freed and turned back at once.
+    /// Held variables that were freed and returned to their bound at once.
     turned_back: Vec<bool>,
     matrix: Vec<f64>,
     vector: Vec<f64>,
 }
 
 impl BoundedLeastSquares {
-    /// Room for n `variables` and m `residuals`.
+    /// Allocates the workspace for n `variables` and m `residuals`.
     pub fn new(variables: usize, residuals: usize) -> Self {
         let rows = residuals.max(2 * variables);
         BoundedLeastSquares {
@@ -82,7 +81,7 @@ impl BoundedLeastSquares {
         residuals: &DVector<f64>,
     ) {
         let n = self.variables;
-        // With fewer residuals than variables, residuals that are always zero make up the difference.
+        // If there are fewer residuals than variables, rows of zeros fill the matrix.
         let rows = residuals.len().max(n);
         scale_columns(jacobian, width.as_slice(), rows, &mut self.matrix);
         self.vector.clear();
@@ -111,8 +110,8 @@ impl BoundedLeastSquares {
         }
         self.descend(damping, lower, upper);
 
-        // Each round lowers the objective, so no set of held variables comes twice and the rounds
-        // end. The cap only guards against rounding; the step is feasible and a descent anyway.
+        // Each round lowers the objective. So no set of held variables comes twice, and the rounds end. The cap only guards
+        // against rounding; even then the step is feasible and a descent.
         self.turned_back.fill(false);
         for _ in 0..10 * self.variables {
             let Some(j) = self.worst_multiplier(damping) else {
@@ -130,7 +129,7 @@ impl BoundedLeastSquares {
                 self.descend(damping, lower, upper);
                 self.turned_back.fill(false);
             } else {
-                // Its multiplier was zero but for rounding (Stark and Parker, step 6).
+                // Its multiplier was zero except for rounding (Stark and Parker, step 6).
                 self.active_bounds[j] = held;
                 self.turned_back[j] = true;
             }
@@ -165,7 +164,7 @@ impl BoundedLeastSquares {
 
     /// |r|^2 - |J W s + r|^2 of the solution s, free of the cancellation of that difference.
     pub fn predicted_reduction(&self) -> f64 {
-        // With d = J W s: |r|^2 - |r + d|^2 = -d . (2 r + d), and Q leaves inner products as they are.
+        // With d = J W s: |r|^2 - |r + d|^2 = -d . (2 r + d). Q preserves inner products.
         let twice = self.remainder.iter().zip(&self.offset);
         -twice
             .map(|(after, before)| (after - before) * (after + before))
@@ -176,7 +175,7 @@ impl BoundedLeastSquares {
         &self.triangle[j * self.variables..][..self.variables]
     }
 
-    /// g_j.
+    /// Slope g_j of the Kuhn-Tucker conditions.
     fn slope(&self, j: usize, damping: f64) -> f64 {
         dot(self.column(j), &self.remainder) + damping * self.step[j]
     }
@@ -184,8 +183,8 @@ impl BoundedLeastSquares {
     /// Index of the variable at a bound whose release reduces the sum of squares most, relative to the norm of its
     /// column.
     fn worst_multiplier(&self, damping: f64) -> Option<usize> {
-        // A slope is an inner product of n terms with the remainder, itself a sum of the offset and
-        // n columns: what it may be off by.
+        // A slope is an inner product of n terms with the remainder. The remainder is a sum of the offset and n columns.
+        // Their size bounds the rounding of the slope.
         let size = self.offset.iter().map(|c| c * c).sum::<f64>().sqrt()
             + dot(&self.norms, &self.step).abs()
             + self
@@ -210,9 +209,9 @@ impl BoundedLeastSquares {
         best.1
     }
 
-    /// Moves to the minimum over the free variables, holding those whose bounds are in the way.
+    /// Moves to the minimum over the free variables. Holds every variable whose bound the move reaches.
     fn descend(&mut self, damping: f64, lower: &[f64], upper: &[f64]) {
-        // Every round but the last holds one variable more.
+        // Every round except the last holds one more variable.
         for _ in 0..=self.variables {
             self.solve_free(damping);
             let mut fraction = 1.0;
@@ -253,10 +252,10 @@ impl BoundedLeastSquares {
         }
     }
 
-    /// Writes the minimum over the free variables, the held ones where they are, into the head of
-    /// `vector`, in the order of `free`.
+    /// Writes the minimum over the free variables into the head of `vector`, in the order of `free`. The held variables keep
+    /// their values.
     ///
-    /// The row of the damping of a variable follows its row of R, so that columns stay short.
+    /// The damping row of a variable follows its row of R, so that columns stay short.
     fn solve_free(&mut self, damping: f64) {
         let n = self.variables;
         self.free.clear();
@@ -318,8 +317,8 @@ mod tests {
     }
 
     impl Case {
-        /// A random problem with n variables and m residuals; every third is of low rank, and in
-        /// every second some bounds are in the way from the beginning.
+        /// A random problem with n variables and m residuals. Every third has low rank. In every second, some bounds are
+        /// active from the beginning.
         fn random(seed: u64, n: usize, m: usize) -> Self {
             let mut noise = Noise::new(seed);
             let mut jacobian = DMatrix::from_fn(m, n, |_, _| noise.next());
@@ -360,7 +359,7 @@ mod tests {
             (&self.jacobian * s + &self.residuals).norm_squared() + self.damping * s.norm_squared()
         }
 
-        /// The least objective over all ways to hold variables in which the free ones are feasible.
+        /// Least objective over all sets of held variables for which the free variables are feasible.
         fn by_enumeration(&self) -> f64 {
             let n = self.lower.len();
             let mut least = f64::INFINITY;
@@ -457,8 +456,8 @@ mod tests {
         }
     }
 
-    /// Two equal columns, one residual: damping shares the move, and a bound on one passes the rest
-    /// to the other.
+    /// With two equal columns and one residual, damping divides the move between both. A bound on one variable passes the
+    /// rest to the other.
     #[test]
     fn equal_columns_share_the_move() {
         let mut solver = BoundedLeastSquares::new(2, 1);

@@ -1,4 +1,4 @@
-//! The box the variables stay in.
+//! Box of the design variables.
 
 use super::ActiveBound;
 use nalgebra::DVector;
@@ -24,8 +24,8 @@ pub struct EmptyRange {
 }
 
 impl Bounds {
-    /// The box of the ranges `[lowest, highest]`. Every one must have a width that is positive and
-    /// finite: steps are measured in it.
+    /// Makes the box of the ranges `[lowest, highest]`. Every range needs a positive, finite width, because steps are
+    /// measured in it.
     pub fn new(ranges: &[[f64; 2]]) -> Result<Self, EmptyRange> {
         for (variable, &[lower, upper]) in ranges.iter().enumerate() {
             if !(lower < upper && (upper - lower).is_finite()) {
@@ -61,12 +61,12 @@ impl Bounds {
         &self.upper
     }
 
-    /// Highest less lowest values.
+    /// Differences between highest and lowest values.
     pub fn width(&self) -> &DVector<f64> {
         &self.width
     }
 
-    /// The point of the box nearest to `x`.
+    /// Point of the box nearest to `x`.
     pub fn nearest(&self, x: &DVector<f64>) -> DVector<f64> {
         x.zip_zip_map(&self.lower, &self.upper, |x, lower, upper| {
             x.clamp(lower, upper)
@@ -83,7 +83,7 @@ impl Bounds {
         (0..self.variables()).map(of).collect()
     }
 
-    /// The length of the move from `from` to `to`, each coordinate in fractions of its range.
+    /// Length of the move from `from` to `to`, with each coordinate in fractions of its range.
     pub fn distance(&self, from: &DVector<f64>, to: &DVector<f64>) -> f64 {
         (to - from).component_div(&self.width).norm()
     }

@@ -1,14 +1,14 @@
-//! Designs as they are built: the scattered builds of a robust tuning, with their derivatives by the variables.
+//! Scattered builds of a robust tuning, with their derivatives by the design variables.
 //!
-//! At x the nominal design is p(x), and its parts are a(p). Build number s, whose scatter is the same at every x, is
-//! assembled from a(p(x)) + z_s. The result is a design b_s again (see [`crate::assembly`]), and
+//! At x the nominal design is p(x), and its parts are a(p). Build number s has the scatter z_s, which is the same at every
+//! x. It is assembled from a(p(x)) + z_s. The result is a design b_s again (see [`crate::assembly`]), and
 //!
 //! ```text
 //! db_s/dx = db/da da/dp dp/dx + db/dp dp/dx
 //! ```
 //!
-//! (the axes in which carriers are drawn move with the drawing): derivative numbers go the same way as plain
-//! ones, some variables at a time.
+//! The second term is the movement of the axes in which carriers are drawn: they move with the nominal design. Derivative
+//! numbers pass through the same code as plain numbers, for a few variables at a time.
 
 use super::Infeasible;
 use super::moves::PointRate;
@@ -20,22 +20,22 @@ use crate::number::{Dual, Vector3};
 use crate::study::{Scatter, Source};
 use crate::sweep::sobol;
 
-/// Variables that are differentiated by at a time.
+/// Number of variables that one pass differentiates by.
 const AT_ONCE: usize = 4;
 
 /// The builds of a robust tuning.
 pub(super) struct Builds<'a> {
     assembler: Assembler,
     scatter: &'a Scatter,
-    /// The numbers drawn, `[build][source]`.
+    /// Random numbers of the builds, `[build][source]`.
     draws: Vec<Vec<f64>>,
     moved: Vec<Vector3<Dual<f64, AT_ONCE>>>,
-    /// Rates at which the variables move the points of the latest build, by rising number of the point.
+    /// Rates at which the variables move the points of the latest build, in the order of the point numbers.
     pub point_rates: Vec<PointRate>,
 }
 
 impl<'a> Builds<'a> {
-    /// The builds of a suspension that [`Assembler::suspension`] has given.
+    /// Prepares the builds of a suspension that [`Assembler::suspension`] returned.
     pub(super) fn new(suspension: &Suspension, scatter: &'a Scatter) -> Result<Self, DesignFault> {
         Ok(Builds {
             assembler: Assembler::new(suspension)?,
@@ -58,12 +58,12 @@ impl<'a> Builds<'a> {
         &self.assembler.suspension().mechanism
     }
 
-    /// The sources of scatter, in the order of the numbers drawn.
+    /// Sources of scatter, in the order of the random numbers.
     pub(super) fn sources(&self) -> impl Iterator<Item = &'a Source> + use<'a> {
         sources(self.scatter)
     }
 
-    /// The numbers drawn for the builds, `[build][source]`.
+    /// Random numbers of the builds, `[build][source]`.
     pub(super) fn draws(&self) -> &[Vec<f64>] {
         &self.draws
     }
@@ -128,7 +128,7 @@ impl<'a> Builds<'a> {
         let mut first = 0;
         while first < variables {
             let own = first..first + AT_ONCE;
-            // The drawing with its derivatives by these variables, and the parts that it gives.
+            // The nominal design with its derivatives by these variables, and the parts made from it.
             moved.clear();
             moved.extend(parts.drawn.iter().map(|p| p.map(Dual::constant)));
             for rate in drawn.iter().filter(|rate| own.contains(&rate.column)) {
@@ -139,7 +139,7 @@ impl<'a> Builds<'a> {
                 point.z.partials[k] += rate.by.z;
             }
             let mut along = Parts::of_drawing(mechanism, moved);
-            // The build's own values: scatter and adjustments are the same at every x, to first order.
+            // Values of the build itself. Its scatter and adjustments are the same at every x, to first order.
             for (dual, value) in along.points.iter_mut().zip(&parts.points) {
                 (dual.x.value, dual.y.value, dual.z.value) = (value.x, value.y, value.z);
             }
@@ -166,11 +166,11 @@ impl<'a> Builds<'a> {
     }
 }
 
-/// The scatter of a build: a low-discrepancy sequence, so that few builds stand for many.
+/// Scatter of a build, from a low-discrepancy sequence, so that few builds represent many.
 fn draw(scatter: &Scatter, build: usize) -> Vec<f64> {
     let count = sources(scatter).count();
     let number = |(k, source): (usize, &Source)| {
-        // The middle of one of 2^24 intervals, so that neither end is met.
+        // Uses the middle of one of 2^24 intervals, so that the fraction is never 0 or 1.
         let fraction = sobol(build as u64, k, count, scatter.seed) + 0.5_f64.powi(25);
         source.law.quantile(fraction)
     };
@@ -181,8 +181,8 @@ fn sources(scatter: &Scatter) -> impl Iterator<Item = &Source> {
     scatter.contributors.iter().flat_map(|c| &c.sources)
 }
 
-/// The point that gives a carrier without one its spin axis, and the wheel centre that it follows: with the
-/// direction that the study gives, wherever the wheel centre is moved.
+/// Returns the point that stands for the spin axis of a carrier without such a point, and the wheel centre that it follows.
+/// The point keeps the study's direction wherever the wheel centre moves.
 pub(super) fn follower(study: &Suspension, assembled: &Suspension) -> Option<(PointId, PointId)> {
     let added = assembled.design.len() > study.design.len();
     added.then_some((PointId(study.design.len()), study.mechanism.wheel_centre))

@@ -1,7 +1,8 @@
-//! Forces that carry loads, as residuals and rows.
+//! Member forces under load, as residuals and rows.
 //!
-//! A force is a multiplier of the closure equations under a load, so its derivatives take those of the equations' Jacobian.
-//! They are had forwards: the design moves along a variable as a series, the pose follows, and so does the balance.
+//! A force is a multiplier of the closure equations under a load. So its derivatives need those of the equations' Jacobian.
+//! They are computed forwards: the design is a series along a variable, and the pose and the balance of forces follow as
+//! series.
 
 use super::moves::PointRate;
 use crate::analyse::Balance;
@@ -11,7 +12,7 @@ use crate::model::Suspension;
 use crate::number::{Jet, Vector3};
 use crate::solve::Solver;
 
-/// A design that moves along each of the variables.
+/// A design and its series along each of the variables.
 pub(super) struct AlongVariables {
     /// For each variable, the design as a series along it.
     series: Vec<DesignSeries<2>>,
@@ -20,7 +21,7 @@ pub(super) struct AlongVariables {
 }
 
 impl AlongVariables {
-    /// Room for this number of variables. `None` if no measure is a force.
+    /// Allocates for this number of variables. `None` if no measure is a force.
     pub(super) fn new<'m>(
         suspension: &Suspension,
         variables: usize,
@@ -39,7 +40,7 @@ impl AlongVariables {
             })
     }
 
-    /// Takes a design and the ways in which variables move it.
+    /// Takes a design and the rates at which the variables move it.
     pub(super) fn prepare(
         &mut self,
         solver: &Solver,
@@ -53,7 +54,7 @@ impl AlongVariables {
         }
     }
 
-    /// The derivatives of a force by the variables in a pose, one by one; NaN where nothing can carry the load.
+    /// Derivatives of a force by the variables in a pose, one by one. NaN if no member can carry the load.
     pub(super) fn slopes<const N: usize>(
         &self,
         force: &CarriedForce,
@@ -78,7 +79,7 @@ impl AlongVariables {
     }
 }
 
-/// The value of a force along a series of poses; NaN where nothing can carry the load.
+/// Value of a force along a series of poses. NaN if no member can carry the load.
 pub(super) fn value<const N: usize>(
     force: &CarriedForce,
     view: &WheelReading<N>,

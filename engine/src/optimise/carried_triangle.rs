@@ -1,16 +1,16 @@
 //! Directions fixed in the wheel carrier, from three of its points.
 //!
-//! Lanes give positions of points, and no rotation. Let P_0, P_1, P_2 be points of the carrier in the design position and
-//! p_0, p_1, p_2 now, E_i = P_i - P_0 and e_i = p_i - p_0. The rotation R takes E_i to e_i, and with it an orthonormal
-//! triad of both E_i to that of both e_i. A direction V of the design position is now
+//! SIMD lanes give positions of points, but no rotation. Let P_0, P_1, P_2 be points of the carrier in the design position
+//! and p_0, p_1, p_2 in the present pose, E_i = P_i - P_0 and e_i = p_i - p_0. The rotation R takes E_i to e_i. So it takes
+//! the orthonormal triad of both E_i to the triad of both e_i. A direction V of the design position becomes
 //!
 //! ```text
 //! v = R V                                                                  (1)
 //! dv = t x v + R dV,      de_i = t x e_i + R dE_i                          (2)
 //! ```
 //!
-//! for a small turn t. A derivative b by v is therefore a moment m = v x b about the carrier. Forces f_i at the points that
-//! have this moment give its derivatives by the points:
+//! for a small rotation t. A derivative b by v is therefore a moment m = v x b about the carrier. Forces f_i at the points
+//! that have this moment equal its derivatives by the points:
 //!
 //! ```text
 //! b.dv = m.t + b.R dV = sum f_i.(de_i - R dE_i) + (R^T b).dV,     sum e_i x f_i = m      (3)
@@ -20,12 +20,12 @@
 use crate::model::{Body, PointId, Suspension};
 use crate::number::Vector3;
 
-/// Three points of the wheel carrier, in the design position and now.
+/// Three points of the wheel carrier, in the design position and in the present pose.
 pub(super) struct CarriedTriangle {
-    /// Edges e_1 and e_2 now.
+    /// Edges e_1 and e_2 in the present pose.
     edges: [Vector3<f64>; 2],
     normal: Vector3<f64>,
-    /// Triads in the design position and now.
+    /// Triads in the design position and in the present pose.
     triads: [[Vector3<f64>; 3]; 2],
 }
 
@@ -41,7 +41,7 @@ fn triad(corners: [Vector3<f64>; 3]) -> [Vector3<f64>; 3] {
     [x, z.cross(x), z]
 }
 
-/// Takes the coordinates of a vector in one triad to those in another.
+/// Transforms a vector: its coordinates in the first triad become coordinates in the second.
 fn carried(from: &[Vector3<f64>; 3], to: &[Vector3<f64>; 3], v: Vector3<f64>) -> Vector3<f64> {
     let [x, y, z] = from.map(|axis| axis.dot(v));
     to[0] * x + to[1] * y + to[2] * z
@@ -70,7 +70,7 @@ impl CarriedTriangle {
         largest.1
     }
 
-    /// The triangle with these corners in the design position and now.
+    /// Makes the triangle from its corners in the design position and in the present pose.
     pub(super) fn new(designed: [Vector3<f64>; 3], now: [Vector3<f64>; 3]) -> Self {
         let (edges, normal) = edges(now);
         CarriedTriangle {
@@ -80,18 +80,18 @@ impl CarriedTriangle {
         }
     }
 
-    /// A direction of the design position as the carrier turned it: (1).
+    /// Rotates a direction from the design position to the present pose: (1).
     pub(super) fn turned(&self, direction: Vector3<f64>) -> Vector3<f64> {
         carried(&self.triads[0], &self.triads[1], direction)
     }
 
-    /// A direction of now as it was in the design position.
+    /// Rotates a direction from the present pose back to the design position.
     pub(super) fn turned_back(&self, direction: Vector3<f64>) -> Vector3<f64> {
         carried(&self.triads[1], &self.triads[0], direction)
     }
 
-    /// Derivatives by the corners now, of something whose derivative by a carried direction `v` is `by`: (4). Those by the
-    /// corners in the design position are the same with the opposite sign, turned back.
+    /// Derivatives by the corners in the present pose: (4). `by` is the derivative by the carried direction `v`. The
+    /// derivatives by the corners in the design position are the same with the opposite sign, rotated back.
     pub(super) fn by_corners(&self, v: Vector3<f64>, by: Vector3<f64>) -> [Vector3<f64>; 3] {
         let [first, second] = self.edges;
         let moment = v.cross(by);

@@ -1,4 +1,4 @@
-//! Alternatives to the design kept: the front of a study's goals, and its price list.
+//! Alternatives to the tuned design: the trade-off between a study's goals, and the price list.
 
 use super::constrained::Constrained;
 use super::front::{Found, Tracer};
@@ -10,36 +10,36 @@ use crate::mechanism::DesignFault;
 use crate::study::{Optimise, Scatter, Vehicle};
 use nalgebra::DVector;
 
-/// Targets outside of the front are held to their tolerances, or to this multiple of their misfit after the tuning of
+/// Allowance for targets outside the front: they keep their tolerances, or this multiple of their misfit after the tuning of
 /// all targets.
 const AS_GOOD: f64 = 1.01;
-/// Steps of a price list.
+/// Number of steps in a price list.
 const STEPS: usize = 10;
 
-/// A design that could be chosen.
+/// A design that the user can choose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
     /// Offsets of the variables, in the study's axes.
     pub offsets: Vec<f64>,
-    /// The amount of each aim. For a front these are the misfits of the goals; for a price list the misfit of all
-    /// targets and the move, which is the root of the sum of its squares in ranges, each times the cost of its
-    /// variable.
+    /// Amount of each criterion. For a front these are the misfits of the goals. For a price list these are the misfit of
+    /// all targets, and the size of the change. The size is the root of the sum of squared moves, each in ranges times the
+    /// cost of its variable.
     pub amounts: Vec<f64>,
-    /// Weight of each criterion; the weights add up to 1. One unit less of criterion i costs weight i / weight j units
-    /// of criterion j. Zeros without a trade-off.
+    /// Weight of each criterion; the weights add up to 1. One unit less of criterion i costs weight i / weight j units of
+    /// criterion j. All are zero if there is no trade-off.
     pub weights: Vec<f64>,
 }
 
 /// The front of a study's goals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Front {
-    /// Designs of which none is better in all, by rising misfit of the first goal.
+    /// Designs of the front, in the order of rising misfit of the first goal. None is better than another in all goals.
     pub choices: Vec<Choice>,
-    /// Choices behind which the front is broken.
+    /// Indices of choices after which the front has a gap.
     pub breaks: Vec<usize>,
 }
 
-/// The front of `[optimise] front`, from where a tuning ended. An error says why the design itself cannot be
+/// Computes the front of `[optimise] front`, starting from the tuned design. An error says why the design itself cannot be
 /// solved.
 pub fn front(
     vehicle: &Vehicle,
@@ -51,15 +51,15 @@ pub fn front(
     Ok(Tuner::new(&asked)?.front(tuning))
 }
 
-/// The least misfit over the size of the change: some ten designs from the study's own to the one of least misfit. An
-/// error gives the reason why the design itself cannot be solved.
+/// Computes the least misfit for each size of change: about ten designs from the study's own to the one with the least
+/// misfit. An error says why the design itself cannot be solved.
 pub fn price_list(
     vehicle: &Vehicle,
     optimise: &Optimise,
     tuning: &Tuning,
     control: Control<'_>,
 ) -> Result<Vec<Choice>, DesignFault> {
-    // A tuning towards the yield has misfits of the drawing.
+    // A tuning for yield measures its misfits on the nominal design.
     let drawing = Optimise {
         scatter: optimise.scatter.clone().filter(Scatter::lowers_misfit),
         ..optimise.clone()
@@ -140,7 +140,7 @@ impl Tuner<'_> {
             })
         };
         let unmoved = untraded(&self.design).filter(|_| self.keeps_constraints());
-        // The design kept stands among them.
+        // The list includes the tuned design.
         let kept = untraded(&best.x).filter(|_| best.is_feasible());
         let mut all: Vec<Found> = unmoved.into_iter().chain(found).collect();
         if let Some(kept) = kept {
@@ -154,7 +154,7 @@ impl Tuner<'_> {
         all.into_iter().map(|found| self.choice(found)).collect()
     }
 
-    /// Returns true if the study's own design keeps the constraints.
+    /// Returns true if the study's own design satisfies the constraints.
     fn keeps_constraints(&self) -> bool {
         let mut problem = self.problem();
         let shape = problem.shape();

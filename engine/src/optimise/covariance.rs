@@ -4,15 +4,15 @@ use super::identifiability::right_singular_vectors;
 use super::{Bounds, Linearisation};
 use nalgebra::{DMatrix, DVector};
 
-/// Correlations above this are told.
+/// Correlations above this are reported.
 pub(super) const CLOSE: f64 = 0.95;
 
 /// Covariance of some variables, (2) of [`standard_errors`](super::standard_errors), divided by s^2, in fractions of the ranges.
 pub(super) struct Covariance {
     variables: Vec<usize>,
-    /// A column for each variable; their products are the covariances.
+    /// One column for each variable. Products of columns are the covariances.
     pub spread: DMatrix<f64>,
-    /// The diagonal of A^-1.
+    /// Diagonal of A^-1.
     inverse: Vec<f64>,
     /// True for each variable that the measurements do not determine.
     pub unseen: Vec<bool>,
@@ -33,7 +33,7 @@ impl Covariance {
             at.jacobian[(i, variables[j])] * bounds.width()[variables[j]]
         });
         let (values, vectors) = right_singular_vectors(&scaled);
-        // Rounding leaves this of a direction that is not seen at all.
+        // Singular values up to this are rounding: the measurements do not determine their directions.
         let nothing = 1e-13 * values[0];
         let inverse: Vec<f64> = values
             .iter()
@@ -43,7 +43,7 @@ impl Covariance {
             let hidden = (0..k).filter(|d| values[*d] <= nothing);
             hidden.map(|d| vectors[(j, d)].powi(2)).sum::<f64>() > 1e-12
         };
-        // A^-1 times the rows, weighed once more: the square of it is the covariance.
+        // A^-1 times the rows, weighted once more. The square of this matrix is the covariance.
         let a_inverse =
             &vectors * DMatrix::from_diagonal(&DVector::from_vec(inverse)) * vectors.transpose();
         let mut weighed = scaled;
@@ -58,7 +58,7 @@ impl Covariance {
         })
     }
 
-    /// The ratio k_j of the variance of a variable to that of weights 1/variance; 1 if it is not known.
+    /// Ratio k_j between the variance of a variable and its variance with the weights 1/variance. 1 if it is not known.
     pub(super) fn ratio(&self, variable: usize) -> f64 {
         let Some(j) = self.variables.iter().position(|v| *v == variable) else {
             return 0.0;
@@ -69,7 +69,7 @@ impl Covariance {
         self.spread.column(j).norm_squared() / self.inverse[j]
     }
 
-    /// Pairs that are hard to tell apart, the worst first.
+    /// Pairs of variables with close correlation, the closest first.
     pub(super) fn correlations(&self) -> Vec<(usize, usize, f64)> {
         let norms: Vec<f64> = self.spread.column_iter().map(|c| c.norm()).collect();
         let mut correlations = Vec::new();
@@ -91,7 +91,8 @@ impl Covariance {
 mod tests {
     use super::*;
 
-    /// Columns at an angle a make estimates with the correlation -cos a. Those above 0.95 are told, the worst first.
+    /// Two columns at an angle a give estimates with the correlation -cos a. Those above 0.95 are reported, the closest
+    /// first.
     #[test]
     fn close_correlations_are_told() {
         let bounds = Bounds::new(&[[-1.0, 1.0], [0.0, 4.0], [0.0, 1.0], [0.0, 7.0]]).unwrap();
@@ -127,7 +128,8 @@ mod tests {
         }
     }
 
-    /// Equal columns are not seen apart; the others are. With weights of 1 every ratio of variances is 1.
+    /// Variables with equal columns count as not determined; the others as determined. With weights of 1 every ratio of
+    /// variances is 1.
     #[test]
     fn twins_are_unseen() {
         let bounds = Bounds::new(&[[-1.0, 1.0]; 3]).unwrap();

@@ -1,7 +1,7 @@
-//! Targets of a wheel with elastic parts: rows of the least-squares problem from equilibria and figures of tests.
+//! Targets of a wheel with elastic parts: rows of the least-squares problem from equilibria and test figures.
 //!
-//! Hardpoints and rates move together. The tape of a station gives the gradient of a value by the moving coordinates
-//! and rates. Its slope along a variable is the sum over the coordinates and rates that the variable moves.
+//! Variables may move hardpoints and rates together. The tape of a station gives the gradient of a value by the moving
+//! coordinates and rates. The slope along a variable is the sum over the coordinates and rates that the variable moves.
 
 use super::axle::{Moved, RowsBeside, moved_points};
 use super::layout::{LimitedValue, TargetSample};
@@ -15,14 +15,14 @@ use crate::study::{
     ComplianceStudy, Limited, Motion, Optimise, Site, TargetKind, Variable, WheelStudy,
 };
 
-/// A station, and the wanted value there.
+/// A station with its target values.
 #[derive(Clone, Debug)]
 struct ElasticStation {
     travel: f64,
-    /// Along the study's +y.
+    /// Rack displacement along the study's +y.
     rack: f64,
     values: Vec<KcValue>,
-    /// Their `of` is a number among `values`.
+    /// Samples of this station. Their `of` is an index into `values`.
     samples: Vec<TargetSample>,
     limits: Vec<LimitedValue>,
 }
@@ -36,7 +36,7 @@ pub(super) struct ElasticLayout {
 }
 
 impl ElasticLayout {
-    /// The targets of a study; their rows are counted on in `rows`, by target in `own`.
+    /// Lays out the targets of a study. `rows` counts the rows of all targets, `own` those of each target.
     pub(super) fn of(
         wheel: &WheelStudy,
         elastic: &ComplianceStudy,
@@ -89,7 +89,7 @@ impl ElasticLayout {
         &mut self.stations[place]
     }
 
-    /// Limits a value at the stations of a site; without one in the design position.
+    /// Adds a limit of a value at the stations of a site, or in the design position if there is no site.
     pub(super) fn limit(
         &mut self,
         part: usize,
@@ -115,25 +115,25 @@ impl ElasticLayout {
         }
     }
 
-    /// The limited values of each station.
+    /// Limited values of each station.
     pub(super) fn limits(&self) -> impl Iterator<Item = &[LimitedValue]> {
         self.stations.iter().map(|station| &station.limits[..])
     }
 
-    /// The same, to be given their rows.
+    /// Limited values of each station, mutable, so that the caller can number their rows.
     pub(super) fn limits_mut(&mut self) -> impl Iterator<Item = &mut [LimitedValue]> {
         self.stations
             .iter_mut()
             .map(|station| &mut station.limits[..])
     }
 
-    /// The travel of a station, if the part is limited at several stations.
+    /// Travel of a station, if the part is limited at several stations.
     pub(super) fn place_of(&self, part: usize, station: usize) -> Option<f64> {
         let own = self.limits().flatten().filter(|own| own.part == part);
         (own.count() > 1).then(|| self.stations[station].travel)
     }
 
-    /// Weighs the rows: the residual of each target per deviation in tolerances.
+    /// Sets the weights of the rows: residual of each target per deviation in tolerances.
     pub(super) fn weigh(&mut self, shares: &[f64]) {
         for station in &mut self.stations {
             for sample in &mut station.samples {
@@ -142,7 +142,7 @@ impl ElasticLayout {
         }
     }
 
-    /// All samples, with the rack's place along the kernel's +y.
+    /// All samples, with the rack displacement along the kernel's +y.
     pub(super) fn samples(&self) -> impl Iterator<Item = (&TargetSample, f64)> {
         let along = self.suspension.frame.sign(Axis::Y);
         self.stations.iter().flat_map(move |station| {
@@ -152,7 +152,7 @@ impl ElasticLayout {
     }
 }
 
-/// The motion of a site, and its rack displacements along the study's +y.
+/// Motion of a site, and its rack displacements along the study's +y.
 fn place<'m>(site: &'m Site, own: &'m Motion) -> (&'m Motion, Vec<f64>) {
     let motion = site.motion.as_ref().map_or(own, |(_, motion)| motion);
     let racks = match (site.racks.as_slice(), motion.rack_moves) {
@@ -163,7 +163,7 @@ fn place<'m>(site: &'m Site, own: &'m Motion) -> (&'m Motion, Vec<f64>) {
     (motion, racks)
 }
 
-/// The rows of a layout.
+/// Rows of a layout.
 pub(super) fn elastic_rows<'a>(
     layout: &'a ElasticLayout,
     variables: &[Variable],
@@ -187,7 +187,7 @@ pub(super) fn elastic_rows<'a>(
 
 struct Rows<'a> {
     layout: &'a ElasticLayout,
-    /// Everything that moves.
+    /// Coordinates and rates that the variables move.
     parameters: Vec<Parameter>,
     parts: Compliance,
     tape: Tape,
@@ -210,7 +210,7 @@ fn along_variables(
     add_rates(moved, by, slopes);
 }
 
-/// Adds the slopes of a value along the variables that come from points, from its derivatives by their coordinates.
+/// Adds the slopes along the variables that come from moving points. `by` gives the derivative of the value by a coordinate.
 pub(super) fn add_points(ways: &[PointRate], by: impl Fn(Parameter) -> f64, slopes: &mut [f64]) {
     for rate in ways {
         for (axis, by_axis) in Axis::ALL.into_iter().zip(rate.by.to_array()) {
@@ -222,7 +222,7 @@ pub(super) fn add_points(ways: &[PointRate], by: impl Fn(Parameter) -> f64, slop
     }
 }
 
-/// Adds the slopes of a value along the variables that come from rates, from its derivatives by the rates.
+/// Adds the slopes along the variables that come from rates. `by` gives the derivative of the value by a rate.
 pub(super) fn add_rates(moved: &Moved<'_>, by: impl Fn(Parameter) -> f64, slopes: &mut [f64]) {
     for (column, parameter, [_, slope]) in moved.rates() {
         slopes[column] += by(parameter) * slope;

@@ -1,7 +1,7 @@
-//! Targets of an axle with elastic parts: rows of the least-squares problem from its equilibria and figures of tests.
+//! Targets of an axle with elastic parts: rows of the least-squares problem from its equilibria and test figures.
 //!
-//! A variable moves the points of both wheels, and rates of parts of both wheels or of a part that they share. Where both
-//! wheels are mirror images, one derivative serves both of them; otherwise each wheel has its own.
+//! A variable moves the points of both wheels. It also moves rates of parts of both wheels, or of a shared part. If the
+//! wheels are mirror images, one derivative serves both; otherwise each wheel has its own.
 
 use super::axle::{AxleLayout, AxleStation, Moved, RightWheel, RowsBeside, moved_points};
 use super::elastic::{add_points, add_rates};
@@ -15,7 +15,7 @@ use crate::model::{Axis, Side};
 use crate::number::Tape;
 use crate::study::{AxleComplianceStudy, Variable};
 
-/// The rows of a layout of an axle with these elastic parts.
+/// Rows of a layout of an axle with these elastic parts.
 pub(super) fn elastic_axle_rows<'a>(
     layout: &'a AxleLayout,
     elastic: &AxleComplianceStudy,
@@ -51,10 +51,10 @@ pub(super) fn elastic_axle_rows<'a>(
 
 struct Rows<'a> {
     layout: &'a AxleLayout,
-    /// The wheels whose points move: both as mirror images, or each by itself.
+    /// Wheels whose points move: `None` for both as mirror images, otherwise each wheel separately.
     sides: Vec<Option<Side>>,
     right: RightWheel,
-    /// Everything that moves.
+    /// Coordinates and rates that the variables move.
     parameters: Vec<AxleParameter>,
     parts: AxleCompliance,
     tape: Tape,

@@ -1,41 +1,41 @@
-//! Extremes between stations, for constraints that hold there, too.
+//! Extremes between stations, for constraints that also hold there.
 //!
-//! If a value is more extreme at a station than at both neighbours, an extreme lies nearby. The search begins at the
-//! extreme of the parabola through the three values, and uses the value's derivative by the drive. At an end of the
-//! motion it begins with the parabola through the last three values, if that has its extreme within the motion. The row
-//! of the station then holds the value at the extreme. Its slopes need no derivative of the place, because the value
-//! does not change along the place. So limits hold at all extremes. If an extreme moves past a station while the design
-//! changes, the neighbour's row takes it over halfway, and the largest row stays continuous.
+//! If a value is more extreme at a station than at both neighbours, an extreme lies nearby. The search begins at the extreme
+//! of the parabola through the three values, and uses the value's derivative by the drive. At an end of the motion it begins
+//! with the parabola through the last three values, if that has its extreme within the motion. The row of the station then
+//! holds the value at the extreme. Its slopes need no derivative of the place, because at an extreme the value has zero
+//! slope along the drive. So limits hold at all extremes. While the design changes, an extreme may move past a station. The
+//! neighbour's row then takes it over halfway, and the largest row stays continuous.
 
 use super::Linearisation;
 use super::layout::{Extremes, Leg, Part};
 
-/// The most steps of a search.
+/// Largest number of steps in a search.
 pub(super) const SEARCHES: usize = 8;
-/// The place of an extreme is known when a step of the search is shorter than this share of the distance
-/// between stations: the value then is exact to the square of it.
+/// Tolerance for the place of an extreme, as a share of the distance between stations. The error of the value is
+/// proportional to its square.
 const PLACED: f64 = 1e-9;
-/// An extreme that rises above its station by less than this, in units of the rows, counts as that of the station. It
-/// is a hundredth of the violation that counts as kept.
+/// Smallest rise above the station that counts as a separate extreme, in units of the rows. It is a hundredth of the
+/// violation that counts as kept.
 const FLAT: f64 = 1e-9;
-/// A row this far from its limit, in the same units, is not looked at more closely, nor where it rises by a few times as
-/// much as the parabola does.
+/// Distance from the limit beyond which a row needs no search, in the same units. Four times the rise of the parabola is
+/// subtracted from the distance first.
 const FAR: f64 = 1.0;
 
-/// The search for the place where a value is extreme: where its slope vanishes.
+/// Search for the place of an extreme, where the slope vanishes.
 pub(super) struct Search {
-    /// Index of the sought extreme among [`Leg::extremes`].
+    /// Index of the extreme to follow among [`Leg::extremes`].
     pub of: usize,
-    /// The row that takes the extreme.
+    /// Row that receives the extreme.
     pub row: usize,
-    /// Value of that row at the station.
+    /// Value of this row at the station.
     pub at_station: f64,
-    /// Drive value at which to evaluate next.
+    /// Drive value of the next evaluation.
     pub place: f64,
     /// True if the search has ended.
     pub is_found: bool,
     ends: [f64; 2],
-    /// The latest place and slope.
+    /// Latest place and slope.
     before: Option<(f64, f64)>,
     /// Second derivative of the parabola through three stations.
     curvature: f64,
@@ -43,7 +43,7 @@ pub(super) struct Search {
     rise: f64,
 }
 
-/// Writes the searches of a leg, given the values of the parts at its stations and the rows there.
+/// Writes the searches of a leg. Inputs are the values of the parts at its stations, and the rows there.
 pub(super) fn searches(
     leg: &Leg,
     parts: &[Part],
@@ -95,7 +95,7 @@ impl Search {
             first.map_or(at(k).0, |before| at(before).0),
             if k + 1 < count { at(k + 1).0 } else { at(k).0 },
         ];
-        // Nothing is extreme where the three are on a line, or beyond the motion.
+        // There is no extreme if the three values lie on a line, or if the place is outside the motion.
         if sign * curvature.signum() > 0.0 || !(ends[0]..=ends[1]).contains(&place) {
             return None;
         }
@@ -113,7 +113,7 @@ impl Search {
         })
     }
 
-    /// Takes a step by the slope found at the place. Returns true if the place was near enough.
+    /// Takes a step with the slope at the place. Returns true if the place was close enough.
     pub(super) fn advance(&mut self, slope: f64) -> bool {
         if let Some((place, before)) = self.before
             && place != self.place

@@ -1,4 +1,4 @@
-//! A minimum from one start, and the history of the search.
+//! Minimum from one start, and the history of the search.
 
 use super::constrained::KEPT;
 use super::fit_record::{evaluations, execute};
@@ -11,12 +11,12 @@ use nalgebra::DVector;
 use std::fmt;
 use std::sync::atomic::AtomicBool;
 
-/// Means to stop a run, and to watch it.
+/// Means to stop and to observe a run.
 #[derive(Clone, Copy, Default)]
 pub struct Control<'a> {
-    /// Once true, the run ends before its next evaluation, with its present result.
+    /// Flag that stops the run. Once true, the run ends before its next evaluation, with its present result.
     pub interrupt: Option<&'a AtomicBool>,
-    /// Called after each iteration; where several starts run in parallel, from their threads.
+    /// Callback after each iteration. If several starts run in parallel, their threads call it.
     pub watch: Option<&'a ProgressCallback<'a>>,
 }
 
@@ -30,29 +30,29 @@ impl Control<'_> {
 /// Receives the index of a start and its latest iteration.
 pub type ProgressCallback<'a> = dyn Fn(usize, &Iteration) + Sync + 'a;
 
-/// One iteration.
+/// One iteration of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Iteration {
-    /// Number; 0 is the start.
+    /// Number of the iteration; 0 is the start.
     pub iteration: u64,
-    /// Half the sum of the squared residuals, at its end.
+    /// Half the sum of the squared residuals at the end of the iteration.
     pub cost: f64,
-    /// The root mean square of the residuals, at its end.
+    /// Root mean square of the residuals at the end of the iteration.
     pub misfit: f64,
-    /// Length of the accepted step in fractions of the ranges; 0 where none was accepted.
+    /// Length of the accepted step in fractions of the ranges; 0 if none was accepted.
     pub step: f64,
-    /// Damping of its last trial.
+    /// Damping of the last trial.
     pub damping: f64,
-    /// Variables at bounds, at its end.
+    /// Number of variables at bounds at the end of the iteration.
     pub held: usize,
-    /// Points evaluated on the way.
+    /// Number of points evaluated during the iteration.
     pub evaluations: u32,
     /// Number of those evaluations without residuals.
     pub infeasible: u32,
 }
 
 impl Iteration {
-    /// Returns the start, or an iteration without progress: it ends with this evaluation.
+    /// Makes the record of the start, or of an iteration without progress that ends with this evaluation.
     pub(super) fn at(end: &Linearisation) -> Self {
         Iteration {
             iteration: 0,
@@ -67,44 +67,44 @@ impl Iteration {
     }
 }
 
-/// Why a run ended.
+/// Reason for the end of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Termination {
-    /// The misfit is not above [`Options::misfit_below`].
+    /// The misfit is at or below [`Options::misfit_below`].
     MisfitReached,
-    /// The misfit of the targets that variables move is not above [`Options::misfit_below`]; others are missed.
+    /// The misfit of the targets that variables move is at or below [`Options::misfit_below`]; other targets are missed.
     MovedTargetsMet,
-    /// No step lowers the cost by more than [`Options::reduction_below`] of it.
+    /// No step lowers the cost by more than the share [`Options::reduction_below`].
     NoFurtherDescent,
     /// The step would be shorter than [`Options::step_below`].
     StepBelowResolution,
-    /// The residuals are at right angles to all columns of the Jacobian, but for variables that
-    /// their bounds keep from descending: [`Options::gradient_below`].
+    /// The residuals are orthogonal to all columns of the Jacobian, within [`Options::gradient_below`]. Variables that a
+    /// bound keeps from descending do not count.
     Stationary,
-    /// Every step that would lower the cost, however short, leads where there are no residuals.
+    /// Every step that would lower the cost, however short, leads to a point without residuals.
     NoFeasibleStep(Infeasible),
-    /// The design is good enough, and no other one nearby that is moves less.
+    /// The design is good enough, and no other good enough design nearby has a smaller change.
     NearestGoodEnough,
-    /// No design is good enough. This one is as good as the best, and no other one nearby that is moves less.
+    /// No design is good enough. This one is as good as the best, and no other such design nearby has a smaller change.
     NearestOfTheBest,
-    /// The design is good enough, but the search for a nearer one did not converge.
+    /// The design is good enough, but the search for a smaller change did not converge.
     GoodEnoughNotKnownNearest,
-    /// No design is good enough. This one is as good as the best, but the search for a nearer one did not converge.
+    /// No design is good enough. This one is as good as the best, but the search for a smaller change did not converge.
     BestNotKnownNearest,
-    /// No step lowers the cost by more than [`Options::reduction_below`] of it, or it would be shorter than
-    /// [`Options::step_below`], yet the optimality conditions are not met.
+    /// No step lowers the cost by more than the share [`Options::reduction_below`], or the step would be shorter than
+    /// [`Options::step_below`]. But the optimality conditions are not satisfied.
     NotStationary,
     /// No small move raises the yield.
     LargestYield,
-    /// The yield is above that of the optimum without scatter, but the search for the largest did not converge.
+    /// The yield is above that of the optimum without scatter, but the search for the largest yield did not converge.
     YieldNotConverged,
-    /// No small move lessens the violation of the constraints.
+    /// No small move reduces the violation of the constraints.
     ConstraintsExcludeEachOther,
     /// [`Options::max_iterations`] iterations were made.
     IterationLimit,
     /// [`Options::max_evaluations`] evaluations were made.
     EvaluationLimit,
-    /// The run was asked to stop.
+    /// A request stopped the run.
     Interrupted,
 }
 
@@ -132,8 +132,8 @@ impl Termination {
         }
     }
 
-    /// The same end, seen with the residual of the optimality conditions: only where that is below [`CONVERGED`] it is
-    /// a minimum.
+    /// Checks the reason against the imbalance of the optimality conditions: it counts as a minimum only below
+    /// [`CONVERGED`].
     pub(super) fn checked(self, residual: f64) -> Self {
         match self {
             Termination::NoFurtherDescent
@@ -185,7 +185,7 @@ impl fmt::Display for Termination {
 /// End of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
-    /// The variables, within their bounds.
+    /// Values of the variables, within their bounds.
     pub x: DVector<f64>,
     /// Residuals and Jacobian at `x`.
     pub evaluation: Linearisation,
@@ -193,8 +193,8 @@ pub struct Fit {
     pub active_bounds: Vec<ActiveBound>,
     /// Reason for the end.
     pub termination: Termination,
-    /// Residual of the optimality conditions of the last minimisation, relative to the sizes of their terms. The run
-    /// minimised the misfit, or the distance from the design at a limited misfit. 0 at a minimum.
+    /// Imbalance of the optimality conditions of the last minimisation, relative to the sizes of their terms; 0 at a
+    /// minimum. That minimisation concerns the misfit, or the distance from the design at a limited misfit.
     pub residual: f64,
     /// The start and every iteration after it.
     pub history: Vec<Iteration>,
@@ -205,33 +205,33 @@ pub struct Fit {
 /// State of constraints at the end of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConstraintState {
-    /// The rows.
+    /// Values of the rows.
     pub values: DVector<f64>,
-    /// The largest violation.
+    /// Largest violation.
     pub violation: f64,
-    /// Rows that some variable moves; the others count neither as kept nor as violated.
+    /// True for each row that some variable moves. The other rows count neither as satisfied nor as violated.
     pub movable: Vec<bool>,
-    /// The derivative of half the sum of squared residuals by each row's limit, negated; `None` if the run did not end
-    /// at a minimum of that sum.
+    /// Derivative of half the sum of squared residuals by each row's limit, negated. `None` if the run did not end at a
+    /// minimum of that sum.
     pub multipliers: Option<Vec<f64>>,
-    /// Other multipliers that are as good: gradients that depend on one another share the push out in any way.
+    /// Other multipliers that balance as well. They exist if gradients are linearly dependent.
     pub alternatives: Option<Vec<f64>>,
-    /// Rows and bounds that exclude one another, if there are such.
+    /// Rows and bounds that exclude one another, if there are any.
     pub culprits: Vec<Held>,
 }
 
 impl Fit {
-    /// The largest violation of the constraints, if there are any.
+    /// Largest violation of the constraints; 0 without constraints.
     pub(super) fn violation(&self) -> f64 {
         self.constraints.as_ref().map_or(0.0, |c| c.violation)
     }
 
-    /// Returns true if the constraints, if there are any, are kept.
+    /// Returns true if all constraints are satisfied.
     pub fn is_feasible(&self) -> bool {
         self.violation() <= KEPT
     }
 
-    /// Returns the reason for the end in words, with the residual of the optimality conditions if the run did not
+    /// Describes the reason for the end in words, with the imbalance of the optimality conditions if the run did not
     /// converge.
     pub fn ended(&self) -> String {
         let is_short = matches!(
@@ -244,7 +244,7 @@ impl Fit {
         }
     }
 
-    /// The root mean square of the residuals.
+    /// Root mean square of the residuals.
     pub fn misfit(&self) -> f64 {
         self.evaluation.misfit()
     }
@@ -255,8 +255,8 @@ impl Fit {
     }
 }
 
-/// Minimises from the point of the box nearest to `start`, which is the start of number `index`. Errors if there are no
-/// residuals even there.
+/// Minimises from the point of the box nearest to `start`, which has the number `index`. An error says why there are no
+/// residuals at this point.
 pub fn fit(
     index: usize,
     problem: impl LeastSquares,

@@ -1,4 +1,4 @@
-//! Common parts of every method here. argmin runs the method, and the record keeps its iterations and the reason for
+//! Common parts of all methods in this folder. argmin runs the method; the record keeps its iterations and the reason for
 //! its end. Only this module calls argmin.
 
 use super::{ActiveBound, Bounds, Control, Infeasible, Iteration, Options, Termination};
@@ -8,8 +8,7 @@ use nalgebra::DVector;
 /// State of a run in argmin: the variables and the cost.
 pub type ArgminState = IterState<DVector<f64>, (), (), (), (), f64>;
 
-/// Runs a solver from the point of the box nearest to `start`; an error says why there are no residuals even
-/// there.
+/// Runs a solver from the point of the box nearest to `start`. An error says why there are no residuals at this point.
 pub(super) fn execute<P, S: Solver<P, ArgminState>>(
     problem: P,
     solver: S,
@@ -18,7 +17,7 @@ pub(super) fn execute<P, S: Solver<P, ArgminState>>(
 ) -> Result<(S, ArgminState), Infeasible> {
     let result = Executor::new(problem, solver)
         .configure(|state| state.param(bounds.nearest(start)))
-        // The process has one handler for Ctrl-C, and it is not argmin's.
+        // The process has its own handler for Ctrl-C, so argmin must not install one.
         .ctrlc(false)
         .timer(false)
         .run();
@@ -30,8 +29,8 @@ pub(super) fn execute<P, S: Solver<P, ArgminState>>(
     }
 }
 
-/// The problem itself. argmin lends it as `&P` and counts calls by name; its evaluation has a
-/// workspace, and the history counts.
+/// Returns the problem itself. argmin lends it only as `&P`, but an evaluation needs `&mut` for its workspace. The history
+/// counts the calls.
 pub(super) fn of<P>(problem: &mut Problem<P>) -> &mut P {
     problem
         .problem
@@ -51,7 +50,7 @@ pub(super) struct FitRecord<'a> {
 }
 
 impl<'a> FitRecord<'a> {
-    /// The course of the run from start number `start`, before its first iteration.
+    /// Makes the record of start number `start`, before its first iteration.
     pub(super) fn new(
         bounds: &'a Bounds,
         options: &'a Options,
@@ -69,8 +68,8 @@ impl<'a> FitRecord<'a> {
         }
     }
 
-    /// Returns true if one more evaluation is allowed. It counts every evaluation and obeys requests to stop. If it
-    /// returns false, the run has ended.
+    /// Returns true if one more evaluation is allowed, and counts it. Returns false after a request to stop or at the limit;
+    /// the run has then ended.
     pub(super) fn may_evaluate(&mut self) -> bool {
         if self.control.is_interrupted() {
             self.termination = Some(Termination::Interrupted);
@@ -89,19 +88,18 @@ impl<'a> FitRecord<'a> {
         self.termination.is_some()
     }
 
-    /// Ends the run after the iteration under way.
+    /// Ends the run after the present iteration.
     pub(super) fn end(&mut self, reason: Termination) {
         self.termination = Some(reason);
     }
 
-    /// Why the run ended, given its residual of the optimality conditions, and its iterations.
+    /// Returns the reason for the end, given the imbalance of the optimality conditions, and the iterations.
     pub(super) fn finished(self, residual: f64) -> (Termination, Vec<Iteration>) {
         let reason = self.termination.expect("a run ends for a reason");
         (reason.checked(residual), self.history)
     }
 
-    /// Records an iteration that ended at `x`, in the history and for the control. argmin's own log would be for its
-    /// observers, and there are none.
+    /// Records an iteration that ended at `x` in the history, and reports it to the observer. argmin's own log stays empty.
     pub(super) fn add(&mut self, x: &DVector<f64>, mut iteration: Iteration) {
         let active_bounds = self.bounds.active_bounds(x);
         let held = active_bounds
@@ -114,7 +112,7 @@ impl<'a> FitRecord<'a> {
         self.history.push(iteration);
     }
 
-    /// Tells argmin after every iteration if the run continues.
+    /// Tells argmin after every iteration whether the run continues.
     pub(super) fn status(&mut self, state: &ArgminState) -> TerminationStatus {
         if self.termination.is_none() {
             if self.control.is_interrupted() {
@@ -125,7 +123,7 @@ impl<'a> FitRecord<'a> {
         }
         match &self.termination {
             None => TerminationStatus::NotTerminated,
-            // In our words: argmin's own are fewer, and nobody asks it.
+            // The text of our own reason. argmin has fewer reasons, and nothing reads them.
             Some(reason) => {
                 let reason = TerminationReason::SolverExit(reason.to_string());
                 TerminationStatus::Terminated(reason)

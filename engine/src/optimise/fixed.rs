@@ -1,25 +1,25 @@
-//! Residuals that no variable moves, held out of a tuning.
+//! Residuals that no variable moves, removed during a tuning.
 //!
-//! A target that nothing moves adds a constant to the squared misfit. If it is missed by far, that constant hides the
-//! other targets: a run that stops where the misfit falls by a small share of itself stops too early, and designs a
-//! hundredth worse than the best may miss everything else. So such a residual counts as zero while a tuning runs and is
-//! put back afterwards, when the target is named.
+//! A target that no variable moves adds a constant to the squared misfit. If it is missed by far, that constant hides the
+//! other targets. A run stops once the misfit falls only by a small share, so it would stop too early. Designs within a
+//! hundredth of the best misfit could still miss everything else. So such a residual counts as zero while a tuning runs.
+//! Afterwards it is restored, and the target is named.
 //!
-//! A residual stands still where a move across the range of any variable changes it by less than [`UNMOVED`]. It is
-//! looked at where the tuning begins and at every evaluation; if one moves after all, the tuning is run again with it.
-//! Only residuals that miss by more than a tolerance are held out: smaller ones hide nothing. So bands stay in, which pull
-//! nothing from within and count once they are left.
+//! A residual stands still if a move across the range of any variable changes it by less than [`UNMOVED`]. The tuning checks
+//! this at its start and at every evaluation. If such a residual moves after all, the tuning runs again with it. Only
+//! residuals of more than one tolerance are removed, because smaller ones hide nothing. So bands remain: they have no effect
+//! inside the band and count once a value leaves it.
 
 use super::constrained::{Assessment, Constrained, Shape};
 use super::{Bounds, Fit, Infeasible, LeastSquares, Linearisation, Termination};
 use nalgebra::DVector;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A residual that a move across the range of any variable changes by less than this (in tolerances) stands still: it is
-/// the rounding of curves that are some thousand tolerances high, a thousand times amplified.
+/// Change of a residual, in tolerances, below which it stands still, for a move across the range of any variable. Rounding
+/// of curves that are some thousand tolerances high, amplified a thousand times, has this size.
 pub(super) const UNMOVED: f64 = 1e-9;
 
-/// A residual above this, in tolerances, is missed.
+/// Residual above which a target is missed, in tolerances.
 const MISSED: f64 = 1.0;
 
 /// Returns true if a move across the range of some variable changes a residual.
@@ -32,12 +32,12 @@ pub(super) fn moves(at: &Linearisation, row: usize, bounds: &Bounds) -> bool {
 /// Residuals that are missed and that no variable moves.
 #[derive(Debug, Default)]
 pub(super) struct FixedRows {
-    /// Row, value, and a flag that is true if it was seen to move.
+    /// Row, value, and a flag that is true if the row was seen to move.
     rows: Vec<(usize, f64, AtomicBool)>,
 }
 
 impl FixedRows {
-    /// The rows that stand still at a point.
+    /// Finds the rows that stand still at a point.
     pub(super) fn at(at: &Linearisation, bounds: &Bounds) -> Self {
         let rows = at.residuals.iter().enumerate();
         let rows = rows.filter(|(row, value)| value.abs() > MISSED && !moves(at, *row, bounds));
@@ -51,12 +51,12 @@ impl FixedRows {
         self.rows.is_empty()
     }
 
-    /// Sum of their squares.
+    /// Sum of the squares of these residuals.
     pub(super) fn square(&self) -> f64 {
         self.rows.iter().map(|(_, value, _)| value * value).sum()
     }
 
-    /// Returns the rows that were never seen to move; `None` if these are all.
+    /// Returns the rows that were never seen to move, or `None` if none has moved.
     pub(super) fn without_moved(&self) -> Option<Self> {
         let has_moved = |moved: &AtomicBool| moved.load(Ordering::Relaxed);
         if !self.rows.iter().any(|(.., moved)| has_moved(moved)) {
@@ -69,7 +69,7 @@ impl FixedRows {
         })
     }
 
-    /// Sets the residuals to zero, and notes those that move.
+    /// Sets the residuals to zero, and marks those that move.
     fn take_out(&self, at: &mut Linearisation, bounds: &Bounds) {
         for (row, _, moved) in &self.rows {
             if moves(at, *row, bounds) {

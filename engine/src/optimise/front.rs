@@ -1,29 +1,29 @@
-//! ConstrainedTrade-off between goals: the front of two or three goals, and the price list of the move.
+//! Trade-off between goals: the front of two or three goals, and the price list of the design change.
 //!
-//! A design is on the *front* of some aims f_1, f_2, ... if no design within ranges and constraints is better in one
-//! and no worse in the others. Minima of one aim with bounds on the others trace the front (Y. Haimes, L. Lasdon, D.
-//! Wismer, On a bicriterion formulation of the problems of integrated system identification and system optimization,
-//! IEEE Trans. Systems, Man, Cybernetics 1, 1971):
+//! A design is on the *front* of some criteria f_1, f_2, ... if no design within ranges and constraints is better in one and
+//! no worse in the others. Minima of one criterion with bounds on the others trace the front (Y. Haimes, L. Lasdon, D.
+//! Wismer, On a bicriterion formulation of the problems of integrated system identification and system optimization, IEEE
+//! Trans. Systems, Man, Cybernetics 1, 1971):
 //!
 //! ```text
 //! minimise f_g(x)   subject to   f_h(x) <= level_h,  h != g,  and the constraints            (1)
 //! ```
 //!
-//! This also reaches concave parts, where no weighted sum has a minimum. For two aims, the search first finds the two
-//! ends: the least of one aim and, among the designs with it, the least of the other. Then it halves the widest gap.
-//! In the wider direction of the gap, it holds one aim to the middle. Starting from the points on either side, it
-//! lowers the other aim. If this finds nothing better than a known point, no design lies in that part, and the gap
-//! shrinks. In this way the search detects a broken front. For three aims the bounds are a grid, and each aim is
+//! This also reaches concave parts, where no weighted sum has a minimum. For two criteria, the search first finds the two
+//! ends: the least value of one criterion and, among the designs with it, the least of the other. Then it halves the widest
+//! gap. In the wider direction of the gap, it limits one criterion to the middle. Starting from the points on either side,
+//! it lowers the other criterion. If this finds nothing better than a known point, no design lies in that part, and the gap
+//! shrinks. In this way the search detects a broken front. For three criteria the limits form a grid, and each criterion is
 //! lowered in turn. The points farthest apart are kept.
 //!
-//! With the multipliers L_h of (1), which minimises and bounds half the squares of the norms r_h = u_h f_h,
+//! The program (1) minimises and limits half the squares of the norms r_h = u_h f_h. With its multipliers L_h,
 //!
 //! ```text
 //! sum_h m_h df_h = 0 along the front,   m_g = u_g^2 f_g,   m_h = L_h u_h^2 f_h                (2)
 //! ```
 //!
-//! The m, scaled to a sum of 1, are the weights of the aims there. A reduction of aim 1 by one tolerance costs
-//! m_1/m_2 tolerances of aim 2.
+//! The m, scaled to a sum of 1, are the weights of the criteria at that point. A reduction of criterion 1 by one tolerance
+//! costs m_1/m_2 tolerances of criterion 2.
 
 use super::constrained::{Assessment, Constrained, constrained_fit};
 use super::trade::{ConstrainedTrade, Criterion, Distance};
@@ -31,53 +31,53 @@ use super::{Bounds, Control, Options};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-/// Number of points of a front of two aims.
+/// Number of points of a front of two criteria.
 const POINTS: usize = 50;
-/// The most programs of a front, by point: each gap that turns out empty takes some.
+/// Largest number of programs for each point of a front. Every empty gap takes some.
 const EFFORT: usize = 3;
-/// Number of levels of each aim that is held, for a front of three.
+/// Number of levels of each limited criterion, for a front of three.
 const LEVELS: usize = 6;
-/// An aim is as low as can be up to this ratio.
+/// Ratio to its least value up to which a criterion counts as equally low.
 const AS_LOW: f64 = 1.01;
-/// A level is never lower than this.
+/// Smallest level.
 const LEAST_LEVEL: f64 = 1e-6;
-/// Better by less than this share of the front's extent is no better.
+/// Smallest improvement that counts, as a share of the front's extent.
 const NO_BETTER: f64 = 1e-4;
 
-/// A design that is best for some levels.
+/// A design that is optimal for some levels.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Found {
     pub x: DVector<f64>,
-    /// Amount of each aim.
+    /// Amount of each criterion.
     pub amounts: Vec<f64>,
-    /// The weight of each aim by (2); zeros if nothing is traded.
+    /// Weight of each criterion by (2). All are zero if there is no trade-off.
     pub weights: Vec<f64>,
 }
 
-/// A front.
+/// A traced front.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Traced {
-    /// The points, by rising amount of the first aim.
+    /// Points in the order of rising amount of the first criterion.
     pub points: Vec<Found>,
-    /// Points of a front of two aims behind which it is broken.
+    /// Indices of points after which a front of two criteria has a gap.
     pub breaks: Vec<usize>,
 }
 
-/// Lowers aims of a problem while others are held.
+/// Lowers some criteria of a problem while others are limited.
 pub(super) struct Tracer<'a, F> {
     pub problem: F,
     pub bounds: &'a Bounds,
     pub distance: &'a Distance<'a>,
     pub aims: Vec<Criterion>,
-    /// An aim that is held throughout, with its level.
+    /// Criterion that is limited throughout, with its level.
     pub rest: Option<(Criterion, f64)>,
     pub options: &'a Options,
     pub control: Control<'a>,
 }
 
 impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
-    /// The least of an aim while others are held, from several starts. `None` if none of them ends with the levels
-    /// and constraints kept.
+    /// Least value of a criterion while others are limited, from several starts. `None` if no start ends with the levels and
+    /// constraints satisfied.
     pub(super) fn lower(
         &self,
         aim: usize,
@@ -129,7 +129,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         })
     }
 
-    /// The amounts of all aims at `x`.
+    /// Amounts of all criteria at `x`.
     pub(super) fn amounts(&self, x: &DVector<f64>) -> Option<Vec<f64>> {
         let mut problem = (self.problem)();
         let mut at = Assessment::new(&problem.shape());
@@ -144,7 +144,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         Some(self.aims.iter().map(amount).collect())
     }
 
-    /// The front, from some designs; below `good` no aim is better than another.
+    /// Traces the front from some designs. Amounts below `good` count as equal.
     pub(super) fn front(&self, starts: &[&DVector<f64>], good: f64) -> Traced {
         let all: Vec<usize> = (0..self.aims.len()).collect();
         let ends: Vec<Found> = orders(&all)
@@ -162,7 +162,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         }
     }
 
-    /// An end of the front: aims lowered one after the other, each held from then on.
+    /// Finds an end of the front: criteria are lowered one after the other, and each is limited from then on.
     fn end(&self, order: &[usize], starts: &[&DVector<f64>], good: f64) -> Option<Found> {
         let mut held: Vec<(usize, f64)> = Vec::new();
         let mut found: Option<Found> = None;
@@ -172,7 +172,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
                 Some(found) => vec![&found.x],
             };
             let Some(next) = self.lower(*aim, &held, &from) else {
-                // What was found before is an end, if not a sharp one.
+                // The previous result is an end, though perhaps not an exact one.
                 break;
             };
             held.push((
@@ -184,7 +184,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         found
     }
 
-    /// Halves the widest gap again and again.
+    /// Repeatedly halves the widest gap.
     fn front_of_two(&self, ends: Vec<Found>, good: f64) -> Traced {
         let [first, last] = &ends[..] else {
             return Traced {
@@ -196,7 +196,8 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             last.amounts[0] - first.amounts[0],
             first.amounts[1] - last.amounts[1],
         ];
-        // Where one aim is as good all along the front, the end that is best in the other is the whole of it.
+        // If one criterion is equally good along the whole front, the front is only the end that is best in the other
+        // criterion.
         let same = |k: usize, most: f64| extent[k] <= (NO_BETTER * most).max(good);
         let alone = match (same(0, last.amounts[0]), same(1, first.amounts[1])) {
             (true, _) => Some(last),
@@ -227,7 +228,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             let lowered = 1 - held;
             let level = gap.middle(held);
             let from = [&points[gap.ends[0]].x, &points[gap.ends[1]].x];
-            // The point that has the level already.
+            // Start from the point that already satisfies the level.
             let has = &points[gap.ends[held]].amounts;
             let found = self
                 .lower(lowered, &[(held, level)], &from)
@@ -247,12 +248,12 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
                 Gap::between(&points, new, gap.ends[1]),
             ];
             if slack {
-                // Nothing lies between what was found and the level.
+                // There is no design between the point found and the level.
                 parts[1 - held].low[held] = level;
             }
             gaps.extend(parts);
         }
-        // The widest part that was not looked into: neighbours much farther apart have nothing between them.
+        // Widest gap that was not examined. Neighbours much farther apart than this have no design between them.
         let unknown = gaps.iter().map(|gap| gap.width(extent)).fold(0.0, f64::max);
         let mut kept: Vec<usize> = best_of(&points);
         kept.sort_by(|a, b| points[*a].amounts[0].total_cmp(&points[*b].amounts[0]));
@@ -270,7 +271,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         }
     }
 
-    /// A grid of levels, each aim lowered in turn; the points farthest apart are kept.
+    /// Lowers each criterion in turn over a grid of levels, and keeps the points farthest apart.
     fn front_of_many(&self, ends: Vec<Found>) -> Vec<Found> {
         let count = self.aims.len();
         if ends.len() < 2 {
@@ -285,7 +286,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             [low, high]
         };
         let ranges: Vec<[f64; 2]> = (0..count).map(range).collect();
-        // Each row of the grid goes on from its neighbour; rows are independent of one another.
+        // Each point of a grid row starts from its neighbour. The rows do not depend on one another.
         let rows: Vec<(usize, usize)> = (0..count)
             .flat_map(|lowered| (1..LEVELS).map(move |row| (lowered, row)))
             .collect();
@@ -331,8 +332,8 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         kept
     }
 
-    /// The least amount of the first aim for rising amounts of the second, up to the one that the first is
-    /// least with: `steps` of them, from the design on.
+    /// Least amounts of the first criterion for `steps` rising limits of the second. The limits go from the design to the
+    /// design with the least first criterion.
     pub(super) fn list(
         &self,
         from: &DVector<f64>,
@@ -350,12 +351,12 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             }
             let level = most * step as f64 / steps as f64;
             let before = found.last().map_or(from, |f| &f.x);
-            // On the way towards the end, as far as the level goes.
+            // A point towards the end, as far as the level allows.
             let ahead = from + (&last.x - from) * (step as f64 / steps as f64);
             found.extend(self.lower(0, &[(1, level)], &[before, &ahead]));
         }
         found.push(last);
-        // A step that buys nothing is none.
+        // Steps without a gain are left out.
         let mut least = f64::INFINITY;
         found.retain(|step| {
             let buys = step.amounts[0] < least;
@@ -366,10 +367,10 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
     }
 }
 
-/// A gap between two points of a front of two aims, in which there may still be points.
+/// A gap between two points of a front of two criteria that may contain further points.
 #[derive(Clone, Debug)]
 struct Gap {
-    /// The points with the less of the first and of the second aim.
+    /// Two points: the one with less of the first criterion, and the one with less of the second.
     ends: [usize; 2],
     low: [f64; 2],
     high: [f64; 2],
@@ -385,18 +386,18 @@ impl Gap {
         }
     }
 
-    /// The two sides of the gap as shares of the extent of the front.
+    /// Both sides of the gap as shares of the extent of the front.
     fn sides(&self, extent: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|k| (self.high[k] - self.low[k]) / extent[k])
     }
 
-    /// The aim in which the gap is wider.
+    /// Criterion in which the gap is wider.
     fn wider(&self, extent: [f64; 2]) -> usize {
         let [first, second] = self.sides(extent);
         usize::from(second > first)
     }
 
-    /// Width of the gap; zero if one of its ends is better than the other.
+    /// Width of the gap. Zero if one of its ends is better than the other.
     fn width(&self, extent: [f64; 2]) -> f64 {
         let [first, second] = self.sides(extent);
         match first.min(second) > 0.0 {
@@ -410,7 +411,8 @@ impl Gap {
     }
 }
 
-/// The points than which no other is better in one aim and no worse in the others. Of equal points the first is kept.
+/// Selects the points for which no other point is better in one criterion and no worse in the others. Of equal points the
+/// first is kept.
 fn best_of(points: &[Found]) -> Vec<usize> {
     let no_worse = |a: &Found, b: &Found| a.amounts.iter().zip(&b.amounts).all(|(a, b)| a <= b);
     let is_best = |k: &usize| {
@@ -422,7 +424,7 @@ fn best_of(points: &[Found]) -> Vec<usize> {
     (0..points.len()).filter(is_best).collect()
 }
 
-/// At most [`POINTS`] of the points, each as far as can be from those chosen before it.
+/// Selects at most [`POINTS`] points, each as far as possible from those selected before it.
 fn farthest_apart(points: Vec<Found>, ranges: &[[f64; 2]]) -> Vec<Found> {
     let between = |a: &Found, b: &Found| {
         let parts = a.amounts.iter().zip(&b.amounts).zip(ranges);
@@ -439,7 +441,7 @@ fn farthest_apart(points: Vec<Found>, ranges: &[[f64; 2]]) -> Vec<Found> {
         };
         let next = (0..rest.len()).max_by(|a, b| apart(a).total_cmp(&apart(b)).then(b.cmp(a)));
         let Some(next) = next else { break };
-        // Points nearer to one another than a reader can tell are one.
+        // Points that a reader could not distinguish count as one.
         if apart(&next) < 1e-6 {
             break;
         }
@@ -448,7 +450,7 @@ fn farthest_apart(points: Vec<Found>, ranges: &[[f64; 2]]) -> Vec<Found> {
     kept
 }
 
-/// Every order of the aims.
+/// All orders of the criteria.
 fn orders(aims: &[usize]) -> Vec<Vec<usize>> {
     if aims.is_empty() {
         return vec![Vec::new()];

@@ -1,4 +1,4 @@
-//! Directions that the residuals at a solution can tell apart.
+//! Directions in which the residuals change at a solution, and directions in which they do not.
 
 use super::{Bounds, Linearisation};
 use nalgebra::{DMatrix, DVector};
@@ -6,13 +6,13 @@ use nalgebra::{DMatrix, DVector};
 /// A direction in the space of the variables.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Direction {
-    /// The change of each variable in its own unit, scaled so that the variable with the longest way
-    /// to go, relative to its range, goes across the whole of it, upwards.
+    /// Change of each variable in its own unit. The variable with the largest change relative to its range moves across the
+    /// whole range, upwards.
     pub change: DVector<f64>,
     /// Change of the residuals (root mean square, in tolerances) along `change`, to first order.
     pub effect: f64,
-    /// Shares of `change`, up and down, that stay within the ranges and raise the misfit by at most
-    /// [`Direction::RISE`]; 0 until tried.
+    /// Shares of `change`, upwards and downwards, that stay within the ranges and raise the misfit by at most
+    /// [`Direction::RISE`]. 0 until `try_out` has run.
     pub free: [f64; 2],
 }
 
@@ -20,8 +20,8 @@ impl Direction {
     /// Rise of the misfit, in tolerances, that counts as no change.
     pub const RISE: f64 = 0.1;
 
-    /// Finds the share of the change that is free, from `x` with a misfit. `misfit_at` returns the misfit at another
-    /// point, if it has one.
+    /// Finds the free share of the change from `x`, which has the misfit `misfit`. `misfit_at` returns the misfit at another
+    /// point, or `None` if it has none.
     pub fn try_out(
         &mut self,
         x: &DVector<f64>,
@@ -30,7 +30,7 @@ impl Direction {
         mut misfit_at: impl FnMut(&DVector<f64>) -> Option<f64>,
     ) {
         for (free, sign) in self.free.iter_mut().zip([1.0, -1.0]) {
-            // As far as the ranges go.
+            // Limits the move to the ranges.
             let mut most: f64 = 1.0;
             for j in 0..x.len() {
                 let change = sign * self.change[j];
@@ -62,24 +62,24 @@ impl Direction {
     }
 }
 
-/// The singular value decomposition of the Jacobian scaled by the ranges, and its interpretation.
+/// Singular value decomposition of the Jacobian scaled by the ranges, and its interpretation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Identifiability {
-    /// Singular values, falling: change of the residuals (norm, in tolerances) per fraction of the
-    /// ranges. As many as variables.
+    /// Singular values in falling order, one for each variable: change of the residuals (norm, in tolerances) per fraction
+    /// of the ranges.
     pub singular_values: Vec<f64>,
-    /// Number of directions the residuals see: those with an effect above the given one.
+    /// Number of directions that change the residuals: those with an effect above the given one.
     pub rank: usize,
-    /// A basis of the rest: combinations of variables the targets cannot tell apart. Each has a
-    /// variable that goes across its range and does not occur in the others.
+    /// Basis of the other directions: combinations of variables that leave all targets unchanged. In each, one variable
+    /// moves across its range that does not occur in the others.
     pub unseen: Vec<Direction>,
 }
 
 impl Identifiability {
-    /// Analyses the Jacobian at a point. A direction is unseen if moving along it across the whole
-    /// range changes the residuals (root mean square, in tolerances) by no more than `effect_below`.
+    /// Analyses the Jacobian at a point. A direction is unseen if a move along it across the whole range changes the
+    /// residuals (root mean square, in tolerances) by no more than `effect_below`.
     ///
-    /// This is a statement about small moves; bounds that are active are not regarded.
+    /// This holds for small moves. Active bounds are ignored.
     pub fn new(evaluation: &Linearisation, bounds: &Bounds, effect_below: f64) -> Self {
         let n = bounds.variables();
         let mut scaled = evaluation.jacobian.clone();
@@ -124,10 +124,9 @@ fn across(direction: DVector<f64>) -> DVector<f64> {
     direction / largest
 }
 
-/// Singular values, falling, and right singular vectors (columns) of `a`, by rotating its columns
-/// until all are at right angles (one-sided Jacobi: G. H. Golub, Ch. F. Van Loan, Matrix
-/// Computations, 4th ed., 8.6.3). It finds even small singular values of badly scaled columns to high
-/// relative accuracy.
+/// Singular values in falling order, and right singular vectors (columns) of `a`. The method rotates columns until all are
+/// orthogonal (one-sided Jacobi: G. H. Golub, Ch. F. Van Loan, Matrix Computations, 4th ed., 8.6.3). It finds even small
+/// singular values of badly scaled columns to high relative accuracy.
 pub(super) fn right_singular_vectors(a: &DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
     let n = a.ncols();
     let mut columns = a.clone();
@@ -167,7 +166,7 @@ pub(super) fn right_singular_vectors(a: &DMatrix<f64>) -> (Vec<f64>, DMatrix<f64
     (sorted, vectors.select_columns(&order))
 }
 
-/// Turns columns p and q of `matrix` by the angle with this cosine and sine.
+/// Rotates columns p and q of `matrix` by the angle with this cosine and sine.
 fn rotate(matrix: &mut DMatrix<f64>, p: usize, q: usize, cosine: f64, sine: f64) {
     for row in 0..matrix.nrows() {
         let (x, y) = (matrix[(row, p)], matrix[(row, q)]);
@@ -176,8 +175,8 @@ fn rotate(matrix: &mut DMatrix<f64>, p: usize, q: usize, cosine: f64, sine: f64)
     }
 }
 
-/// Combines the columns so that each has a row in which it alone is not zero, by Gauss-Jordan
-/// elimination with the largest entry as the pivot.
+/// Combines the columns so that each has a row in which all other columns are zero. Gauss-Jordan elimination with the
+/// largest entry as the pivot.
 fn separate(basis: &mut DMatrix<f64>) {
     let columns = basis.ncols();
     for done in 0..columns {
@@ -207,7 +206,7 @@ mod tests {
         Identifiability::new(&evaluation, &Bounds::new(ranges).unwrap(), 1e-3)
     }
 
-    /// The third column is half the first less the second; the fourth is nothing.
+    /// The third column is half the first minus the second; the fourth is zero.
     #[test]
     fn combinations_are_named() {
         let mut noise = Noise::new(3);
@@ -244,8 +243,8 @@ mod tests {
         }
     }
 
-    /// A direction is free as far as the misfit stays within 0.1 and the ranges go: all of it where nothing is felt, and
-    /// up to the root where the misfit rises.
+    /// A direction is free while the misfit rises by less than 0.1 and the variables stay in their ranges. The test has
+    /// directions without effect, and directions with a known end.
     #[test]
     fn directions_are_free_until_they_are_felt() {
         let bounds = Bounds::new(&[[-1.0, 3.0], [-2.0, 2.0]]).unwrap();
@@ -255,14 +254,14 @@ mod tests {
             effect: 0.0,
             free: [0.0; 2],
         };
-        // Up to x = 3 and x = -1 of the first variable.
+        // The first variable can move to x = 3 and x = -1.
         tried.try_out(&x, 2.0, &bounds, |_| Some(2.0 + Direction::RISE));
         assert_eq!(tried.free, [0.75, 0.25]);
-        // The misfit rises by 1 a unit of the first variable, upwards only.
+        // The misfit rises by 1 per unit of the first variable, upwards only.
         tried.try_out(&x, 2.0, &bounds, |x| Some(2.0 + f64::max(x[0], 0.0)));
         assert!((tried.free[0] - 0.1 / 4.0).abs() < 1e-3, "{:?}", tried.free);
         assert!(tried.free[0] <= 0.1 / 4.0 && tried.free[1] == 0.25);
-        // No misfit beyond a place, and none anywhere.
+        // There is no misfit beyond x = 1 in one case, and none anywhere in the other.
         tried.try_out(&x, 2.0, &bounds, |x| (x[0] < 1.0).then_some(2.0));
         assert!((tried.free[0] - 0.25).abs() < 1e-3 && tried.free[0] < 0.25);
         tried.free = [0.0; 2];
@@ -270,8 +269,8 @@ mod tests {
         assert_eq!(tried.free, [0.0; 2]);
     }
 
-    /// The range counts: variables with wide ranges have effects in the same Jacobian, variables with narrow ones
-    /// hardly any.
+    /// The range matters: with the same Jacobian, variables with wide ranges have large effects, and variables with narrow
+    /// ranges have almost none.
     #[test]
     fn effects_are_those_of_the_whole_range() {
         let jacobian = DMatrix::from_element(4, 1, 1.0);

@@ -1,7 +1,7 @@
 //! Builds of a robust tuning in SIMD lanes: their designs, with the derivatives by the variables.
 //!
-//! The parts of the nominal design have the same derivatives by a variable in every build. They are formed once, and
-//! each group of builds settles about them. Builds that do not settle here are assembled one by one.
+//! The parts of the nominal design have the same derivatives by a variable in every build. They are computed once, and each
+//! group of builds is assembled with them. Builds that do not converge in lanes are assembled one by one.
 
 use super::builds::Builds;
 use super::moves::PointRate;
@@ -13,20 +13,21 @@ pub(super) struct LaneBuilds {
     width: Width,
     at_once: usize,
     points: usize,
-    /// `[source][build]`
+    /// Random numbers of the builds, `[source][build]`.
     draws: Vec<f64>,
     /// Length of the row of one source in `draws`: the number of builds, rounded up to whole vectors.
     stride: usize,
     /// The built designs, one after another.
     designs: Vec<Vector3<f64>>,
-    /// `[group][variable][point][axis][lane]`
+    /// Rates of the designs, `[group][variable][point][axis][lane]`.
     point_rates: Vec<f64>,
     variables: usize,
     accepted: Vec<bool>,
 }
 
 impl LaneBuilds {
-    /// Room for builds with these draws, `[build][source]`, of designs with `points` points and `variables` variables.
+    /// Allocates for builds with these random numbers, `[build][source]`, of designs with `points` points and `variables`
+    /// variables.
     pub(super) fn new(draws: &[Vec<f64>], points: usize, variables: usize, width: Width) -> Self {
         let at_once = width.lanes();
         let stride = draws.len().next_multiple_of(MOST_LANES);
@@ -51,7 +52,7 @@ impl LaneBuilds {
         }
     }
 
-    /// Numbers of the builds that are assembled at once, group by group.
+    /// Index ranges of the builds that are assembled together.
     pub(super) fn groups(&self) -> impl Iterator<Item = std::ops::Range<usize>> + use<> {
         let (count, at_once) = (self.accepted.len(), self.at_once);
         let firsts = (0..count).step_by(at_once);
@@ -79,7 +80,7 @@ impl LaneBuilds {
         self.accepted[build] = false;
     }
 
-    /// Assembles the builds of a nominal design; `drawn` are the rates of the nominal design.
+    /// Assembles the builds of a nominal design. `drawn` are the rates of the nominal design.
     pub(super) fn assemble(
         &mut self,
         builds: &Builds<'_>,
@@ -113,7 +114,7 @@ struct Assembling<'s, 'b> {
     lanes: &'s mut LaneBuilds,
     builds: &'s Builds<'b>,
     alignment: Option<&'s Alignment>,
-    /// The parts of the nominal design with their derivatives by each variable.
+    /// Parts of the nominal design with their derivatives by each variable.
     along: &'s [Parts<Jet<f64, 2>>],
 }
 
@@ -190,7 +191,7 @@ impl SimdTask for Assembling<'_, '_> {
     }
 }
 
-/// A vector of the lanes with the rate of a series.
+/// Combines a vector of the lanes with the rate of a series.
 #[inline(always)]
 fn with_rate<B: SimdReal>(value: Vector3<B>, series: Vector3<Jet<f64, 2>>) -> Vector3<Jet<B, 2>> {
     let rate = Vector3::new(series.x.0[1], series.y.0[1], series.z.0[1]);

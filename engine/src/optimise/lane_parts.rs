@@ -1,7 +1,7 @@
 //! Constraints of designs that are solved in SIMD lanes.
 //!
-//! Lanes give the positions of points and their rates by the variables as coordinates, and the spin axis by its
-//! angles. From these a formula's derivatives lead to the variables by the chain rule, station by station.
+//! Lanes give positions of points and their rates by the variables as coordinates, and the spin axis as angles. From these,
+//! the chain rule leads from a formula's derivatives to derivatives by the variables, station by station.
 
 use super::carried_triangle::CarriedTriangle;
 use crate::characteristics::{Characteristic, Input, Measure, Quantity, Stud, Vectors};
@@ -9,26 +9,26 @@ use crate::evaluate::{Jacobians, index_or_push};
 use crate::model::{Axis, Body, PointId, Suspension};
 use crate::number::Vector3;
 
-/// A measure, made of quantities that lanes compute.
+/// A measure, expressed by quantities that lanes compute.
 #[derive(Clone)]
 pub(super) enum LanePart {
-    /// The value of a quantity, by its number among those that are read.
+    /// Value of a quantity, by its index among the quantities that are read.
     Quantity(usize),
     /// A formula of vectors.
     Formula(Measure, Vec<Source>),
 }
 
-/// Origin of a vector: quantities, given by their numbers, or the design.
+/// Origin of a vector: quantities, given by their indices, or the design.
 #[derive(Clone, Copy)]
 pub(super) enum Source {
-    /// The coordinates of a point.
+    /// Coordinates of a point.
     Point([usize; 3]),
-    /// The coordinates of two points of the wheel carrier: the vector goes from the first to the second.
+    /// Coordinates of two points of the wheel carrier. The vector goes from the first to the second.
     Between([[usize; 3]; 2]),
     /// Camber and toe.
     SpinAxis([usize; 2]),
-    /// A direction of the design position that turns with the wheel carrier: the coordinates of three points of the
-    /// carrier, and these points.
+    /// A direction of the design position that rotates with the wheel carrier. Given by the coordinates of three points of
+    /// the carrier, and by these points.
     Carried([[usize; 3]; 3], [PointId; 3], Stud),
     /// Position of a point in the design position.
     Designed(PointId),
@@ -37,8 +37,8 @@ pub(super) enum Source {
 }
 
 impl LanePart {
-    /// Expresses a measure by quantities that lanes provide, appending those it needs to `quantities`. `None` if lanes
-    /// cannot provide it.
+    /// Expresses a measure by quantities that lanes provide. Appends the needed ones to `quantities`. `None` if lanes cannot
+    /// provide it.
     pub(super) fn of(
         measure: &Measure,
         suspension: &Suspension,
@@ -60,7 +60,7 @@ impl LanePart {
         ))
     }
 
-    /// The value of a station in a lane, its derivatives by the variables into `slopes`.
+    /// Returns the value of a station in a lane, and writes its derivatives by the variables into `slopes`.
     pub(super) fn read(
         &self,
         found: &Jacobians<'_>,
@@ -90,7 +90,7 @@ impl LanePart {
     }
 }
 
-/// A design, and how its coordinates move with each variable, `[variable][point][axis]`.
+/// A design, and the rates of its coordinates by each variable, `[variable][point][axis]`.
 pub(super) struct Moving<'d> {
     pub design: &'d [Vector3<f64>],
     pub along: &'d [f64],
@@ -117,7 +117,7 @@ impl Moving<'_> {
         }
     }
 
-    /// Three points of the wheel carrier, whose coordinates in a lane have these numbers.
+    /// Triangle of three points of the wheel carrier, with the indices of their coordinates in a lane.
     fn triangle(
         &self,
         corners: [PointId; 3],
@@ -138,13 +138,13 @@ impl Moving<'_> {
     }
 }
 
-/// A point whose coordinates in a lane have these numbers.
+/// A point, from the indices of its coordinates in a lane.
 fn point_in(found: &Jacobians<'_>, lane: usize, numbers: [usize; 3]) -> Vector3<f64> {
     Vector3::from(numbers.map(|number| found.value(lane, number)))
 }
 
 impl Source {
-    /// The source of a vector that a formula reads. `None` if a stud turns with a carrier whose points lie on a line.
+    /// Source of a vector that a formula reads. `None` if a stud rotates with a carrier whose points lie on a line.
     fn of(input: Input, suspension: &Suspension, quantities: &mut Vec<Quantity>) -> Option<Self> {
         let is_carried = |id: PointId| suspension.mechanism.body(id) == Body::Knuckle;
         let mut point =
@@ -187,7 +187,7 @@ impl Source {
         }
     }
 
-    /// Adds the derivatives by the variables that a derivative by the vector makes.
+    /// Adds the contribution of this vector: its derivative `by` times its rates by the variables.
     fn add_slopes(
         &self,
         by: Vector3<f64>,

@@ -1,4 +1,4 @@
-//! Residuals of targets and rows of constraints in SIMD lanes: the stations of one design side by side, or the builds of a
+//! Residuals of targets and rows of constraints in SIMD lanes. The lanes are the stations of one design, or the builds of a
 //! robust tuning.
 
 use super::Linearisation;
@@ -14,7 +14,7 @@ use crate::number::{Vector3, Width};
 /// Evaluates the targets of one wheel.
 #[derive(Clone)]
 pub(super) struct LaneRows<'a> {
-    /// Evaluator of each leg; `None` if nothing is read there.
+    /// Evaluator of each leg; `None` if no row reads the leg.
     legs: Vec<Option<Gradients<'a>>>,
     /// The parts of constraints; `None` if lanes cannot provide all of them.
     parts: Option<Vec<LanePart>>,
@@ -24,7 +24,7 @@ pub(super) struct LaneRows<'a> {
     slopes: Vec<f64>,
 }
 
-/// The rows of constraints, and the values of their parts by station.
+/// Rows of constraints, and the values of their parts by station.
 pub(super) struct Checked<'r> {
     pub rows: &'r mut Linearisation,
     pub values: &'r mut [Vec<f64>],
@@ -80,7 +80,8 @@ impl<'a> LaneRows<'a> {
         self.parts.is_some()
     }
 
-    /// Takes the rates at which `variables` variables move a design of `points` points.
+    /// Takes the rates by which the variables move a design. `points` and `variables` are the numbers of points and
+    /// variables.
     pub(super) fn begin(&mut self, points: usize, point_rates: &[PointRate], variables: usize) {
         let one = 3 * points;
         self.slopes.resize(variables, 0.0);
@@ -97,9 +98,9 @@ impl<'a> LaneRows<'a> {
         }
     }
 
-    /// Writes the residuals of a leg of a design, and with `checked` the rows of its constraints, with their
-    /// derivatives. Returns true if the tracker accepted every station; otherwise the written values must not be
-    /// used.
+    /// Writes the residuals of a leg of a design, and the rows of its constraints if `checked` is given, with their
+    /// derivatives. Returns true if the tracker accepted every station. Otherwise the caller must not use the written
+    /// values.
     pub(super) fn of_leg(
         &mut self,
         number: usize,
@@ -145,7 +146,7 @@ impl<'a> LaneRows<'a> {
         })
     }
 
-    /// Writes the residuals of those builds that the tracker accepts, with their derivatives.
+    /// Writes the residuals, with derivatives, of the builds that the tracker accepts.
     pub(super) fn of_builds(
         &mut self,
         layout: &TargetLayout,

@@ -22,17 +22,17 @@ use rows::RowNumbers;
 pub(super) struct TargetSample {
     pub row: usize,
     pub target: usize,
-    /// Index of the target's measure among [`TargetLayout::measures`], or of its quantity among those of the axle.
+    /// Index of the target's measure in [`TargetLayout::measures`], or index of its quantity for an axle.
     pub of: usize,
-    /// Wanted value. For an axle its `drive` is the place on the target's curve as the study writes it.
+    /// Target value. For an axle, its `drive` is the value on the target's curve as the study writes it.
     pub wanted: Sample,
     /// Residual per deviation in the unit of the measure.
     pub scale: f64,
 }
 
 impl TargetSample {
-    /// Writes the residual in a row. Returns true if it has slopes. Within a band it has none, and they are written
-    /// as zeros.
+    /// Writes the residual in a row. Returns true if the residual has slopes. Within a band it has none, and zeros are
+    /// written instead.
     #[inline]
     pub(super) fn write_residual(&self, row: usize, found: f64, into: &mut Linearisation) -> bool {
         let deviation = self.wanted.deviation(found);
@@ -45,17 +45,17 @@ impl TargetSample {
     }
 }
 
-/// A part with a limit along a motion, whose extremes are sought between the stations.
+/// A part with a limit along a motion. Its extremes between the stations count.
 #[derive(Clone, Debug)]
 pub(super) struct Extremes {
     pub part: usize,
-    /// 1 for the largest values, -1 for the least.
+    /// 1 for the largest values, -1 for the smallest.
     pub sign: f64,
-    /// The stations where the part is looked at, by rising drive value, each with the row of this limit.
+    /// Stations at which the part is evaluated, in the order of the drive value, each with the row of this limit.
     pub rows: Vec<(usize, usize)>,
 }
 
-/// The stations of one motion at one rack displacement, with the targets and constraints there.
+/// Stations of one motion at one rack displacement, with their targets and constraints.
 #[derive(Clone, Debug)]
 pub(super) struct Leg {
     pub drive: Drive,
@@ -71,7 +71,7 @@ pub(super) struct Leg {
 #[derive(Clone, Debug)]
 pub(super) struct Part {
     pub constraint: usize,
-    /// True if the limit applies in the design position alone.
+    /// True if the limit applies only in the design position.
     is_at_design: bool,
     pub limited: Limited,
 }
@@ -79,20 +79,20 @@ pub(super) struct Part {
 /// Meaning of a row of the constraints.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowLabel {
-    /// Number of the constraint.
+    /// Index of the constraint.
     pub constraint: usize,
-    /// Number of its part.
+    /// Index of its part.
     pub part: usize,
     /// True for the upper limit.
     pub is_upper: bool,
-    /// Number of the leg: a motion at one rack displacement. The number after the last leg stands for elastic parts.
+    /// Index of the leg: a motion at one rack displacement. The index after the last leg stands for elastic parts.
     pub leg: usize,
-    /// Number of the station. If the part has an extreme between it and its neighbours, the row applies to that
+    /// Index of the station. If the part has an extreme between this station and its neighbours, the row applies to that
     /// extreme instead.
     pub station: usize,
 }
 
-/// Targets beside those of a rigid wheel.
+/// Targets that are not those of a rigid wheel.
 #[derive(Clone, Debug)]
 pub(super) enum Beside {
     /// Rows of an axle.
@@ -102,7 +102,7 @@ pub(super) enum Beside {
 }
 
 impl Beside {
-    /// The limited values of each station.
+    /// Limited values of each station.
     fn limits(&self) -> Vec<&[LimitedValue]> {
         match self {
             Beside::Axle(axle) => axle.limits().collect(),
@@ -110,7 +110,7 @@ impl Beside {
         }
     }
 
-    /// The same, to be given their rows.
+    /// Limited values of each station, mutable, so that the caller can number their rows.
     fn limits_mut(&mut self) -> Vec<&mut [LimitedValue]> {
         match self {
             Beside::Axle(axle) => axle.limits_mut().collect(),
@@ -118,7 +118,7 @@ impl Beside {
         }
     }
 
-    /// Weights the rows: the residual of each target per deviation in tolerances.
+    /// Sets the weights of the rows: residual of each target per deviation in tolerances.
     fn weigh(&mut self, shares: &[f64]) {
         match self {
             Beside::Axle(axle) => axle.weigh(shares),
@@ -132,16 +132,16 @@ impl Beside {
 pub struct TargetLayout {
     pub(super) legs: Vec<Leg>,
     pub(super) rows: usize,
-    /// The measures that targets of one wheel are about.
+    /// Measures of the targets of one wheel.
     pub(super) measures: Vec<Measure>,
-    /// The targets beside those of a rigid wheel.
+    /// Targets that are not those of a rigid wheel.
     pub(super) beside: Option<Beside>,
     pub(super) parts: Vec<Part>,
     pub(super) labels: Vec<RowLabel>,
     pub(super) equalities: usize,
-    /// Number of builds; each has all the rows. 1 if the tuning is not robust.
+    /// Number of builds, each with all the rows. 1 if the tuning is not robust.
     pub(super) builds: usize,
-    /// For each target, the residual per deviation in tolerances.
+    /// Residual per deviation in tolerances, for each target.
     shares: Vec<f64>,
     rate_order: usize,
     /// Quantities of wheel and steering axis that the outputs read.
@@ -149,9 +149,9 @@ pub struct TargetLayout {
 }
 
 impl TargetLayout {
-    /// Lays out the targets and constraints of a mechanism. Curves are compared at the stations of the
-    /// motion between their ends and at those added for them; single values at their own. The rack is
-    /// where the study puts it, or straight ahead where the study moves it.
+    /// Lays out the targets and constraints of a mechanism. Curves are compared at all stations of the motion between their
+    /// ends, and at stations added for them. Single values have their own stations. The rack is where the study puts it, or
+    /// straight ahead if the study moves it.
     pub fn of(optimise: &Optimise, vehicle: &Vehicle) -> Self {
         let (
             own_motion,
@@ -204,7 +204,7 @@ impl TargetLayout {
             }
             let (motion, legs) = legs_of(site.unwrap_or(&default), own_motion, frame, &mut drafts);
             if part.is_at_design {
-                // The design position has the rack straight ahead.
+                // In the design position the rack is straight ahead.
                 let home = draft_of(&mut drafts, motion.drive.in_kernel(), 0.0, &[]);
                 let station = drafts[home].station(0.0);
                 drafts[home].checks.push((place, station));
@@ -236,7 +236,7 @@ impl TargetLayout {
         if let Some(beside) = &mut beside {
             beside.weigh(&shares);
         }
-        // The measures are those of the targets of one wheel, in their order.
+        // Measures of the targets of one wheel, in the order of the targets.
         let mut measures = Vec::new();
         let targets = optimise.targets.iter().zip(&shares);
         let targets: Vec<TargetPlace> = targets
@@ -291,7 +291,7 @@ impl TargetLayout {
         self.rate_order
     }
 
-    /// The drive value of a constraint's row, if the constraint is checked at several.
+    /// Drive value of a constraint's row, if the constraint is checked at several drive values.
     pub(super) fn place_of(&self, label: &RowLabel) -> Option<f64> {
         let Some(leg) = self.legs.get(label.leg) else {
             let Some(Beside::Elastic(elastic)) = &self.beside else {
@@ -303,7 +303,7 @@ impl TargetLayout {
         (values.len() > 1).then(|| values[label.station])
     }
 
-    /// Number of residuals, build after build.
+    /// Number of residuals, over all builds.
     pub fn residuals(&self) -> usize {
         self.rows * self.builds
     }
@@ -328,7 +328,7 @@ impl TargetLayout {
         self.parts[self.labels[row].part].limited.visible
     }
 
-    /// Sizes of the limits that the rows of the constraints are measured from, in the rows' unit.
+    /// Absolute values of the limits that the rows of the constraints are measured from, in the rows' unit.
     pub(super) fn row_limits(&self) -> Vec<f64> {
         let limit = |label: &RowLabel| {
             let part = &self.parts[label.part].limited;
@@ -352,7 +352,7 @@ impl TargetLayout {
         self.equalities
     }
 
-    /// The target of each residual.
+    /// Target index of each residual.
     pub fn targets_of_rows(&self) -> Vec<usize> {
         let mut of = vec![0; self.rows];
         for row in self.target_rows() {
@@ -361,7 +361,7 @@ impl TargetLayout {
         of.repeat(self.builds)
     }
 
-    /// Every row of a target and where it is looked at.
+    /// Rows of all targets, with their drive values and rack displacements.
     fn target_rows(&self) -> impl Iterator<Item = TargetRow> {
         let legs = self.legs.iter().flat_map(|leg| {
             let stations = leg.targets.iter().enumerate();
@@ -403,7 +403,7 @@ impl TargetLayout {
         self.shares[target]
     }
 
-    /// The misfit of some of the targets.
+    /// Criterion for the misfit of some of the targets.
     pub(super) fn aim(&self, targets: &[usize]) -> Criterion {
         let of = self.targets_of_rows();
         let rows: Vec<usize> = (0..of.len())
@@ -414,7 +414,7 @@ impl TargetLayout {
         Criterion::misfit(rows, unit)
     }
 
-    /// The deviations of each target in tolerances, from the residuals.
+    /// Deviations of each target in tolerances, from the residuals.
     pub fn deviations(&self, residuals: &DVector<f64>) -> Vec<Deviation> {
         self.shares
             .iter()
@@ -444,20 +444,21 @@ impl TargetLayout {
     }
 }
 
-/// For each target, the residual per deviation in tolerances, from the number of all rows and that of its own.
+/// Residual per deviation in tolerances for each target. It depends on the number of all rows and on the target's own number
+/// of rows.
 fn shares(optimise: &Optimise, rows: usize, own: &[usize]) -> Vec<f64> {
     let total: f64 = optimise.targets.iter().map(|t| t.weight).sum();
     let targets = optimise.targets.iter().zip(own);
     targets
         .map(|(target, own)| match optimise.fit {
-            // A measured point counts as one, however many there are of its kind.
+            // Each measured point counts equally, whatever the number of points of its kind.
             true => (target.weight / total * optimise.targets.len() as f64).sqrt(),
             false => (target.weight / total * rows as f64 / *own as f64).sqrt(),
         })
         .collect()
 }
 
-/// A row of a target, and where it is looked at.
+/// A row of a target, with its drive value and rack displacement.
 struct TargetRow {
     row: usize,
     target: usize,
@@ -465,7 +466,7 @@ struct TargetRow {
     rack: f64,
 }
 
-/// The parts of all constraints.
+/// Parts of all constraints.
 fn parts(optimise: &Optimise, mechanism: &Mechanism) -> Vec<Part> {
     let constraints = optimise.constraints.iter().enumerate();
     let parts = constraints.flat_map(|(number, constraint)| {
@@ -483,11 +484,11 @@ fn parts(optimise: &Optimise, mechanism: &Mechanism) -> Vec<Part> {
 pub struct Deviation {
     /// Root mean square over the target's stations.
     pub rms: f64,
-    /// The largest deviation, with its sign.
+    /// Largest deviation, with its sign.
     pub worst: f64,
-    /// The drive value of the largest deviation.
+    /// Drive value of the largest deviation.
     pub worst_at: f64,
-    /// The rack displacement of the largest deviation, towards the kernel's +y.
+    /// Rack displacement of the largest deviation, towards the kernel's +y.
     pub worst_rack: f64,
     /// Number of stations at which the target is compared.
     pub stations: usize,

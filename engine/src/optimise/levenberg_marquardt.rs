@@ -43,32 +43,33 @@ use super::{
 use argmin::core::{Error, KV, Problem, Solver, TerminationStatus};
 use nalgebra::DVector;
 
-/// The fraction of its range a direction that the residuals do not see may move by in one step,
-/// because of the rounding of J.
+/// Largest move in one step, as a fraction of the range, along a direction without effect on the residuals. The rounding of
+/// J causes such moves.
 const DRIFT: f64 = 1e-6;
-/// First damping, relative to the square of the longest column of J W: the directions it affects are
-/// those seen thirty times less than the best.
+/// First damping, relative to the square of the longest column of J W. It affects directions whose effect is less than a
+/// thirtieth of the largest.
 const FIRST_DAMPING: f64 = 1e-3;
-/// A step is accepted from this ratio of the reduction found to the one predicted.
+/// Smallest accepted ratio of actual to predicted reduction.
 const ACCEPTABLE: f64 = 1e-4;
-/// Below this ratio damping grows for the next step, above the other it falls.
+/// Ratios below which the damping rises for the next step, and above which it falls.
 const POOR: f64 = 0.25;
 const GOOD: f64 = 0.75;
-/// So many corrections a trial may have. They halve at least, and usually square, their lengths.
+/// Largest number of corrections of a trial. Each correction is at most half as long as the one before; most converge
+/// quadratically.
 const CORRECTIONS: u32 = 8;
 
-/// The solver. One iteration makes one accepted step, after as many trials as that takes.
+/// The solver. One iteration makes one accepted step, after as many trials as needed.
 pub struct LevenbergMarquardt<'a> {
     record: FitRecord<'a>,
-    /// mu of (2).
+    /// Factor mu of (2).
     damping_factor: f64,
-    /// At the variables of the state.
+    /// Residuals and Jacobian at the variables of the state.
     current: Linearisation,
     model: LocalModel<'a>,
     trial_x: DVector<f64>,
     trial: Linearisation,
-    /// The residuals that the model promises at the trial, the excess of the actual residuals there, the model (3) of
-    /// that excess, and its step.
+    /// Residuals that the model predicts at the trial, the excess of the actual residuals there, the model (3) of that
+    /// excess, and its step.
     promised: DVector<f64>,
     excess: DVector<f64>,
     correction: LocalModel<'a>,
@@ -76,7 +77,7 @@ pub struct LevenbergMarquardt<'a> {
 }
 
 impl<'a> LevenbergMarquardt<'a> {
-    /// A solver within `bounds`, for the start number `start`.
+    /// Makes a solver within `bounds`, for start number `start`.
     pub fn new(
         bounds: &'a Bounds,
         options: &'a Options,
@@ -98,7 +99,7 @@ impl<'a> LevenbergMarquardt<'a> {
         }
     }
 
-    /// Turns the finished run into its result.
+    /// Converts the finished run into its result.
     pub(super) fn into_fit(self, state: ArgminState) -> Fit {
         let x = state.param.expect("the state was given its start");
         let active_bounds = self.record.bounds.active_bounds(&x);
@@ -115,7 +116,7 @@ impl<'a> LevenbergMarquardt<'a> {
         }
     }
 
-    /// The residual of the optimality conditions at a point.
+    /// Imbalance of the optimality conditions at a point.
     fn residual(&self, at: &Linearisation, x: &DVector<f64>) -> f64 {
         between_bounds(at, x, self.record.bounds, 0.5 * self.model.scale())
     }
@@ -138,8 +139,7 @@ impl<'a> LevenbergMarquardt<'a> {
         }
     }
 
-    /// The reduction predicted with the least damping there is, `drift`; leaves the step as it is
-    /// with `damping`.
+    /// Returns the reduction predicted with the smallest possible damping, `drift`. The step stays that of `damping`.
     fn undamped_reduction(&mut self, drift: f64, damping: f64) -> f64 {
         self.model.solve(drift);
         let reduction = self.model.predicted_reduction();
@@ -153,8 +153,8 @@ impl<'a> LevenbergMarquardt<'a> {
         self.trial.check()
     }
 
-    /// Corrects a trial reached from `x` as long as the corrections halve, until the cost is at most `goal`. Returns
-    /// the number of evaluated points; a point without residuals ends it with an error.
+    /// Corrects a trial reached from `x` until the cost is at most `goal`. It stops if a correction is more than half as
+    /// long as the one before. Returns the number of evaluated points. A point without residuals ends it with an error.
     fn correct(
         &mut self,
         problem: &mut impl LeastSquares,
@@ -261,12 +261,12 @@ impl<P: LeastSquares> Solver<P, ArgminState> for LevenbergMarquardt<'_> {
             }
             let predicted = self.model.predicted_reduction();
             let found = cost - self.trial.cost();
-            // A damped step that does little is no minimum yet: an undamped one must do little, too.
+            // A damped step with little effect does not prove a minimum. An undamped step must have little effect, too.
             let is_negligible = obstacle.is_none()
                 && predicted <= negligible
                 && found.abs() <= negligible
                 && self.undamped_reduction(drift, damping) <= negligible;
-            // Nor is a point whose slope still shows, as long as steps descend at all.
+            // A point with a visible slope is no minimum either, as long as steps still descend.
             let at_end = is_negligible
                 && (found <= 0.0 || self.residual(&self.trial, &self.trial_x) < CONVERGED);
             if at_end {

@@ -1,9 +1,9 @@
-//! The linear model of the residuals about a point, and the step it proposes.
+//! Linear model of the residuals about a point, and the step that it proposes.
 
 use super::{ActiveBound, BoundedLeastSquares, Bounds};
 use nalgebra::{DMatrix, DVector};
 
-/// Residuals and Jacobian at a point, reduced, with the distances to the bounds.
+/// Residuals and Jacobian at a point, reduced to a triangle, with the distances to the bounds.
 ///
 /// Steps are in fractions of the ranges.
 pub(super) struct LocalModel<'a> {
@@ -15,7 +15,7 @@ pub(super) struct LocalModel<'a> {
 }
 
 impl<'a> LocalModel<'a> {
-    /// Room for a model of m `residuals`.
+    /// Allocates a model of m `residuals`.
     pub(super) fn new(bounds: &'a Bounds, residuals: usize) -> Self {
         let n = bounds.variables();
         LocalModel {
@@ -41,17 +41,17 @@ impl<'a> LocalModel<'a> {
         }
     }
 
-    /// Finds the step of this damping.
+    /// Finds the step with this damping.
     pub(super) fn solve(&mut self, damping: f64) {
         self.subproblem.solve(damping, &self.lower, &self.upper);
     }
 
-    /// Raises the damping until the step is at most half as long as it is.
+    /// Raises the damping until the step is at most half its present length.
     pub(super) fn shorten(&mut self, damping: &mut f64) {
         let length = self.step_length();
         *damping = damping.max(f64::MIN_POSITIVE);
-        // Growing growth, as the damping may be many decades below where it begins to tell. After 64 rounds it has grown
-        // by more than the largest number.
+        // The factor itself grows, because the damping may start many decades below the value at which it has an effect.
+        // After 64 rounds the damping has grown by more than the largest floating-point number.
         let mut growth = 4.0;
         for _ in 0..64 {
             if self.step_length() <= 0.5 * length {
@@ -80,7 +80,7 @@ impl<'a> LocalModel<'a> {
         0.5 * self.subproblem.predicted_reduction()
     }
 
-    /// Writes into `to` where the step leads from `x`: on a bound exactly where it holds a variable.
+    /// Writes the end of the step from `x` into `to`. A variable that the step holds at a bound lands on it exactly.
     pub(super) fn step_from(&self, x: &DVector<f64>, to: &mut DVector<f64>) {
         let (step, active_bounds) = (self.subproblem.step(), self.subproblem.active_bounds());
         for j in 0..x.len() {
@@ -93,8 +93,8 @@ impl<'a> LocalModel<'a> {
         }
     }
 
-    /// Returns true if the residuals are at right angles to all columns whose variable is free to descend, to within
-    /// `cosine`. Their norm is `size`.
+    /// Returns true if the residuals, with the norm `size`, are orthogonal to all columns whose variable is free to descend.
+    /// `cosine` is the tolerance.
     pub(super) fn is_stationary(&self, size: f64, cosine: f64) -> bool {
         let columns = self.subproblem.column_norms().iter().enumerate();
         columns.into_iter().all(|(j, column)| {
@@ -105,7 +105,7 @@ impl<'a> LocalModel<'a> {
         })
     }
 
-    /// The scale that residuals of the optimality conditions are measured in.
+    /// Scale for the imbalance of the optimality conditions.
     pub(super) fn scale(&self) -> f64 {
         self.subproblem.largest_pivot()
     }

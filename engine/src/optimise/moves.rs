@@ -1,16 +1,16 @@
 //! Moves of the design by the variables, and their derivatives.
 //!
-//! Points that turn as one body go to c + R(w) (p - c). Here c is their centroid in the design and w the rotation
-//! vector. All other moves are added to that. With the angle a = |w|, R is Cayley's rotation of the Rodrigues vector
-//! w tan(a/2)/a. The factor tan(a/2)/a is a power series in w.w. It is summed to double precision up to the largest
-//! turn that a study may request.
+//! Points that rotate as one body move to c + R(w) (p - c). Here c is their centroid in the design and w the rotation
+//! vector. All other moves are added to that. With the angle a = |w|, R is Cayley's rotation of the Rodrigues vector w
+//! tan(a/2)/a. The factor tan(a/2)/a is a power series in w.w. The series is accurate to double precision up to the largest
+//! rotation that a study may request.
 
 use crate::model::{Axis, Frame, Suspension};
 use crate::number::{Dual, Matrix3, Real, Vector3};
 use crate::study::{Study, Variable};
 use nalgebra::DVector;
 
-/// tan(x)/x - 1 by powers of x^2, from the first on (M. Abramowitz, I. A. Stegun, Handbook of mathematical
+/// Coefficients of tan(x)/x - 1 in powers of x^2, from x^2 on (M. Abramowitz, I. A. Stegun, Handbook of mathematical
 /// functions, 4.3.67).
 const TANGENT: [f64; 7] = [
     1.0 / 3.0,
@@ -22,7 +22,7 @@ const TANGENT: [f64; 7] = [
     929_569.0 / 638_512_875.0,
 ];
 
-/// The rotation of a rotation vector, in radians.
+/// Rotation matrix of a rotation vector in radians.
 fn rotation<T: Real>(w: Vector3<T>) -> Matrix3<T> {
     let square = w.norm_squared().scaled(0.25);
     let sum = TANGENT
@@ -33,14 +33,14 @@ fn rotation<T: Real>(w: Vector3<T>) -> Matrix3<T> {
     Matrix3::by_rodrigues(w * factor)
 }
 
-/// The unit vector of a study's axis, in the kernel's frame.
+/// Unit vector of a study's axis, in the kernel's frame.
 fn along(frame: &Frame, axis: Axis) -> Vector3<f64> {
     let mut unit = Vector3::default();
     unit[axis] = frame.sign(axis);
     unit
 }
 
-/// The rotation vector that the variables of one group add up to, in the kernel's frame and radians.
+/// Sum of the rotations of the variables of one group, as a rotation vector in the kernel's frame and radians.
 fn rotation_vector(
     frame: &Frame,
     variables: &[Variable],
@@ -68,8 +68,8 @@ fn centroid(design: &[Vector3<f64>], variable: &Variable) -> Vector3<f64> {
     sum * (1.0 / points.len() as f64)
 }
 
-/// Writes the design with its variables moved by the offsets `x` into `moved`. Offsets are in the study's axes and
-/// degrees, designs in the kernel's frame.
+/// Writes the design, moved by the offsets `x` of the variables, into `moved`. Offsets are in the study's axes and degrees,
+/// designs in the kernel's frame.
 pub fn moved_design(
     design: &[Vector3<f64>],
     frame: &Frame,
@@ -97,7 +97,8 @@ pub fn moved_design(
 }
 
 impl Study {
-    /// The study with the variables of its tuning moved by `offsets`; a right wheel with hardpoints of its own moves alike.
+    /// Returns the study with the variables of its tuning moved by `offsets`. A right wheel with its own hardpoints moves by
+    /// the same offsets.
     pub fn moved(&self, offsets: &[f64]) -> Study {
         let mut moved = self.clone();
         let Some(optimise) = &self.optimise else {
@@ -126,15 +127,15 @@ impl Study {
 /// Rate at which a variable moves a point.
 #[derive(Clone, Copy, Debug)]
 pub struct PointRate {
-    /// The variable.
+    /// Index of the variable.
     pub column: usize,
-    /// The point.
+    /// Index of the point.
     pub point: usize,
-    /// The derivative of its position by the variable.
+    /// Derivative of the point's position by the variable.
     pub by: Vector3<f64>,
 }
 
-/// Rates at which the variables move the points at `x`, by rising number of the point.
+/// Rates at which the variables move the points at `x`, in the order of the point indices.
 pub fn point_rates(
     design: &[Vector3<f64>],
     frame: &Frame,
@@ -190,7 +191,7 @@ mod tests {
         Axis::ALL.map(turn).to_vec()
     }
 
-    /// Distances stay, the centroid stays, and a turn about one axis is by its angle.
+    /// A rotation preserves distances and the centroid. A rotation about one axis has the given angle.
     #[test]
     fn a_body_is_turned_about_its_centroid() {
         let frame = Frame::new(FrameConvention::Iso8855, Side::Left);
@@ -213,7 +214,7 @@ mod tests {
         assert!((angle - 15.0_f64.to_radians()).abs() < 1e-15);
     }
 
-    /// Against differences of fourth order.
+    /// Compares with differences of fourth order.
     #[test]
     fn ways_are_the_derivatives_of_the_moves() {
         let frame = Frame::new(FrameConvention::SaeJ670, Side::Right);

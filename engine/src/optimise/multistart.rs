@@ -1,4 +1,4 @@
-//! Several starts, and the best of where they end.
+//! Several starts, and the selection of the best result.
 
 use super::fit::fit;
 use super::{
@@ -9,8 +9,8 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Misfits closer than this fraction of the least are the same: runs that end at one minimum agree
-/// in it to about [`Options::reduction_below`].
+/// Relative difference up to which misfits count as equal. Runs that end at the same minimum agree to about
+/// [`Options::reduction_below`].
 const SAME_MISFIT: f64 = 1e-9;
 
 /// One start and its outcome.
@@ -22,29 +22,29 @@ pub struct Start {
     pub outcome: Result<Fit, Infeasible>,
 }
 
-/// All starts, and the best.
+/// All starts, and the index of the best.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Multistart {
-    /// In their order.
+    /// Starts in their order.
     pub starts: Vec<Start>,
-    /// The index of the best; none if every start failed.
+    /// Index of the best start. `None` if every start failed.
     pub best: Option<usize>,
 }
 
 impl Multistart {
-    /// The fit of the best start.
+    /// Fit of the best start.
     pub fn best_fit(&self) -> Option<&Fit> {
         self.starts[self.best?].outcome.as_ref().ok()
     }
 }
 
-/// Minimises from `starts` points in parallel, on the threads of the current rayon pool: from the
-/// point of the box nearest to `design`, and from points of a low-discrepancy sequence over the box.
+/// Minimises from `starts` points in parallel, on the threads of the current rayon pool. The starts are the point of the box
+/// nearest to `design`, and points of a low-discrepancy sequence over the box.
 ///
-/// `problem` makes a problem for each start. The result does not depend on the number of threads.
-/// Kept is the fit of least misfit. Among fits equally good ([`Options::misfit_below`], or the same
-/// minimum found again) it is the one that moves least from the design, in fractions of the ranges,
-/// and then the earliest.
+/// `problem` makes a problem for each start. The result does not depend on the number of threads. The best fit is the one
+/// with the least misfit. Fits count as equal below [`Options::misfit_below`], or if they found the same minimum. Among
+/// equal fits, the one with the smallest move from the design wins, in fractions of the ranges. If moves are equal, the
+/// earliest start wins.
 pub fn multistart<P: LeastSquares>(
     problem: impl Fn() -> P + Sync,
     bounds: &Bounds,
@@ -60,7 +60,8 @@ pub fn multistart<P: LeastSquares>(
     Multistart { starts, best }
 }
 
-/// The same as [`multistart`] under constraints. If no start keeps them, the one that violates them least is kept.
+/// The same as [`multistart`] under constraints. If no start satisfies them, the result is the one with the smallest
+/// violation.
 pub fn constrained_multistart<P: Constrained>(
     problem: impl Fn() -> P + Sync,
     bounds: &Bounds,
@@ -80,7 +81,7 @@ pub fn constrained_multistart<P: Constrained>(
     Multistart { starts, best }
 }
 
-/// The nearest start to the design among those of least misfit. `None` if none has a misfit.
+/// Among the starts of least misfit, the one nearest to the design. `None` if none has a misfit.
 fn nearest_of_least(
     starts: &[Start],
     bounds: &Bounds,
@@ -92,14 +93,14 @@ fn nearest_of_least(
     nearest(starts, good, distance, SAME_MISFIT)
 }
 
-/// The start that violates the constraints least.
+/// Index of the start with the smallest violation of the constraints.
 pub(super) fn least_violation(starts: &[Start]) -> Option<usize> {
     let by_violation =
         |a: &(usize, &Fit), b: &(usize, &Fit)| a.1.violation().total_cmp(&b.1.violation());
     fits(starts).min_by(by_violation).map(|(index, _)| index)
 }
 
-/// Runs the starts of these numbers in parallel. After a request to stop none but the first begins.
+/// Runs the starts with these numbers in parallel. After a request to stop, only the first one still runs.
 pub(super) fn every_start(
     numbers: Range<usize>,
     bounds: &Bounds,
@@ -119,7 +120,7 @@ pub(super) fn every_start(
     numbers.into_par_iter().map(run).collect()
 }
 
-/// The start number `index`: the design itself, then the Owen-scrambled Sobol sequence of `seed`.
+/// Start point number `index`: first the design, then the Owen-scrambled Sobol sequence of `seed`.
 pub fn starting_point(
     bounds: &Bounds,
     design: &DVector<f64>,
@@ -136,20 +137,20 @@ pub fn starting_point(
     })
 }
 
-/// The fits of those starts that have one, with the numbers of the starts.
+/// Fits of the starts that have one, with the numbers of the starts.
 pub(super) fn fits(starts: &[Start]) -> impl Iterator<Item = (usize, &Fit)> {
     let fits = starts.iter().enumerate();
     fits.filter_map(|(index, start)| Some((index, start.outcome.as_ref().ok()?)))
 }
 
-/// The least misfit of the starts that keep the constraints.
+/// Least misfit of the starts that satisfy the constraints.
 pub(super) fn least_misfit(starts: &[Start]) -> Option<f64> {
     let kept = fits(starts).filter(|(_, fit)| fit.is_feasible());
     kept.map(|(_, fit)| fit.misfit()).min_by(f64::total_cmp)
 }
 
-/// Chooses the start that moves least among those that keep the constraints with a misfit up to `good`. Of several
-/// whose distance is the least one up to the part `share` of it, the earliest is taken.
+/// Chooses the start with the smallest move among those that satisfy the constraints with a misfit up to `good`. Distances
+/// within the relative difference `share` of the least count as equal; then the earliest start wins.
 pub(super) fn nearest(
     starts: &[Start],
     good: f64,
@@ -205,7 +206,7 @@ mod tests {
         }
     }
 
-    /// Two zeros, at -1 and 0.5: the nearer to the design is kept. Some starts have no residuals.
+    /// With two zeros, at -1 and 0.5, the result is the one nearer to the design. Some starts have no residuals.
     #[test]
     fn of_equal_fits_the_smallest_move_is_kept_and_failures_are_reported() {
         let rows: Function = |x| match x[0] > 1.5 {
@@ -249,7 +250,7 @@ mod tests {
                 let x = starting_point(&bounds, &design, index, 7);
                 (x[j] - bounds.lower()[j]) / bounds.width()[j]
             };
-            // Sixteen points of the sequence fall into sixteen different sixteenths.
+            // Sixteen points of the sequence lie in sixteen different sixteenths of the range.
             let mut cells: Vec<usize> = (1..=16)
                 .map(|index| (fraction(index) * 16.0) as usize)
                 .collect();

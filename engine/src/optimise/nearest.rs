@@ -1,12 +1,16 @@
-//! The way back from a good design towards the study's own.
+//! Search for the smallest change of the design that is good enough.
 //!
-//! From where the misfit was lowered to, the distance from the design is lowered while the misfit stays below a level
-//! m and the constraints are kept. One run from there usually converges. If it ends infeasible, with an error or at a
-//! budget, more runs are made: on from its end, if that is feasible; along a ladder of levels between the misfit that was found and m, each rung from the end of
-//! the one before, and from the study's own design. Steps that would exceed the level by far are refused on all but the
-//! last.
-//! An answer for a lower level serves the higher one, so the nearest of all answers is taken. If no run for m converged,
-//! the design is not known to be the smallest change, and the termination says so.
+//! The search starts from a design with a low misfit. It lowers the distance from the study's own design, while the misfit
+//! stays below a level m and the constraints are satisfied. One run usually converges. If it ends infeasible, with an error
+//! or at a budget, more runs follow:
+//!
+//! - from its end, if that is feasible
+//! - along a series of levels between the lowest misfit and m, each from the end of the one before
+//! - from the study's own design
+//!
+//! In all runs but the last, steps that would exceed the level by far are refused. An answer for a lower level also
+//! satisfies the higher one, so the nearest of all answers is taken. If no run for m converged, the design is not known to
+//! be the smallest change, and the termination says so.
 
 use super::constrained::{Assessment, Constrained, ConstrainedFit, KEPT, constrained_fit};
 use super::fixed::FixedRows;
@@ -15,20 +19,21 @@ use super::tune::Tuner;
 use super::{Fit, Iteration, Linearisation, Options, Termination};
 use nalgebra::DVector;
 
-/// Moves shorter than this share of the range do not count as moves.
+/// Moves shorter than this share of the range count as zero.
 const NO_MOVE: f64 = 1e-9;
-/// Rungs of the ladder, as shares of the way from the misfit that was found to the level.
+/// Intermediate levels, as shares of the difference between the lowest misfit and the level.
 const RUNGS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-/// Steps may exceed the level by itself, and by so many tolerances in any case: farther ones lead into other valleys.
+/// Violation that a step may cause, as a multiple of the level, and in tolerances if that is more. Larger steps lead into
+/// other valleys.
 const NEAR_LEVEL: f64 = 1.0;
-/// Shares of [`Options::max_evaluations`] that all runs, the first, and each of the others may take.
+/// Shares of [`Options::max_evaluations`] for all runs together, for the first run, and for each of the others.
 const ALL_RUNS: f64 = 0.04;
 const FIRST_RUN: f64 = 0.02;
 const OTHER_RUNS: f64 = 0.01;
-/// Shorter by less than this share is as near.
+/// Relative difference up to which distances count as equal.
 const AS_NEAR: f64 = 1e-9;
 
-/// Destination of a way back.
+/// Level to which the misfit may rise.
 #[derive(Clone, Copy)]
 pub(super) struct Level<'l> {
     pub misfit: f64,
@@ -45,17 +50,17 @@ struct Search<'s, 'a> {
     level: Level<'s>,
     distance: Distance<'s>,
     history: Vec<Iteration>,
-    /// The nearest design found that keeps the level and the constraints, and a flag that is true if no nearer one
-    /// exists.
+    /// Nearest design so far that satisfies the level and the constraints, with its distance. The flag is true if no nearer
+    /// one exists.
     best: Option<(f64, ConstrainedFit, bool)>,
-    /// Why the last run ended.
+    /// Reason for the end of the last run.
     ended: Option<Termination>,
-    /// Evaluations left.
+    /// Number of evaluations left.
     left: u64,
 }
 
 impl Search<'_, '_> {
-    /// Makes a run at a misfit. Returns where it ended, if it keeps the misfit and the constraints there.
+    /// Makes a run at a misfit. Returns its end point if the misfit and the constraints are satisfied there.
     fn run(
         &mut self,
         from: &DVector<f64>,
@@ -86,7 +91,7 @@ impl Search<'_, '_> {
             &options,
             tuner.control,
         );
-        // The start is evaluated even if nothing else is.
+        // The start point always takes one evaluation.
         self.left -= 1;
         let mut found = found.ok()?;
         self.left = self.left.saturating_sub(found.evaluations() - 1);
@@ -112,7 +117,7 @@ impl Search<'_, '_> {
         Some(x)
     }
 
-    /// Returns true if the nearest design is known, or if the search has to stop.
+    /// Returns true if the nearest design is known, or if the search must stop.
     fn is_over(&self, most: f64) -> bool {
         let near = self.best.as_ref();
         near.is_some_and(|(distance, _, known)| *known && *distance <= most + AS_NEAR * most)
@@ -120,7 +125,7 @@ impl Search<'_, '_> {
             || self.left == 0
     }
 
-    /// Options of a run that takes up to a share of the evaluations.
+    /// Options of a run that may take this share of the evaluations.
     fn options(&self, share: f64, violation_below: f64) -> Options {
         let all = self.level.options.max_evaluations as f64;
         Options {
@@ -130,7 +135,7 @@ impl Search<'_, '_> {
         }
     }
 
-    /// Tries other ways than the first one from `x`, where the misfit is `misfit`.
+    /// Tries further runs after the first one, from `x` with the misfit `misfit`.
     fn try_again(&mut self, x: &DVector<f64>, misfit: f64, most: f64) {
         let level = self.level.misfit;
         let near = self.options(OTHER_RUNS, level.max(NEAR_LEVEL));
@@ -160,7 +165,7 @@ impl Search<'_, '_> {
 }
 
 impl Tuner<'_> {
-    /// Moves a fit as near to the design as a level and the constraints let it.
+    /// Moves a fit as near to the design as a level and the constraints allow.
     pub(super) fn draw_near(&self, index: usize, fit: &mut Fit, level: Level<'_>) {
         let mut search = Search {
             tuner: self,
@@ -204,7 +209,7 @@ impl Tuner<'_> {
         }
     }
 
-    /// Takes the design that a way back led to.
+    /// Replaces the fit by the design that the search found.
     fn take_near(&self, fit: &mut Fit, mut found: ConstrainedFit, level: Level<'_>) {
         let mut violation = found.violation;
         let (x, targets, rows) = match self.unmoved_exactly(&found, level) {
@@ -212,7 +217,7 @@ impl Tuner<'_> {
                 violation = kept;
                 (x, at.goal, at.rows)
             }
-            // All targets are what is held to a level.
+            // All targets together are limited by the level.
             None => (found.x, found.at.levels.swap_remove(0), found.at.rows),
         };
         fit.active_bounds = self.bounds.active_bounds(&x);
@@ -228,8 +233,8 @@ impl Tuner<'_> {
         }
     }
 
-    /// The design found, with variables that are as good as unmoved put back exactly, if there are such and the level
-    /// and the constraints are kept there.
+    /// Returns the design found, with variables that hardly moved set back to their exact design values. `None` if there are
+    /// no such variables, or if the level or a constraint would be violated.
     fn unmoved_exactly(
         &self,
         found: &ConstrainedFit,

@@ -1,17 +1,17 @@
-//! The targets and constraints of a study as a least-squares problem over its variables.
+//! Targets and constraints of a study as a least-squares problem over its variables.
 //!
 //! A residual is the deviation from a target at one station, in tolerances, times a share s of the target's weight. The
-//! deviation from a band is that from the nearer limit. The misfit is the root mean square of all residuals. The shares
+//! deviation from a band is measured from the nearer limit. The misfit is the root mean square of all residuals. The shares
 //! are such that
 //!
 //! ```text
 //! misfit^2 = sum_targets weight rms^2 / sum_targets weight,   rms over the target's own stations
 //! ```
 //!
-//! for any numbers of stations. One visit of the stations gives everything: the pose, one factorisation, and one
-//! adjoint for each value.
+//! for any numbers of stations. One visit of a station gives everything: the pose, one factorisation, and one adjoint for
+//! each value.
 //!
-//! Constraints hold between the stations, too: see [`extremes`](super::extremes).
+//! Constraints also hold between the stations: see [`extremes`](super::extremes).
 
 use super::axle::{Moved, RowsBeside, axle_rows};
 use super::builds::{Builds, follower};
@@ -44,35 +44,34 @@ pub struct Objective<'a> {
     design: &'a [Vector3<f64>],
     moved: Vec<Vector3<f64>>,
     point_rates: Vec<PointRate>,
-    /// Lane evaluation of designs (and builds) that the tracker accepts; `None` if a target cannot be read in lanes, or
-    /// if lanes are switched off.
+    /// Lane evaluation of designs (and builds) that the tracker accepts. `None` if lanes cannot read a target, or if lanes
+    /// are switched off.
     lanes: Option<LaneRows<'a>>,
     robust: Option<Robust<'a>>,
     solver: Solver<'a>,
     toggles: Toggles,
     reader: Box<dyn ReadStations + 'a>,
-    /// Reader with one more derivative by the drive, needed to search for extremes.
+    /// Reader with one more derivative by the drive. The search for extremes needs it.
     sloped: Option<Reader<3>>,
-    /// Rates at which forces under loads change with the variables; `None` if no target or constraint is about a
-    /// force.
+    /// Rates at which forces under loads change with the variables. `None` if no target or constraint concerns a force.
     moving: Option<AlongVariables>,
-    /// The rows of targets of an axle or of elastic parts; `None` if there are none.
+    /// Rows of targets of an axle or of elastic parts. `None` if there are none.
     beside: Option<Box<dyn RowsBeside + 'a>>,
     values: PartValues,
     searches: Vec<Search>,
 }
 
-/// The builds of a robust tuning, whose residuals are theirs.
+/// Builds of a robust tuning. Their residuals replace those of the nominal design.
 struct Robust<'a> {
     builds: Builds<'a>,
     lanes: Option<LaneBuilds>,
-    /// Room for a build.
+    /// Buffer for the design of a build.
     built: Vec<Vector3<f64>>,
     follower: Option<(PointId, PointId)>,
 }
 
 impl<'a> Objective<'a> {
-    /// The problem of a suspension.
+    /// Makes the problem of a suspension.
     pub fn new(
         suspension: &'a Suspension,
         variables: &'a [Variable],
@@ -114,9 +113,9 @@ impl<'a> Objective<'a> {
         })
     }
 
-    /// The problem of a robust tuning, whose residuals are those of builds. They are solved in lanes of this width, or
-    /// build by build without one. `suspension` is the suspension of the `study` as [`crate::assembly::Assembler`] extends
-    /// it: it may have a spindle point more.
+    /// Makes the problem of a robust tuning, whose residuals are those of builds. With `width` they are solved in lanes,
+    /// otherwise build by build. `suspension` is the suspension of the `study` as [`crate::assembly::Assembler`] extends it:
+    /// it may have an additional spindle point.
     pub fn of_builds(
         study: &Suspension,
         suspension: &'a Suspension,
@@ -126,12 +125,12 @@ impl<'a> Objective<'a> {
         width: Option<Width>,
     ) -> Result<Self, DesignFault> {
         let mut objective = Objective::new(suspension, variables, layout)?;
-        // A move of the drawing moves anything in a build.
+        // A move of the nominal design may move every point of a build.
         let all: Vec<PointId> = (0..suspension.design.len()).map(PointId).collect();
         objective.reader = reader(suspension, layout, &all, variables.len());
         let builds = Builds::new(suspension, scatter)?;
         let points = suspension.design.len();
-        // Constraints are on the drawing.
+        // Constraints apply to the nominal design.
         objective.lanes = width.and_then(|width| LaneRows::new(suspension, layout, false, width));
         objective.robust = Some(Robust {
             lanes: width.map(|w| LaneBuilds::new(builds.draws(), points, variables.len(), w)),
@@ -142,7 +141,7 @@ impl<'a> Objective<'a> {
         Ok(objective)
     }
 
-    /// The problem solved in lanes of this width, or station by station without one, to compare the two.
+    /// Returns the problem solved in lanes of this width, or station by station without a width. Used to compare the two.
     #[must_use]
     pub fn with_width(mut self, suspension: &'a Suspension, width: Option<Width>) -> Self {
         self.lanes = width.and_then(|width| LaneRows::new(suspension, self.layout, true, width));
@@ -157,7 +156,7 @@ impl<'a> Objective<'a> {
         matches!(self.evaluate_in_lanes(&mut into, Some(&mut rows)), Ok(true))
     }
 
-    /// Number of builds whose residuals these are; 1 for the nominal design.
+    /// Number of builds with residuals; 1 for the nominal design.
     pub(super) fn build_count(&self) -> usize {
         self.layout.builds
     }
@@ -190,8 +189,7 @@ impl<'a> Objective<'a> {
         }
     }
 
-    /// Moves the design to `x` and writes its residuals into `into`, and the rows of the constraints into `rows`, if
-    /// given.
+    /// Moves the design to `x`. Writes its residuals into `into`, and the rows of the constraints into `rows` if given.
     pub(super) fn evaluate_all(
         &mut self,
         x: &DVector<f64>,
@@ -214,7 +212,7 @@ impl<'a> Objective<'a> {
             };
             return beside.evaluate(&moved, into, rows);
         };
-        // Constraints are on the drawing.
+        // Constraints apply to the nominal design.
         let found = match &mut rows {
             Some(rows) => self.evaluate_moved(None, Some(rows)),
             None => Ok(()),
@@ -242,7 +240,8 @@ impl<'a> Objective<'a> {
         found
     }
 
-    /// Evaluates the moved design in lanes, leg by leg; false as in [`Objective::evaluate_in_lanes`].
+    /// Evaluates the moved design in lanes, leg by leg. Returns false under the conditions of
+    /// [`Objective::evaluate_in_lanes`].
     fn evaluate_legs(
         &mut self,
         lanes: &mut LaneRows<'a>,
@@ -273,8 +272,7 @@ impl<'a> Objective<'a> {
         Ok(true)
     }
 
-    /// Writes the residuals of all builds of the moved nominal design: in lanes where possible, the others one by
-    /// one.
+    /// Writes the residuals of all builds of the moved nominal design. Builds that lanes cannot solve are solved one by one.
     fn evaluate_builds(
         &mut self,
         robust: &mut Robust<'a>,
@@ -303,7 +301,7 @@ impl<'a> Objective<'a> {
                 variables,
                 built,
             )?;
-            // The build takes the place of the drawing, and the drawing is put back.
+            // The build temporarily replaces the nominal design.
             std::mem::swap(&mut self.moved, built);
             std::mem::swap(&mut self.point_rates, &mut builds.point_rates);
             let found = self.evaluate_moved(Some((into, number * self.layout.rows)), None);
@@ -344,13 +342,13 @@ impl<'a> Objective<'a> {
         Ok(())
     }
 
-    /// Lists where a leg's extremes are to be sought, from the values at its stations.
+    /// Lists the searches for extremes of a leg, from the values at its stations.
     fn list_searches(&mut self, leg: &Leg, rows: &Linearisation) {
         let (parts, values) = (&self.layout.parts, &self.values);
         extremes::searches(leg, parts, values, rows, &mut self.searches);
     }
 
-    /// Makes ready to solve the moved design one by one.
+    /// Prepares to solve the moved design station by station.
     fn prepare(&mut self) -> Result<(), Infeasible> {
         let mechanism = self.solver.mechanism();
         let prepared = self.solver.prepare(&self.moved);
@@ -365,14 +363,15 @@ impl<'a> Objective<'a> {
         Ok(())
     }
 
-    /// Makes ready to visit stations of a leg.
+    /// Prepares to visit the stations of a leg.
     fn begin(&mut self, leg: &Leg) -> Result<(), Infeasible> {
         let mechanism = self.solver.mechanism();
         let begun = self.toggles.begin(&mut self.solver, leg.drive, leg.rack);
         begun.map_err(refused(mechanism))
     }
 
-    /// Seeks the extremes of a leg between its stations, where searches say that there are. Each takes the place of its station in the rows.
+    /// Runs the listed searches for extremes between the stations of a leg. In the rows, each extreme replaces the value at
+    /// its station.
     fn find_extremes(&mut self, leg: &Leg, rows: &mut Linearisation) -> Result<(), Infeasible> {
         let Objective {
             layout,

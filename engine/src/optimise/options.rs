@@ -1,29 +1,28 @@
-//! When a run ends.
+//! Conditions for the end of a run.
 
-/// When to stop. Each is an inequality; the first that holds ends the run.
+/// Conditions for the end of a run. Each is an inequality; the first that holds ends the run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// misfit <= this, the misfit being the root mean square of the residuals, in tolerances. The
-    /// default is the rounding of curves that are some thousand tolerances high. Below it, fits are
-    /// equally good.
+    /// Misfit <= this. The misfit is the root mean square of the residuals, in tolerances. The default is the rounding of
+    /// curves that are some thousand tolerances high. Below it, fits are equally good.
     pub misfit_below: f64,
-    /// Reductions of the cost, both predicted and found, <= this times the cost. The default, 1e-10,
-    /// leaves the misfit right to ten digits; a minimum with zero misfit is found to the last digit
-    /// whatever this is, because the cost keeps falling by large fractions of itself.
+    /// Predicted and actual reduction of the cost <= this times the cost. The default, 1e-10, makes the misfit accurate to
+    /// ten digits. A minimum with zero misfit is found to the last digit with any value, because the cost keeps falling by
+    /// large fractions of itself.
     pub reduction_below: f64,
-    /// max_j |step_j| / range_j <= this. The default is the rounding of a coordinate up to sixteen
-    /// times as large as the range it moves in.
+    /// max_j |step_j| / range_j <= this. The default is the rounding of a coordinate that is up to sixteen times as large as
+    /// its range.
     pub step_below: f64,
     /// |r . column_j| <= this |r| |column_j| for all columns of the Jacobian whose variable is free to
     /// descend. The default is the rounding of that inner product over some thousand residuals.
     pub gradient_below: f64,
-    /// iterations >= this.
+    /// Number of iterations >= this.
     pub max_iterations: u64,
     /// Violation, in the unit of the rows, up to which a step under constraints may go if it lowers the goal. The default,
-    /// infinity, bears a hundred times that of the start. A small one keeps a run that begins where everything is kept
-    /// from leaping into another valley.
+    /// infinity, allows a hundred times the violation of the start. With a small value, a run that starts feasible does not
+    /// leap into another valley.
     pub violation_below: f64,
-    /// evaluations >= this. The default is ten for each iteration; most iterations take one.
+    /// Number of evaluations >= this. The default is ten for each iteration; most iterations take one.
     pub max_evaluations: u64,
 }
 

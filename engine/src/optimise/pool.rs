@@ -1,20 +1,20 @@
-//! Problems that are used again: making one costs as much as evaluating it several times.
+//! Pool of problems for repeated use. Making a problem costs as much as evaluating it several times.
 
 use super::{Assessment, Constrained, Infeasible, LeastSquares, Linearisation, Shape};
 use nalgebra::DVector;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Problems that nobody uses at the moment.
+/// Problems that are idle at the moment.
 pub(super) struct Pool<P>(Mutex<Vec<P>>);
 
 impl<P> Pool<P> {
-    /// A pool of these problems.
+    /// Makes a pool of these problems.
     pub(super) fn of(idle: impl IntoIterator<Item = P>) -> Self {
         Pool(Mutex::new(Vec::from_iter(idle)))
     }
 
-    /// Lends a problem of the pool, or a new one; it comes back when it is dropped. Its results depend only on the
-    /// point at which it is evaluated, so that it does not matter which one it is.
+    /// Lends a problem of the pool, or a new one. It returns to the pool when its guard is dropped. Results depend only on
+    /// the evaluated point, so any problem of the pool will do.
     pub(super) fn lend(&self, make: impl FnOnce() -> P) -> PoolGuard<'_, P> {
         let idle = self.idle().pop();
         PoolGuard {
@@ -28,7 +28,7 @@ impl<P> Pool<P> {
     }
 }
 
-/// A problem that goes back to its pool.
+/// Guard of a lent problem, which returns it to its pool.
 pub(super) struct PoolGuard<'p, P> {
     pool: &'p Pool<P>,
     problem: Option<P>,
@@ -46,7 +46,7 @@ impl<P> PoolGuard<'_, P> {
 
 impl<P> Drop for PoolGuard<'_, P> {
     fn drop(&mut self) {
-        // One that a panic has left halfway is not used again.
+        // After a panic the problem may be half-evaluated, so it is dropped.
         if !std::thread::panicking() {
             self.pool.idle().extend(self.problem.take());
         }

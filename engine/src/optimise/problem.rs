@@ -2,10 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// A nonlinear least-squares problem: minimise the sum of the squares of m residuals over n
-/// variables.
+/// A nonlinear least-squares problem: minimise the sum of the squares of m residuals over n variables.
 ///
-/// Residuals are in units of their tolerances: 1 is a deviation that still is acceptable.
+/// Residuals are in units of their tolerances: 1 is the largest acceptable deviation.
 pub trait LeastSquares {
     /// Number n of variables, at least one.
     fn variables(&self) -> usize;
@@ -13,25 +12,25 @@ pub trait LeastSquares {
     /// Number m of residuals, at least one. May be smaller than n.
     fn residuals(&self) -> usize;
 
-    /// Writes the residuals at `x` and their exact derivatives into `into`, every entry of both.
+    /// Writes all residuals at `x` and their exact derivatives into `into`.
     ///
-    /// They come from one pass because they share nearly all of their work. The receiver is mutable
-    /// so that a problem may keep its workspace; the result must depend on `x` alone all the same,
-    /// or results would depend on the path (no warm starts from the previous call).
+    /// Both come from one pass, because they share nearly all of their work. The receiver is mutable so that a problem may
+    /// keep its workspace. But the result must depend on `x` alone, without warm starts from the previous call. Otherwise
+    /// results would depend on the path.
     fn evaluate(&mut self, x: &DVector<f64>, into: &mut Linearisation) -> Result<(), Infeasible>;
 }
 
 /// Residuals and their derivatives at one point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linearisation {
-    /// The m residuals, in units of their tolerances.
+    /// Residuals, m numbers, in units of their tolerances.
     pub residuals: DVector<f64>,
-    /// The m x n derivatives of the residuals (rows) by the variables (columns).
+    /// Derivatives of the residuals (rows) by the variables (columns), an m x n matrix.
     pub jacobian: DMatrix<f64>,
 }
 
 impl Linearisation {
-    /// Room for m `residuals` of n `variables`.
+    /// Allocates for m `residuals` of n `variables`.
     pub fn new(residuals: usize, variables: usize) -> Self {
         Linearisation {
             residuals: DVector::zeros(residuals),
@@ -44,8 +43,7 @@ impl Linearisation {
         0.5 * self.residuals.norm_squared()
     }
 
-    /// The root mean square of the residuals: 1 where they are at their tolerances on average,
-    /// however many there are.
+    /// Root mean square of the residuals. It is 1 if residuals equal their tolerances on average, whatever their number.
     pub fn misfit(&self) -> f64 {
         (self.residuals.norm_squared() / self.residuals.len() as f64).sqrt()
     }
@@ -59,9 +57,9 @@ impl Linearisation {
 
     /// Refuses entries that are not finite, or so large that their squares could overflow.
     pub(super) fn check(&self) -> Result<(), Infeasible> {
-        // Squares of 1e8 such numbers still have a finite sum.
+        // The sum of 1e8 such squares is still finite.
         let usable = |value: &f64| value.abs() < 1e150;
-        // Nearly always all are; looking at all of them at once is faster than stopping at the first.
+        // Nearly always all numbers are usable. A check of all of them at once is faster than an early exit.
         let all = |values: &[f64]| values.iter().fold(true, |all, value| all & usable(value));
         if all(self.residuals.as_slice()) && all(self.jacobian.as_slice()) {
             return Ok(());
@@ -79,13 +77,13 @@ impl Linearisation {
     }
 }
 
-/// Why there are no residuals at a point.
+/// Reason why there are no residuals at a point.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Infeasible {
-    /// The problem says so: it cannot be assembled, or does not reach where it has to.
+    /// The problem refuses the point: the design cannot be assembled, or does not reach a station.
     #[error("{0}")]
     Refused(String),
-    /// The run was asked to stop before it looked.
+    /// A request stopped the run before this evaluation.
     #[error("interrupted")]
     Interrupted,
     /// A residual is not a usable number.

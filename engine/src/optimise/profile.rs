@@ -1,33 +1,34 @@
-//! The least squares of a linear fit for each value of one variable, the others within their ranges.
+//! Profile of a linear fit: the least squares for each value of one variable, with the others within their ranges.
 
 use super::qr::{scale_columns, triangularise};
 use super::{BoundedLeastSquares, Bounds, Linearisation};
 use nalgebra::{DMatrix, DVector};
 
-/// Trials of the search for an end.
+/// Largest number of trials in the search for an end.
 const TRIALS: usize = 60;
-/// Share of the value at an end that stays twice, by which it moves on. It changes the path, not the result.
+/// Factor of the Illinois method for the value at an end that does not move in two successive trials. It changes the path,
+/// not the result.
 const ILLINOIS: f64 = 0.5;
-/// Damping of the bounded problems, relative to the largest column: it decides directions that are not seen.
+/// Damping of the bounded problems, relative to the largest column. It fixes directions that leave all residuals unchanged.
 const DAMPING: f64 = 1e-10;
 
-/// The profile of a variable, (1) of [`profile_interval`](super::profile_interval), of residuals linearised at a point.
+/// Profile of a variable, (1) of [`profile_interval`](super::profile_interval), with residuals linearised at a point.
 pub(super) struct Profile<'a> {
     point: &'a DVector<f64>,
     bounds: &'a Bounds,
     variable: usize,
     others: Vec<usize>,
-    /// The triangle of the others' columns of J, scaled by the ranges.
+    /// Triangle of the other variables' columns of J, scaled by the ranges.
     triangle: DMatrix<f64>,
-    /// The column of the variable after the same rotations, and its diagonal entry.
+    /// Column of the variable after the same rotations, and its diagonal entry.
     column: DVector<f64>,
     diagonal: f64,
-    /// The residuals after the same rotations, in the same parts.
+    /// Residuals after the same rotations, divided in the same way.
     offset: DVector<f64>,
     last: f64,
-    /// The square sum that no move changes.
+    /// Part of the sum of squares that no move changes.
     rest: f64,
-    /// Ends of the ranges of the others from the point, in fractions of the ranges.
+    /// Distances from the point to the ends of the others' ranges, in fractions of the ranges.
     lower: Vec<f64>,
     upper: Vec<f64>,
     damping: f64,
@@ -75,7 +76,7 @@ impl<'a> Profile<'a> {
         }
     }
 
-    /// The least of |R v + offset|^2 over moves v of the others between two bounds, with the move there.
+    /// Minimum of |R v + offset|^2 over moves v of the others between two bounds, and the minimising move.
     fn least(&self, offset: &DVector<f64>, lower: &[f64], upper: &[f64]) -> (f64, DVector<f64>) {
         let n = self.others.len();
         if n == 0 {
@@ -88,12 +89,12 @@ impl<'a> Profile<'a> {
         ((&self.triangle * &moves + offset).norm_squared(), moves)
     }
 
-    /// The move of the variable to a value, in fractions of its range.
+    /// Move of the variable to a value, in fractions of its range.
     fn fraction(&self, value: f64) -> f64 {
         (value - self.point[self.variable]) / self.bounds.width()[self.variable]
     }
 
-    /// S_j(c) of (1), and the moves of the others.
+    /// Least squares S_j(c) of (1), and the moves of the others.
     fn squares(&self, value: f64) -> (f64, DVector<f64>) {
         let own = self.fraction(value);
         let offset = &self.offset + &self.column * own;
@@ -102,16 +103,16 @@ impl<'a> Profile<'a> {
         (self.rest + last * last + squares, moves)
     }
 
-    /// The root of the least |J (x - point)|^2 over points x of the box with this value of the variable.
+    /// Root of the least |J (x - point)|^2 over points x of the box with this value of the variable.
     pub(super) fn distance(&self, value: f64) -> f64 {
         let own = self.fraction(value);
         let (squares, _) = self.least(&(&self.column * own), &self.lower, &self.upper);
         (squares + (self.diagonal * own).powi(2)).sqrt()
     }
 
-    /// The value between `from` and `bound` at which the least squares reach a level, with the point there; `None` if
-    /// they do not reach it at the bound, or are above it from the beginning. The search is Illinois's (M. Dowell,
-    /// P. Jarratt, A modified regula falsi method, BIT 11, 1971), on the root of the rise above the beginning.
+    /// Finds the value between `from` and `bound` at which the least squares reach a level, and the point there. `None` if
+    /// they do not reach it at the bound, or already exceed it at `from`. The search is the Illinois method (M. Dowell, P.
+    /// Jarratt, A modified regula falsi method, BIT 11, 1971), on the root of the rise above `from`.
     pub(super) fn end(&self, from: f64, bound: f64, level: f64) -> Option<(f64, DVector<f64>)> {
         let first = self.squares(from).0;
         if first > level || self.squares(bound).0 <= level {
@@ -152,12 +153,12 @@ impl<'a> Profile<'a> {
         Some((outside, self.place(outside, &moves)))
     }
 
-    /// The point of the least squares for a value.
+    /// Point of the least squares for a value of the variable.
     pub(super) fn point(&self, value: f64) -> DVector<f64> {
         self.place(value, &self.squares(value).1)
     }
 
-    /// The point of these moves.
+    /// Point after these moves.
     fn place(&self, value: f64, moves: &DVector<f64>) -> DVector<f64> {
         let mut x = self.point.clone();
         x[self.variable] = value;
@@ -172,7 +173,7 @@ impl<'a> Profile<'a> {
 mod tests {
     use super::*;
 
-    /// The least squares of two variables in closed form: the other one goes to its best place within its range.
+    /// Closed form for two variables: the other variable takes its best value within its range.
     #[test]
     fn profiles_are_the_closed_form() {
         let bounds = Bounds::new(&[[-2.0, 4.0], [0.0, 0.5]]).unwrap();

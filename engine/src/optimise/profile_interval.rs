@@ -1,28 +1,28 @@
-//! The confidence interval of a variable of a fit, with the ranges of all variables kept.
+//! Confidence interval of a variable of a fit, with all variables within their ranges.
 //!
-//! The measurements are y = f(x0) + e, with normal errors e of one unknown variance and a truth x0 **within the
-//! ranges** l <= x0 <= u. That is an assumption: no interval within the ranges can hold a truth outside of them. r(x)
-//! are the residuals of the fit, S its least square sum, found at x^, and s^2 the variance of a residual. The least
-//! squares for a value c of variable j are its *profile*, and T measures how much worse c fits:
+//! The measurements are y = f(x0) + e, with normal errors e of one unknown variance. The truth x0 is assumed to lie **within
+//! the ranges** l <= x0 <= u; no interval within the ranges could contain a truth outside of them. r(x) are the residuals of
+//! the fit, S its least sum of squares, at x^, and s^2 the variance of a residual. The least squares for a value c of
+//! variable j are its *profile*, and T measures how much worse c fits:
 //!
 //! ```text
 //! S_j(c) = min { |r(x)|^2 : l <= x <= u, x_j = c }                                         (1)
 //! T_j(c) = (S_j(c) - S) / (k_j s^2)                                                        (2)
 //! ```
 //!
-//! k_j is 1 but for weights ([`StandardErrors`](super::StandardErrors)). The interval is all c with
+//! Without weights k_j is 1 ([`StandardErrors`](super::StandardErrors)). The interval is all c with
 //!
 //! ```text
 //! T_j(c) <= q_j(c)^2                                                                       (3)
 //! ```
 //!
-//! The other variables move within their ranges in (1). So a variable that ended at its bound is no known number: its
-//! error widens the intervals of the others. Without a bound in reach, T_j is Student's t squared with the freedoms of
-//! s^2, q is its 97.5 % quantile, and (3) is the usual interval of linear regression.
+//! The other variables move within their ranges in (1). So a variable that ended at its bound is not treated as known: its
+//! error widens the intervals of the others. If no bound is within reach, T_j is the square of Student's t with the degrees
+//! of freedom of s^2, q is its 97.5 % quantile, and (3) is the usual interval of linear regression.
 //!
 //! Near a bound of x_j itself, T is smaller than t^2, since x^_j cannot follow the errors across the bound. Let d be the
-//! distance from c to the bound in standard deviations. An error t that would carry the estimate beyond the bound
-//! (t > d) leaves it there, so that T is only t^2 - (t - d)^2 = d (2 t - d). Hence
+//! distance from c to the bound in standard deviations. If an error t would carry the estimate beyond the bound (t > d), the
+//! estimate stays at the bound, and T is only t^2 - (t - d)^2 = d (2 t - d). Hence
 //!
 //! ```text
 //! P(T > q^2, errors towards this bound) = P(t > q)                    if q <= d
@@ -30,27 +30,27 @@
 //! P of the lower bound + P of the upper bound = 5 %                   defines q_j(c)       (5)
 //! ```
 //!
-//! Thus q is the two-sided quantile (97.5 %) far from the bounds, and the one-sided one (95 %) at a bound: the interval
-//! passes from two-sided to one-sided without a choice made after looking at the data, which would lose coverage
-//! (G. J. Feldman, R. D. Cousins, Unified approach to the classical statistical analysis of small signals, Physical
-//! Review D 57, 1998). With x(c) the place of (1), the distance keeps the ranges of the others as well:
+//! Thus q is the two-sided quantile (97.5 %) far from the bounds, and the one-sided quantile (95 %) at a bound. The interval
+//! passes smoothly from two-sided to one-sided. A choice made after looking at the data would lose coverage (G. J. Feldman,
+//! R. D. Cousins, Unified approach to the classical statistical analysis of small signals, Physical Review D 57, 1998). With
+//! x(c) the minimiser of (1), the distance also keeps the ranges of the others:
 //!
 //! ```text
 //! d^2 = min { |J (x - x(c))|^2 : l <= x <= u, x_j = the bound } / (k_j s^2)                (6)
 //! ```
 //!
-//! (5) is exact for a linear fit of which only x_j can reach a bound. Bounds of the other variables make T a mixture of
-//! chi-squares whose weights depend on the unknown x0 (S. G. Self, K.-Y. Liang, Asymptotic properties of maximum
-//! likelihood estimators and likelihood ratio tests under nonstandard conditions, J. Am. Stat. Assoc. 82, 1987). So T is
-//! simulated too, by fits of the linear model to errors of known seed about x(c)
-//! ([`SimulatedFits`](super::simulated_fits::SimulatedFits)). Simulation takes x(c) for x0, which may make q too small;
-//! (5) disregards the others' bounds, which may do so as well. The larger of the two is taken. Where no variable has a
-//! bound within four standard errors, neither is needed, and q is the two-sided quantile.
+//! (5) is exact for a linear fit in which only x_j can reach a bound. Bounds of the other variables make T a mixture of
+//! chi-squares whose weights depend on the unknown x0 (S. G. Self, K.-Y. Liang, Asymptotic properties of maximum likelihood
+//! estimators and likelihood ratio tests under nonstandard conditions, J. Am. Stat. Assoc. 82, 1987). So T is also
+//! simulated, by fits of the linear model to errors of known seed about x(c)
+//! ([`SimulatedFits`](super::simulated_fits::SimulatedFits)). Simulation uses x(c) in place of x0, which may make q too
+//! small. (5) ignores the others' bounds, which may also make q too small. The method takes the larger of the two. If no
+//! variable has a bound within four standard errors, neither is needed, and q is the two-sided quantile.
 //!
-//! For a linear r, (1) is a bounded linear least-squares problem, convex and piecewise quadratic in c: a bracketing
-//! search finds the end of (3). The true r is taken at the place x(c) of that end, with its Jacobian, and the end is
-//! sought again, until it no longer moves. There, (1) holds for the true r. An end that does not come to rest within
-//! the budget, or where there are no residuals, is moved to the end of the range, where it is right by assumption.
+//! For a linear r, (1) is a bounded linear least-squares problem, convex and piecewise quadratic in c. A bracketing search
+//! finds the end of (3). Then the true r and its Jacobian are evaluated at the point x(c) of that end. The search is
+//! repeated until the end no longer moves. There, (1) holds for the true r. If the end does not settle within the budget, or
+//! if there are no residuals, it is set to the end of the range. This is correct by assumption.
 
 use super::profile::Profile;
 use super::simulated_fits::SimulatedFits;
@@ -58,47 +58,47 @@ use super::student::{Student, root};
 use super::{Bounds, Linearisation};
 use nalgebra::DVector;
 
-/// Probability that the interval does not hold the truth.
+/// Probability that the interval does not contain the truth.
 const OUTSIDE: f64 = 0.05;
-/// Evaluations for each end of an interval.
+/// Largest number of evaluations for each end of an interval.
 const EVALUATIONS: usize = 6;
-/// An end that moves by less than this share of its distance from the estimate is at rest.
+/// Movement of an end, as a share of its distance from the estimate, below which the end has settled.
 const AT_REST: f64 = 0.01;
-/// An interval that takes this share of the range determines nothing.
+/// Share of the range above which an interval determines nothing.
 const NEARLY_ALL: f64 = 0.95;
-/// Rounds in which an end and its quantile are settled.
+/// Number of rounds that settle an end together with its quantile.
 const SETTLING: usize = 2;
-/// Bounds within this many standard errors change the distribution of T.
+/// Distance, in standard errors, within which a bound changes the distribution of T.
 const IN_REACH: f64 = 4.0;
-/// A smaller scatter, in tolerances, is rounding.
+/// Smallest scatter, in tolerances. Less is rounding.
 const RESOLUTION: f64 = 1e-9;
 
-/// Set of values of a variable that the measurements admit, with 95 %.
+/// Set of values of a variable that agree with the measurements, with 95 % confidence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ConfidenceInterval {
-    /// The variable is between its bounds. One of the ends may be that of its range.
+    /// The variable is between its bounds. One end of the interval may be an end of its range.
     TwoSided {
         /// Lowest value.
         lower: f64,
         /// Highest value.
         upper: f64,
     },
-    /// The variable is at its lower bound, and no larger than this.
+    /// The variable is at its lower bound. It is at most this value.
     AtMost(f64),
-    /// The variable is at its upper bound, and no smaller than this.
+    /// The variable is at its upper bound. It is at least this value.
     AtLeast(f64),
-    /// Every value of its range is admitted, or nearly every one; or the measurements do not see the variable.
+    /// Nearly all values of the range agree with the measurements, or the variable does not affect the measured values.
     NotDetermined,
 }
 
-/// A fit whose intervals are sought.
+/// A fit whose intervals are computed.
 pub(super) struct Solved<'a> {
     pub x: &'a DVector<f64>,
     pub at: &'a Linearisation,
     pub bounds: &'a Bounds,
-    /// The distribution of the errors.
+    /// Distribution of the errors.
     pub student: Student,
-    /// Standard errors with all variables free; `None` where unknown.
+    /// Standard errors with all variables free. `None` if unknown.
     pub errors: &'a [Option<f64>],
     pub simulated: SimulatedFits<'a>,
 }
@@ -107,7 +107,7 @@ pub(super) struct Solved<'a> {
 type Evaluate<'e> = dyn FnMut(&DVector<f64>, &mut Linearisation) -> bool + 'e;
 
 impl Solved<'_> {
-    /// The interval (3) of a variable, with s and the root of k_j.
+    /// Interval (3) of a variable. `deviation` is s, `ratio` is the root of k_j.
     pub(super) fn interval(
         &self,
         variable: usize,
@@ -135,7 +135,7 @@ impl Solved<'_> {
         }
     }
 
-    /// The end of the interval on the side of a bound; `None` if the bound is admitted, or if no end is found.
+    /// End of the interval on the side of a bound. `None` if the interval includes the bound, or if no end is found.
     fn end(
         &self,
         variable: usize,
@@ -147,7 +147,7 @@ impl Solved<'_> {
         let deviation = ratio * scatter.max(RESOLUTION);
         let least = self.at.residuals.norm_squared();
         let level = |quantile: f64| least + (quantile * deviation).powi(2);
-        // The quantile is settled in the linear model first: that takes no evaluations.
+        // The linear model settles the quantile first, without evaluations.
         let linear = Profile::new(self.x, self.at, self.bounds, variable);
         let mut quantile = self.student.quantile(0.5 * OUTSIDE);
         for _ in 0..SETTLING {
@@ -171,7 +171,7 @@ impl Solved<'_> {
         None
     }
 
-    /// q of (3) for a variable that has the value of `x`, the others being where (1) has them.
+    /// Quantile q of (3) for the value of a variable in `x`. The other variables of `x` minimise (1).
     fn quantile(&self, variable: usize, x: &DVector<f64>, deviation: f64, ratio: f64) -> f64 {
         let bounds = [self.bounds.lower(), self.bounds.upper()];
         let is_near = |at: &DVector<f64>, j: usize| {
@@ -192,7 +192,7 @@ impl Solved<'_> {
     }
 }
 
-/// The quantile q of (5), of a value with these distances to its bounds in standard deviations.
+/// Quantile q of (5) for a value with these distances to its bounds, in standard deviations.
 fn threshold(student: &Student, distances: [f64; 2]) -> f64 {
     let two_sided = student.quantile(0.5 * OUTSIDE);
     if distances.iter().all(|d| *d >= two_sided) {

@@ -1,15 +1,15 @@
-//! Orthogonal triangularisation by Householder reflections (G. H. Golub, Ch. F. Van Loan, Matrix
-//! Computations, 4th ed., 5.2), in place and without allocation.
+//! Orthogonal triangularisation by Householder reflections (G. H. Golub, Ch. F. Van Loan, Matrix Computations, 4th ed.,
+//! 5.2), in place and without allocation.
 //!
-//! nalgebra's own decomposition allocates and keeps Q; here only R and Q^T b are wanted, tens of
-//! thousands of times, of matrices of a few hundred entries.
+//! nalgebra's own decomposition allocates and keeps Q. The solvers need only R and Q^T b, tens of thousands of times, for
+//! matrices of a few hundred entries.
 
 use nalgebra::DMatrix;
 
-/// Below this a column counts as zero: the square of a smaller norm is not a normal number.
+/// Smallest norm of a column that is not zero. The square of a smaller norm is not a normal number.
 const SMALLEST_NORM: f64 = 1.5e-154;
 
-/// Writes the columns of a Jacobian, each times its factor, filled up with zeros to `rows` rows.
+/// Writes the columns of a Jacobian, each times its factor. Zeros fill them up to `rows` rows.
 pub(super) fn scale_columns(jacobian: &DMatrix<f64>, by: &[f64], rows: usize, to: &mut Vec<f64>) {
     to.clear();
     to.resize(by.len() * rows, 0.0);
@@ -23,15 +23,15 @@ pub(super) fn scale_columns(jacobian: &DMatrix<f64>, by: &[f64], rows: usize, to
 
 /// Applies the reflections that make the matrix `a` upper triangular to `a` and to `b`.
 ///
-/// `a` holds columns of `rows` entries, at most `rows` of them; `b` has `rows` entries. Afterwards the upper triangle
-/// of `a` is R and `b` is Q^T b; the entries below the diagonal mean nothing. Backward stable for any rank: dependent
-/// columns show as small diagonal entries.
+/// `a` holds columns of `rows` entries, at most `rows` of them; `b` has `rows` entries. Afterwards the upper triangle of `a`
+/// is R and `b` is Q^T b. The entries below the diagonal are undefined. Backward stable for any rank: dependent columns give
+/// small diagonal entries.
 pub(super) fn triangularise(a: &mut [f64], rows: usize, b: &mut [f64]) {
     triangularise_within(a, rows, |_| rows, b);
 }
 
-/// As [`triangularise`], where the column k has nothing but zeros from the row `end(k)` on, which comes no earlier from
-/// column to column: of triangles stacked with their rows one after the other's, a third of the work.
+/// The same as [`triangularise`] for columns with known zeros: column k has only zeros from row `end(k)` on. `end` must not
+/// decrease. For triangles whose rows are interleaved, this saves two thirds of the work.
 pub(super) fn triangularise_within(
     a: &mut [f64],
     rows: usize,
@@ -47,7 +47,7 @@ pub(super) fn triangularise_within(
             mirror[0] = 0.0;
             continue;
         }
-        // The sign that does not cancel; |mirror|^2 = 2 norm (norm + |first|).
+        // This sign avoids cancellation; |mirror|^2 = 2 norm (norm + |first|).
         let first = mirror[0];
         let diagonal = -norm.copysign(first);
         mirror[0] = first - diagonal;
@@ -60,8 +60,8 @@ pub(super) fn triangularise_within(
     }
 }
 
-/// Solves R x = b for the upper triangle R of `a` (columns of `rows` entries), leaving x in the
-/// head of `b`. Where the diagonal is zero the unknown is taken as zero.
+/// Solves R x = b for the upper triangle R of `a` (columns of `rows` entries), and leaves x in the head of `b`. An unknown
+/// with a zero diagonal entry becomes zero.
 pub(super) fn back_substitute(a: &[f64], rows: usize, b: &mut [f64]) {
     for k in (0..a.len() / rows).rev() {
         let column = &a[k * rows..];
@@ -77,7 +77,7 @@ pub(super) fn back_substitute(a: &[f64], rows: usize, b: &mut [f64]) {
     }
 }
 
-/// x - scale mirror (mirror . x).
+/// Replaces x by x - scale mirror (mirror . x).
 fn reflect(mirror: &[f64], scale: f64, x: &mut [f64]) {
     let factor = scale * dot(mirror, x);
     let mirror = &mirror[..x.len()];
@@ -86,7 +86,7 @@ fn reflect(mirror: &[f64], scale: f64, x: &mut [f64]) {
     }
 }
 
-/// Scalar product, in eight running sums so that additions need not wait for each other.
+/// Scalar product in eight running sums, so that additions do not wait for each other.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let count = a.len().min(b.len());
     let (a, b) = (&a[..count], &b[..count]);
@@ -115,7 +115,7 @@ mod tests {
     use crate::optimise::test_problems::Noise;
     use nalgebra::DVector;
 
-    /// Zeros that are known are left as they are: the same triangle.
+    /// With known zeros the triangle is the same.
     #[test]
     fn known_zeros_change_nothing() {
         let mut noise = Noise::new(2);

@@ -1,14 +1,14 @@
-//! Fits of a linear model to simulated errors, the variables within their ranges.
+//! Fits of a linear model to simulated errors, with the variables within their ranges.
 //!
-//! The errors e of the measurements are normal and independent, with the scatter s. They move the residuals of the
-//! model r(x) = J (x - x0) + w e about a truth x0. Each simulated fit yields the same quantities as the true one in
-//! (2) of [`profile_interval`](super::profile_interval):
+//! The errors e of the measurements are normal and independent, with the scatter s. They move the residuals of the model
+//! r(x) = J (x - x0) + w e about a truth x0. Each simulated fit yields the same quantities as the true one in (2) of
+//! [`profile_interval`](super::profile_interval):
 //!
 //! ```text
 //! T = (min { |r(x)|^2 : in the box, x_j = x0_j } - min { |r(x)|^2 : in the box }) / s*^2      (1)
 //! ```
 //!
-//! s* being the scatter of the simulated fit, with its own number of free variables. The seed is the same for all, so
+//! Here s* is the scatter of the simulated fit, with its own number of free variables. All simulations use the same seed, so
 //! that results are reproducible and quantiles change smoothly with x0.
 
 use super::{ActiveBound, BoundedLeastSquares, Bounds, Linearisation};
@@ -24,13 +24,13 @@ const DAMPING: f64 = 1e-10;
 pub(super) struct SimulatedFits<'a> {
     bounds: &'a Bounds,
     weights: &'a [f64],
-    /// J times the ranges.
+    /// Jacobian J times the ranges.
     jacobian: DMatrix<f64>,
-    /// The triangle of it.
+    /// Triangle of this Jacobian.
     triangle: DMatrix<f64>,
-    /// Weighted errors of scatter 1: a column for each fit.
+    /// Weighted errors with scatter 1, one column for each fit.
     errors: DMatrix<f64>,
-    /// The same after the rotations that make the triangle.
+    /// The same errors after the rotations that make the triangle.
     rotated: DMatrix<f64>,
 }
 
@@ -43,7 +43,7 @@ impl<'a> SimulatedFits<'a> {
         }
         let mut noise = Noise(SEED);
         let errors = DMatrix::from_fn(rows, FITS, |i, _| weights[i] * noise.normal());
-        // With fewer residuals than variables, residuals that are always zero make up the difference.
+        // If there are fewer residuals than variables, rows of zeros fill the matrix.
         let padded = jacobian.clone().resize_vertically(rows.max(n), 0.0);
         let decomposed = padded.qr();
         let q = decomposed.q();
@@ -58,7 +58,7 @@ impl<'a> SimulatedFits<'a> {
         }
     }
 
-    /// The root of a quantile of T of a variable, for the truth `x0` and a scatter of the errors.
+    /// Root of a quantile of T for a variable, with the truth `x0` and this scatter of the errors.
     pub(super) fn quantile(
         &self,
         variable: usize,
@@ -67,7 +67,7 @@ impl<'a> SimulatedFits<'a> {
         probability: f64,
     ) -> f64 {
         let n = self.bounds.variables();
-        // Moves in fractions of the ranges and in units of the scatter.
+        // Moves are in fractions of the ranges and in units of the scatter.
         let end = |bound: &DVector<f64>| -> Vec<f64> {
             let room = |j: usize| (bound[j] - x0[j]) / self.bounds.width()[j] / scatter;
             (0..n).map(room).collect()
@@ -111,7 +111,7 @@ impl<'a> SimulatedFits<'a> {
         ratios[place.min(FITS - 1)].sqrt()
     }
 
-    /// The variance s*^2 of a simulated fit.
+    /// Variance s*^2 of a simulated fit.
     fn variance(&self, fit: usize, moves: &DVector<f64>, free: usize) -> f64 {
         let residuals = &self.jacobian * moves + self.errors.column(fit);
         let squares = residuals.iter().zip(self.weights);
@@ -120,12 +120,12 @@ impl<'a> SimulatedFits<'a> {
     }
 }
 
-/// A reproducible sequence of numbers (G. Steele, D. Lea, Ch. Flood, Fast splittable pseudorandom number generators,
-/// OOPSLA 2014).
+/// Reproducible pseudorandom numbers (G. Steele, D. Lea, Ch. Flood, Fast splittable pseudorandom number generators, OOPSLA
+/// 2014).
 struct Noise(u64);
 
 impl Noise {
-    /// A number between 0 and 1, neither of them.
+    /// A number strictly between 0 and 1.
     fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -135,7 +135,7 @@ impl Noise {
         ((z >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
     }
 
-    /// A normal number (G. E. P. Box, M. E. Muller, 1958).
+    /// A normally distributed number (G. E. P. Box, M. E. Muller, 1958).
     fn normal(&mut self) -> f64 {
         let (u, v) = (self.uniform(), self.uniform());
         (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
@@ -146,8 +146,8 @@ impl Noise {
 mod tests {
     use super::*;
 
-    /// Two variables beside their bounds: each fit is the best place between the edges or the best of the four edges, in
-    /// closed form.
+    /// Two variables near their bounds. In closed form, each fit is the interior minimum or the best point of the four
+    /// edges.
     #[test]
     fn fits_of_two_variables_are_the_closed_form() {
         let bounds = Bounds::new(&[[-0.4, 2.0], [0.0, 0.5]]).unwrap();
@@ -159,7 +159,7 @@ mod tests {
         let fits = SimulatedFits::new(&at, &bounds, &[1.0; 4]);
         let x0 = DVector::from_column_slice(&[0.1, 0.2]);
         let scatter = 0.9;
-        // Moves in fractions of the ranges and in units of the scatter.
+        // Moves are in fractions of the ranges and in units of the scatter.
         let ends: [[f64; 2]; 2] = std::array::from_fn(|j| {
             [bounds.lower()[j], bounds.upper()[j]]
                 .map(|end| (end - x0[j]) / bounds.width()[j] / scatter)
@@ -171,7 +171,7 @@ mod tests {
                     let e = fits.rotated.column(fit).into_owned();
                     let squares =
                         |v: [f64; 2]| (r * DVector::from_row_slice(&v) + &e).norm_squared();
-                    // The best move of one variable, the other one being held.
+                    // Best move of one variable while the other is held.
                     let along = |held: usize, value: f64| {
                         let free = 1 - held;
                         let rest = &e + r.column(held) * value;

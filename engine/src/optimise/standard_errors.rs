@@ -1,33 +1,32 @@
-//! Knowledge that a fit of measured curves has of each coordinate.
+//! Standard errors and correlations of the variables of a fit to measured curves.
 //!
-//! With the residuals r_i in tolerances, their weights w_i, and k free variables, the variance of a
-//! measurement in squared tolerances is
+//! With the residuals r_i in tolerances, their weights w_i, and k free variables, the variance of a measurement in squared
+//! tolerances is
 //!
 //! ```text
 //! s^2 = sum_i (r_i / w_i)^2 / (N - k)                                                      (1)
 //! C   = A^-1 (sum_i w_i^2 g_i g_i^T) A^-1 s^2,     A = sum_i g_i g_i^T                       (2)
 //! ```
 //!
-//! g_i being the gradient of the weighted r_i by the variables: tolerances are taken as in proportion to the
-//! scatter of the measurements, weights as the engineer's own (G. A. F. Seber, C. J. Wild, Nonlinear
-//! regression, 1989, 2.1.2 and 2.8.8). A^-1 comes from the singular values of the weighted Jacobian, its
-//! columns scaled by the ranges, so that no normal equations are formed. Standard errors are the roots of C_jj,
-//! correlations those of C with all variables free: the data alone decide which variables are hard to tell apart.
+//! with g_i the gradient of the weighted r_i by the variables. Tolerances are assumed proportional to the scatter of the
+//! measurements; weights are the engineer's own choice (G. A. F. Seber, C. J. Wild, Nonlinear regression, 1989, 2.1.2 and
+//! 2.8.8). A^-1 comes from the singular values of the weighted Jacobian, with columns scaled by the ranges, so that no
+//! normal equations are formed. Standard errors are the roots of C_jj. Correlations are those of C with all variables free,
+//! so that the data alone decide which variables are hard to tell apart.
 //!
-//! A variable at its bound is not known: its truth may lie anywhere within its range. (2) with the variable held
-//! there would make the errors of the others too small. So a fit with a variable at its bound has no standard
-//! errors.
+//! A variable at its bound is not known: its true value may lie anywhere within its range. If (2) held the variable at the
+//! bound, the errors of the others would be too small. So a fit with a variable at its bound has no standard errors.
 //!
-//! With weights, the square sum rises about its minimum as if the variance of variable j were (A^-1)_jj s^2. The
+//! With weights, the sum of squares rises about its minimum as if the variance of variable j were (A^-1)_jj s^2. The
 //! intervals divide by the ratio
 //!
 //! ```text
 //! k_j = C_jj / ((A^-1)_jj s^2)                                                              (3)
 //! ```
 //!
-//! which is 1 where all weights are. Beside bounds it depends on the variables that are free: the larger of the ratio
-//! with all of them and of that with those between their bounds is taken. Intervals keep the ranges of all variables
-//! ([`profile_interval`](super::profile_interval)).
+//! If all weights are 1, the ratio is 1. Near bounds it depends on the free variables. The code takes the larger of two
+//! ratios: with all variables free, and with only those between their bounds free. Intervals keep the ranges of all
+//! variables ([`profile_interval`](super::profile_interval)).
 
 use super::covariance::Covariance;
 use super::profile_interval::{ConfidenceInterval, Solved};
@@ -36,24 +35,24 @@ use super::student::Student;
 use super::{ActiveBound, Bounds, Linearisation};
 use nalgebra::DVector;
 
-/// Knowledge of the coordinates.
+/// Uncertainty of the variables of a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StandardErrors {
-    /// The scatter of a measurement about the fit, in tolerances: s of (1).
+    /// Scatter of a measurement about the fit, in tolerances: s of (1).
     pub scatter: f64,
-    /// Standard errors by variable. `None` where the measurements do not determine it, and for all variables if one of
-    /// them is at its bound.
+    /// Standard errors by variable. `None` if the measurements do not determine it. `None` for all variables if one of them
+    /// is at its bound.
     pub sigmas: Vec<Option<f64>>,
-    /// Values that the measurements admit, by variable.
+    /// Confidence intervals by variable.
     pub intervals: Vec<ConfidenceInterval>,
-    /// Pairs of variables that the measurements hardly tell apart, with their correlation, the worst first.
+    /// Pairs of variables that the measurements hardly distinguish, with their correlation, the closest first.
     pub correlations: Vec<(usize, usize, f64)>,
 }
 
 impl StandardErrors {
     /// Standard errors and intervals of a fit that ended at `x`. `weights` are the square roots of w, by residual.
-    /// `evaluate` writes the residuals of a point, and returns true if it has any. `None` if there are no more
-    /// residuals than free variables.
+    /// `evaluate` writes the residuals of a point, and returns true if it has any. `None` if there are no more residuals
+    /// than free variables.
     pub fn of(
         x: &DVector<f64>,
         at: &Linearisation,
@@ -127,7 +126,7 @@ mod tests {
         (-2.0 * (1.0 - u).ln()).sqrt() * (std::f64::consts::TAU * v).cos()
     }
 
-    /// Measurements of a linear model, weighed: the residuals are J x - y.
+    /// Weighted measurements of a linear model. The residuals are J x - y.
     struct Linear {
         jacobian: DMatrix<f64>,
         measured: DVector<f64>,
@@ -143,7 +142,7 @@ mod tests {
             }
         }
 
-        /// The least squares within the bounds.
+        /// Minimum of the least squares within the bounds.
         fn solved(&self) -> DVector<f64> {
             let middle = 0.5 * (self.bounds.lower() + self.bounds.upper());
             let at = self.at(&middle);
@@ -155,7 +154,7 @@ mod tests {
             solver.solve(1e-18, &ends[0], &ends[1]);
             let moved = &middle + DVector::from_column_slice(solver.step());
             let x = self.bounds.nearest(&moved);
-            // Exactly at the bound where the solver says so.
+            // Variables that the solver holds are set exactly to the bound.
             let active = solver.active_bounds();
             DVector::from_fn(n, |j, _| match active[j] {
                 ActiveBound::Free => x[j],
@@ -164,7 +163,7 @@ mod tests {
             })
         }
 
-        /// The errors, and the number of evaluations that they took.
+        /// Returns the errors, and the number of evaluations for them.
         fn errors(&self, x: &DVector<f64>) -> (StandardErrors, usize) {
             let mut evaluations = 0;
             let evaluate = |x: &DVector<f64>, into: &mut Linearisation| {
@@ -187,8 +186,8 @@ mod tests {
         }
     }
 
-    /// A straight line through N points, with 1 to 5 freedoms: the textbook's standard errors of slope and intercept,
-    /// its quantiles of Student's distribution, and its correlation.
+    /// A straight line through N points, with 1 to 5 degrees of freedom. Compares with the textbook's standard errors of
+    /// slope and intercept, with quantiles of Student's distribution, and with the known correlation.
     #[test]
     fn intervals_of_a_line_are_the_closed_form() {
         let quantiles = [
@@ -246,7 +245,7 @@ mod tests {
         }
     }
 
-    /// A linear fit with planted noise: each 95 % interval holds the truth in 93 to 97 of 100 fits.
+    /// A linear fit with simulated noise. Each 95 % interval contains the truth in 93 to 97 of 100 fits.
     #[test]
     fn intervals_hold_the_truth_as_often_as_they_say() {
         let mut noise = Noise::new(8);
@@ -258,7 +257,7 @@ mod tests {
         ] {
             let mut held = [0; 3];
             for _ in 0..fits {
-                // The truth is 0.
+                // The true value is 0.
                 let fit = Linear {
                     jacobian: DMatrix::from_fn(rows, 3, |i, j| jacobian[(i, j)] * weights[i]),
                     measured: DVector::from_fn(rows, |i, _| 0.7 * normal(&mut noise) * weights[i]),
@@ -277,9 +276,9 @@ mod tests {
         }
     }
 
-    /// Linear fits of four correlated variables that end at one to three bounds, the truth inside the box or on its
-    /// border; weights 1, and weights that are not 1/variance: intervals of free variables are two-sided in at least
-    /// 80 % and hold the truth in 92 to 98 of 100; one-sided limits hold it in at least 92.
+    /// Linear fits of four correlated variables with one to three variables at bounds. The truth is inside the box or on its
+    /// border. Weights are 1, or not 1/variance. At least 80 % of the intervals of free variables are two-sided, and 92 to
+    /// 98 % contain the truth. At least 92 % of the one-sided limits contain it.
     #[test]
     fn intervals_beside_bounds_hold_the_truth() {
         let mut noise = Noise::new(31);
@@ -290,7 +289,8 @@ mod tests {
                 .map(|i| if i % 3 == 0 { 2.5 } else { 1.0 })
                 .collect(),
         ] {
-            // [fits of free variables, two-sided, that hold]; [limits, that hold]
+            // [number of fits of free variables, two-sided ones, ones that contain the truth]; [number of limits, ones that
+            // contain the truth]
             let (mut free, mut limits) = ([[0; 3]; 4], [0; 2]);
             for _ in 0..260 {
                 let common = DVector::from_fn(rows, |_, _| noise.next());
@@ -350,13 +350,13 @@ mod tests {
         }
     }
 
-    /// One variable beside its bound: the end of its interval fulfils (4) and (5), solved here in closed form for a truth
-    /// at the end: errors beyond the bound are cut off.
+    /// One variable near its bound. The end of its interval satisfies (4) and (5), which are solved here in closed form for
+    /// a truth at the end. Errors beyond the bound are cut off.
     #[test]
     fn one_variable_at_its_bound_has_a_limit() {
         let rows = 400;
         for below in [0.0, 0.5, 1.0, 2.0] {
-            // The mean of `rows` measurements would be `below` standard deviations below the bound.
+            // Without the bound, the mean of `rows` measurements would be `below` standard deviations beyond it.
             let mut noise = Noise::new(5);
             let mut errors = DVector::from_fn(rows, |_, _| normal(&mut noise));
             errors.add_scalar_mut(-errors.mean());
@@ -374,8 +374,8 @@ mod tests {
                 panic!("{:?}", found.intervals[0]);
             };
             let d = upper / error;
-            // T at the end is d (2 (below + d) - d). Its probability by (4) and (5) is 5 % or, where simulation says more,
-            // less; by far no less.
+            // T at the end is d (2 (below + d) - d). Its probability by (4) and (5) is at most 5 %. It is slightly less if
+            // the simulation gives a larger quantile.
             let q = (d * (2.0 * below + d)).sqrt();
             let student = Student::new(rows);
             let towards = if q <= d {
@@ -394,7 +394,8 @@ mod tests {
         }
     }
 
-    /// The mean of measurements whose errors add up to nothing, beside a bound. `room` is its distance in standard errors.
+    /// Mean of measurements whose errors sum to zero, near a bound. `room` is its distance from the bound in standard
+    /// errors.
     fn mean(rows: usize, room: f64) -> (StandardErrors, f64) {
         let mut noise = Noise::new(rows as u64);
         let mut errors = DVector::from_fn(rows, |_, _| normal(&mut noise));
@@ -410,8 +411,8 @@ mod tests {
         (fit.errors(&DVector::zeros(1)).0, error)
     }
 
-    /// Without a bound within four standard errors of either end the interval is that of Student. Closer to a bound it is
-    /// narrower there, since errors beyond the bound are cut off.
+    /// If no bound is within four standard errors of either end, the interval is Student's. Closer to a bound it is
+    /// narrower, since errors beyond the bound are cut off.
     #[test]
     fn bounds_count_within_four_standard_errors() {
         for rows in 8..30 {
@@ -434,7 +435,7 @@ mod tests {
         }
     }
 
-    /// Measurements that fit exactly are known to a billionth of a tolerance, no better.
+    /// Measurements that fit exactly have an uncertainty of a billionth of a tolerance, not zero.
     #[test]
     fn exact_measurements_have_rounding_errors() {
         let rows = 9;
@@ -467,7 +468,7 @@ mod tests {
             weights: vec![1.0; 20],
         };
         let mut x = fit.solved();
-        // Of the equally good points the one in the middle.
+        // Takes the middle of the equally good points.
         let mean = 0.5 * (x[0] + x[1]);
         (x[0], x[1]) = (mean, mean);
         let (found, _) = fit.errors(&x);

@@ -1,4 +1,4 @@
-//! The starts of a tuning: runs from several points, and the choice among where they end.
+//! Starts of a tuning: runs from several points, and the choice among their results.
 
 use super::constrained::constrained_fit;
 use super::fit::fit;
@@ -11,16 +11,16 @@ use super::{Fit, Linearisation, Multistart, Objective, Options, Start, Terminati
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-/// If no design is good enough, designs count as being as good as the best up to this ratio of misfits.
+/// Ratio to the least misfit up to which a design counts as equally good, if no design is good enough.
 const AS_GOOD: f64 = 1.01;
-/// The most times that starts are run again because a residual moves that stood still at the design.
+/// Largest number of repetitions of all starts because a residual moved that stood still at the design.
 const ROUNDS: usize = 3;
 /// Number of starts that are tried before the program reports that constraints exclude one another.
 pub(super) const STARTS_BEFORE_REFUSAL: usize = 4;
 
 impl<'a> Tuner<'a> {
-    /// Runs every start, and chooses. Residuals that stand still at the design are left out; those that turn out to move
-    /// elsewhere come back, and the starts are run again.
+    /// Runs every start and chooses the result. Residuals that stand still at the design are removed. If some of them move
+    /// elsewhere, they are restored, and the starts run again.
     pub(super) fn starts(&self, at_design: Option<&Linearisation>) -> Multistart {
         let mut fixed =
             at_design.map_or_else(FixedRows::default, |at| FixedRows::at(at, &self.bounds));
@@ -44,7 +44,7 @@ impl<'a> Tuner<'a> {
         starts
     }
 
-    /// The problem without some residuals.
+    /// Makes the problem without some residuals.
     pub(super) fn problem_without<'f>(
         &'f self,
         fixed: &'f FixedRows,
@@ -56,7 +56,7 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    /// Runs every start without the residuals that stand still, and chooses.
+    /// Runs every start without the residuals that stand still, and chooses the result.
     fn starts_without(&self, fixed: &FixedRows) -> Multistart {
         let optimise = self.optimise;
         let options = self.options();
@@ -100,7 +100,7 @@ impl<'a> Tuner<'a> {
             });
             self.count_moving_rows(&mut starts);
         }
-        // A run that stopped at a misfit that is good enough has not met the targets.
+        // A run that stopped at a good enough misfit has not met the removed targets.
         for start in &mut starts {
             if let Ok(fit) = &mut start.outcome
                 && fit.termination == Termination::MisfitReached
@@ -113,8 +113,8 @@ impl<'a> Tuner<'a> {
         Multistart { starts, best }
     }
 
-    /// The misfit that is good enough for the residuals that variables move: together with the others it is
-    /// `good_enough`, if it can be.
+    /// Good enough misfit of the residuals that variables move. Together with the fixed residuals it gives `good_enough`, if
+    /// that is possible.
     fn good_enough_without(&self, fixed: &FixedRows) -> f64 {
         let good = self.optimise.good_enough;
         let rest = good * good - fixed.square() / self.layout.residuals() as f64;
@@ -124,7 +124,7 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    /// Lowers the misfit from every start, until it is good enough or a minimum.
+    /// Lowers the misfit from every start, until it is good enough or at a minimum.
     fn lowered(&self, fixed: &FixedRows, options: &Options, is_constrained: bool) -> Vec<Start> {
         let optimise = self.optimise;
         let until_good = Options {
@@ -153,7 +153,7 @@ impl<'a> Tuner<'a> {
         starts
     }
 
-    /// Counts a row in every start if some variable moves it in one of them.
+    /// Marks a row as movable in every start if some variable moves it in one of them.
     fn count_moving_rows(&self, starts: &mut [Start]) {
         let states =
             |(_, fit): (usize, &'_ Fit)| fit.constraints.clone().map(|state| state.movable);
@@ -180,9 +180,9 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    /// Chooses a start: the nearest of those that keep the constraints and are good enough; if none is good enough, the
-    /// nearest of those that are as good as the best; if none keeps the constraints, the one that violates them least.
-    /// `least` is the least misfit of those that keep them.
+    /// Chooses a start among those that satisfy the constraints. It is the nearest good enough start, or else the nearest
+    /// start as good as the best. If none satisfies the constraints, chooses the one with the smallest violation. `least` is
+    /// the least misfit of those that satisfy them.
     fn choose(&self, starts: &[Start], least: Option<f64>, good: f64) -> Option<usize> {
         let Some(least) = least else {
             return least_violation(starts);

@@ -1,4 +1,4 @@
-//! Values and gradients of a layout's parts, read off the poses of the stations.
+//! Values and gradients of a layout's parts, evaluated in the poses of the stations.
 
 use super::carried::{self, AlongVariables};
 use super::layout::{Leg, TargetLayout};
@@ -15,7 +15,7 @@ use std::ops::ControlFlow;
 /// Values of the parts of a leg, by part and station.
 pub(super) type PartValues = Vec<Vec<f64>>;
 
-/// Reading of the stations of a leg, with its inputs.
+/// Evaluation of the stations of a leg, with its inputs.
 pub(super) struct Visit<'v, 'a> {
     pub(super) leg: &'v Leg,
     pub(super) layout: &'v TargetLayout,
@@ -25,20 +25,20 @@ pub(super) struct Visit<'v, 'a> {
     pub(super) moving: Option<&'v AlongVariables>,
     pub(super) solver: &'v mut Solver<'a>,
     pub(super) values: &'v mut PartValues,
-    /// Destination of the residuals, with the row to begin at, and destination of the constraints' rows in `rows`.
+    /// Destination of the residuals, with their first row. Destination of the constraints' rows in `rows`.
     pub(super) into: Option<(&'v mut Linearisation, usize)>,
     pub(super) rows: Option<&'v mut Linearisation>,
 }
 
 /// A [`Reader`] without its number of coefficients in the type.
 pub(super) trait ReadStations: Send {
-    /// Makes ready to read poses of this design.
+    /// Prepares to read poses of this design.
     fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<f64>]);
     /// Visits the stations of a leg.
     fn visit(&mut self, visit: Visit<'_, '_>) -> Result<(), Infeasible>;
 }
 
-/// A reader of points' sensitivities, for the quantities that a layout reads.
+/// Makes a reader of the sensitivities to points, for the quantities that a layout reads.
 pub(super) fn reader(
     suspension: &Suspension,
     layout: &TargetLayout,
@@ -51,7 +51,7 @@ pub(super) fn reader(
     }
 }
 
-/// Reads values and gradients off poses. `N` coefficients of every series are known.
+/// Reads values and gradients from poses. Each series has `N` coefficients.
 pub(super) struct Reader<const N: usize> {
     pub(super) series: DesignSeries<N>,
     pub(super) slopes: Slopes<N>,
@@ -161,7 +161,7 @@ pub(super) struct Reading<'r, 'a, const N: usize> {
     pub(super) solver: &'r Solver<'a>,
     pub(super) motion: &'r MotionPoint<f64>,
     pub(super) point_rates: &'r [PointRate],
-    /// Needed if the measure is a force.
+    /// Required if the measure is a force.
     pub(super) moving: Option<&'r AlongVariables>,
 }
 
@@ -204,7 +204,7 @@ impl<const N: usize> Slopes<N> {
     }
 }
 
-/// The value of a measure along the motion; NaN of a force where nothing can carry the load.
+/// Value of a measure along the motion. NaN for a force if no member can carry the load.
 pub(super) fn read<const N: usize>(
     measure: &Measure,
     view: &WheelReading<N>,
@@ -226,12 +226,12 @@ pub(super) fn place_in_words(drive: Drive, value: f64) -> String {
     }
 }
 
-/// Converts the fault of a design that cannot be solved to the reason for having no residuals.
+/// Converts the fault of a design that cannot be solved into the reason for missing residuals.
 pub(super) fn refused(mechanism: &Mechanism) -> impl Fn(DesignFault) -> Infeasible {
     |fault| Infeasible::Refused(fault.describe(mechanism))
 }
 
-/// Reads the poses of a leg at some drive values, one after the other, until one cannot be.
+/// Reads the poses of a leg at some drive values in turn. Stops with an error at the first one without a pose.
 pub(super) fn read_poses<'a>(
     solver: &mut Solver<'a>,
     leg: &Leg,
@@ -260,8 +260,8 @@ pub(super) fn read_poses<'a>(
     failed.map_or(Ok(()), Err)
 }
 
-/// The error for a force that was `found` to be NaN: nothing can carry its load there. `None` for all other measures
-/// and values.
+/// Error for a force whose value `found` is NaN: no member can carry its load there. `None` for all other measures and
+/// values.
 pub(super) fn uncarried(
     measure: &Measure,
     found: f64,

@@ -1,47 +1,48 @@
-//! Residual of the optimality conditions, the measure of a minimum.
+//! Imbalance of the optimality conditions, which measures how close a point is to a minimum.
 //!
-//! At a minimum of f under rows c <= 0, levels and bounds, multipliers that are not negative balance the slope of f:
+//! At a minimum of f under rows c <= 0, levels and bounds, non-negative multipliers balance the slope of f:
 //!
 //! ```text
-//! g + sum_i m_i a_i = 0      g, a_i: gradients in half ranges of the variables, of f and of what binds       (1)
+//! g + sum_i m_i a_i = 0      g, a_i: gradients of f and of the binding constraints, in half ranges       (1)
 //! ```
 //!
-//! The residual is the largest component that is left of (1), relative to the larger of two sizes: the largest term of
-//! (1), and the largest slope that the squared residuals could have (largest pivot of their scaled Jacobian times their
-//! norm). It is 0 at a minimum and of order one elsewhere; a run has converged where it is below [`CONVERGED`].
+//! The residual is the largest component of the left side of (1), relative to the larger of two sizes. One is the largest
+//! term of (1). The other is the largest slope that the squared residuals could have: the largest pivot of their scaled
+//! Jacobian times their norm. It is 0 at a minimum and of order one elsewhere. A run has converged if it is below
+//! [`CONVERGED`].
 //!
-//! A slope is a sum of products, so it is never exactly zero. Residuals have the rounding [`Options::misfit_below`],
-//! and no method takes steps below its resolution of the variables. A slope that both can explain counts as zero.
+//! A slope is a sum of products, so it is never exactly zero. Residuals have the rounding [`Options::misfit_below`], and no
+//! method takes steps below its resolution of the variables. A slope that these two can explain counts as zero.
 //!
-//! Multipliers come from non-negative least squares: they leave the least of (1). Where gradients depend on one another
-//! several sets of multipliers do; the smallest is taken. At a kink a row has several gradients, and the same least
-//! squares over all of them yield the least-norm subgradient.
+//! Multipliers come from non-negative least squares, which minimise the left side of (1). If gradients depend on one
+//! another, several sets of multipliers do so; the smallest is taken. At a kink a row has several gradients, and the same
+//! least squares over all of them yield the least-norm subgradient.
 
 use super::{BoundedLeastSquares, Bounds, Linearisation, Options};
 use nalgebra::{DMatrix, DVector};
 
-/// A run has converged where the residual of the optimality conditions is below this.
+/// Residual of the optimality conditions below which a run has converged.
 pub(super) const CONVERGED: f64 = 1e-6;
-/// Damping of the least squares for multipliers, whose columns have length 1: gradients count as dependent where less
-/// than the root of this is outside of the others.
+/// Damping of the least squares for multipliers. Their columns have length 1. Gradients count as dependent if a part smaller
+/// than the root of this lies outside the span of the others.
 const DEPENDENT: f64 = 1e-18;
 
 /// Sizes that slopes are compared with.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
-    /// The largest slope that the squared residuals could have.
+    /// Largest slope that the squared residuals could have.
     steepest: f64,
-    /// A slope that is rounding.
+    /// Size of a slope that is only rounding.
     rounding: f64,
 }
 
 /// Squared residuals, in half ranges of the variables.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sizes {
-    /// Number of residuals and their norm.
+    /// Number of residuals, and their norm.
     pub residuals: usize,
     pub norm: f64,
-    /// The largest pivot of their scaled Jacobian, and its longest column.
+    /// Largest pivot of their scaled Jacobian, and its longest column.
     pub pivot: f64,
     pub longest: f64,
     /// Number of variables, and the shortest step of each.
@@ -50,7 +51,7 @@ pub(super) struct Sizes {
 }
 
 impl Scale {
-    /// The scale of half the squared residuals.
+    /// Scale of half the squared residuals.
     pub(super) fn new(of: Sizes) -> Self {
         let of_residuals = Options::default().misfit_below * (of.residuals as f64).sqrt();
         let of_variables = of.longest * of.resolution * (of.variables as f64).sqrt();
@@ -60,7 +61,7 @@ impl Scale {
         }
     }
 
-    /// The residual of the optimality conditions, from the remaining imbalance `left` and the largest term `most`.
+    /// Residual of the optimality conditions, from the remaining imbalance `left` and the largest term `most`.
     pub(super) fn residual(self, left: f64, most: f64) -> f64 {
         let size = most.max(self.steepest).max(f64::MIN_POSITIVE);
         match left.is_nan() {
@@ -70,8 +71,7 @@ impl Scale {
     }
 }
 
-/// The residual of the optimality conditions between bounds alone, where the scaled Jacobian has this largest pivot, in
-/// half ranges.
+/// Residual of the optimality conditions with bounds only. The largest pivot is that of the scaled Jacobian, in half ranges.
 pub(super) fn between_bounds(
     at: &Linearisation,
     x: &DVector<f64>,
@@ -96,7 +96,7 @@ pub(super) fn between_bounds(
         pivot,
         longest,
         variables: x.len(),
-        // In half ranges.
+        // Resolution in half ranges.
         resolution: 2.0 * Options::default().step_below,
     };
     Scale::new(sizes).residual(left, most)
@@ -110,22 +110,22 @@ pub(super) struct Pushes {
     is_free: Vec<bool>,
 }
 
-/// Multipliers that balance a slope best.
+/// Multipliers that balance a slope best, and the imbalance that remains.
 #[derive(Clone, Debug)]
 pub(super) struct Balance {
     pub residual: f64,
-    /// Push by push.
+    /// Multipliers in the order of the gradients.
     pub multipliers: Vec<f64>,
 }
 
 impl Pushes {
-    /// Adds the gradient of a row; `is_free` says that it must vanish.
+    /// Adds the gradient of a row. `is_free` is true for an equality, whose multiplier may have either sign.
     pub(super) fn add(&mut self, gradient: &[f64], is_free: bool) {
         self.gradients.extend_from_slice(gradient);
         self.is_free.push(is_free);
     }
 
-    /// The multipliers that leave the least of (1), the smallest of them.
+    /// Multipliers with the smallest left side of (1). If there are several sets, the smallest.
     pub(super) fn balance(&self, slope: &[f64], scale: Scale) -> Balance {
         let (n, count) = (slope.len(), self.is_free.len());
         let most = |of: &[f64]| of.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
@@ -172,7 +172,7 @@ mod tests {
     use super::*;
     use crate::optimise::test_problems::Noise;
 
-    /// The scale of one residual of size 1 with slopes of size 1.
+    /// Scale of one residual of size 1 with slopes of size 1.
     fn plain(variables: usize) -> Scale {
         Scale::new(Sizes {
             residuals: 1,
@@ -184,7 +184,7 @@ mod tests {
         })
     }
 
-    /// Slopes made of random gradients with known multipliers are balanced, and with the opposite signs they are not.
+    /// Slopes made from random gradients with known multipliers are balanced. With the opposite signs they are not.
     #[test]
     fn planted_multipliers_balance_and_those_of_the_wrong_sign_do_not() {
         let mut noise = Noise::new(11);
@@ -199,7 +199,7 @@ mod tests {
                     *slope -= multiplier * a;
                 }
                 pushes.add(&gradient, false);
-                // Every second row twice.
+                // Every second row appears twice.
                 if (round + row) % 2 == 0 {
                     pushes.add(&gradient, false);
                 }
@@ -223,7 +223,7 @@ mod tests {
         assert!(pushes.balance(&[-0.2, 1.0], scale).residual < 1e-12);
     }
 
-    /// A multiplier of two equal gradients is shared out evenly: it is not determined.
+    /// Two equal gradients get equal parts of their multiplier, which is not determined.
     #[test]
     fn equal_gradients_share_their_multiplier() {
         let mut pushes = Pushes::default();

@@ -1,4 +1,4 @@
-//! Student's distribution of a whole number of freedoms.
+//! Student's distribution with a whole number of degrees of freedom.
 
 use std::f64::consts::FRAC_2_PI;
 
@@ -9,14 +9,14 @@ pub(super) struct Student {
 }
 
 impl Student {
-    /// The distribution of at least one freedom.
+    /// Makes the distribution with this number of degrees of freedom, at least one.
     pub(super) fn new(freedoms: usize) -> Self {
         assert!(freedoms > 0, "a distribution has a freedom");
         Student { freedoms }
     }
 
-    /// The probability of a value above `t`, which is not negative: the finite series of M. Abramowitz and
-    /// I. A. Stegun, Handbook of mathematical functions, 26.7.3 and 26.7.4.
+    /// Probability of a value above `t` >= 0, by the finite series of M. Abramowitz and I. A. Stegun, Handbook of
+    /// mathematical functions, 26.7.3 and 26.7.4.
     pub(super) fn tail(&self, t: f64) -> f64 {
         let n = self.freedoms;
         let angle = (t / (n as f64).sqrt()).atan();
@@ -36,7 +36,7 @@ impl Student {
         0.5 * (1.0 - within)
     }
 
-    /// The value that is exceeded with this probability, which is below one half.
+    /// Value that is exceeded with this probability, which must be below one half.
     pub(super) fn quantile(&self, tail: f64) -> f64 {
         let mut high = 1.0;
         while self.tail(high) > tail && high < 1e9 {
@@ -46,7 +46,7 @@ impl Student {
     }
 }
 
-/// The place between `low` and `high` below which `is_below` holds, by bisection.
+/// Finds the place between `low` and `high` up to which `is_below` is true, by bisection.
 pub(super) fn root(mut low: f64, mut high: f64, is_below: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..60 {
         let middle = low.midpoint(high);

@@ -7,8 +7,8 @@
 use super::{Assessment, Constrained, Infeasible, LeastSquares, Linearisation, Shape};
 use nalgebra::DVector;
 
-/// A reproducible sequence of numbers in [-1, 1) (G. Steele, D. Lea, Ch. Flood, Fast splittable
-/// pseudorandom number generators, OOPSLA 2014).
+/// Reproducible pseudorandom numbers in [-1, 1) (G. Steele, D. Lea, Ch. Flood, Fast splittable pseudorandom number
+/// generators, OOPSLA 2014).
 pub(super) struct Noise(u64);
 
 impl Noise {
@@ -33,7 +33,7 @@ pub(super) fn vector(entries: &[f64]) -> DVector<f64> {
 /// Values with their gradients.
 pub(super) type Values = Vec<(f64, Vec<f64>)>;
 
-/// Each residual with its gradient, or the reason for their absence.
+/// Residuals with their gradients, or the reason for their absence.
 pub(super) type Rows = Result<Values, Infeasible>;
 
 /// Writes values with their gradients.
@@ -52,7 +52,7 @@ pub(super) struct Written<F> {
     rows: F,
 }
 
-/// The problem of a function that has residuals at this point.
+/// Makes the problem of a function that has residuals at this point.
 pub(super) fn written<F: Fn(&[f64]) -> Rows>(rows: F, at: &[f64]) -> Written<F> {
     Written {
         variables: at.len(),
@@ -97,7 +97,7 @@ impl<F: FnMut(&[f64]) -> [Values; 3]> Constrained for Stated<F> {
     }
 }
 
-/// The problem of a function that has values there, `level` being that of what it holds to one.
+/// Makes the problem of a function with a start point. `level` limits the second group of values.
 pub(super) fn stated<F: FnMut(&[f64]) -> [Values; 3]>(
     start: &[f64],
     equalities: usize,
@@ -122,8 +122,7 @@ pub(super) fn stated<F: FnMut(&[f64]) -> [Values; 3]>(
 
 pub(super) type Function = fn(&[f64]) -> Rows;
 
-/// A published problem: its start, its box (wide where it has none) and the least sum of squares
-/// reached from there.
+/// A published problem: its start, its box (wide if none is published) and the least sum of squares reached from there.
 pub(super) struct Published {
     pub name: &'static str,
     pub rows: Function,

@@ -1,4 +1,4 @@
-//! Claims about whole runs.
+//! Properties of whole runs.
 
 use super::test_problems::{
     Function, Noise, PUBLISHED, Rows, freudenstein_roth, rosenbrock, vector, written,
@@ -19,7 +19,7 @@ fn run(
     fit(0, problem, &bounds, &start, options, Control::default()).unwrap()
 }
 
-/// Options that leave only the end of all descent as a reason to stop.
+/// Options under which a run stops only at the end of all descent.
 fn to_the_end() -> Options {
     Options {
         misfit_below: 0.0,
@@ -32,8 +32,7 @@ fn sum_of_squares(fit: &Fit) -> f64 {
     fit.evaluation.residuals.norm_squared()
 }
 
-/// The largest violation of the Kuhn-Tucker conditions, as the cosine of the angle between the
-/// residuals and a column.
+/// Largest violation of the Kuhn-Tucker conditions, as the cosine of the angle between the residuals and a column.
 fn violation(fit: &Fit) -> f64 {
     let Linearisation {
         residuals,
@@ -77,7 +76,7 @@ fn val_published_minima_are_found() {
         if published.sum_of_squares == 0.0 {
             assert!(found < 1e-24, "{name}: {found:e}");
         } else {
-            // As many digits as are published.
+            // Compares all published digits.
             let off = (found - published.sum_of_squares).abs() / published.sum_of_squares;
             assert!(off < 5e-6, "{name}: {found:e}");
             assert!(violation(&fit) < 1e-6, "{name}: {:e}", violation(&fit));
@@ -85,8 +84,8 @@ fn val_published_minima_are_found() {
     }
 }
 
-/// Central differences with a step h of the cube root of rounding are off by some h^2 = 4e-11 times
-/// third derivatives, which here go up to a thousand.
+/// Central differences with a step h of the cube root of rounding have an error of about h^2 = 4e-11 times third
+/// derivatives. Third derivatives here go up to a thousand.
 #[test]
 fn derivatives_of_the_test_problems_are_right() {
     for published in PUBLISHED {
@@ -112,7 +111,7 @@ fn derivatives_of_the_test_problems_are_right() {
     }
 }
 
-/// The minimiser of problem 2 of Hock and Schittkowski in closed form.
+/// Minimiser of problem 2 of Hock and Schittkowski in closed form.
 #[test]
 fn val_a_bound_active_at_the_minimum_is_met_exactly() {
     let fit = run(
@@ -129,7 +128,7 @@ fn val_a_bound_active_at_the_minimum_is_met_exactly() {
     assert!((fit.x[0] - x).abs() < 1e-8, "{} {x}", fit.x[0]);
 }
 
-/// Near a zero of the residuals the misfit is squared in every iteration.
+/// Near a zero of the residuals, each iteration squares the misfit.
 #[test]
 fn zeros_are_approached_quadratically() {
     let fit = run(
@@ -148,7 +147,7 @@ fn zeros_are_approached_quadratically() {
     }
 }
 
-/// Residuals that see only the sum of the variables, through a curve.
+/// Residuals that depend nonlinearly on the sum of the variables alone.
 fn seen_by_its_sum(target: f64) -> impl Fn(&[f64]) -> Rows {
     move |x: &[f64]| {
         let sum = x[0] + x[1] + x[2];
@@ -163,7 +162,7 @@ fn seen_by_its_sum(target: f64) -> impl Fn(&[f64]) -> Rows {
 
 #[test]
 fn what_the_residuals_do_not_see_stays_where_it_is() {
-    // A zero of the residuals, and a minimum that is none.
+    // One case has a zero of the residuals, the other a minimum above zero.
     for target in [0.0, 1.0] {
         let start = [0.5, -0.1, 0.2];
         let fit = run(
@@ -174,7 +173,7 @@ fn what_the_residuals_do_not_see_stays_where_it_is() {
         );
         assert!(fit.termination.at_minimum(), "{}", fit.termination);
         assert!(fit.history.len() < 20, "{} iterations", fit.history.len());
-        // The move is along (1, 1, 1): equal ranges, equal moves.
+        // The move is along (1, 1, 1), because the ranges are equal.
         let moves: Vec<f64> = fit
             .x
             .iter()
@@ -188,8 +187,8 @@ fn what_the_residuals_do_not_see_stays_where_it_is() {
     }
 }
 
-/// A random linear map of rank 3 on 6 variables, with residuals that cannot vanish: rounding makes
-/// singular values out of nothing, and they must not move the design.
+/// A random linear map of rank 3 on 6 variables, with residuals that cannot be zero. Rounding makes tiny singular values,
+/// which must not move the design.
 #[test]
 fn rounding_does_not_move_a_rank_deficient_fit() {
     for seed in 0..20 {
@@ -211,7 +210,7 @@ fn rounding_does_not_move_a_rank_deficient_fit() {
                 .iter()
                 .all(|&hold| hold == ActiveBound::Free)
         );
-        // The part of the move that the rows of `right` do not span.
+        // Part of the move outside the span of the rows of `right`.
         let square = &right * right.transpose();
         let seen = right.transpose() * square.lu().solve(&(&right * &fit.x)).unwrap();
         let unseen = (&fit.x - seen).norm();
@@ -219,7 +218,7 @@ fn rounding_does_not_move_a_rank_deficient_fit() {
     }
 }
 
-/// Singular values over eight decades, a planted zero: every coordinate is found.
+/// With singular values over eight decades and a known zero, the run finds every coordinate.
 #[test]
 fn val_a_planted_design_is_found_through_weak_directions() {
     for seed in 0..10 {
@@ -234,7 +233,7 @@ fn val_a_planted_design_is_found_through_weak_directions() {
         let truth = planted.clone();
         let rows = move |x: &[f64]| {
             let move_ = DVector::from_column_slice(x) - &truth;
-            // Curved, so that it takes more than one step.
+            // The problem is curved, so that it takes more than one step.
             let curved = move_.map(|d| d + 3.0 * d * d);
             let slopes = move_.map(|d| 1.0 + 6.0 * d);
             let r = &a * curved;
@@ -257,7 +256,7 @@ fn val_a_planted_design_is_found_through_weak_directions() {
     }
 }
 
-/// Rosenbrock with no residuals right of a line through the valley, or beyond a parabola.
+/// Rosenbrock without residuals to the right of a line through the valley, or beyond a parabola.
 fn fenced(fence: fn(&[f64]) -> bool) -> impl Fn(&[f64]) -> Rows {
     move |x: &[f64]| match fence(x) {
         true => Err(Infeasible::Refused("beyond the fence".into())),
@@ -366,7 +365,7 @@ fn limits_and_interrupts_keep_what_is_reached() {
     assert_eq!(stopped.history, limited.history[..3]);
 }
 
-/// Costs never rise, whatever the problem; every minimum obeys the Kuhn-Tucker conditions.
+/// Costs never rise. Every minimum satisfies the Kuhn-Tucker conditions.
 #[test]
 fn random_bounded_problems_end_at_kuhn_tucker_points() {
     for seed in 0..60 {

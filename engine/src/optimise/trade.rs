@@ -1,26 +1,26 @@
-//! One goal lowered while others are held: towards the design, along a front, down a price list.
+//! Problems that lower one criterion while others are limited: smallest change, front, and price list.
 
 use super::constrained::{Assessment, Constrained, Shape};
 use super::{Bounds, Infeasible, Linearisation};
 use nalgebra::DVector;
 
-/// Something that is lowered or held to a level.
+/// A quantity that is lowered, or limited by a level.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Criterion {
-    /// Indices of the residuals it is about; `None` for the move from the design.
+    /// Indices of the residuals of the criterion; `None` for the move from the design.
     rows: Option<Vec<usize>>,
-    /// The norm of its residuals over its amount.
+    /// Ratio between the norm of its residuals and its amount.
     pub unit: f64,
 }
 
 impl Criterion {
-    /// The misfit of some residuals: `unit` times it is their norm.
+    /// Misfit of some residuals. Their norm is `unit` times the misfit.
     pub(super) fn misfit(rows: Vec<usize>, unit: f64) -> Self {
         let rows = Some(rows);
         Criterion { rows, unit }
     }
 
-    /// The move from the design: the root of the sum of its squares, each in its range and times its cost.
+    /// Move from the design: the root of the sum of squared moves, each relative to its range and times its cost.
     pub(super) fn movement() -> Self {
         Criterion {
             rows: None,
@@ -28,7 +28,7 @@ impl Criterion {
         }
     }
 
-    /// Indices of the residuals it is about; `None` for the move from the design.
+    /// Indices of the residuals of the criterion; `None` for the move from the design.
     pub(super) fn rows(&self) -> Option<&[usize]> {
         self.rows.as_deref()
     }
@@ -42,7 +42,7 @@ impl Criterion {
 #[derive(Clone, Debug)]
 pub(super) struct Distance<'a> {
     design: &'a DVector<f64>,
-    /// One over the range, times the root of the cost, by variable.
+    /// Weight by variable: one over the range, times the root of the cost.
     weights: DVector<f64>,
 }
 
@@ -56,7 +56,7 @@ impl<'a> Distance<'a> {
         }
     }
 
-    /// The distance of `x`.
+    /// Distance of `x` from the design.
     pub(super) fn of(&self, x: &DVector<f64>) -> f64 {
         (x - self.design).component_mul(&self.weights).norm()
     }
@@ -70,19 +70,19 @@ impl<'a> Distance<'a> {
     }
 }
 
-/// A problem of which one aim is lowered while others are held, under its own constraints.
+/// A problem in which one criterion is lowered while others are limited, under the problem's own constraints.
 pub(super) struct ConstrainedTrade<'a, P> {
     problem: P,
     distance: &'a Distance<'a>,
     lowered: &'a Criterion,
     held: Vec<(&'a Criterion, f64)>,
     assessment: Assessment,
-    /// The point at which `assessment` is known beforehand.
+    /// Point at which `assessment` is already known.
     known: Option<DVector<f64>>,
 }
 
 impl<'a, P: Constrained> ConstrainedTrade<'a, P> {
-    /// Lowers an aim; of those held the amounts.
+    /// Lowers criterion `lowered`. `held` gives the limited criteria and their amounts.
     pub(super) fn new(
         problem: P,
         distance: &'a Distance<'a>,
@@ -99,7 +99,7 @@ impl<'a, P: Constrained> ConstrainedTrade<'a, P> {
         }
     }
 
-    /// The trade with known residuals at a point `x`. Only for problems without rows of constraints.
+    /// Returns the trade with known residuals at a point `x`. Only for problems without rows of constraints.
     pub(super) fn knowing(mut self, x: &DVector<f64>, residuals: &Linearisation) -> Self {
         assert_eq!(
             self.assessment.rows.residuals.len(),

@@ -1,9 +1,9 @@
-//! Tuning a study: from its targets, constraints and variables to the design kept.
+//! Tuning of a study: from its targets, constraints and variables to the tuned design.
 //!
-//! Every start first lowers the misfit, until it is good enough or at a minimum. Let m be the misfit that is good
-//! enough; if the least misfit found is larger, let m be that misfit plus one hundredth. Every design with a misfit of
-//! at most m then moves back towards the study's own design, as far as m and the constraints allow. The nearest of them
-//! is kept. With `good_enough = 0` the design of least misfit is kept.
+//! Every start first lowers the misfit, until it is good enough or at a minimum. Let m be the good enough misfit. If the
+//! least misfit found is larger, let m be that misfit plus one hundredth. Every design with a misfit of at most m then moves
+//! back towards the study's own design, as far as m and the constraints allow. The nearest of these designs is the result.
+//! With `good_enough = 0` the result is the design of least misfit.
 
 use super::constrained::{KEPT, constrained_fit};
 use super::fixed::moves;
@@ -25,31 +25,31 @@ use crate::study::{Optimise, RobustAim, Vehicle};
 use crate::threads::on_large_stacks;
 use nalgebra::DVector;
 
-/// A direction in which a move across the whole range changes the misfit by less than this (in
-/// tolerances) is one that the targets do not see.
+/// Change of the misfit, in tolerances, for a move across the whole range. Below it, a direction counts as one that leaves
+/// the targets unchanged.
 const UNSEEN: f64 = 0.01;
-/// Prices that differ by less than this share of them are the same.
+/// Relative difference up to which prices count as equal.
 const SAME_PRICE: f64 = 0.05;
-/// The most directions that targets do not see that are tried out.
+/// Largest number of directions without effect that the tuning tests by moving along them.
 const TRIED_OUT: usize = 8;
 
-/// The result of a tuning.
+/// Result of a tuning.
 #[derive(Clone, Debug)]
 pub struct Tuning {
-    /// Misfit and deviations of the design the study gives, or why it has none.
+    /// Misfit and deviations of the study's own design, or the reason why it has none.
     pub before: Result<Fulfilment, Infeasible>,
-    /// Every start, and the best.
+    /// All starts, and the index of the best.
     pub starts: Multistart,
-    /// The best design, if any start succeeded.
+    /// Best design. `None` if no start succeeded.
     pub best: Option<Best>,
-    /// Targets that are missed and that no variable moves.
+    /// Indices of targets that are missed and that no variable moves.
     pub unmoved: Vec<usize>,
-    /// Constraints that are violated by rows that no variable moves, by number: they stay as they are.
+    /// Indices of constraints that are violated by rows that no variable moves. The tuning cannot change them.
     pub unmoved_constraints: Vec<usize>,
-    /// Constraints that exclude one another, by number: none of them could be left out. Empty where all can
-    /// be kept.
+    /// Indices of constraints that exclude one another. Without any one of them the rest could be satisfied. Empty if all
+    /// can be satisfied together.
     pub contradiction: Vec<usize>,
-    /// The yield that a tuning towards the yield expects, or why builds have none; `None` for all other tunings.
+    /// Expected yield of a tuning for yield, or the reason why builds have none. `None` for all other tunings.
     pub expected_yield: Option<Result<ExpectedYield, Infeasible>>,
 }
 
@@ -62,21 +62,21 @@ pub struct Fulfilment {
     pub targets: Vec<Deviation>,
 }
 
-/// The best design found.
+/// Best design found.
 #[derive(Clone, Debug)]
 pub struct Best {
     /// Offsets of the variables, in the study's axes.
     pub offsets: Vec<f64>,
-    /// Tuned hardpoints in the kernel's frame, in the order of the suspension's. The study of this design is
+    /// Tuned hardpoints in the kernel's frame, in the order of the suspension's hardpoints. The study of this design is
     /// [`Study::at_design`](crate::study::Study::at_design).
     pub design: Vec<Vector3<f64>>,
     /// Deviations from the targets.
     pub after: Fulfilment,
-    /// Directions of the variables that the targets determine at that design.
+    /// Directions of the variables that the targets determine at this design.
     pub identifiability: Identifiability,
     /// Outcome for each constraint.
     pub constraints: Vec<ConstraintOutcome>,
-    /// Standard errors of the variables; only if the targets are measurements.
+    /// Standard errors of the variables. Only present if the targets are measurements.
     pub errors: Option<StandardErrors>,
 }
 
@@ -85,27 +85,27 @@ pub struct Best {
 pub struct ConstraintOutcome {
     /// Margin to the nearest limit, in the constraint's unit; negative if it is violated.
     pub room: f64,
-    /// Drive value of the station with the least margin, or next to it; `None` if the constraint does not change
+    /// Drive value of the station with the least margin, or of the extreme near it. `None` if the constraint does not change
     /// along the motion.
     pub at: Option<f64>,
     /// Price of its limits.
     pub price: Price,
 }
 
-/// Reduction of the misfit, in tolerances, if a limit were one unit further.
+/// Reduction of the misfit, in tolerances, if a limit moves outwards by one unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Price {
-    /// The limit does not bind, or the misfit is good enough anyway.
+    /// The limit does not bind, or the misfit is good enough despite the limit.
     Nothing,
-    /// Tolerances per unit of the constraint.
+    /// Price in tolerances per unit of the constraint.
     PerUnit(f64),
-    /// The limit binds together with others whose gradients depend on one another: their shares of the price are not
+    /// The limit binds together with others, and their gradients are linearly dependent. Their shares of the price are not
     /// determined.
     NotDetermined,
 }
 
 impl Price {
-    /// Tolerances per unit of the constraint, if there is a price and it is determined.
+    /// Price in tolerances per unit of the constraint. `None` if there is no price or if it is not determined.
     pub fn per_unit(self) -> Option<f64> {
         match self {
             Price::PerUnit(price) => Some(price),
@@ -114,13 +114,13 @@ impl Price {
     }
 }
 
-/// Tunes a wheel or an axle. Errors if the design itself cannot be solved.
+/// Tunes a wheel or an axle. An error says why the design itself cannot be solved.
 pub fn tune(
     vehicle: &Vehicle,
     optimise: &Optimise,
     control: Control<'_>,
 ) -> Result<Tuning, DesignFault> {
-    // Each start is one piece of work; all of them use as many threads as the caller's pool has.
+    // Each start is one task. The tuning uses at most as many threads as the caller's pool has.
     let starts = optimise.starts.max(STARTS_BEFORE_REFUSAL);
     let threads = starts.min(rayon::current_num_threads());
     on_large_stacks(threads, || match &optimise.scatter {
@@ -134,10 +134,10 @@ pub fn tune(
     })
 }
 
-/// A requested tuning.
+/// Inputs and workspace of a requested tuning.
 pub(super) struct TuningRequest<'a> {
     vehicle: &'a Vehicle,
-    /// The suspension as `Assembler` extends it (with a spindle point); only for a robust tuning.
+    /// Suspension as `Assembler` extends it (with a spindle point). Only for a robust tuning.
     assembled: Option<Suspension>,
     optimise: &'a Optimise,
     pub layout: TargetLayout,
@@ -180,7 +180,7 @@ impl<'a> Tuner<'a> {
     pub(super) fn new(asked: &'a TuningRequest<'a>) -> Result<Self, DesignFault> {
         let (suspension, optimise) = (asked.vehicle.wheel(), asked.optimise);
         let ranges: Vec<[f64; 2]> = optimise.variables.iter().map(|v| v.range).collect();
-        // Accepted here, the design is accepted from every start.
+        // An error here would occur in every start, because all of them use this design.
         let plain = Objective::new(suspension, &optimise.variables, &asked.layout)?;
         let is_plain = asked.assembled.is_none();
         Ok(Tuner {
@@ -256,7 +256,7 @@ impl<'a> Tuner<'a> {
         })
     }
 
-    /// Puts the end of a search for the largest yield in the place of the best start's end.
+    /// Replaces the end of the best start by the end of a search for the largest yield.
     pub(super) fn keep(&self, tuning: &mut Tuning, found: &ConstrainedFit) {
         let mut problem = self.problem();
         let shape = problem.shape();
@@ -282,7 +282,7 @@ impl<'a> Tuner<'a> {
         if let Some(state) = &mut fit.constraints {
             state.violation = assessment.violation(shape.equalities, &[]);
             state.values = assessment.rows.residuals;
-            // Prices are of misfits.
+            // Prices concern misfits, so a search for yield has none.
             (state.multipliers, state.alternatives) = (None, None);
         }
         fit.evaluation = assessment.goal;
@@ -290,19 +290,19 @@ impl<'a> Tuner<'a> {
         tuning.best = Some(self.best(&fit));
     }
 
-    /// The move from the design in fractions of the ranges, weighed by the costs.
+    /// Move from the design in fractions of the ranges, weighted with the costs.
     pub(super) fn distance(&self) -> Distance<'_> {
         let costs: Vec<f64> = self.optimise.variables.iter().map(|v| v.cost).collect();
         Distance::new(&self.design, &self.bounds, &costs)
     }
 
-    /// The misfit of all targets.
+    /// Criterion for the misfit of all targets.
     pub(super) fn all_targets(&self) -> Criterion {
         let rows = self.layout.residuals();
         Criterion::misfit((0..rows).collect(), (rows as f64).sqrt())
     }
 
-    /// The options that say when a run ends.
+    /// Options for the end of a run.
     pub(super) fn options(&self) -> Options {
         Options {
             max_iterations: self.optimise.max_iterations,
@@ -311,7 +311,7 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    /// The hardpoints at `x`.
+    /// Hardpoints at `x`.
     pub(super) fn moved_design(&self, x: &DVector<f64>) -> Vec<Vector3<f64>> {
         let Suspension { design, frame, .. } = self.suspension;
         let mut moved = design.clone();
@@ -384,7 +384,7 @@ impl<'a> Tuner<'a> {
                     at = self.layout.place_of(label);
                 }
                 visible = self.layout.visible(row);
-                // A limit with margin costs nothing.
+                // Limits with margin have no price.
                 if self.layout.violation(row, value) >= -KEPT && state.movable[row] {
                     let of = |m: &Option<Vec<f64>>| m.as_ref().map(|m| m[row].abs());
                     let first = of(&state.multipliers).unwrap_or(0.0);
@@ -407,7 +407,7 @@ impl<'a> Tuner<'a> {
         constraints.map(outcome).collect()
     }
 
-    /// Constraints with a row that is violated and that no variable moves.
+    /// Indices of constraints with a violated row that no variable moves.
     fn unmoved_constraints(&self, fit: &Fit) -> Vec<usize> {
         let Some(state) = &fit.constraints else {
             return Vec::new();
@@ -421,7 +421,7 @@ impl<'a> Tuner<'a> {
         missed
     }
 
-    /// Targets that are missed and that no variable moves, anywhere they were looked at.
+    /// Indices of targets that are missed and that no variable moves at any of the evaluated points.
     fn unmoved(&self, best: &Best, seen: &[&Linearisation]) -> Vec<usize> {
         let of = self.layout.targets_of_rows();
         let moves = |evaluation: &Linearisation, row: usize| moves(evaluation, row, &self.bounds);
@@ -437,8 +437,8 @@ impl<'a> Tuner<'a> {
             .collect()
     }
 
-    /// A smallest set of constraints that cannot be kept together: of those to blame where runs ended, one
-    /// after the other is left out as long as the rest still cannot be kept.
+    /// Finds a smallest set of constraints that cannot be satisfied together. It starts with all constraints that the runs
+    /// blame, and removes one after the other as long as the rest still cannot be satisfied.
     fn contradiction(&self, starts: &Multistart) -> Vec<usize> {
         let mut blamed: Vec<usize> = Vec::new();
         for state in fits(&starts.starts).filter_map(|(_, fit)| fit.constraints.as_ref()) {
@@ -451,7 +451,7 @@ impl<'a> Tuner<'a> {
         blamed.sort_unstable();
         blamed.dedup();
         if blamed.is_empty() || self.can_be_kept(&blamed, starts) {
-            // Together with all the others only.
+            // The blamed constraints conflict only together with all the others.
             blamed = (0..self.optimise.constraints.len()).collect();
             if blamed.len() > 12 || self.can_be_kept(&blamed, starts) {
                 return Vec::new();
@@ -466,14 +466,14 @@ impl<'a> Tuner<'a> {
         blamed
     }
 
-    /// Returns true if some start ends with these constraints kept.
+    /// Returns true if some start ends with these constraints satisfied.
     fn can_be_kept(&self, constraints: &[usize], starts: &Multistart) -> bool {
         let some = Optimise {
             constraints: constraints
                 .iter()
                 .map(|c| self.optimise.constraints[*c].clone())
                 .collect(),
-            // Constraints are on the drawing.
+            // Constraints apply to the nominal design.
             scatter: None,
             ..self.optimise.clone()
         };
@@ -487,7 +487,7 @@ impl<'a> Tuner<'a> {
             };
             let options = Options::default();
             let fit = constrained_fit(0, problem, &self.bounds, &start.x, &options, control);
-            // A run that was interrupted says nothing.
+            // An interrupted run proves nothing.
             fit.is_ok_and(|fit| fit.is_feasible() || fit.termination == Termination::Interrupted)
         })
     }

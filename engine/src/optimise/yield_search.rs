@@ -1,7 +1,7 @@
-//! Robust tuning towards the yield: the share of builds that keep every band.
+//! Robust tuning for yield: the share of builds that keep every band.
 //!
-//! A build keeps its bands if every value q lies between its limits. The share of such builds is a step function of
-//! the variables, without slopes. A smooth surrogate takes its place. With tau a width for each band,
+//! A build keeps its bands if every value q lies between its limits. The share of such builds is a step function of the
+//! variables, without slopes. The search uses a smooth surrogate instead. With a width tau for each band,
 //!
 //! ```text
 //! h = max(0, q - (upper - tau), (lower + tau) - q) / tau               for each value of a build      (1)
@@ -9,21 +9,23 @@
 //! surrogate = mean over the builds of 1/(1 + H)                                                       (3)
 //! ```
 //!
-//! A value at its limit has h = 1, so a build with one such value counts half. As tau goes to 0, (3) becomes the share
-//! of builds within all bands. Least squares minimise 1 - (3) with one residual for each build:
+//! A value at its limit has h = 1, so a build with one such value counts half. As tau goes to 0, (3) becomes the share of
+//! builds within all bands. Least squares minimise 1 - (3) with one residual for each build:
 //!
 //! ```text
 //! r = sqrt(H/(1 + H)),     dr = (sum h dh) / (sqrt(H) (1 + H)^(3/2)),     r = dr = 0 where H = 0      (4)
 //! ```
 //!
-//! If most builds are far outside, (3) is flat. Then a first step lowers the mean of H itself: r = sqrt(H)
-//! (5)
+//! If most builds are far outside, (3) is flat. Then a first step lowers the mean of H itself, with the residuals
 //!
-//! tau is a share of the standard deviation of the band's values over the builds, at most a quarter of the band. The
-//! search starts at the optimum without scatter, with wide tau, and narrows it ([`WIDTHS`]). [`JUDGED`] further
-//! builds, which the search has not seen, judge each end. The end with the most builds within all bands is kept. The
-//! optimum without scatter is one of the ends. So the yield can fall below that optimum's yield only by the chance of
-//! the sample.
+//! ```text
+//! r = sqrt(H)                                                                                         (5)
+//! ```
+//!
+//! tau is a share of the standard deviation of the band's values over the builds, at most a quarter of the band. The search
+//! starts at the optimum without scatter, with wide tau, and narrows it ([`WIDTHS`]). [`JUDGED`] further builds, which the
+//! search has not seen, judge each end. The end with the most builds within all bands is kept. The optimum without scatter
+//! is one of the ends. So the yield can fall below that optimum's yield only by the chance of the sample.
 
 use super::constrained::{Assessment, Constrained, Shape, constrained_fit};
 use super::station_reader::refused;
@@ -45,25 +47,26 @@ const WIDTHS: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
 const WIDEST: f64 = 0.25;
 /// Share of builds within all bands below which the search first lowers their distance from the bands.
 const FEW: f64 = 0.5;
-/// Builds that judge the ends of the search.
+/// Number of builds that judge the ends of the search.
 const JUDGED: usize = 1 << 16;
-/// Builds whose designs are held in memory at once.
+/// Number of builds whose designs are in memory at once.
 const AT_ONCE: usize = 1 << 12;
 
-/// The yield that a robust tuning expects.
+/// Expected yield of a robust tuning.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExpectedYield {
-    /// Offsets of the optimum without scatter, at which the search began.
+    /// Offsets of the optimum without scatter, where the search started.
     pub plain: Vec<f64>,
-    /// Builds that the surrogate was raised over.
+    /// Number of builds in the surrogate.
     pub builds: usize,
-    /// The surrogate at the kept design.
+    /// Value of the surrogate at the kept design.
     pub surrogate: f64,
-    /// Share of the further builds that keep all bands: of the optimum without scatter, and of the kept design.
+    /// Shares of the further builds within all bands: [optimum without scatter, kept design].
     pub judged: [f64; 2],
     /// Number of the further builds.
     pub judged_builds: usize,
-    /// True if no end of the search keeps more builds in the bands than the optimum without scatter, which is kept then.
+    /// True if no end of the search has more builds within the bands than the optimum without scatter. The latter is then
+    /// kept.
     pub keeps_plain: bool,
 }
 
@@ -79,16 +82,16 @@ struct YieldSearch<'a> {
     control: Control<'a>,
 }
 
-/// The end of a search.
+/// End of a search.
 struct Found {
-    /// The run that ended at the kept design; `None` if the optimum without scatter is kept.
+    /// Run that ended at the kept design. `None` if the optimum without scatter is kept.
     fit: Option<ConstrainedFit>,
     /// Expected yield.
     expected: ExpectedYield,
 }
 
 impl<'a> YieldSearch<'a> {
-    /// A search with the variables and constraints of a tuning.
+    /// Makes a search with the variables and constraints of a tuning.
     fn new(
         vehicle: &'a Vehicle,
         optimise: &'a Optimise,
@@ -109,7 +112,7 @@ impl<'a> YieldSearch<'a> {
         })
     }
 
-    /// Raises the yield from the optimum without scatter. Errors if a build of that optimum has no values.
+    /// Raises the yield from the optimum without scatter. An error says why a build of that optimum has no values.
     fn run(&self, plain: &DVector<f64>) -> Result<Found, Infeasible> {
         let sigmas = self.sigmas(plain)?;
         let plain_share = self.share(plain)?;
@@ -149,7 +152,7 @@ impl<'a> YieldSearch<'a> {
         })
     }
 
-    /// The value of (3) at a design.
+    /// Value of (3) at a design.
     fn surrogate(&self, x: &DVector<f64>, widths: &[f64]) -> Result<f64, Infeasible> {
         let goals = self.goals(self.smoothed(widths), self.scatter);
         let layout = TargetLayout::of(&goals, self.vehicle);
@@ -160,7 +163,8 @@ impl<'a> YieldSearch<'a> {
         Ok(1.0 - outside / self.scatter.builds as f64)
     }
 
-    /// The bands as targets with limits moved inwards by the widths, which are their tolerances: residuals are (1).
+    /// The bands as targets. Limits move inwards by the widths, and the widths are the tolerances, so that residuals are
+    /// (1).
     fn smoothed(&self, widths: &[f64]) -> Vec<Target> {
         let target = |(band, width): (&Band, &f64)| {
             let [low, high] = band.between;
@@ -173,11 +177,11 @@ impl<'a> YieldSearch<'a> {
         self.bands.iter().zip(widths).map(target).collect()
     }
 
-    /// A band as a target; with `between` of one value, residuals are distances from it.
+    /// A band as a target. If `between` has two equal values, residuals are distances from this value.
     fn target(&self, band: &Band, between: [f64; 2], tolerance: f64) -> Target {
         let limit = |value: f64| value.is_finite().then_some(Limit::Value(value));
         let motion = self.vehicle.motion();
-        // Without a place a band holds everywhere in the motion.
+        // A band without `at` applies to the whole motion.
         let racks = match band.at {
             None if motion.rack_moves => motion.rack.clone(),
             _ => Vec::new(),
@@ -199,8 +203,8 @@ impl<'a> YieldSearch<'a> {
         }
     }
 
-    /// The tuning of some builds towards some targets. Every residual weighs the same: a share of 1 follows from a weight
-    /// that is the number of the target's residuals.
+    /// Tuning of some builds towards some targets, in which all residuals have the same weight. For this, the weight of a
+    /// target is its number of residuals.
     fn goals(&self, targets: Vec<Target>, scatter: &Scatter) -> Optimise {
         let mut goals = Optimise {
             targets,
@@ -215,7 +219,7 @@ impl<'a> YieldSearch<'a> {
         goals
     }
 
-    /// The problem of the search's builds.
+    /// Makes the problem of the search's builds.
     fn problem<'o>(
         &'o self,
         goals: &'o Optimise,
@@ -230,7 +234,7 @@ impl<'a> YieldSearch<'a> {
         SmoothYield::new(builds, residual)
     }
 
-    /// Standard deviations of the values of each band over the builds: the root mean square of those at its stations.
+    /// Standard deviations of the values of each band over the builds: root mean square over its stations.
     fn sigmas(&self, x: &DVector<f64>) -> Result<Vec<f64>, Infeasible> {
         let values: Vec<Target> = self
             .bands
@@ -256,7 +260,7 @@ impl<'a> YieldSearch<'a> {
         Ok((0..self.bands.len()).map(sigma).collect())
     }
 
-    /// The share of further builds that keep all bands.
+    /// Share of further builds within all bands.
     fn share(&self, x: &DVector<f64>) -> Result<f64, Infeasible> {
         let bands: Vec<Target> = self
             .bands
@@ -273,7 +277,7 @@ impl<'a> YieldSearch<'a> {
             if self.control.is_interrupted() {
                 return Err(Infeasible::Refused("interrupted".to_owned()));
             }
-            // A seed of its own for each part.
+            // Each part of the builds has its own seed.
             further.seed = self.scatter.seed.wrapping_add(1 + part as u32);
             let found = self.values(&layout, &further, x)?;
             let builds = found.as_slice().chunks_exact(found.len() / AT_ONCE);
@@ -282,7 +286,7 @@ impl<'a> YieldSearch<'a> {
         Ok(inside as f64 / JUDGED as f64)
     }
 
-    /// The residuals of builds at a design, without derivatives.
+    /// Residuals of builds at a design, without derivatives.
     fn values(
         &self,
         layout: &TargetLayout,
@@ -304,20 +308,20 @@ impl<'a> YieldSearch<'a> {
     }
 }
 
-/// The residual of a build.
+/// Form of the residual of a build.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Residual {
-    /// The residual of (4).
+    /// Residual (4).
     Share,
-    /// The residual of (5).
+    /// Residual (5).
     Distance,
 }
 
-/// The problem (4) or (5).
+/// Problem with the residuals (4) or (5).
 struct SmoothYield<'a> {
     residual: Residual,
     builds: Objective<'a>,
-    /// The values h of all builds.
+    /// Values h of all builds.
     values: Linearisation,
     count: usize,
 }

@@ -1,4 +1,4 @@
-//! Effects that a study may request: on or off, the reason, and the cost of each.
+//! Effects that a study may request: whether each is on, the reason, and its cost.
 
 use super::Plan;
 use crate::characteristics::{Quantity, Slot};
@@ -6,7 +6,7 @@ use crate::model::{RockerId, Spring, SteeringAxis};
 use crate::solve::has_closed_form;
 use crate::study::{Order, Study, TimeLaw};
 
-/// Something that can be computed with a pose.
+/// A result that can be computed with a pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effect {
     /// Name of the effect.
@@ -17,38 +17,38 @@ pub struct Effect {
     pub what: String,
     /// Reason in the study that turned it on; empty if it is off.
     pub because: String,
-    /// Estimated cost relative to the position alone: 0.5 makes a run half as long again. Zero if the effect is off, whatever
-    /// else is on.
+    /// Estimated cost relative to the position alone: 0.5 makes a run 1.5 times as long. Zero if the effect is off. The
+    /// other effects do not change it.
     pub cost: f64,
 }
 
-/// Costs of effects per pose, relative to a pose from the closed form of a strut, as `hardpoint bench effects` measured them.
+/// Costs of effects per pose, relative to a pose from the closed form of a strut, measured with `hardpoint bench effects`.
 /// They hold within a factor of two, because they depend on the machine and the topology.
 mod cost {
-    /// Six equations solved instead of the closed form.
+    /// Iterative solution of six equations in place of the closed form.
     pub(super) const ITERATED_POSE: f64 = 7.0;
-    /// Factorising the Jacobian of a pose that the closed form gave.
+    /// Factorisation of the Jacobian of a pose from the closed form.
     pub(super) const FACTORS: f64 = 0.8;
-    /// The first, second and third coefficient of the power series, and the outputs on it.
+    /// First, second and third coefficient of the power series, with the outputs that read them.
     pub(super) const DERIVATIVES: [f64; 3] = [0.5, 2.1, 3.0];
-    /// One output's gradient by all hardpoints, for each coefficient of its series.
+    /// Gradient of one output by all hardpoints, for each coefficient of its series.
     pub(super) const GRADIENT: f64 = 2.2;
-    /// The same gradient if only one equation of six has to be differentiated.
+    /// The same gradient if only one of six equations has to be differentiated.
     pub(super) const LEAST_GRADIENT: f64 = 1.2;
-    /// The steering axis as an instantaneous one.
+    /// Instantaneous steering axis.
     pub(super) const SCREW_AXIS: f64 = 0.6;
-    /// The turn of a rocker, for each coefficient of its series: by its count of operations, not measured.
+    /// Rotation of a rocker, for each coefficient of its series. Estimated from its number of operations, not measured.
     pub(super) const ROCKER: f64 = 0.1;
-    /// Factorising the equations of a pose with its support.
+    /// Factorisation of the equations of a pose with the support of its loads.
     pub(super) const BALANCE: f64 = 0.8;
-    /// One load and its path through the links.
+    /// One load and its forces in the links.
     pub(super) const LOAD: f64 = 0.3;
-    /// Proving the pose and the step to it on intervals.
+    /// Interval proof of the pose and of the step to it.
     pub(super) const CERTIFICATE: f64 = 1000.0;
 }
 
 impl Effect {
-    /// An effect with its description, reason and cost; off if `found` is `None`.
+    /// An effect with its description, reason and cost. It is off if `found` is `None`.
     fn of(name: &'static str, found: Option<(String, String, f64)>) -> Effect {
         let on = found.is_some();
         let (what, because, cost) = found.unwrap_or_default();
@@ -62,7 +62,7 @@ impl Effect {
     }
 }
 
-/// The text at a path of keys, with its line.
+/// Adds to a text the line on which a path of keys is written.
 fn written(study: &Study, path: &[&str], text: &str) -> String {
     match study.line_of(path) {
         Some(line) => format!("{text} (line {line})"),
@@ -71,7 +71,7 @@ fn written(study: &Study, path: &[&str], text: &str) -> String {
 }
 
 impl Plan {
-    /// Every effect that the program knows, in the order in which they build on each other. `study` is the study of the plan.
+    /// All effects that the program knows, in the order in which they build on each other. `study` is the study of the plan.
     pub fn effects(&self, study: &Study) -> Vec<Effect> {
         let written = |path: &[&str], text: &str| written(study, path, text);
         let mechanism = &study.wheel().mechanism;
@@ -160,7 +160,7 @@ impl Plan {
             )
         };
         effects.push(Effect::of("certificate", self.certify.then(certificate)));
-        // Costs are in poses of this topology.
+        // Converts the costs to poses of this topology.
         if !has_closed_form(mechanism) {
             let per_pose = |e: &&mut Effect| e.name != "position" && e.name != "rack";
             for effect in effects.iter_mut().filter(per_pose) {
@@ -170,7 +170,7 @@ impl Plan {
         effects
     }
 
-    /// Description, reason and cost of a rocker (of the spring or the anti-roll bar) if a requested quantity moves with it.
+    /// Description, reason and cost of a rocker (of the spring or the anti-roll bar), if a requested quantity depends on it.
     fn rocker(&self, study: &Study, id: RockerId) -> Option<(String, String, f64)> {
         let mechanism = &study.wheel().mechanism;
         let moves = |direct: &RockerId| {
@@ -203,7 +203,7 @@ impl Plan {
         Some((what, because, cost::ROCKER * self.coefficients as f64))
     }
 
-    /// The derivatives of a pose by the drive.
+    /// Derivatives of a pose by the drive.
     fn derivatives(&self, study: &Study) -> [Effect; 3] {
         let order = study
             .one_wheel()
@@ -216,7 +216,7 @@ impl Plan {
                     let key = format!("outputs.order = \"{}\"", order.name());
                     written(study, &["outputs", "order"], &key)
                 } else {
-                    // A quantity made of velocities takes one derivative more than the reported order.
+                    // A quantity made of velocities needs one derivative more than the reported order.
                     let of_velocities = self
                         .outputs
                         .iter()
@@ -251,7 +251,7 @@ impl Plan {
         let passes: usize = self.outputs.iter().map(|o| self.adjoints(o.quantity)).sum();
         let share = (points.len() as f64 / mechanism.points.len() as f64).min(1.0);
         let each = cost::LEAST_GRADIENT + (cost::GRADIENT - cost::LEAST_GRADIENT) * share;
-        // Newton's method has left them behind.
+        // Newton's method has already computed the factors.
         let factors = match has_closed_form(mechanism) {
             true => cost::FACTORS,
             false => 0.0,
@@ -274,7 +274,7 @@ impl Plan {
         ))
     }
 
-    /// Adjoint passes that the gradients of an output take.
+    /// Number of adjoint passes for the gradients of an output.
     fn adjoints(&self, quantity: Quantity) -> usize {
         match quantity.rate_order() {
             0 => 1,

@@ -10,7 +10,7 @@ use crate::mechanism::DesignFault;
 use crate::model::Side;
 use crate::study::{AxleStudy, Optimise, Study};
 
-/// Names of the quantities that are compared besides the study's outputs.
+/// Names of the quantities that are compared in addition to the study's outputs.
 const COMPARED: [&str; 10] = [
     "camber",
     "toe",
@@ -67,7 +67,7 @@ pub(super) fn observe(study: &Study, both: &AxleStudy) -> Result<Observed, Desig
     })
 }
 
-/// Returns true if a target of a quantity is about a column.
+/// Returns true if a target for a quantity also counts for a column.
 fn is_about(quantity: Quantity, column: &AxleColumn) -> bool {
     match (quantity, column.quantity()) {
         (Quantity::Corner(side, gain), Some(Quantity::Corner(own, of)))
@@ -79,14 +79,14 @@ fn is_about(quantity: Quantity, column: &AxleColumn) -> bool {
     }
 }
 
-/// The study's plan without derivatives, with the compared quantities that the axle has.
+/// Plan of the study without derivatives, with those compared quantities that the axle has.
 fn plan(both: &AxleStudy) -> AxlePlan {
     let mut plan = AxlePlan {
         derivatives: 0,
         ..both.plan.values_alone()
     };
     for quantity in COMPARED.into_iter().flat_map(Quantity::named) {
-        // The roll steer of the axle stands for that of its wheels.
+        // The roll steer of the axle represents that of its wheels.
         let is_double = matches!(quantity, Quantity::Wheel(..));
         if !is_double && both.axle.has(quantity) && !plan.quantities.contains(&quantity) {
             plan.quantities.push(quantity);
@@ -95,7 +95,7 @@ fn plan(both: &AxleStudy) -> AxlePlan {
     plan
 }
 
-/// The coordinates of a motion. The rack stands for the steering wheel.
+/// Coordinates of a motion. The rack represents the steering wheel.
 fn coordinates(plan: &AxlePlan) -> Vec<Coordinate> {
     let mut motion = plan.motion.clone();
     let all = Coordinate::ALL.into_iter();
@@ -132,7 +132,7 @@ fn stations(
     stations.map(station).collect()
 }
 
-/// The series of a column, without its values; `None` if it is not compared.
+/// Series of a column, without its values. `None` if it is not compared.
 fn series_of(column: &AxleColumn, stations: &[Station], study: &Study) -> Option<Series> {
     let length = study.wheel().length_unit;
     let new = |name: &str, unit: Unit| Series::new(name, unit, length, stations);
@@ -152,7 +152,7 @@ fn series_of(column: &AxleColumn, stations: &[Station], study: &Study) -> Option
                     _ => name,
                 },
                 wheel: wheel.map(Side::name),
-                // In roll the lines of both wheels become parallel, and the kinematic roll centre moves without bounds.
+                // In roll the normals of both wheels become parallel, and the kinematic roll centre moves without bounds.
                 tolerance: series
                     .tolerance
                     .filter(|_| *quantity != Quantity::Axle(AxleQuantity::RollCentreHeight)),
@@ -161,7 +161,7 @@ fn series_of(column: &AxleColumn, stations: &[Station], study: &Study) -> Option
         }
         Of::Point { id, name, .. } => {
             let variables = study.optimise.iter().flat_map(|o: &Optimise| &o.variables);
-            // A variable is there to move its points.
+            // A variable moves these points on purpose.
             if variables.flat_map(|v| v.points()).any(|p| p == *id) {
                 return None;
             }

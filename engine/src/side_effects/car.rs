@@ -1,8 +1,8 @@
-//! Side effects of a tuned car: results of its load cases, and curves of each axle by itself.
+//! Side effects of a tuned car: results of its load cases, and curves of each axle alone.
 //!
-//! The load cases are the stations of one comparison; their coordinates are accelerations, speed and steering. So by (2) the
-//! change that a target asks for in one case is taken off in the others. An axle that the tuning has changed is compared over
-//! the motions of its own study, too.
+//! The load cases are the stations of one comparison. Their coordinates are accelerations, speed and steering. So by (2) the
+//! change that a target asks for in one case is subtracted in the others. An axle that the tuning has changed is also
+//! compared over the motions of its own study.
 
 use super::comparison::{RequestedChanges, compare};
 use super::observed::{Grid, Observed, Series, Station};
@@ -11,7 +11,7 @@ use crate::car::{AxleEnd, CarQuantity, CarSolver, Case};
 use crate::model::Side;
 use crate::study::{AxleStudy, CarOptimise, CarStudy, Study, Vehicle};
 
-/// Names of the results that are compared besides those that the study asks for.
+/// Names of the results that are compared in addition to those of the study.
 const COMPARED: [&str; 11] = [
     "roll",
     "pitch",
@@ -26,13 +26,13 @@ const COMPARED: [&str; 11] = [
     "roll_understeer",
 ];
 
-/// Compares a car before and after a tuning, in its load cases and in the motions of the axles that changed. The order is that
-/// of [`side_effects`](super::side_effects); the output of an axle by itself names the axle (`camber, front axle`). Empty
-/// without `[optimise]`, and if `[optimise]` has `side_effects = false`.
+/// Compares a car before and after a tuning, in its load cases and in the motions of the axles that changed. The order is
+/// that of [`side_effects`](super::side_effects). The output of an axle alone names the axle (`camber, front axle`). Empty
+/// without `[optimise]`, or if `[optimise]` has `side_effects = false`.
 ///
 /// # Errors
-/// A design before or after the tuning cannot be solved at all; in words. A load case without equilibrium is no error: its
-/// results count as lost.
+/// The reason, in words, if a design before or after the tuning cannot be solved at all. A load case without an equilibrium
+/// is not an error: its results count as lost.
 pub fn side_effects_of_car(before: &CarStudy, after: &CarStudy) -> Result<Vec<SideEffect>, String> {
     let asked = before.optimise.as_ref();
     let Some(optimise) = asked.filter(|optimise| optimise.side_effects) else {
@@ -64,7 +64,7 @@ pub fn side_effects_of_car(before: &CarStudy, after: &CarStudy) -> Result<Vec<Si
     Ok(found)
 }
 
-/// The compared results: those that the study asks for, and the customary ones that the car has.
+/// Compared results: those of the study, and the customary ones that the car has.
 fn quantities(study: &CarStudy) -> Vec<CarQuantity> {
     let mut found = study.quantities.clone();
     for quantity in COMPARED.into_iter().flat_map(CarQuantity::named) {
@@ -133,7 +133,7 @@ fn stations(cases: &[Case]) -> Vec<Station> {
     stations.map(station).collect()
 }
 
-/// The study of an axle with the design of the car, and with the car's goals for the axle by itself.
+/// Study of an axle with the design of the car, and with the car's goals for the axle alone.
 fn axle_by_itself(study: &CarStudy, end: AxleEnd, optimise: &CarOptimise) -> Study {
     let end = end as usize;
     let own = &study.axles[end];

@@ -4,17 +4,18 @@ use super::SideEffect;
 use super::observed::{Observed, Series, Station};
 use std::collections::HashMap;
 
-/// Share of the values, or of the tolerance, up to which a change is rounding.
+/// Share of the values, or of the tolerance, up to which a change counts as rounding.
 const ROUNDING: f64 = 1e-9;
-/// Smallest change of an output without a tolerance, in its unit, that is no rounding.
+/// Smallest change of an output without a tolerance, in its unit, that does not count as rounding.
 const LEAST_CHANGE: f64 = 1e-12;
 
-/// Changes that targets ask for over `[motion]`: for each output, drive values and changes by rising drive value.
+/// Changes that targets ask for over `[motion]`: for each output, drive values with changes, in the order of the drive
+/// value.
 #[derive(Default)]
 pub(super) struct RequestedChanges(HashMap<String, Vec<(f64, f64)>>);
 
 impl RequestedChanges {
-    /// The changes that targets ask for over this motion.
+    /// Finds the changes that targets ask for over this motion.
     pub(super) fn of(before: &Observed, after: &Observed) -> Self {
         let pairs = before.series.iter().zip(&after.series);
         let asked = pairs.map(|(from, to)| {
@@ -27,7 +28,7 @@ impl RequestedChanges {
         RequestedChanges(asked.collect())
     }
 
-    /// The change of an output at the nearest drive value; 0 if no target asks for one.
+    /// Change of an output at the nearest drive value. 0 if no target asks for one.
     fn shift_at(&self, output: &str, drive: f64) -> f64 {
         let Some(shifts) = self.0.get(output) else {
             return 0.0;
@@ -70,7 +71,7 @@ struct Change {
     series: usize,
 }
 
-/// The side effect of an output, from its series before and after; `None` if it has no value where it is compared.
+/// Side effect of an output, from its series before and after. `None` if it has no value at the compared stations.
 fn effect(
     pairs: &[(&Series, &Series)],
     observed: &Observed,
@@ -131,7 +132,7 @@ fn effect(
     })
 }
 
-/// Stations at which a series is compared: not those where a target is about it.
+/// Stations at which a series is compared: all except those with a target for it.
 fn compared(series: &Series, stations: &[Station]) -> Vec<usize> {
     let mut counts: Vec<bool> = stations
         .iter()
@@ -143,9 +144,9 @@ fn compared(series: &Series, stations: &[Station]) -> Vec<usize> {
     (0..stations.len()).filter(|k| counts[*k]).collect()
 }
 
-/// The changes that targets ask for.
+/// Changes that targets ask for.
 struct Wanted {
-    /// First coordinate of a station, its number and the change, by rising coordinate.
+    /// First coordinate of a station, its index, and the change, in the order of the coordinate.
     shifts: Vec<(f64, usize, f64)>,
 }
 
@@ -163,12 +164,12 @@ impl Wanted {
         Wanted { shifts }
     }
 
-    /// The wanted change at the station nearest to this one; 0 without a target.
+    /// Intended change at the station nearest to this one. 0 without a target.
     fn shift_at(&self, stations: &[Station], number: usize) -> f64 {
         let here = &stations[number].position;
         let start = self.shifts.partition_point(|shift| shift.0 < here[0]);
         let (mut nearest, mut found) = (f64::INFINITY, 0.0);
-        // Outwards in the first coordinate, as long as it alone is nearer than the nearest so far.
+        // Goes outward along the first coordinate, while this coordinate alone is closer than the nearest station so far.
         let (below, above) = self.shifts.split_at(start);
         let ways: [&mut dyn Iterator<Item = &(f64, usize, f64)>; 2] =
             [&mut below.iter().rev(), &mut above.iter()];
@@ -189,7 +190,7 @@ impl Wanted {
     }
 }
 
-/// Least and largest of some values.
+/// Smallest and largest of some values.
 #[derive(Default)]
 struct Range {
     ends: Option<[f64; 2]>,

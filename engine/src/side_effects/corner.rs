@@ -13,7 +13,7 @@ use crate::study::{
     Constraint, ElasticFigure, Motion, Optimise, Order, Outputs, Site, Study, Target, WheelStudy,
 };
 
-/// Characteristics that are compared besides the study's outputs.
+/// Characteristics that are compared in addition to the study's outputs.
 const COMPARED: [Characteristic; 6] = [
     Characteristic::Camber,
     Characteristic::Toe,
@@ -51,14 +51,14 @@ pub(super) fn observe(
             }
             _ => false,
         };
-        // A variable is there to move its points.
+        // A variable moves these points on purpose.
         if quantity.is_some_and(is_moved) {
             continue;
         }
         let unit = match quantity {
             Some(Quantity::Characteristic(c)) => c.info().unit,
             Some(Quantity::Coordinate(..)) => Unit::Length,
-            // Angular velocities are not asked for; other columns are figures of tests, or forces under a load.
+            // Angular velocities are not requested. Other columns are test figures, or forces under a load.
             Some(Quantity::AngularVelocity(_)) | None => figure.map_or(Unit::Force, |f| f.unit),
         };
         let at = Looked {
@@ -85,7 +85,7 @@ pub(super) fn observe(
     })
 }
 
-/// The study's outputs in every position without derivatives, and the compared characteristics that it has.
+/// Outputs of the study at all stations without derivatives, with those compared characteristics that it has.
 fn outputs(own: &WheelStudy) -> Outputs {
     let mut characteristics = own.outputs.characteristics.clone();
     for more in Characteristic::available(&own.suspension) {
@@ -104,7 +104,7 @@ fn outputs(own: &WheelStudy) -> Outputs {
     }
 }
 
-/// The stations of a motion, rack by rack, and their grid over drive and rack.
+/// Stations of a motion, rack by rack, and their grid over drive and rack.
 fn stations(motion: &Motion, length: LengthUnit) -> (Vec<Station>, Grid) {
     let racks = motion.rack.iter();
     let places = racks.flat_map(|rack| motion.values.iter().map(|value| vec![*value, *rack]));
@@ -134,7 +134,7 @@ fn stations(motion: &Motion, length: LengthUnit) -> (Vec<Station>, Grid) {
     (places.iter().map(station).collect(), grid)
 }
 
-/// Stations of a motion at which targets and constraints are looked up.
+/// Stations of a motion for which targets and constraints are searched.
 struct Looked<'a> {
     motion: &'a Motion,
     name: Option<&'a str>,
@@ -142,7 +142,7 @@ struct Looked<'a> {
 }
 
 impl Looked<'_> {
-    /// Stations at which a target or a constraint is about a quantity.
+    /// Stations at which a target or a constraint concerns a quantity.
     fn wanted(&self, quantity: Quantity, optimise: &Optimise) -> Vec<usize> {
         let is_about = |measure: &Measure| match (measure, quantity) {
             (Measure::Quantity(Quantity::Characteristic(gain)), Quantity::Characteristic(of))
@@ -170,7 +170,7 @@ impl Looked<'_> {
         places
     }
 
-    /// Stations at which a target is about a figure of a test.
+    /// Stations at which a target concerns a test figure.
     fn wanted_figure(&self, figure: &ElasticFigure, optimise: &Optimise) -> Vec<usize> {
         let targets = optimise.targets.iter();
         self.of_targets(targets.filter(|t| t.of.as_figure().as_ref() == Some(figure)))
@@ -187,7 +187,7 @@ impl Looked<'_> {
         places
     }
 
-    /// The stations nearest to these drive values, if this motion has the site.
+    /// Stations nearest to these drive values, if the site belongs to this motion.
     fn at(&self, site: &Site, drives: &[f64]) -> Vec<usize> {
         if site.motion.as_ref().map(|(name, _)| name.as_str()) != self.name {
             return Vec::new();

@@ -1,20 +1,21 @@
 //! Side effects of a tuning: changes that no target asks for.
 //!
-//! A target gives wanted values of a quantity at the stations of its comparison. A change there is wanted. At all
-//! other stations, and for every other quantity, a change is a side effect. With b(s) and a(s) the values before and
-//! after the tuning at station s, the side effect is
+//! A target gives target values of a quantity at some stations. A change there is intended. At all other stations, and for
+//! every other quantity, a change is a side effect. With b(s) and a(s) the values before and after the tuning at station s,
+//! the side effect is
 //!
 //! ```text
-//! c(s) = a(s) - b(s)                              if no target is about the quantity,           (1)
-//! c(s) = (a(s) - b(s)) - (a(n) - b(n))            n the station nearest to s at which one is.   (2)
+//! c(s) = a(s) - b(s)                              if no target concerns the quantity,           (1)
+//! c(s) = (a(s) - b(s)) - (a(n) - b(n))            n the station nearest to s at which one does. (2)
 //! ```
 //!
-//! So a caster that a target asks for in the design position may change by the same amount over the whole travel; only a
-//! curve of another shape is a side effect. Distances between stations are in shares of the motion's ranges. Over a named
-//! motion without a target of the quantity, n is the station of `[motion]` with the nearest drive value.
+//! Example: a target asks for a caster in the design position. Then caster may change by the same amount over the whole
+//! travel; only a change of the curve's shape is a side effect. Distances between stations are in shares of the motion's
+//! ranges. Over a named motion without a target for the quantity, n is the station of `[motion]` with the nearest drive
+//! value.
 //!
-//! A target of a gain is one of the quantity that the gain is the slope of: bump steer of toe, motion ratio of spring
-//! length. Limits of a constraint on a quantity count as a target, too: between them the study allows any value.
+//! A target for a gain also counts for the quantity whose slope is the gain: bump steer for toe, motion ratio for spring
+//! length. Limits of a constraint on a quantity also count as a target, because the study allows any value between them.
 
 mod axle;
 mod car;
@@ -29,53 +30,54 @@ use crate::mechanism::DesignFault;
 use crate::study::Study;
 use serde::{Deserialize, Serialize};
 
-/// Change of an output between the design before and after a tuning, over one motion. For an axle, a quantity that both
-/// wheels have is one output.
+/// Change of an output between the design before and after a tuning, over one motion. For an axle, a quantity of both wheels
+/// is one output.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SideEffect {
-    /// Name of the output without its unit; with the name of the motion if that is not `[motion]`.
+    /// Name of the output without its unit. It includes the name of the motion unless that is `[motion]`.
     pub output: String,
-    /// Unit of all values, as in column names; empty for a plain number.
+    /// Unit of all values, as in column names. Empty for a plain number.
     pub unit: String,
-    /// Least value before the tuning at the stations compared; `None` if there is no value.
+    /// Smallest value before the tuning at the compared stations. `None` if there is no value.
     pub before_min: Option<f64>,
     /// Largest value before the tuning.
     pub before_max: Option<f64>,
-    /// Least value after the tuning.
+    /// Smallest value after the tuning.
     pub after_min: Option<f64>,
     /// Largest value after the tuning.
     pub after_max: Option<f64>,
-    /// Change of the largest amount, with its sign; 0 if rounding alone changes the values. `None` if no station has a
-    /// value both before and after.
+    /// Change with the largest absolute value, with its sign. 0 if only rounding changes the values. `None` if no station
+    /// has a value both before and after.
     pub largest_change: Option<f64>,
-    /// Station of that change; empty without a change.
+    /// Station of this change. Empty without a change.
     pub at: Vec<PlaceCoordinate>,
-    /// Load case of that change, for results of a car's load cases.
+    /// Load case of this change, for results of a car's load cases.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub case: Option<String>,
-    /// Wheel that changes most: `left` or `right` of an axle, `front_left` and so on of a car; `None` for other outputs.
+    /// Wheel with the largest change: `left` or `right` for an axle, `front_left` and so on for a car. `None` for other
+    /// outputs.
     pub wheel: Option<String>,
-    /// Customary tolerance; `None` if the output has none.
+    /// Customary tolerance. `None` if the output has none.
     pub tolerance: Option<f64>,
     /// True if the change exceeds the tolerance, or if stations have lost their values.
     pub flagged: bool,
-    /// Number of stations that have a value before the tuning and none after it.
+    /// Number of stations with a value before the tuning and none after it.
     pub lost: usize,
 }
 
 /// Coordinate of a station.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlaceCoordinate {
-    /// Name, as the key of `[motion]`.
+    /// Name of the coordinate, as in `[motion]`.
     pub name: String,
-    /// Value, as the study writes it.
+    /// Value in the study's unit.
     pub value: f64,
     /// Unit of the value.
     pub unit: String,
 }
 
 impl SideEffect {
-    /// Name of the output with its unit, as the column of curves has it.
+    /// Name of the output with its unit, as in the column of curves.
     pub fn column(&self) -> String {
         match self.output.split_once(", ") {
             Some((output, motion)) => {
@@ -91,12 +93,12 @@ impl SideEffect {
     }
 }
 
-/// Compares a study's design with a tuned one, over `[motion]` and over the named motions that have curves. Flagged outputs
-/// come first: angles before lengths, those with the largest change in tolerances first. Empty without `[optimise]`, and if
+/// Compares a study's design with a tuned one, over `[motion]` and over the named motions with curves. Flagged outputs come
+/// first, angles before lengths, in the order of the largest change in tolerances. Empty without `[optimise]`, or if
 /// `[optimise]` has `side_effects = false`.
 ///
 /// # Errors
-/// The design of one of both studies cannot be solved.
+/// If one of the two designs cannot be solved.
 pub fn side_effects(before: &Study, after: &Study) -> Result<Vec<SideEffect>, DesignFault> {
     let asked = before.optimise.as_ref();
     if !asked.is_some_and(|optimise| optimise.side_effects) {
@@ -107,7 +109,7 @@ pub fn side_effects(before: &Study, after: &Study) -> Result<Vec<SideEffect>, De
     Ok(found)
 }
 
-/// Side effects over `[motion]` and over the named motions that have curves, in the order of the outputs.
+/// Side effects over `[motion]` and over the named motions with curves, in the order of the outputs.
 fn over_all_motions(before: &Study, after: &Study) -> Result<Vec<SideEffect>, DesignFault> {
     let mut found = Vec::new();
     let mut asked = comparison::RequestedChanges::default();
@@ -131,7 +133,7 @@ fn by_severity(effects: &mut [SideEffect]) {
     });
 }
 
-/// Rank of a side effect, from 0 for the worst kind, and its size among those of the same rank.
+/// Rank of a side effect, from 0 for the worst kind, and its size within its rank.
 fn severity(effect: &SideEffect) -> (u8, f64) {
     let share = effect.largest_change.zip(effect.tolerance);
     let share = share.map_or(0.0, |(change, tolerance)| change.abs() / tolerance);
@@ -139,7 +141,7 @@ fn severity(effect: &SideEffect) -> (u8, f64) {
         (true, 1.., _) => (0, share),
         (true, 0, "deg") => (1, share),
         (true, 0, _) => (2, share),
-        // In the order of the outputs.
+        // Unflagged outputs stay in their order.
         (false, ..) => (3, 0.0),
     }
 }

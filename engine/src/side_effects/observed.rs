@@ -1,4 +1,4 @@
-//! Values of a design at stations: of a motion of one wheel or an axle, or the load cases of a car.
+//! Values of a design at stations: of a motion of one wheel or an axle, or of the load cases of a car.
 
 use super::{PlaceCoordinate, axle, corner, customary};
 use crate::ask::Unit;
@@ -7,16 +7,17 @@ use crate::model::LengthUnit;
 use crate::study::{Study, Vehicle};
 use std::collections::HashMap;
 
-/// Shares of a motion's range, or study units of a coordinate that does not move, within which two places are one.
+/// Distance below which two places are equal, in shares of a motion's range. For a coordinate that does not move it is in
+/// study units.
 const SAME_PLACE: f64 = 1e-9;
 
 /// Values of a design over a motion, or in the load cases of a car.
 pub(super) struct Observed {
-    /// Name of the motion; `None` for the study's own.
+    /// Name of the motion. `None` for the study's own.
     pub motion: Option<String>,
     /// Stations of the motion.
     pub stations: Vec<Station>,
-    /// Values by output, and for an axle or a car by wheel.
+    /// Values by output, and for an axle or a car also by wheel.
     pub series: Vec<Series>,
 }
 
@@ -24,16 +25,16 @@ pub(super) struct Observed {
 pub(super) struct Station {
     /// Coordinates, each in shares of its range over the motion.
     pub position: Vec<f64>,
-    /// Coordinates as the study writes them.
+    /// Coordinates in the study's units.
     pub place: Vec<PlaceCoordinate>,
-    /// Name of the load case, of a car.
+    /// Name of the load case, for a car.
     pub case: Option<String>,
     /// True if the rack is at 0.
     pub is_straight: bool,
 }
 
 impl Station {
-    /// The drive value, as the study writes it; 0 for a load case.
+    /// Drive value in the study's unit. 0 for a load case.
     pub(super) fn drive(&self) -> f64 {
         self.place.first().map_or(0.0, |drive| drive.value)
     }
@@ -49,16 +50,16 @@ pub(super) struct Series {
     pub tolerance: Option<f64>,
     /// True if stations with a steered rack are left out.
     pub straight_only: bool,
-    /// Name of the wheel, of an axle or a car.
+    /// Name of the wheel, for an axle or a car.
     pub wheel: Option<&'static str>,
-    /// Stations at which a target or a constraint is about the output.
+    /// Stations at which a target or a constraint concerns the output.
     pub wanted: Vec<usize>,
-    /// Values as printed.
+    /// Values in printed units.
     pub values: Vec<Option<f64>>,
 }
 
 impl Series {
-    /// A series of a quantity of this name and unit, with its customary tolerance.
+    /// Makes a series of a quantity with this name and unit, with its customary tolerance.
     pub(super) fn new(name: &str, unit: Unit, length: LengthUnit, stations: &[Station]) -> Self {
         let is_judged_straight = customary::is_judged_straight_ahead(name);
         let straight_only = is_judged_straight && stations.iter().any(|s| s.is_straight);
@@ -66,7 +67,7 @@ impl Series {
         Series {
             output: name.to_owned(),
             unit: unit.suffix(length),
-            // Without a station straight ahead there is no custom.
+            // Without a station straight ahead there is no customary tolerance.
             tolerance: tolerance.filter(|_| straight_only || !is_judged_straight),
             straight_only,
             wheel: None,
@@ -90,18 +91,18 @@ pub(super) fn observe(study: &Study, name: Option<&str>) -> Result<Observed, Des
     })
 }
 
-/// The grid of a motion's stations.
+/// Grid of a motion's stations.
 pub(super) struct Grid {
-    /// Range of each coordinate; 1 for one that does not move.
+    /// Range of each coordinate. 1 for a coordinate that does not move.
     ranges: Vec<f64>,
-    /// Values of each coordinate, rising.
+    /// Values of each coordinate, in rising order.
     axes: Vec<Vec<f64>>,
-    /// Numbers of the stations by the places of their coordinates in `axes`.
+    /// Indices of the stations, by the indices of their coordinates in `axes`.
     numbers: HashMap<Vec<usize>, usize>,
 }
 
 impl Grid {
-    /// The grid of stations with these coordinates.
+    /// Makes the grid of stations with these coordinates.
     pub(super) fn of(places: &[Vec<f64>]) -> Self {
         let count = places.first().map_or(0, Vec::len);
         let axis = |k: usize| {
@@ -127,13 +128,13 @@ impl Grid {
         grid
     }
 
-    /// The coordinates of a place, each in shares of its range.
+    /// Coordinates of a place, each in shares of its range.
     pub(super) fn shares(&self, place: &[f64]) -> Vec<f64> {
         let shares = place.iter().zip(&self.ranges);
         shares.map(|(at, range)| at / range).collect()
     }
 
-    /// Place in `axes` of the value of a coordinate that is nearest to another value.
+    /// Index in `axes` of the coordinate value that is nearest to another value.
     fn nearest(&self, coordinate: usize, value: f64) -> usize {
         let axis = &self.axes[coordinate];
         let above = axis
@@ -146,7 +147,7 @@ impl Grid {
         }
     }
 
-    /// The station nearest to a place along one coordinate, if the grid has all others.
+    /// Station nearest to a place along one coordinate. `None` if the grid lacks one of the other coordinates.
     pub(super) fn station(&self, place: &[f64], along: usize) -> Option<usize> {
         let mut key = Vec::with_capacity(place.len());
         for (k, value) in place.iter().enumerate() {

@@ -1,21 +1,21 @@
-//! Why a path turns back at a fold: the part that is singular there by itself, or none.
+//! Reason why a path turns back at a fold: the part that is singular there, or none.
 //!
-//! Let C be the five constraints' rows of the Jacobian, with the rack held, and g the drive's row. At a fold of
-//! the drive there is a twist t of the wheel carrier with
+//! Let C be the five constraints' rows of the Jacobian, with the rack fixed, and g the drive's row. At a fold of the drive
+//! there is a twist t of the wheel carrier with
 //!
 //! ```text
 //! C t = 0                                                                                     (1)
 //! g . t = 0                                                                                   (2)
 //! ```
 //!
-//! While only the drive moves, C has its full rank 5 there (else [C 0; g -1] had less than 6, and the path were
-//! not one path). So t is the motion that the mechanism is free in, and (2) says that the drive stands still in
-//! it: the wheel centre is at its highest or lowest point. In general that is no part's doing. Whichever
-//! constraint is taken away, t is among the motions then left, and that constraint is at right angles to it: by
-//! this measure every part is as much the cause as every other.
+//! While only the drive moves, C has its full rank 5 there. (Otherwise [C 0; g -1] would have a rank below 6, and the path
+//! would not be a single path.) So t is the free motion of the mechanism, and by (2) the drive value does not change along
+//! it. The wheel centre is at its highest or lowest point. In general no single part causes this. Without any one of the
+//! constraints, t is still among the free motions, and it is orthogonal to the removed constraint. By this measure all parts
+//! are equally the cause.
 //!
-//! A part is the cause where it is singular by itself. With the arm held, its outer joint b stands still and the
-//! carrier can only turn about it, by w. Its upper end u then moves with w x (u - b).
+//! A part is the cause if it is singular by itself. With the arm fixed, its outer joint b is fixed, and the carrier can only
+//! rotate about b, with angular velocity w. Its upper end u then moves with w x (u - b).
 //!
 //! ```text
 //! upper arm, axis e, foot c of u on it: w x (u - b) = s e x (u - c), so s (e x (u - c)).(u - b) = 0
@@ -23,28 +23,28 @@
 //!
 //!     U = (e x (u - c)).(u - b) / (|e x (u - c)| |u - b|)      or      d.(u - b) / (|d| |u - b|)    (3)
 //!
-//! where U is not 0, s is, and w = r k turns about the steering axis, k along u - b; the tie rod from i to o
-//! holds against it unless its moment about the axis vanishes:
+//! if U is not 0, s = 0, and w = r k is a rotation about the steering axis, k along u - b; the tie rod from i to o
+//! prevents it unless its moment about the axis vanishes:
 //!
 //!     T = k.((o - b) x (i - b)) / (|k x (o - b)| |k x (i - b)|)                                     (4)
 //! ```
 //!
-//! U is the sine by which upper arm (seen along its axis) and steering axis are out of line, or strut and steering
-//! axis out of square; T that of the angle between the half planes from the steering axis to the two ends of the
-//! tie rod. The determinant of the closure with the arm's angle as its drive is U T times lengths that a design
-//! has or not. So:
+//! U is a sine. For an upper arm it is that of the angle between the arm, seen along its axis, and the steering axis. For a
+//! strut it is that of the deviation of strut and steering axis from a right angle. T is the sine of the angle between the
+//! half planes from the steering axis to the two ends of the tie rod. The determinant of the closure with the arm's angle as
+//! its drive is U T times lengths that are constants of the design. So:
 //!
-//! - every fold of the arm's angle has U T = 0, and the part whose factor it is;
-//! - where U T = 0 the motion t is the one in which the arm rests, C having rank 5: a fold of the travel, or of
-//!   the rack at held travel, has that cause if and only if U T = 0 there too (as with an upright steering axis,
-//!   where steering does not lift the wheel). Else it has none.
+//! - every fold of the arm's angle has U T = 0, and the cause is the part whose factor is zero.
+//! - if U T = 0, the motion t is the one in which the arm does not move, because C has rank 5. So a fold of the travel, or
+//!   of the rack at fixed travel, has this cause if and only if U T = 0 there, too. (An example is an upright steering axis,
+//!   with which steering does not lift the wheel.) Otherwise no part is the cause.
 //!
-//! The links of a rigid axle have no such parts. Its limit names the link with the largest multiplier w in w J = 0, J the
-//! whole Jacobian: the largest force that holds the axle at the fold.
+//! The links of a rigid axle have no such parts. Its limit names the link with the largest multiplier w in w J = 0, where J
+//! is the whole Jacobian. This link carries the largest force that holds the axle at the fold.
 //!
-//! With the rack moving, its column comes to C, and the path may be regular where C has rank 4: then some
-//! combination of the constraints, m C = 0, is the cause, of the links with m not 0. That takes a mechanism without
-//! arms, as with them it is one of (3) and (4). A hinge is never singular.
+//! If the rack moves, C has an additional column for it, and the path may be regular where C has rank 4. Then some
+//! combination of the constraints, m C = 0, is the cause, namely the links with m not 0. This occurs only in mechanisms
+//! without arms; with arms the cause is one of (3) and (4). A hinge is never singular.
 
 use super::closed_form::{Roles, UpperRoles};
 use super::continuation::{Curve, CurvePoint, Moving};
@@ -53,8 +53,8 @@ use crate::model::{Drive, Mechanism, PointId};
 use crate::number::Vector3;
 use nalgebra::{Matrix5, SMatrix};
 
-/// A part counts as singular if its measure, a sine, is less than this. Folds are found to rounding, but a sine has
-/// only half as many digits at a double root.
+/// Value of a part's measure, a sine, below which the part counts as singular. Folds are found to rounding, but at a double
+/// root a sine has only half as many digits.
 pub(crate) const SINGULAR_PART: f64 = 1e-6;
 
 impl Curve<'_> {
@@ -74,7 +74,7 @@ impl Curve<'_> {
         match (self.moving, self.held.drive) {
             (Moving::Rack, _) => LimitCause::RackStandsStill,
             (Moving::Drive, Drive::ArmAngle) => LimitCause::ArmStandsStill,
-            // The second coefficient of the travel by the arc length.
+            // Sign of the second coefficient of the travel by the arc length.
             (Moving::Drive, Drive::Travel) if fold.moved[2] < 0.0 => LimitCause::CentreHighest,
             (Moving::Drive, Drive::Travel) => LimitCause::CentreLowest,
         }
@@ -91,7 +91,7 @@ impl Curve<'_> {
     }
 }
 
-/// The part nearest to a singular position; `None` for a mechanism without such parts.
+/// Part that is nearest to a singular position. `None` for a mechanism without such parts.
 pub(crate) fn nearest_part(at: &Configuration<f64>) -> Option<PartMeasure> {
     let measures = part_measures(at)?;
     measures
@@ -99,7 +99,7 @@ pub(crate) fn nearest_part(at: &Configuration<f64>) -> Option<PartMeasure> {
         .min_by(|a, b| a.sine.total_cmp(&b.sine))
 }
 
-/// The measures (3) and (4) of a mechanism that has these parts.
+/// Measures (3) and (4) of a mechanism with these parts.
 fn part_measures(at: &Configuration<f64>) -> Option<[PartMeasure; 2]> {
     let roles = Roles::of(at.mechanism)?;
     let ball_joint = at.point(roles.ball_joint());
@@ -131,8 +131,8 @@ fn part_measures(at: &Configuration<f64>) -> Option<[PartMeasure; 2]> {
     Some([upper, tie_rod])
 }
 
-/// The links that have become dependent on each other, with the rack held: those with m not 0 in m C = 0, if C has lost
-/// rank. They are given by their outer ends.
+/// Links that depend on each other with the rack fixed. These links have m not 0 in m C = 0, if C has lost rank. The result
+/// lists their outer ends.
 pub(crate) fn dependent_links(
     closure: &Closure<f64>,
     at: &Configuration<f64>,
@@ -148,7 +148,7 @@ pub(crate) fn dependent_links(
     if gram.iter().any(|entry| !entry.is_finite()) {
         return Vec::new();
     }
-    // The singular values of C are the roots of these.
+    // The squares of the singular values of C are the eigenvalues of this matrix.
     let eigen = gram.symmetric_eigen();
     let least = eigen.eigenvalues.imin();
     if eigen.eigenvalues[least] > SINGULAR_PART * SINGULAR_PART {
@@ -160,7 +160,7 @@ pub(crate) fn dependent_links(
     loaded.filter_map(|(end, _)| end).collect()
 }
 
-/// For each of the five equations, the outer end of its link; `None` if it is not a link's.
+/// Outer end of the link of each of the five equations. `None` for an equation that is not a link's.
 pub(crate) fn outer_ends(mechanism: &Mechanism) -> Vec<Option<PointId>> {
     let ends = mechanism.constraints.iter().flat_map(|constraint| {
         let end = constraint.link().map(|(_, outer)| outer);

@@ -1,18 +1,16 @@
 //! Loss of digits in a pose, computed in double precision.
 //!
-//! With lengths measured in sizes of the mechanism, the Jacobian J of the closure equations has entries
-//! of about one. Its condition number is k = |J| |J^-1| (maximum norm). Residuals are accurate to a
-//! few rounding units e, hence
+//! With lengths measured in sizes of the mechanism, the Jacobian J of the closure equations has entries of about one. Its
+//! condition number is k = |J| |J^-1| (maximum norm). Residuals are accurate to a few rounding units e, so that
 //!
 //! ```text
 //! |error of the pose|                ~ k e
 //! |relative error of J^-1|           ~ k |dJ| ~ k (k e)
 //! ```
 //!
-//! since J changes with the pose. Rates and sensitivities are products with J^-1, so their relative
-//! error is of the order of k^2 e. By the theorem of Eckart and Young, 1/|J^-1| is the distance of J from
-//! the nearest singular matrix. Multiplied by the size of the mechanism, it is a length. The mechanism
-//! has no singularity closer than this length.
+//! since J changes with the pose. Rates and sensitivities are products with J^-1, so their relative error is of the order of
+//! k^2 e. By the theorem of Eckart and Young, 1/|J^-1| is the distance of J from the nearest singular matrix. Multiplied by
+//! the size of the mechanism, it is a length. The mechanism has no singularity closer than this length.
 
 use super::path::Solver;
 use crate::derive::Linearised;
@@ -23,10 +21,10 @@ use crate::mechanism::Failure;
 use crate::mechanism::Pose;
 use crate::number::Jet;
 
-/// The condition of one pose.
+/// Conditioning of one pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conditioning {
-    /// Condition number of the closure equations, in sizes; infinite at a singular pose.
+    /// Condition number of the closure equations, with lengths in sizes of the mechanism. Infinite at a singular pose.
     pub number: f64,
     /// Distance to singularity, as a length.
     pub distance: f64,
@@ -38,10 +36,10 @@ impl Conditioning {
         distance: 0.0,
     };
 
-    /// Condition numbers above this value are computed, never estimated. So no report of lost digits is an estimate.
+    /// Limit of estimates: larger condition numbers are computed. So no report of lost digits is an estimate.
     pub const ESTIMATED: f64 = 1e3;
 
-    /// Decimal digits that rates and sensitivities can be trusted to, at most 15.
+    /// Number of reliable decimal digits of rates and sensitivities, at most 15.
     pub fn digits(&self) -> f64 {
         rate_digits(self.number)
     }
@@ -51,9 +49,9 @@ impl Conditioning {
         self.digits() < LEAST_DIGITS
     }
 
-    /// The condition from the factors of the Jacobian. It takes about as much work as factorising.
+    /// Conditioning from the factors of the Jacobian. It takes about as much work as the factorisation.
     pub(crate) fn of(lu: &Lu6<f64>, size: f64) -> Self {
-        // Row sums: shifts count in sizes, turns in radians, residuals in sizes.
+        // Row sums. Displacements and residuals count in sizes, rotations in radians.
         let norm = lu.matrix().iter().fold(0.0_f64, |norm, row| {
             norm.max(magnitude(&row[..3]) + magnitude(&row[3..]) / size)
         });
@@ -74,22 +72,21 @@ impl Conditioning {
     }
 }
 
-/// The sum of the absolute values of a row.
+/// Sum of the absolute values of a row.
 pub(super) fn magnitude(row: &[f64]) -> f64 {
     row.iter().map(|c| c.abs()).sum()
 }
 
-/// Decimal digits that rates and sensitivities can be trusted to where the equations have this condition
-/// number, at most 15.
+/// Number of reliable decimal digits of rates and sensitivities for equations with this condition number, at most 15.
 pub fn rate_digits(number: f64) -> f64 {
     (-(number * number * f64::EPSILON).log10()).clamp(0.0, 15.0)
 }
 
-/// Rates and sensitivities with fewer digits are flagged.
+/// Smallest number of digits. Rates and sensitivities with fewer are flagged.
 pub const LEAST_DIGITS: f64 = 6.0;
 
 impl Solver<'_> {
-    /// The condition of a pose found by this solver.
+    /// Conditioning of a pose found by this solver.
     pub fn conditioning(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Conditioning {
         let lu = self.factorise(pose, point);
         lu.map_or(Conditioning::SINGULAR, |lu| {
@@ -99,7 +96,7 @@ impl Solver<'_> {
 
     /// The same as [`Solver::configuration_series`], with the condition number. It comes from the factors of the Jacobian if
     /// they are needed anyway. If the closed form gave the pose far from any singularity ([`Conditioning::ESTIMATED`]), an
-    /// estimate is used, which costs almost nothing and is right within a factor of ten.
+    /// estimate is used. It costs almost nothing and is correct within a factor of ten.
     pub fn conditioned_series<'a, const N: usize>(
         &'a self,
         design_series: &'a DesignSeries<N>,
@@ -112,7 +109,7 @@ impl Solver<'_> {
             .flatten()
         {
             let configuration = design_series.at(self.mechanism(), series, motion.rack);
-            // Written so that NaN is computed anew.
+            // With this form of the test, NaN leads to a new computation.
             let condition = match number < Conditioning::ESTIMATED {
                 true => Conditioning {
                     number,
@@ -133,7 +130,7 @@ impl Solver<'_> {
 }
 
 impl<const N: usize> Linearised<'_, N> {
-    /// The condition of the pose of a mechanism of this size (see [`Solver::size`]).
+    /// Conditioning of a pose. `size` is the size of the mechanism (see [`Solver::size`]).
     pub fn conditioning(&self, size: f64) -> Conditioning {
         Conditioning::of(self.factors(), size)
     }

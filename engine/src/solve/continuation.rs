@@ -1,20 +1,20 @@
-//! A path of the mechanism by its arc length: through folds, where the drive turns back.
+//! Follows a path of the mechanism by its arc length, also through folds, where the drive turns back.
 //!
-//! While the drive (or the rack) moves, its value q and the pose x form a curve F(x, q) = 0 in seven
-//! dimensions. With every quantity measured in sizes of the mechanism,
+//! While the drive (or the rack) moves, its value q and the pose x form a curve F(x, q) = 0 in seven dimensions. With every
+//! quantity measured in sizes of the mechanism,
 //!
 //! ```text
 //! A = [F_x  F_q]     6x7, of full rank except where two paths cross
 //! A t = 0, |t| = 1   tangent; its sign is chosen so that det [A; t] keeps its sign
 //! ```
 //!
-//! [A; t] is regular at a fold, where F_x is not, so one step is as easy there as anywhere: predict along
-//! the Taylor series in the arc length, correct in the plane normal to the tangent. Where two paths
-//! nearly meet, a step that is too long lands on the other one; there the sign of the determinant gives
-//! the tangent the opposite direction, and the step is refused.
+//! At a fold F_x is singular, but [A; t] is regular. So a step there is as easy as anywhere: predict along the Taylor series
+//! in the arc length, and correct in the plane normal to the tangent. Where two paths nearly meet, a step that is too long
+//! ends on the other path. There the sign of the determinant gives the tangent the opposite direction, and the step is
+//! refused.
 //!
-//! A fold is where q' = 0 by the arc length. Newton's method with the q'' of the series finds it, and
-//! since q is stationary there, its value is exact to rounding.
+//! At a fold q' = 0 by the arc length. Newton's method with the q'' of the series finds it. Since q is stationary there, its
+//! value is exact to rounding.
 
 use super::conditioning::magnitude;
 use crate::derive::{DesignSeries, MotionPoint};
@@ -29,7 +29,7 @@ use crate::number::Vector3;
 use crate::threads::checkpoint;
 use std::cmp::Ordering;
 
-/// Quantity that moves while the others are held.
+/// Quantity that moves while the others are fixed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Moving {
     /// The drive.
@@ -38,7 +38,7 @@ pub(crate) enum Moving {
     Rack,
 }
 
-/// The curve of one design.
+/// Curve of one design.
 pub(crate) struct Curve<'a> {
     pub mechanism: &'a Mechanism,
     pub design: &'a [Vector3<f64>],
@@ -49,7 +49,7 @@ pub(crate) struct Curve<'a> {
     pub rounding: f64,
     pub work: &'a WorkCounter,
     pub moving: Moving,
-    /// Kind of drive, and the values of the quantities that are held.
+    /// Kind of drive, and the values of the fixed quantities.
     pub held: MotionPoint<f64>,
 }
 
@@ -58,14 +58,14 @@ pub(crate) struct Curve<'a> {
 pub(crate) struct CurvePoint {
     /// The pose as a series in the arc length.
     pub series: Pose<Jet<f64, 3>>,
-    /// The moving quantity as a series in the arc length.
+    /// Moving quantity as a series in the arc length.
     pub moved: Jet<f64, 3>,
-    /// Tangent: shift, turn, moving quantity, in sizes.
+    /// Tangent: displacement, rotation, moving quantity, in sizes.
     tangent: [f64; 7],
     factors: Lu<f64, 7>,
-    /// Sign given to the determinant of the matrix with the tangent as its last row.
+    /// Required sign of the determinant of the matrix with the tangent as its last row.
     orientation: f64,
-    /// Error of the point that comes from the rounding of the equations, in sizes.
+    /// Error of the point from the rounding of the equations, in sizes.
     noise: f64,
 }
 
@@ -74,19 +74,19 @@ pub(crate) struct CurvePoint {
 pub(crate) enum PathEnd {
     /// The path turns back at this point.
     Fold(Box<CurvePoint>),
-    /// The path could not be followed beyond this value: it meets another path, or nearly.
+    /// The path could not be followed beyond this value, because it meets or nearly meets another path.
     Unresolved(f64),
 }
 
-/// The longest step, in sizes (or rad).
+/// Longest step, in sizes (or rad).
 const LONGEST_STEP: f64 = 0.1;
-/// The shortest step, in sizes: less than this is lost in the rounding of the pose.
+/// Shortest step, in sizes. Shorter steps are within the rounding of the pose.
 const SHORTEST_STEP: f64 = 1e-12;
-/// The curve of a mechanism is a few dozen sizes long; a sharp turn costs some forty halvings.
+/// Largest number of steps. The curve of a mechanism is a few dozen sizes long, and a sharp turn costs some forty halvings.
 const MOST_STEPS: usize = 5000;
-/// Cosine of the largest turn of the tangent in a step.
+/// Cosine of the largest change of the tangent's direction in a step.
 const STRAIGHT: f64 = 0.9;
-/// A corrector has settled when its corrections are rounding, but not before they are below this, in sizes.
+/// Largest correction, in sizes, at which a corrector may settle. It settles when its corrections are rounding.
 const CLOSE: f64 = 1e-9;
 
 impl CurvePoint {
@@ -94,15 +94,15 @@ impl CurvePoint {
         self.series.map(|c| c[0])
     }
 
-    /// The moving quantity.
+    /// Value of the moving quantity.
     pub(crate) fn value(&self) -> f64 {
         self.moved[0]
     }
 }
 
 impl Curve<'_> {
-    /// Follows the curve from one of its points towards `target`, which may be infinite. Returns the point with that
-    /// value, or how the path ended before.
+    /// Follows the curve from one of its points towards `target`, which may be infinite. Returns the point with that value,
+    /// or the reason why the path ended before.
     pub(crate) fn to(
         &self,
         pose: &Pose<f64>,
@@ -113,7 +113,7 @@ impl Curve<'_> {
         let mut here = self
             .at(pose, value, None, direction)
             .ok_or(PathEnd::Unresolved(value))?;
-        // Where the path is poorly known, a correction may lead to a place before its start.
+        // If the path is poorly known, a correction may lead to a point before its start.
         let unresolved = |at: &CurvePoint| {
             let gone = direction * (at.value() - value);
             PathEnd::Unresolved(if gone > 0.0 { at.value() } else { value })
@@ -161,17 +161,17 @@ impl Curve<'_> {
         Err(unresolved(&here))
     }
 
-    /// The multipliers m of the six equations with m A = (0, ..., 0, 1) at a fold: the value there
-    /// changes by -m . dF when the design does.
+    /// Multipliers m of the six equations at a fold, with m A = (0, ..., 0, 1). If the design changes, the value at the fold
+    /// changes by -m . dF.
     pub(crate) fn fold_multipliers(&self, fold: &CurvePoint) -> [f64; 6] {
         let m = fold
             .factors
             .solve_transposed([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
-        // Equations are measured in sizes, the value in its unit.
+        // Equations are in sizes, the value is in its own unit.
         std::array::from_fn(|i| m[i] * self.unit() / self.size)
     }
 
-    /// The motion point at a value of the moving quantity.
+    /// Motion point at a value of the moving quantity.
     pub(crate) fn motion(&self, value: f64) -> MotionPoint<f64> {
         match self.moving {
             Moving::Drive => MotionPoint { value, ..self.held },
@@ -194,7 +194,7 @@ impl Curve<'_> {
         }
     }
 
-    /// The unit in which the moving quantity is measured.
+    /// Unit in which the moving quantity is measured.
     fn unit(&self) -> f64 {
         match (self.moving, self.held.drive) {
             (Moving::Drive, Drive::ArmAngle) => 1.0,
@@ -202,7 +202,7 @@ impl Curve<'_> {
         }
     }
 
-    /// [F_x  F_q] in sizes.
+    /// Matrix [F_x  F_q] in sizes.
     fn matrix(&self, pose: &Pose<f64>, value: f64) -> [[f64; 7]; 6] {
         let motion = self.motion(value);
         let at = Configuration::new(self.mechanism, self.design, *pose, motion.rack);
@@ -221,8 +221,8 @@ impl Curve<'_> {
         })
     }
 
-    /// A point of the curve with its tangent and series. The tangent continues with `orientation`, or,
-    /// at the first point, so that the value moves in `direction`.
+    /// Point of the curve with its tangent and series. The tangent continues with `orientation`. At the first point its sign
+    /// is such that the value moves in `direction`.
     fn at(
         &self,
         pose: &Pose<f64>,
@@ -276,7 +276,7 @@ impl Curve<'_> {
         })
     }
 
-    /// The point about `length` further along the curve, and by how much the prediction missed it.
+    /// Point about `length` further along the curve, and the error of its prediction.
     fn step(&self, from: &CurvePoint, length: f64) -> Option<(CurvePoint, f64)> {
         let mut pose = crate::solve::path::predict(&from.series, length);
         let [q, first, second] = from.moved.0;
@@ -301,7 +301,7 @@ impl Curve<'_> {
             if iteration == 0 {
                 missed = correction;
             }
-            // Written so that NaN is refused.
+            // With this form of the test, NaN is refused.
             let shrinks = correction < 0.5 * last;
             if correction <= self.rounding || (!shrinks && last <= CLOSE.max(100.0 * from.noise)) {
                 pose.rotation = pose.rotation.orthonormalised();
@@ -316,7 +316,7 @@ impl Curve<'_> {
         None
     }
 
-    /// Returns true if the value may turn back and forth between two points at which it moves the same way.
+    /// Returns true if the value may turn back twice between two points at which it moves in the same direction.
     fn may_turn_twice(&self, here: &CurvePoint, next: &CurvePoint, step: f64) -> bool {
         let within = |s: f64| s > 0.0 && s < step;
         here.moved[1] * next.moved[1] > 0.0
@@ -324,9 +324,9 @@ impl Curve<'_> {
             && within(0.5 * next.moved[1] / next.moved[2])
     }
 
-    /// The fold between two points where the value moves opposite ways.
+    /// Fold between two points at which the value moves in opposite directions.
     fn fold(&self, before: &CurvePoint, after: &CurvePoint, step: f64) -> Option<CurvePoint> {
-        // Secant from the nearer of the two points.
+        // Starts with a secant from the nearer of the two points.
         let part = before.moved[1] / (before.moved[1] - after.moved[1]);
         let mut point = if part < 0.5 { *before } else { *after };
         let mut last = f64::INFINITY;
@@ -335,7 +335,7 @@ impl Curve<'_> {
             if length.is_nan() || length.abs() > step {
                 return None;
             }
-            // An error e in the arc length is one of order e^2 in the value, but e in the gradient.
+            // An error e in the arc length causes an error of order e^2 in the value, but of order e in the gradient.
             if length.abs() <= point.noise || (length.abs() >= 0.5 * last && last <= 1e-7) {
                 return Some(point);
             }
@@ -345,7 +345,7 @@ impl Curve<'_> {
         None
     }
 
-    /// The point with the target's value on the near side of a fold.
+    /// Point with the target's value, before a fold.
     fn before_fold(&self, fold: &CurvePoint, target: f64) -> Option<CurvePoint> {
         let squared = (target - fold.value()) / fold.moved[2];
         let length = -squared.max(0.0).sqrt();
@@ -362,19 +362,19 @@ impl Curve<'_> {
         self.settle(&start, target, 0.5 * length.abs())
     }
 
-    /// The point with the target's value, from one nearby.
+    /// Point with the target's value, near the given point.
     fn settle(&self, near: &CurvePoint, target: f64, reach: f64) -> Option<CurvePoint> {
         let rounding = near.noise * target.abs().max(self.unit());
         let (mut point, mut last) = (*near, f64::INFINITY);
         for _ in 0..40 {
             let [q, first, second] = point.moved.0;
             let short = target - q;
-            // Solves q + first s + second s^2 = target without cancellation. Close to a fold rounding may leave no root; the double
-            // root is then taken.
+            // Solves q + first s + second s^2 = target without cancellation. Close to a fold, rounding may leave no root.
+            // The double root is used then.
             let discriminant = (first * first + 4.0 * second * short).max(0.0);
             let length = 2.0 * short / (first + first.signum() * discriminant.sqrt());
-            // Beside a fold a value that is right to rounding is not enough: the way still to go must be
-            // rounding too. Written so that NaN, at the fold itself, is no way to go.
+            // Near a fold, a value that is correct to rounding is not enough. The remaining arc length must be rounding,
+            // too. At the fold itself it is NaN, which counts as zero.
             let is_there = short.abs() <= 0.5 * rounding
                 && length.abs().partial_cmp(&point.noise) != Some(Ordering::Greater);
             if is_there || (length.abs() >= 0.5 * last && short.abs() <= 4.0 * rounding) {
@@ -394,7 +394,7 @@ fn dot(a: &[f64; 7], b: &[f64; 7]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The unit vector that six rows are normal to, by elimination with complete pivoting.
+/// Unit vector that is orthogonal to six rows, by elimination with complete pivoting.
 fn null_vector(mut a: [[f64; 7]; 6]) -> Option<[f64; 7]> {
     let mut order: [usize; 7] = std::array::from_fn(|j| j);
     for k in 0..6 {
@@ -439,13 +439,13 @@ fn null_vector(mut a: [[f64; 7]; 6]) -> Option<[f64; 7]> {
     Some(null)
 }
 
-/// Factorises the square matrix of six rows with a last one below them. `None` if it is singular.
+/// Factorises the square matrix that consists of six rows and a last row. `None` if it is singular.
 fn bordered(rows: &[[f64; 7]; 6], last: &[f64; 7]) -> Option<Lu<f64, 7>> {
     let square = std::array::from_fn(|i| if i < 6 { rows[i] } else { *last });
     Lu::of(square, 1.0)
 }
 
-/// The largest row sum of the inverse.
+/// Largest row sum of the inverse.
 fn inverse_norm(factors: &Lu<f64, 7>) -> f64 {
     let rows = factors.inverse();
     rows.iter().map(|row| magnitude(row)).fold(0.0, f64::max)

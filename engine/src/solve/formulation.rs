@@ -1,31 +1,31 @@
-//! Formulations other than the pose of the knuckle. A separate crate implements one, and the program registers it.
+//! Formulations other than the pose of the knuckle. A separate crate implements a formulation, and the program registers it.
 
 use crate::mechanism::{DesignFault, Failure, Pose, Work};
 use crate::model::Suspension;
 use crate::number::Jet;
 use std::sync::OnceLock;
 
-/// Input that drives the mechanism.
+/// Coordinate that drives the mechanism.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Drive {
-    /// The height of the wheel centre above its design position.
+    /// Height of the wheel centre above its design position.
     Travel,
-    /// The angle of the first control arm from its design position, positive upwards.
+    /// Angle of the first control arm from its design position, positive upwards.
     ArmAngle,
-    /// The seed paper's angle theta (see [`crate::curves::PaperTheta`]).
+    /// Angle theta of Attia's paper (see [`crate::curves::PaperTheta`]).
     PaperTheta,
 }
 
 /// A motion to solve: every drive value at every rack displacement.
 #[derive(Clone, Copy, Debug)]
 pub struct FormulationMotion<'a> {
-    /// Input that drives the mechanism.
+    /// Coordinate that drives the mechanism.
     pub drive: Drive,
-    /// Values, in length units or radians.
+    /// Drive values, in length units or radians.
     pub values: &'a [f64],
     /// Displacements of the rack, towards the kernel's +y.
     pub racks: &'a [f64],
-    /// Number of coefficients to compute of the series along the drive, 1 to 3.
+    /// Number of series coefficients along the drive to compute, 1 to 3.
     pub coefficients: usize,
 }
 
@@ -38,11 +38,11 @@ pub struct FormulationPose {
     pub rack: f64,
     /// Condition number of the equations.
     pub condition: f64,
-    /// Drive value less the one in the design position.
+    /// Drive value minus its value in the design position.
     pub drive: f64,
 }
 
-/// A step through a motion.
+/// Step of the visit of a motion.
 #[derive(Clone, Copy, Debug)]
 pub enum FormulationVisit {
     /// The design position with the rack displaced, before the stations of this displacement.
@@ -52,7 +52,7 @@ pub enum FormulationVisit {
         /// Displacement of the rack, towards the kernel's +y.
         rack: f64,
     },
-    /// A station.
+    /// A station of the motion.
     Station {
         /// Index of the displacement of the rack.
         rack: usize,
@@ -63,10 +63,10 @@ pub enum FormulationVisit {
     },
 }
 
-/// Separate equations for the poses of a topology.
+/// Equations that give the poses of a topology in another way than the knuckle pose.
 pub trait Formulation: Sync {
-    /// Visits the stations of a motion. At each displacement of the rack, the visit goes outward from the design
-    /// position. Returns the work of the solver.
+    /// Visits the stations of a motion. At each displacement of the rack, the visit goes outward from the design position.
+    /// Returns the work of the solver.
     ///
     /// # Errors
     /// If the equations cannot describe the design.
@@ -78,15 +78,15 @@ pub trait Formulation: Sync {
     ) -> Result<Work, DesignFault>;
 }
 
-/// The formulation `point_coordinates`, where the program has it.
+/// Formulation `point_coordinates`, if the program has registered it.
 static POINT_COORDINATES: OnceLock<&'static dyn Formulation> = OnceLock::new();
 
-/// Registers the formulation `point_coordinates` for all studies of the process. The first one stays.
+/// Registers the formulation `point_coordinates` for all studies of the process. Later calls have no effect.
 pub fn register_formulation(formulation: &'static dyn Formulation) {
     POINT_COORDINATES.get_or_init(|| formulation);
 }
 
-/// The formulation `point_coordinates`.
+/// Formulation `point_coordinates`.
 ///
 /// # Errors
 /// If the program has not registered it.

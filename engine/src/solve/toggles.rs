@@ -1,4 +1,4 @@
-//! Rods that reach a toggle along the motion.
+//! Finds rods that reach a toggle along the motion.
 
 use super::{Solver, StationOrder};
 use crate::mechanism::{Configuration, DesignFault, RodReach, is_effective};
@@ -7,33 +7,33 @@ use crate::number::{Each, Jet, Real};
 use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow;
 
-/// Number of parts into which the way between two stations is divided if a rod may have reached a toggle, and number of
-/// times that an undecided part is divided again.
+/// Number of parts into which the interval between two stations is divided if a rod may have reached a toggle. `DEPTH` is
+/// the number of times that an undecided part is divided again.
 const PARTS: usize = 16;
 const DEPTH: usize = 3;
 
-/// Watches rockers from station to station, outward from the design position. A rocker never goes beyond a toggle. If a
-/// rod might have reached one between two stations and returned, poses between them are checked, down to 1/4096 of the
-/// way.
+/// Watches rockers from station to station, outward from the design position. A rocker never goes beyond a toggle. If a rod
+/// might have reached a toggle between two stations and returned, poses between them are checked, down to 1/4096 of the
+/// interval.
 #[derive(Clone, Debug, Default)]
 pub struct Toggles {
     watched: Vec<RockerId>,
-    /// Drive and rack displacement of the visit; `None` if poses between its stations cannot be looked at.
+    /// Drive and rack displacement of the visit. `None` if poses between its stations cannot be computed.
     way: Cell<Option<(Drive, f64)>>,
-    /// The rockers at or beyond toggle where the visit began, and the rods of all that are watched there.
+    /// Rockers at or beyond a toggle at the start of the visit, and the rods of all watched rockers there.
     at_start: Cell<RockerSet>,
     rods_at_start: RefCell<Vec<RodReach<f64>>>,
     past: Cell<PreviousStation>,
     rods: RefCell<Vec<RodReach<f64>>>,
 }
 
-/// A set of rockers, a bit for each number.
+/// A set of rockers, with one bit for each index.
 type RockerSet = u32;
 
-/// The rockers at or beyond a toggle, and the rods of all that are watched.
+/// Rockers at or beyond a toggle, and the rods of all watched rockers.
 type Seen = (RockerSet, Vec<RodReach<f64>>);
 
-/// The station of the visit that was noted last.
+/// Previous station of the visit.
 #[derive(Clone, Copy, Debug, Default)]
 struct PreviousStation {
     value: f64,
@@ -41,7 +41,7 @@ struct PreviousStation {
 }
 
 impl Toggles {
-    /// Watches these rockers of a mechanism, and those that turn them.
+    /// Watches these rockers of a mechanism, and the rockers that move them.
     pub fn of(mechanism: &Mechanism, rockers: impl IntoIterator<Item = RockerId>) -> Self {
         Toggles::watching(mechanism, &rockers.into_iter().collect::<Vec<_>>())
     }
@@ -60,18 +60,18 @@ impl Toggles {
         }
     }
 
-    /// Watches these rockers besides those watched already.
+    /// Watches these rockers in addition.
     pub fn and(&self, mechanism: &Mechanism, rockers: impl IntoIterator<Item = RockerId>) -> Self {
         Toggles::of(mechanism, self.watched.iter().copied().chain(rockers))
     }
 
-    /// Makes ready for a visit of the solver's design that begins at drive 0 with the rack displaced by `rack`. Errors
-    /// if the design cannot be solved.
+    /// Prepares a visit of the solver's design that begins at drive 0 with the rack displaced by `rack`. An error says why
+    /// the design cannot be solved.
     pub fn begin(&self, solver: &mut Solver, drive: Drive, rack: f64) -> Result<(), DesignFault> {
         if self.watched.is_empty() {
             return Ok(());
         }
-        // Without a first pose there is nothing to note.
+        // Without a first pose there is nothing to watch.
         let Ok((pose, point)) = solver.placed(drive, rack)? else {
             self.begin_with(0, Vec::new());
             return Ok(());
@@ -104,7 +104,7 @@ impl Toggles {
         self.way.set(way);
     }
 
-    /// Makes ready for a visit that begins in this pose. Poses between its stations are not looked at.
+    /// Prepares a visit that begins in this pose. Poses between its stations are not checked.
     pub fn begin_at<const N: usize>(&self, at: &Configuration<Jet<f64, N>>) {
         let (stuck, rods) = self.seen(at, 0, |c| c[0]);
         self.begin_with(stuck, rods);
@@ -118,8 +118,8 @@ impl Toggles {
         self.rods_at_start.replace(rods);
     }
 
-    /// Checks the next station of the visit, where the drive is `value` away from its beginning. Returns the kind of rod of
-    /// the first watched rocker that is at a toggle here or was at one before. `solver` is the solver that visits the
+    /// Checks the next station of the visit. `value` is the change of the drive from the start. Returns the kind of rod of
+    /// the first watched rocker that is at a toggle here, or was at one before. `solver` is the solver that visits the
     /// stations.
     pub fn note<const N: usize>(
         &self,
@@ -131,7 +131,7 @@ impl Toggles {
             return None;
         }
         let past = self.past.get();
-        // If not, the visit has turned to the other side of its beginning.
+        // Otherwise the visit has changed to the other side of its start.
         let goes_on = value.abs() >= past.value.abs() && value * past.value >= 0.0;
         let (from, before) = match goes_on {
             true => (past.value, past.stuck),
@@ -165,7 +165,7 @@ impl Toggles {
         first.map(|id| at.mechanism.rocker(*id).rod)
     }
 
-    /// Returns true if the rods of all rockers outside `stuck` certainly keep their leverage between two places.
+    /// Returns true if the rods of all rockers outside `stuck` certainly keep their leverage between two points.
     fn keep_leverage(
         &self,
         from: &[RodReach<f64>],
@@ -177,8 +177,8 @@ impl Toggles {
         all.all(|(id, (from, to))| stuck & 1 << id.0 != 0 || from.keeps_leverage_to(to))
     }
 
-    /// Adds to `stuck` the rockers that reach a toggle between two places. `look` examines a part of the way, given the
-    /// rockers that are stuck before it. `ends` are the rods at both places.
+    /// Adds to `stuck` the rockers that reach a toggle between two points. `look` examines a part of the interval, given the
+    /// rockers that are stuck before it. `ends` are the rods at both points.
     fn between(
         &self,
         look: &mut dyn FnMut(f64, RockerSet) -> Option<Seen>,
@@ -193,7 +193,7 @@ impl Toggles {
             let next = from + (to - from) * part as f64 / PARTS as f64;
             let (seen, reached) = match part == PARTS {
                 true => (stuck, ends[1].to_vec()),
-                // A place that cannot be reached is left out.
+                // Points without a pose are left out.
                 false => match look(next, stuck) {
                     Some(found) => found,
                     None => continue,
@@ -208,12 +208,12 @@ impl Toggles {
         stuck
     }
 
-    /// Returns true if a rocker was at or beyond a toggle at the last station noted.
+    /// Returns true if a rocker was at or beyond a toggle at the previous station.
     pub fn holds(&self, rocker: RockerId) -> bool {
         self.past.get().stuck & 1 << rocker.0 != 0
     }
 
-    /// Rockers at or beyond a toggle in a pose: those in `before`, those without leverage, and those turned by such a rocker.
+    /// Rockers at or beyond a toggle in a pose: those in `before`, those without leverage, and those moved by such a rocker.
     /// `now` converts a number to its value at this pose.
     fn seen<T: Real>(
         &self,

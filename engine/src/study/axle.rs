@@ -1,4 +1,4 @@
-//! `[axle]` and the sections that belong to it: both wheels, steering, springs, the motions of an axle.
+//! Resolves `[axle]` and the sections that belong to it: both wheels, steering, springs, motions of an axle.
 
 mod motion;
 mod springs;
@@ -30,7 +30,7 @@ use toml::Spanned;
 /// Study of an axle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleStudy {
-    /// Both wheels and the figures of the study.
+    /// Both wheels and the axle's data.
     pub axle: Axle,
     /// Results to compute.
     pub plan: AxlePlan,
@@ -39,7 +39,7 @@ pub struct AxleStudy {
 }
 
 impl AxleStudy {
-    /// An axle without further motions.
+    /// Makes a study of an axle without further motions.
     pub fn of(axle: Axle, plan: AxlePlan) -> Self {
         AxleStudy {
             axle,
@@ -49,12 +49,12 @@ impl AxleStudy {
     }
 }
 
-/// True if a motion as written moves an axle rather than one wheel.
+/// Returns true if a motion as written moves an axle, not one wheel.
 pub(super) fn moves_axle(motion: &file::Motion) -> bool {
     !keys_of_axles(motion).is_empty()
 }
 
-/// Entries of a motion, a target or a band as written, for each coordinate in the order of [`Coordinate::ALL`].
+/// Entries of a motion, a target or a band as written, one for each coordinate in the order of [`Coordinate::ALL`].
 macro_rules! coordinates {
     ($written:expr) => {
         [
@@ -69,7 +69,7 @@ macro_rules! coordinates {
 }
 pub(super) use coordinates;
 
-/// The keys of a motion that are of axles, and where they are.
+/// Keys of a motion that only axles have, with their places in the file.
 fn keys_of_axles(motion: &file::Motion) -> Vec<(&'static str, std::ops::Range<usize>)> {
     let keys = Coordinate::ALL.into_iter().zip(coordinates!(motion));
     let mut places: Vec<_> = keys
@@ -98,7 +98,7 @@ pub(super) fn refuse_without_axle(file: &File, problems: &mut Problems) {
         ("[t_bar]", file.t_bar.as_ref().map(Spanned::span)),
         ("[heave_bar]", file.heave_bar.as_ref().map(Spanned::span)),
     ];
-    // One elastic wheel has a spring, too.
+    // A single wheel with elastic parts may have a spring, too.
     let springs = [
         ("[spring]", file.spring.as_ref().map(Spanned::span)),
         ("[bump_stop]", file.bump_stop.as_ref().map(Spanned::span)),
@@ -118,7 +118,7 @@ pub(super) fn refuse_without_axle(file: &File, problems: &mut Problems) {
     }
 }
 
-/// The axle, if nothing is wrong with it. `suspension` is the left wheel.
+/// Resolves the axle. `None` if the study has an error in it. `suspension` is the left wheel.
 pub(super) fn axle(
     file: &File,
     suspension: &Suspension,
@@ -217,7 +217,7 @@ fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
     sound
 }
 
-/// Refuses the keys of one wheel's motion in a motion of an axle; true if there are none.
+/// Refuses the keys of one wheel's motion in a motion of an axle. Returns true if there are none.
 fn refuse_wheel_keys(motion: &file::Motion, problems: &mut Problems) -> bool {
     let mut refused = Vec::new();
     let mut add = |span: Option<std::ops::Range<usize>>, message: &str| {
@@ -295,7 +295,7 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
     })
 }
 
-/// The track of `[vehicle]` must be the design's.
+/// Checks that the track in `[vehicle]` equals the track of the design.
 fn track_agrees(file: &File, axle: &Axle, problems: &mut Problems) -> Option<()> {
     let Some(track) = &file.vehicle.track else {
         return Some(());
@@ -319,7 +319,7 @@ fn track_agrees(file: &File, axle: &Axle, problems: &mut Problems) -> Option<()>
     None
 }
 
-/// Returns the results to compute at these stations, if the study has no error in them.
+/// Results to compute at these stations. `None` if the study has an error in them.
 fn plan(
     file: &File,
     axle: &Axle,
@@ -355,7 +355,7 @@ fn plan(
     })
 }
 
-/// The quantities of this name, which those of both wheels share.
+/// All quantities with this name. Quantities of the two wheels share a name.
 pub(super) fn quantities(
     text: &Text,
     axle: &Axle,
@@ -384,7 +384,7 @@ pub(super) fn quantities(
     Some(found)
 }
 
-/// Returns true if the study gives everything that a quantity requires. Reports what is missing.
+/// Checks that the study gives all inputs of a quantity, and reports the missing ones. Returns true if none is missing.
 pub(super) fn lacks_nothing(
     text: &Text,
     quantity: Quantity,
@@ -413,7 +413,7 @@ pub(super) fn lacks_nothing(
     false
 }
 
-/// Refuses a quantity for a reason of [`not_in_equilibrium`].
+/// Refuses a quantity with a reason from [`not_in_equilibrium`].
 fn refuse_in_equilibrium(text: &Text, [reason, instead]: [&str; 2], problems: &mut Problems) {
     let message = format!("{} {reason}", text.get_ref());
     problems.add(text.span(), message).help(instead);
@@ -428,7 +428,7 @@ fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problem
             continue;
         };
         let has_value = lacks_nothing(text, quantity, axle, problems);
-        // Columns of figures have no derivatives.
+        // Columns of test figures have no derivatives.
         let is_derived = has_elastic_derivatives && !matches!(quantity, Quantity::Figure(_));
         let reason = not_in_equilibrium(quantity, true).filter(|_| has_value && is_derived);
         if let Some(reason) = reason {

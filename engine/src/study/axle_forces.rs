@@ -1,10 +1,10 @@
-//! Braking and drive in `[vehicle]`: the inputs of the anti-features, and those features that an axle has.
+//! Braking and drive figures of `[vehicle]`, which are inputs of the anti-features, and the anti-features that an axle has.
 
 use crate::ask::Need;
 use crate::model::{AxlePosition, VehicleFigures};
 
-/// Returns true if a need concerns the drive, false if it concerns braking. `None` for another need, or if the need
-/// depends on a position that the study does not give.
+/// Returns true if a need concerns the drive, false if it concerns braking. `None` for other needs, or if the need depends
+/// on the axle's position (front or rear) and the study does not give it.
 fn of_drive(need: &Need, vehicle: &VehicleFigures) -> Option<bool> {
     match need {
         Need::FrontBraking => Some(false),
@@ -14,7 +14,7 @@ fn of_drive(need: &Need, vehicle: &VehicleFigures) -> Option<bool> {
     }
 }
 
-/// The keys that a study lacks for this need.
+/// Keys for this need that are missing in the study.
 pub(super) fn missing(need: &Need, vehicle: &VehicleFigures) -> Vec<&'static str> {
     let mut keys = Vec::new();
     if vehicle.position.is_none() {
@@ -38,7 +38,7 @@ pub(super) fn missing(need: &Need, vehicle: &VehicleFigures) -> Vec<&'static str
     keys
 }
 
-/// The reason why the axle of a study with all inputs has no such feature, and the feature that it has instead.
+/// Reason why an axle with all inputs given lacks an anti-feature, and the anti-feature that it has instead.
 pub(super) fn refusal(
     need: &Need,
     vehicle: &VehicleFigures,

@@ -1,4 +1,4 @@
-//! Targets of an axle: wanted quantity, number of the motion that it is over, and values of the others.
+//! Targets of an axle: target quantity, the coordinate of the motion that varies, and values of the other coordinates.
 
 use super::axle::{AxleStudy, coordinates, lacks_nothing, quantities};
 use super::error::Problems;
@@ -14,21 +14,21 @@ use crate::model::Side;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Place of an axle's target: one number of the motion varies, and the others are held.
+/// Stations of an axle's target: one coordinate of the motion varies, and the others are fixed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleSite {
-    /// The number that varies.
+    /// Coordinate that varies.
     pub over: Coordinate,
-    /// Values in the motion, as the study writes them: degrees, lengths along the study's axes.
+    /// Values of this coordinate in the motion, as the study writes them: degrees, or lengths along the study's axes.
     pub values: Vec<f64>,
-    /// The other numbers, held at these values: every combination.
+    /// Values of the other coordinates, in all combinations.
     pub held: AxleMotion,
-    /// Words of the study about the other numbers.
+    /// Description of the other coordinates.
     pub words: String,
 }
 
 impl AxleStudy {
-    /// Returns the plan, extended by the quantities of these targets.
+    /// Returns the plan, with the quantities of these targets added.
     pub fn plan_with(&self, targets: &[Target]) -> AxlePlan {
         let mut plan = self.plan.clone();
         for target in targets {
@@ -38,7 +38,7 @@ impl AxleStudy {
                 plan.quantities.extend(new);
             }
         }
-        // What a target is about may be made of second derivatives, whose own second ones are not known.
+        // A target may read second derivatives. Their own second derivatives are not available.
         if plan.degree() > 3 {
             plan.derivatives = plan.derivatives.min(1);
         }
@@ -47,7 +47,7 @@ impl AxleStudy {
 }
 
 impl AxleSite {
-    /// The positions for a value of `over`, as the study writes it.
+    /// Poses for a value of `over` in the study's unit.
     pub fn placements(&self, at: f64, axle: &Axle) -> Vec<Placement> {
         let mut motion = self.held.clone();
         let along = motion.along(self.over).expect("a number of this motion");
@@ -56,13 +56,13 @@ impl AxleSite {
     }
 }
 
-/// The keys of a target or a band that say where it is looked at.
+/// Keys of a target or a band that describe its stations.
 pub(super) struct Where<'w> {
     over: &'w Option<Text>,
     side: &'w Option<Text>,
-    /// The rest, in the order of [`Coordinate::ALL`].
+    /// Values of the fixed coordinates, in the order of [`Coordinate::ALL`].
     held: [&'w Option<Spanned<Numbers>>; 6],
-    /// True for a figure of a test without a place: it is of the design position.
+    /// True for a test figure without stations. It applies to the design position.
     is_of_design: bool,
 }
 
@@ -98,12 +98,12 @@ impl<'w> Where<'w> {
         self.held().find(|(c, _)| *c == coordinate)?.1
     }
 
-    /// Returns true if the study gives some coordinate of the place.
+    /// Returns true if the study gives some coordinate of the stations.
     fn is_given(&self) -> bool {
         self.over.is_some() || self.held.iter().any(|given| given.is_some())
     }
 
-    /// Refuses entries for an axle in a section for one wheel; a target's rack is allowed.
+    /// Refuses entries for an axle in a section for one wheel. A target's rack is allowed unless `rack_too` is true.
     pub(super) fn refuse(&self, rack_too: bool, problems: &mut Problems) {
         let places = self
             .held()
@@ -120,8 +120,7 @@ impl<'w> Where<'w> {
     }
 }
 
-/// Reads the quantities that a band of an axle is about, and where it is looked at; `None` in place of a site means
-/// everywhere in the motion.
+/// Reads the quantities of a band of an axle, and its stations. If the site is `None`, the band applies to the whole motion.
 pub(super) fn band(
     spanned: &Spanned<file::Band>,
     study: &AxleStudy,
@@ -138,14 +137,14 @@ pub(super) fn band(
     Some((of?, site))
 }
 
-/// The values that the study's motion has of a number, as written.
+/// Values of a coordinate in the study's motion, as written.
 fn moved(motion: &file::Motion, coordinate: Coordinate, problems: &mut Problems) -> Vec<f64> {
     let written = coordinates!(motion)[coordinate as usize];
     let given = written.as_ref().and_then(|given| values(given, problems));
     given.unwrap_or_else(|| vec![0.0])
 }
 
-/// Returns the quantity of an axle's target, its place, and the motion that its curve is over.
+/// Reads the quantity of an axle's target, its stations, and the motion of its curve.
 pub(super) fn target(
     spanned: &Spanned<file::Target>,
     study: &AxleStudy,
@@ -222,7 +221,7 @@ fn subject(
     Some(subject_of(quantities, name.get_ref(), &study.axle))
 }
 
-/// The quantities of a name and a side: one, or the same of both wheels if the side is missing.
+/// Quantities with this name on this side. Without a side, the name may stand for the same quantity of both wheels.
 pub(super) fn quantities_of_side(
     name: &Text,
     side: &Option<Text>,
@@ -243,7 +242,7 @@ pub(super) fn quantities_of_side(
             }
             own
         }
-        // If the axle itself has a quantity of this name, the name means that one.
+        // A quantity of the axle itself takes precedence over quantities of its wheels.
         None => match all.iter().find(|q| q.side().is_none()) {
             Some(own) => vec![*own],
             None => all,
@@ -252,7 +251,7 @@ pub(super) fn quantities_of_side(
     lacks_nothing(name, quantities[0], axle, problems).then_some(quantities)
 }
 
-/// The subject of a target about quantities of this name: one, or the same of both wheels.
+/// Subject of a target for quantities with this name: one quantity, or the same quantity of both wheels.
 pub(super) fn subject_of(quantities: Vec<Quantity>, name: &str, axle: &Axle) -> TargetQuantity {
     let length = axle.left.length_unit;
     let unit = quantities[0].info().unit;

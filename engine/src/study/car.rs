@@ -30,22 +30,22 @@ use hardpoint_study_file::value::{Number, Text};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The study of a car, resolved and validated.
+/// A resolved and validated study of a car.
 #[derive(Clone, Debug)]
 pub struct CarStudy {
-    /// Name, from the file's name.
+    /// Name, derived from the name of the file.
     pub name: String,
-    /// The text the study was read from, with `--set` applied.
+    /// Text of the study, with the changes of `--set`.
     pub text: String,
-    /// The studies of front and rear axle.
+    /// Studies of the axles, [front, rear].
     pub axles: [Study; 2],
-    /// The files that were read.
+    /// Files that were read.
     pub inputs: Vec<PathBuf>,
-    /// The car.
+    /// Masses, tyres, air and both axles of the car.
     pub car: Car,
-    /// Wheelbase, if the study gives it instead of the rear axle's offset.
+    /// Wheelbase, if the study gives it in place of the rear axle's offset.
     pub wheelbase: Option<f64>,
-    /// Load cases, the one at rest first.
+    /// Load cases. The first one is the car at rest.
     pub cases: Vec<Case>,
     /// Requested results.
     pub quantities: Vec<CarQuantity>,
@@ -53,7 +53,7 @@ pub struct CarStudy {
     pub sensitivities: bool,
     /// True if the study asks for forces in members.
     pub member_loads: bool,
-    /// States over ax and ay.
+    /// Map of states over ax and ay.
     pub gg_map: Option<GgMap>,
     /// Sweep.
     pub sweep: Option<CarSweep>,
@@ -63,14 +63,14 @@ pub struct CarStudy {
     pub tolerance: Option<CarTolerance>,
 }
 
-/// States over ax and ay.
+/// Map of states over ax and ay.
 #[derive(Clone, Debug)]
 pub struct GgMap {
-    /// Accelerations forward.
+    /// Longitudinal accelerations, positive forward.
     pub ax: Vec<f64>,
-    /// Accelerations to the left.
+    /// Lateral accelerations, positive to the left.
     pub ay: Vec<f64>,
-    /// The rest of every case.
+    /// Case that gives everything except ax and ay.
     pub case: Case,
 }
 
@@ -85,9 +85,9 @@ pub struct CarOptimise {
     pub targets: Vec<CarTarget>,
     /// Constraints of cases.
     pub constraints: Vec<CarConstraint>,
-    /// Targets and constraints of the front and of the rear axle by themselves.
+    /// Targets and constraints of the axles alone, [front, rear].
     pub rigs: [Option<RigGoals>; 2],
-    /// True if changes that no target asks for are reported beside the tuned car.
+    /// True if the results report changes that no target asks for.
     pub side_effects: bool,
 }
 
@@ -109,26 +109,26 @@ pub struct CarTolerance {
     pub builds: u64,
     /// Seed, as the study gives it.
     pub seed: u32,
-    /// Seed of the figures' random numbers.
+    /// Seed for the random numbers of the car's own figures.
     pub figure_seed: u32,
-    /// Parts of the front and of the rear axle that scatter.
+    /// Scattering parts of the axles, [front, rear].
     pub axles: [Tolerance; 2],
-    /// Everything that scatters, in the order of the study.
+    /// All sources of scatter, in the order of the study.
     pub contributors: Vec<CarContributor>,
     /// Limits for the yield.
     pub bands: Vec<CarBand>,
 }
 
-/// Something of a car that scatters.
+/// Source of scatter of a car.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CarContributor {
     /// Parts of an axle.
     Part {
         /// Name.
         name: String,
-        /// The axle, 0 the front one.
+        /// Axle: 0 front, 1 rear.
         axle: usize,
-        /// Number in the scatter of the axle.
+        /// Index in the scatter of the axle.
         number: usize,
     },
     /// A rate or a figure of the car.
@@ -143,7 +143,7 @@ pub enum CarContributor {
 }
 
 impl CarContributor {
-    /// Name.
+    /// Name of the source.
     pub fn name(&self) -> &str {
         match self {
             CarContributor::Part { name, .. } | CarContributor::Figure { name, .. } => name,
@@ -151,36 +151,36 @@ impl CarContributor {
     }
 }
 
-/// Limits of a result in a case, as printed.
+/// Limits of a result in a case, in the printed unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CarBand {
-    /// The result.
+    /// Result with limits.
     pub quantity: CarQuantity,
-    /// Number of the case.
+    /// Index of the case.
     pub case: usize,
     /// Lower and upper limit.
     pub between: [f64; 2],
 }
 
-/// Names of the axles.
+/// Names and indices of the axles.
 const ENDS: [(&str, usize); 2] = [("front", 0), ("rear", 1)];
 
-/// Names that are no names of cases.
+/// Names that a case may not have.
 const RESERVED: [&str; 5] = ["front", "rear", "left", "right", "static"];
 
-/// The most states of a map.
+/// Largest number of states in a map.
 const MOST_STATES: i64 = 100_000;
 
 impl CarStudy {
-    /// True if a file is the study of a car.
+    /// Returns true if the file is a study of a car.
     pub fn is_at(path: &Path) -> bool {
         path != Path::new("-")
             && source::read_text(path, source::LONGEST_TEXT)
                 .is_ok_and(|text| parse::car_section(&text).is_some())
     }
 
-    /// Reads the study of a car, with the changes of `--set`. Changes of `front.` and `rear.` apply to the studies of the
-    /// axles.
+    /// Reads the study of a car, with the changes of `--set`. Changes that begin with `front.` or `rear.` apply to the
+    /// studies of the axles.
     pub fn read(path: &Path, changes: &[String]) -> Result<CarStudy, StudyErrors> {
         let shown = path.display().to_string();
         let text = source::read_text(path, source::LONGEST_TEXT)
@@ -214,7 +214,7 @@ impl CarStudy {
         CarStudy::of_file(&source, &file, axles, stem.unwrap_or_default(), inputs)
     }
 
-    /// The study of a car from its text and the studies of both axles, whatever files the text names.
+    /// Makes the study of a car from its text and the studies of both axles. It does not open the files that the text names.
     pub fn of_axles(name: &str, text: &str, axles: [Study; 2]) -> Result<CarStudy, StudyErrors> {
         let source = Arc::new(Source {
             name: format!("{name}.toml"),
@@ -265,7 +265,7 @@ impl CarStudy {
         problems.finish(study)
     }
 
-    /// The results that sweeps and tolerances keep of each design: those that the study asks for, else the key ones.
+    /// Results that sweeps and tolerances keep for each design: those that the study names, or else the key results.
     pub fn kept_quantities(&self) -> Vec<CarQuantity> {
         match self.quantities == CarQuantity::default_columns(&self.car) {
             true => CarQuantity::key_columns(&self.car),
@@ -273,7 +273,7 @@ impl CarStudy {
         }
     }
 
-    /// The goals of a tuning.
+    /// Goals of a tuning.
     pub fn goals<'s>(&'s self, optimise: &'s CarOptimise) -> CarGoals<'s> {
         let rig = |end: usize| {
             let goals = optimise.rigs[end].as_ref()?;
@@ -288,13 +288,13 @@ impl CarStudy {
         }
     }
 
-    /// The front study's axes, in which the car's points are written.
+    /// Axes of the front study. The car's points are written in them.
     pub fn frame(&self) -> Frame {
         self.axles[0].wheel().frame
     }
 }
 
-/// The sections of a study, resolved.
+/// Resolved sections of a study.
 struct Resolved {
     car: Car,
     cases: Vec<Case>,
@@ -349,7 +349,7 @@ impl Resolver<'_> {
     }
 }
 
-/// A text with edits `path=value`, as `--set` makes them; as it is if one of them does not fit.
+/// Applies edits `path=value` to a text, like `--set`. Returns the text unchanged if an edit does not fit.
 pub fn edited(text: &str, edits: &[String]) -> String {
     overrides::apply("study", text, edits).unwrap_or_else(|_| text.to_owned())
 }

@@ -6,24 +6,22 @@ use super::value::{Number, Text};
 use std::path::Path;
 use std::sync::Arc;
 
-/// The columns that are wanted from a file.
+/// Columns to read from a file.
 pub(super) struct WantedColumns<'a> {
-    /// The column of drive values.
+    /// Name of the column of drive values.
     pub drive: &'a str,
-    /// The column of values.
+    /// Name of the column of target values.
     pub value: &'a str,
-    /// The column of rack displacements, where the file has one: only rows of these displacements count.
+    /// Name of the column of rack displacements. If the file has it, only rows with these displacements count.
     pub rack: &'a str,
-    /// The displacements.
+    /// Rack displacements to read.
     pub racks: &'a [f64],
-    /// True if points stay as they were measured. If not, they are sorted, and the two directions of a loop are
-    /// averaged.
+    /// True if points stay as measured. Otherwise they are sorted, and the two directions of a hysteresis loop are averaged.
     pub as_measured: bool,
 }
 
-/// Reads a curve from a file with a column of drive values and one of values; its path is relative to the study's
-/// directory. Commas, semicolons or tabs separate columns. Other columns are ignored, and rows without a value are
-/// left out.
+/// Reads a curve from a file with one column of drive values and one of target values. Its path is relative to the study's
+/// directory. Commas, semicolons or tabs separate columns. Other columns are ignored, and rows without a value are left out.
 pub(super) fn read(
     path: &Text,
     directory: &Path,
@@ -128,8 +126,8 @@ pub(super) fn delimiter(text: &str) -> u8 {
     found.map_or(b',', |c| c as u8)
 }
 
-/// A function of the drive value: the mean of the ways there and back where a measurement went to and fro
-/// over much the same range, and of values at the same place; by rising drive value.
+/// Converts measured points to a function of the drive value, sorted by drive value. If the measurement went back and forth
+/// over much the same range, it is the mean of both directions. Values at the same drive value are averaged, too.
 fn function(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let ways = ways(&points);
     let reach = |way: &[[f64; 2]]| (way[0][0], way[way.len() - 1][0]);
@@ -145,7 +143,7 @@ fn function(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let (lowest, highest) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
         (l.min(x), h.max(x))
     });
-    // A loop has few ways, each over most of the range; anything else is points out of order.
+    // A loop has few passes, each over most of the range. Otherwise the points are merely unsorted.
     let is_loop = (2..=8).contains(&ways.len()) && last - first > 0.5 * (highest - lowest);
     let mut sorted = points.clone();
     if is_loop {
@@ -164,7 +162,7 @@ fn function(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     .collect()
 }
 
-/// The ways that run in one direction, each by rising drive value.
+/// Splits the points into passes in one direction, each sorted by drive value.
 fn ways(points: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
     let mut ways: Vec<Vec<[f64; 2]>> = Vec::new();
     let mut begin = 0;
@@ -195,14 +193,14 @@ fn ways(points: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
     ways
 }
 
-/// The value of a way at a place, on straight lines.
+/// Value of a pass at a drive value, interpolated linearly.
 fn along(way: &[[f64; 2]], x: f64) -> f64 {
     let right = way.partition_point(|p| p[0] <= x).clamp(1, way.len() - 1);
     let ([x0, y0], [x1, y1]) = (way[right - 1], way[right]);
     y0 + (y1 - y0) * (x - x0) / (x1 - x0)
 }
 
-/// A mistake in a record, which starts at its place or after the blank lines there.
+/// Error in a record. The record starts at its position, or after the blank lines there.
 pub(super) fn at_record(
     source: &Arc<Source>,
     record: &csv::StringRecord,

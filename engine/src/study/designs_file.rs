@@ -1,8 +1,8 @@
 //! Designs in CSV files.
 //!
-//! The first line names the columns: `tie_rod_inner_z` holds coordinates, `tie_rod_inner_dz` offsets
-//! from the design, both in the study's axes and unit, which may follow (`tie_rod_inner_z_mm`). A column
-//! `design` is passed over: designs are numbered by their rows, from 0.
+//! The first line names the columns: `tie_rod_inner_z` holds coordinates, `tie_rod_inner_dz` offsets from the design. Both
+//! are in the study's axes and unit; a name may end with the unit (`tie_rod_inner_z_mm`). A column `design` is ignored,
+//! because the row gives the number of a design, counted from 0.
 
 use super::curve_file::at_record;
 use super::error::{Source, StudyError, StudyErrors};
@@ -19,11 +19,11 @@ use std::sync::Arc;
 /// Designs from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DesignTable {
-    /// The variables of the columns; their ranges are those of the values.
+    /// Variables of the columns. Their ranges are those of the values.
     pub variables: Vec<SweepVariable>,
-    /// Row by row.
+    /// Values, row by row.
     values: Vec<f64>,
-    /// SHA-256 of the file.
+    /// SHA-256 digest of the file.
     pub digest: [u8; 32],
 }
 
@@ -119,10 +119,11 @@ impl DesignTable {
         })
     }
 
-    /// Designs as rows of values, a number for each of these variables; their ranges become those of the values.
+    /// Makes a table of designs from rows of values, with one number for each variable. The ranges of the variables become
+    /// those of their values.
     ///
     /// # Errors
-    /// The fault in words, if a table of designs cannot be made of them.
+    /// The reason in words, if the values do not form a table of designs.
     pub fn of(mut variables: Vec<SweepVariable>, values: Vec<f64>) -> Result<Self, String> {
         if variables.is_empty() {
             return Err("expected at least one variable, found none".to_owned());
@@ -179,14 +180,14 @@ impl DesignTable {
         (self.values.len() / self.variables.len()) as u64
     }
 
-    /// The values of a design, by variable.
+    /// Values of a design, one for each variable.
     pub fn row(&self, design: u64) -> &[f64] {
         let width = self.variables.len();
         &self.values[design as usize * width..][..width]
     }
 }
 
-/// The variable that a column stands for, by its name.
+/// Variable of a column, by the column's name.
 fn variable(column: &str, suspension: &Suspension) -> Result<SweepVariable, String> {
     let unit = suspension.length_unit.symbol();
     let stem = column.strip_suffix(&format!("_{unit}")).unwrap_or(column);

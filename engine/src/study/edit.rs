@@ -1,4 +1,4 @@
-//! Studies written back: edits of the text, so that comments and layout stay.
+//! Writes studies back as edits of their text, so that comments and layout stay.
 
 use super::compliance::BushingText;
 use super::sheet_file::SheetTarget;
@@ -11,15 +11,15 @@ use std::path::{Component, Path};
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
 impl Study {
-    /// The study's text with the points of another design (kernel frame, by
-    /// [`PointId`](crate::model::PointId)). Only coordinates that differ from the study's design are
-    /// rewritten, and reading the text gives exactly the numbers of `design`.
+    /// Returns the study's text with the points of another design (kernel frame, indexed by
+    /// [`PointId`](crate::model::PointId)). Only coordinates that differ from the study's design are rewritten. Reading the
+    /// text gives exactly the numbers of `design`.
     pub fn with_design(&self, design: &[Vector3<f64>]) -> String {
         self.rewritten(&self.text, design, None)
     }
 
-    /// The text of a built suspension ([`crate::assembly`]) as a study of its own. Where angles give the spin axis, the
-    /// build's runs through a `spindle_inner`, which takes their place.
+    /// Returns a built suspension ([`crate::assembly`]) as the text of a study. If angles give the spin axis of the study, a
+    /// `spindle_inner` replaces them, because the axis of a build runs through points.
     pub fn with_built(&self, built: &Suspension) -> String {
         let text = self.with_design(&built.design);
         let mechanism = &built.mechanism;
@@ -41,7 +41,7 @@ impl Study {
         document.to_string()
     }
 
-    /// The text of a built axle as a study of its own, every hardpoint of the right wheel written out.
+    /// Returns a built axle as the text of a study, with every hardpoint of the right wheel written out.
     pub fn with_built_axle(&self, [left, right]: [&Suspension; 2]) -> String {
         let text = self.with_built(left);
         let Ok(mut document) = text.parse::<DocumentMut>() else {
@@ -56,7 +56,7 @@ impl Study {
             let own = axle.get_mut("right").and_then(Item::as_table_like_mut);
             match own {
                 Some(right) => {
-                    // The build's spin axis runs through its points.
+                    // The spin axis of the build runs through its points, so the angles are removed.
                     right.remove("wheel");
                     right.insert("hardpoints", Item::Table(hardpoints));
                 }
@@ -71,7 +71,8 @@ impl Study {
         document.to_string()
     }
 
-    /// The study of another design; a right wheel with hardpoints of its own goes the way of the left one.
+    /// Returns the study with another design. A right wheel with its own hardpoints moves by the same displacements as the
+    /// left one.
     pub fn at_design(&self, design: Vec<Vector3<f64>>) -> Study {
         let mut moved = self.clone();
         let mut design = design;
@@ -86,20 +87,20 @@ impl Study {
         moved
     }
 
-    /// The text with the points of this study moved; of a right wheel those that it gives.
+    /// Returns the text with the moved points of this study, including the right wheel's own points.
     pub fn with_points_of(&self, moved: &Study) -> String {
         self.text_with_points_of(&self.text, moved)
     }
 
-    /// As [`Study::with_points_of`], for another text of this study: the file as it is, whereas [`Study::text`] has
-    /// curves from files written out.
+    /// The same as [`Study::with_points_of`], for another text of this study. An example is the file as it is, whereas
+    /// [`Study::text`] contains curves from other files.
     pub fn text_with_points_of(&self, text: &str, moved: &Study) -> String {
         let right = moved.axle().and_then(|a| a.axle.right.as_ref());
         let text = self.rewritten(text, &moved.wheel().design, right.map(|r| &r.design[..]));
         self.with_rates_of(text, moved)
     }
 
-    /// The text with the rates of elastic parts of another study, where they differ.
+    /// Returns the text with the rates of elastic parts of another study, where they differ.
     pub fn with_rates_of(&self, text: String, moved: &Study) -> String {
         let Some((old, new)) = self.elastic_parts().zip(moved.elastic_parts()) else {
             return text;
@@ -159,7 +160,7 @@ impl Study {
         document.to_string()
     }
 
-    /// The text as a file of another directory: a file of designs is named by the path from there.
+    /// Returns the text as a file in another directory. The path of a file of designs becomes relative to that directory.
     pub fn text_in(&self, directory: &Path) -> String {
         let designs = match self.sweep.as_ref().map(|sweep| &sweep.designs) {
             Some(Designs::File(path)) => path_from(directory, path),
@@ -175,8 +176,8 @@ impl Study {
     }
 }
 
-/// The path of a file as it is written in a directory; in full if the two have nothing in common. `None` for a path
-/// that does not exist, or has no name in Unicode.
+/// Path of a file relative to a directory, or the full path if the two have nothing in common. `None` if a path does not
+/// exist, or has no Unicode name.
 fn path_from(directory: &Path, file: &Path) -> Option<String> {
     let [directory, file] = [directory, file].map(|path| path.canonicalize());
     let (directory, file) = (directory.ok()?, file.ok()?);
@@ -194,7 +195,7 @@ fn path_from(directory: &Path, file: &Path) -> Option<String> {
     Some(names?.join("/"))
 }
 
-/// Writes the coordinates that differ from the suspension's design to where `find` says they stand.
+/// Writes the coordinates that differ from the suspension's design. `find` returns the place of a point in the document.
 fn rewrite(
     document: &mut DocumentMut,
     suspension: &Suspension,
@@ -219,13 +220,13 @@ fn rewrite(
     }
 }
 
-/// A number, with or without a decimal point.
+/// Reads a number with or without a decimal point.
 fn number(item: &Item) -> Option<f64> {
     let whole = item.as_integer().map(|whole| whole as f64);
     item.as_float().or(whole)
 }
 
-/// Writes the rates of a bushing that differ: the stiffness over its factor, or the factor of a curve.
+/// Writes the rates of a bushing that differ. It writes the stiffness divided by its factor, or the factor of a curve.
 fn rewrite_rates(bushing: &mut dyn TableLike, old: &[Shape; 6], new: &[Shape; 6]) {
     for (k, (old, new)) in old.iter().zip(new).enumerate() {
         let entry = |bushing: &dyn TableLike, key: &str| {
@@ -263,7 +264,7 @@ fn rewrite_stiffness(link: &mut dyn TableLike, old: AxialStiffness, new: AxialSt
         }
         _ => return,
     };
-    // A modulus goes with an area.
+    // A modulus is written together with an area.
     let area = link
         .get("area")
         .and_then(number)
@@ -279,7 +280,7 @@ fn set(table: &mut dyn TableLike, key: &str, number: f64) {
     }
 }
 
-/// Takes out the sections in which rates move. Returns their names.
+/// Removes the sections in which rates are variables. Returns their names.
 fn leave_out_rates(root: &mut Table) -> Vec<String> {
     let moves_rates = |section: &Item| {
         let entries = ["variables", "scatter"].into_iter();
@@ -358,14 +359,15 @@ fn write_right_rates(
     differ
 }
 
-/// The table of this name in `[axle.right]`.
+/// Table with this name in `[axle.right]`.
 fn own_table<'a>(root: &'a mut dyn TableLike, name: &str) -> &'a mut Table {
     let axle = root.entry("axle").or_insert(Item::None);
     let right = &mut of_tables(axle)["right"];
     of_tables(&mut of_tables(right)[name])
 }
 
-/// The item as a table with sections of its own: an inline table becomes one, anything else an empty one.
+/// Converts the item to a table with its own section. An inline table keeps its entries; any other item becomes an empty
+/// table.
 fn of_tables(item: &mut Item) -> &mut Table {
     if !item.is_table() {
         let inline = std::mem::take(item).into_table();
@@ -376,13 +378,13 @@ fn of_tables(item: &mut Item) -> &mut Table {
     item.as_table_mut().expect("it is a table now")
 }
 
-/// The array with a point's coordinates at the right wheel, where the study gives it.
+/// Array with a point's coordinates at the right wheel, if the study gives them.
 fn right_coordinates<'a>(root: &'a mut dyn TableLike, name: &str) -> Option<&'a mut Array> {
     let points = table(root, &["axle", "right", "hardpoints"])?;
     points.get_mut(name)?.as_array_mut()
 }
 
-/// The array with a point's coordinates.
+/// Array with a point's coordinates.
 fn coordinates<'a>(root: &'a mut dyn TableLike, name: &str) -> Option<&'a mut Array> {
     let suspension = table(root, &["suspension"])?;
     let is_hardpoint = suspension
@@ -396,7 +398,7 @@ fn coordinates<'a>(root: &'a mut dyn TableLike, name: &str) -> Option<&'a mut Ar
     item.as_array_mut()
 }
 
-/// The table at a path of keys.
+/// Table at a path of keys.
 fn table<'a>(root: &'a mut dyn TableLike, path: &[&str]) -> Option<&'a mut dyn TableLike> {
     let mut keys = path.iter();
     keys.try_fold(root, |table, key| table.get_mut(key)?.as_table_like_mut())
@@ -407,20 +409,20 @@ fn written(place: Vector3<f64>, frame: Frame) -> Item {
     Item::Value(Array::from_iter(frame.vector(place).to_array()).into())
 }
 
-/// Puts a number in place of a value, with the spaces and comments around it.
+/// Replaces a value by a number, and keeps the spaces and comments around it.
 fn replace(value: &mut Value, number: f64) {
     let decor = value.decor().clone();
     *value = number.into();
     *value.decor_mut() = decor;
 }
 
-/// The text with target curves from files written out as points, so that it stands without them.
-/// `curves` are those read, by the place of their target.
+/// Returns the text with the points of target curves written into it, so that it needs no other files. `files` holds the
+/// curves that were read, with the index of their target.
 pub(super) fn with_curves_inside(text: &str, files: &[(usize, FromFile)]) -> String {
     let Ok(mut document) = text.parse::<DocumentMut>() else {
         return text.to_owned();
     };
-    // From the last on: the targets of a sheet move those behind.
+    // The loop goes backwards, because the targets of a sheet shift the indices after them.
     for (place, file) in files.iter().rev() {
         match file {
             FromFile::Curve(curve) => {
@@ -442,7 +444,7 @@ pub(super) fn with_curves_inside(text: &str, files: &[(usize, FromFile)]) -> Str
     document.to_string()
 }
 
-/// Puts the targets of a sheet in the place of the one that names it.
+/// Replaces the target that names a sheet by the targets of the sheet.
 fn put_sheet_inside(root: &mut dyn TableLike, place: usize, targets: &[SheetTarget]) {
     let Some(list) = table(root, &["optimise"]).and_then(|own| own.get_mut("targets")) else {
         return;
@@ -485,7 +487,7 @@ fn put_sheet_inside(root: &mut dyn TableLike, place: usize, targets: &[SheetTarg
     }
 }
 
-/// The text with the laws of bushings written out in place of their files.
+/// Returns the text with the laws of bushings written out in place of their files.
 pub(super) fn with_bushings_inside(text: String, bushings: &[BushingText]) -> String {
     if bushings.is_empty() {
         return text;

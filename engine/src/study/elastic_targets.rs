@@ -1,4 +1,4 @@
-//! Quantities and variables of a study with elastic parts: figures of tests, characteristics in equilibrium, rates.
+//! Quantities and variables of a study with elastic parts: test figures, characteristics in equilibrium, and rates.
 
 use super::compliance::ComplianceStudy;
 use super::error::Problems;
@@ -16,7 +16,7 @@ use crate::model::{LengthUnit, SteeringAxis, Suspension};
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// The figures of a study's tests. A suffix tells tests of one load apart where a study has several.
+/// Figures of a study's tests. If several tests have the same load, a suffix distinguishes their names.
 pub(super) fn figures(elastic: &ComplianceStudy, suspension: &Suspension) -> Vec<ElasticFigure> {
     let mut found: Vec<(KcTest, ElasticFigure)> = Vec::new();
     for test in &elastic.tests {
@@ -35,7 +35,7 @@ pub(super) fn figures(elastic: &ComplianceStudy, suspension: &Suspension) -> Vec
         }
         for (quantity, unit) in quantities(suspension, &elastic.parts, elastic.tyre_rate, test) {
             for is_secant in [false, true] {
-                // A motion has no window.
+                // A test with a motion has no window, and so no secants.
                 if is_secant && test.load.is_motion() {
                     continue;
                 }
@@ -65,7 +65,7 @@ pub(super) fn figures(elastic: &ComplianceStudy, suspension: &Suspension) -> Vec
     found.into_iter().map(named).collect()
 }
 
-/// A quantity that a wheel with elastic parts has.
+/// Quantity of a wheel with elastic parts.
 #[derive(Clone, Debug)]
 pub(super) enum ElasticQuantity {
     /// A characteristic of the wheel in equilibrium.
@@ -75,7 +75,7 @@ pub(super) enum ElasticQuantity {
 }
 
 impl ElasticQuantity {
-    /// The value that is read.
+    /// Value that evaluates the quantity.
     pub(super) fn value(&self) -> KcValue {
         match self {
             ElasticQuantity::Characteristic(of) => KcValue::Wheel(*of),
@@ -101,7 +101,7 @@ impl ElasticQuantity {
     }
 }
 
-/// The quantity of this name: a figure of a test, or a characteristic of the wheel in equilibrium.
+/// Finds the quantity with this name: a test figure, or a characteristic of the wheel in equilibrium.
 pub(super) fn quantity(
     name: &Text,
     elastic: &ComplianceStudy,
@@ -142,7 +142,7 @@ pub(super) fn quantity(
     Some(ElasticQuantity::Characteristic(known))
 }
 
-/// The quantity that a target or constraint of a study with elastic parts is about.
+/// Quantity of a target or constraint in a study with elastic parts.
 pub(super) fn named(
     figure: Option<&Text>,
     characteristic: Option<&Text>,
@@ -167,7 +167,7 @@ pub(super) fn named(
     quantity(name, elastic, context.suspension, problems)
 }
 
-/// The subject of a target of a study with elastic parts.
+/// Subject of a target in a study with elastic parts.
 pub(super) fn subject(
     target: &Spanned<file::Target>,
     elastic: &ComplianceStudy,
@@ -192,7 +192,7 @@ pub(super) fn subject(
     Some(found.subject(context.suspension.length_unit))
 }
 
-/// Refuses outputs that an equilibrium does not have.
+/// Refuses outputs that are not available in equilibrium.
 pub(super) fn refuse_in_outputs(section: &file::Outputs, problems: &mut Problems) -> Option<()> {
     let is_on =
         |said: &Option<Spanned<bool>>| said.as_ref().filter(|s| *s.get_ref()).map(Spanned::span);
@@ -233,11 +233,11 @@ pub(super) fn refuse_in_outputs(section: &file::Outputs, problems: &mut Problems
     }
 }
 
-/// The keys that name a rate of an elastic part, in a variable or a scatter.
+/// Keys that name a rate of an elastic part, in a variable or in a scatter entry.
 pub(super) struct RateKeys<'a> {
-    /// Place of all of them in the file.
+    /// Place of the entry in the file.
     pub place: Span<usize>,
-    /// Name of a bushing,
+    /// Name of a bushing. Either this or `link` is given.
     pub bushing: &'a Option<Text>,
     /// or of a link,
     pub link: &'a Option<Text>,
@@ -245,13 +245,14 @@ pub(super) struct RateKeys<'a> {
     pub rate: &'a Option<Text>,
     /// Axis of a bushing's stiffness.
     pub stiffness: &'a Option<Text>,
-    /// True for factors of the rate.
+    /// True if values are factors of the rate.
     pub relative: &'a Option<Spanned<bool>>,
-    /// Places of keys that a rate does not take.
+    /// Places of keys that a rate does not have.
     pub others: &'a [Option<Span<usize>>],
 }
 
-/// The keys of a rate in an entry as written, at `place`, with the keys of the entry that a rate does not take.
+/// Collects the keys of a rate from an entry at `place`. The last argument lists keys of the entry that a rate does not
+/// have.
 macro_rules! rate_keys {
     ($written:expr, $place:expr, [$($other:ident),*]) => {
         RateKeys {
@@ -268,7 +269,7 @@ macro_rules! rate_keys {
 pub(super) use rate_keys;
 
 impl RateKeys<'_> {
-    /// Returns true if a rate is named. Refuses keys of a rate without one.
+    /// Returns true if the entry names a rate. Refuses keys of a rate in an entry without one.
     pub(super) fn is_given(&self, problems: &mut Problems) -> Option<bool> {
         if self.bushing.is_some() || self.link.is_some() || self.rate.is_some() {
             return Some(true);
@@ -287,7 +288,7 @@ impl RateKeys<'_> {
         Some(false)
     }
 
-    /// Name of the part and its rate.
+    /// Reads the name of the part and its rate.
     pub(super) fn read(
         &self,
         context: &Context,
@@ -296,7 +297,7 @@ impl RateKeys<'_> {
         let of_axle = context.elastic_axle();
         let parts = NamedParts::of(context.suspension, context.elastic, of_axle);
         let Some(parts) = parts else {
-            // What is wrong with the elastic parts is said already.
+            // Errors in the elastic parts are already reported.
             if context.file.compliance.is_some() {
                 return None;
             }
@@ -338,7 +339,7 @@ impl RateKeys<'_> {
     }
 }
 
-/// A variable that is the rate of a bushing or a link.
+/// Reads a variable that is the rate of a bushing or a link.
 pub(super) fn rate(
     variable: &Spanned<file::Variable>,
     named: &RateKeys<'_>,

@@ -1,4 +1,4 @@
-//! Errors of the geometry, with their place in the file and the fix.
+//! Errors in the geometry, with their place in the file and the fix.
 
 use super::error::Problems;
 use super::file;
@@ -7,7 +7,7 @@ use crate::mechanism::GeometryFault;
 use crate::model::Suspension;
 use std::ops::Range as Span;
 
-/// Passes a suspension without a mistake; a mistake found first keeps those that follow from it quiet.
+/// Returns the suspension if its geometry has no error. Only the first error is reported, because others may follow from it.
 pub(super) fn check(
     section: &file::Suspension,
     suspension: &Suspension,

@@ -14,7 +14,7 @@ const PLACES: [(&str, LoadPoint); 2] = [
     ("wheel_centre", LoadPoint::WheelCentre),
 ];
 
-/// The loads on one wheel, if nothing is wrong with them.
+/// Loads on one wheel. `None` if one has an error.
 pub(super) fn loads(
     section: &file::Outputs,
     suspension: &Suspension,
@@ -28,7 +28,7 @@ pub(super) fn loads(
     all(section, suspension, problems)
 }
 
-/// The loads on left and right wheel of an axle, each in the kernel's frame of its side, if nothing is wrong with them.
+/// Loads on the left and right wheel of an axle, each in the kernel's frame of its side. `None` if one has an error.
 pub(super) fn loads_of_axle(
     section: &file::Outputs,
     left: &Suspension,
@@ -56,7 +56,7 @@ fn all(
     let written = section.loads.as_ref().map_or(&[][..], |l| l.get_ref());
     let loads = each(written, |load| resolved(load, suspension, problems));
     for (i, load) in written.iter().enumerate() {
-        // One name may stand for a load on the left wheel and another on the right one.
+        // A load on the left wheel and a load on the right wheel may share a name.
         let apart = |other: &file::Load| match (&other.side, &load.side) {
             (Some(one), Some(other)) => one != other,
             _ => false,
@@ -101,7 +101,7 @@ fn resolved(
     })
 }
 
-/// A name that column names can begin with.
+/// Reads a name that can be a prefix of column names.
 fn name(written: &file::Load, problems: &mut Problems) -> Option<String> {
     let name = written.name.get_ref();
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
@@ -114,7 +114,7 @@ fn name(written: &file::Load, problems: &mut Problems) -> Option<String> {
     Some(name.clone())
 }
 
-/// Three components in the study's axes; zero where they are not given.
+/// Three components in the study's axes. Missing ones are zero.
 fn components(
     written: &Option<Coordinates>,
     unit: &str,

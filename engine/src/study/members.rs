@@ -1,4 +1,4 @@
-//! Members and dimensions by the names a study gives them.
+//! Finds members and dimensions by their names in a study.
 
 use super::error::Problems;
 use super::names::choose;
@@ -8,10 +8,10 @@ use crate::assembly::{BuildParameter, Member};
 use crate::model::{Axis, Suspension};
 use toml::Spanned;
 
-/// A dimension and its change, in the kernel's frame, per unit in the study's.
+/// A dimension, and the factor from its change in the study's frame to its change in the kernel's frame.
 pub(super) type Change = (BuildParameter, f64);
 
-/// The member of this name, or between two points, with its name.
+/// Finds the member with this name, or between these two points, and returns it with its name.
 pub(super) fn member(
     written: &Spanned<MemberName>,
     suspension: &Suspension,
@@ -53,7 +53,7 @@ pub(super) fn member(
     }
 }
 
-/// The coordinate of a point along an axis of the study.
+/// Coordinate of a point along an axis of the study.
 pub(super) fn coordinate(
     point: &Text,
     axis: &Text,
@@ -66,7 +66,7 @@ pub(super) fn coordinate(
     Some((parameter, suspension.frame.sign(axis)))
 }
 
-/// An axis of the study.
+/// Reads an axis of the study.
 pub(super) fn axis(text: &Text, problems: &mut Problems) -> Option<Axis> {
     choose(text, "axis", &Axis::ALL.map(|a| (a.name(), a)), problems)
 }

@@ -1,11 +1,11 @@
-//! Studies: the meaning of the file as written (`hardpoint-study-file`).
+//! Studies: the meaning of a study file. The crate `hardpoint-study-file` reads the file as written.
 //!
-//! [`Study`] is resolved: names have become ids, lengths and angles are in the kernel's frame and
-//! units (see the fields), defaults are filled in, and nothing is left to interpret.
+//! [`Study`] is resolved: ids replace names, lengths and angles are in the kernel's frame and units (see the fields), and
+//! defaults are filled in. Nothing is left to interpret.
 //!
-//! Reading goes from the text to the file as written, each value with its place, and from there to the [`Study`].
-//! Only this module turns degrees into radians, and the study's axes into the kernel's. Every mistake becomes a
-//! [`StudyError`] with file, line, key, value and the expected value.
+//! Reading goes from the text to the file as written, each value with its place, and from there to the [`Study`]. Only this
+//! module turns degrees into radians, and the study's axes into the kernel's. Every mistake becomes a [`StudyError`] with
+//! file, line, key, value and the expected value.
 
 mod axle;
 mod axle_forces;
@@ -82,126 +82,125 @@ use crate::compliance::{KcValue, Parameter};
 use crate::model::{Axis, Frame, LengthUnit, PointId, Side, Suspension};
 use crate::number::Vector3;
 
-/// The most stations of one motion, and of an axle's: results of all of them are held in memory.
+/// Largest number of stations of a motion of a wheel or an axle. The results of all stations are in memory.
 pub(crate) const MOST_STATIONS: usize = 100_000;
 
-/// A number in the range that a study allows, or the expected range.
+/// Returns a number if it lies in the range that studies allow. The error names that range.
 pub fn checked_number(number: f64) -> Result<f64, String> {
     value::Number::checked(number)
 }
 
-/// A study, resolved and validated.
+/// A resolved and validated study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Study {
-    /// Name, from the file's name.
+    /// Name, derived from the name of the file.
     pub name: String,
-    /// The text the study was read from, with `--set` applied and target curves from files written
-    /// out. Results that are studies themselves are edits of it, so that comments survive and no other
-    /// file is needed.
+    /// Text of the study, with the changes of `--set`, and with the target curves of other files written into it. Results
+    /// that are studies are edits of this text. So they keep its comments and need no other file.
     pub text: String,
-    /// The files it names: target curves and designs.
+    /// Other files that the study names: target curves and designs.
     pub inputs: Vec<std::path::PathBuf>,
-    /// The vehicle that the study describes, with its motion and outputs.
+    /// Vehicle that the study describes, with its motion and outputs.
     pub vehicle: Vehicle,
-    /// Further motions of a wheel by name, in the order of the names; of an axle's left wheel.
+    /// Further motions of a wheel, in the order of their names. For an axle they are motions of its left wheel.
     pub motions: Vec<(String, Motion)>,
-    /// The optimisation, if the study has one.
+    /// Optimisation, if the study has one.
     pub optimise: Option<Optimise>,
-    /// The sweep, if the study has one.
+    /// Sweep, if the study has one.
     pub sweep: Option<Sweep>,
-    /// The set-up, if the study has one.
+    /// Set-up, if the study has one.
     pub setup: Option<Setup>,
-    /// The tolerances, if the study has them.
+    /// Tolerances, if the study has them.
     pub tolerance: Option<Tolerance>,
 }
 
-/// The equations whose solution is a pose.
+/// Equations whose solution is a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Formulation {
-    /// Six closure equations in the pose of the knuckle, or their closed form: of every topology, with
-    /// every output.
+    /// Six closure equations in the pose of the knuckle, or their closed form. They work for every topology and give every
+    /// output.
     KnucklePose,
-    /// The seed paper's fifteen equations in the coordinates of five points: of the MacPherson strut, up to second
-    /// derivatives. The crate `hardpoint-attia` has them.
+    /// The fifteen equations of Attia's paper in the coordinates of five points, in the crate `hardpoint-attia`. They work
+    /// only for the MacPherson strut, and give derivatives up to the second.
     PointCoordinates,
 }
 
-/// The motion: every combination of a drive value and a rack displacement.
+/// Motion: all combinations of drive values and rack displacements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Motion {
-    /// The coordinate that drives the motion.
+    /// Coordinate that drives the motion.
     pub drive: Drive,
-    /// Drive values, in length units or radians, in the order they are reported.
+    /// Drive values, in length units or radians, in the order of the results.
     pub values: Vec<f64>,
     /// Rack displacements along the study's +y.
     pub rack: Vec<f64>,
     /// True if the study gives the rack a range, so that results have a column for it.
     pub rack_moves: bool,
-    /// The drive as a function of time. `values` are then its values at `times`.
+    /// Drive as a function of time. If given, `values` are its values at `times`.
     pub time: Option<TimeLaw>,
 }
 
-/// The drive as a polynomial of time.
+/// Drive as a polynomial of time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeLaw {
     /// Coefficients, lowest power first, in length units or radians.
     pub polynomial: Vec<f64>,
-    /// Seconds.
+    /// Times in seconds.
     pub times: Vec<f64>,
 }
 
-/// The highest derivative by the drive (or by time) that is reported.
+/// Highest derivative by the drive (or by time) in the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Order {
     /// Values.
     Position,
-    /// First derivatives as well.
+    /// Values and first derivatives.
     Velocity,
-    /// First and second derivatives as well.
+    /// Values, first and second derivatives.
     Acceleration,
 }
 
-/// Outputs of a study. A study without `[outputs]` asks for the angles of wheel and steering axis.
+/// Outputs of a study. Without `[outputs]` they are the angles of wheel and steering axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outputs {
-    /// Characteristics, in the order asked.
+    /// Characteristics, in the order of the study.
     pub characteristics: Vec<Characteristic>,
-    /// Points whose positions are reported.
+    /// Points whose positions are in the results.
     pub points: Vec<PointId>,
     /// True if results contain the knuckle's angular velocity and acceleration (from velocity order up).
     pub knuckle: bool,
     /// Highest derivative.
     pub order: Order,
-    /// Hardpoints for which sensitivities are reported; empty for none.
+    /// Hardpoints whose sensitivities are in the results. May be empty.
     pub sensitivities: Vec<PointId>,
-    /// True if each pose is to be proved.
+    /// True if each pose must be certified.
     pub certify: bool,
-    /// Loads for which the forces in links and joints are reported.
+    /// Loads for which results contain the forces in links and joints.
     pub loads: Vec<Load>,
-    /// Figures of tests on elastic parts, in the order asked.
+    /// Test figures of elastic parts, in the order of the study.
     pub figures: Vec<ElasticFigure>,
 }
 
-/// A figure of a test on elastic parts, as studies name it.
+/// Test figure of elastic parts, under the name that studies use.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElasticFigure {
     /// Name, without the unit.
     pub name: String,
-    /// The value.
+    /// Value of the figure.
     pub value: KcValue,
-    /// Kind of number.
+    /// Unit of the figure.
     pub unit: Unit,
 }
 
 impl ElasticFigure {
-    /// The name of its column.
+    /// Name of its column.
     pub fn column(&self, length: LengthUnit) -> String {
         with_unit(self.name.clone(), &self.unit.suffix(length))
     }
 }
 
 impl Outputs {
-    /// Values of these characteristics, and nothing else.
+    /// Makes outputs that contain only the values of these characteristics.
     pub fn of(characteristics: Vec<Characteristic>) -> Self {
         Outputs {
             characteristics,
@@ -216,16 +215,17 @@ impl Outputs {
     }
 }
 
-/// A load on the wheel, the same in every pose. In the kernel's axes, which do not turn with the wheel.
+/// Load on the wheel, the same in every pose. Its components are along the kernel's axes, which do not rotate with the
+/// wheel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {
-    /// Beginning of the names of its columns.
+    /// Prefix of the names of its columns.
     pub name: String,
     /// Point at which the force acts.
     pub at: LoadPoint,
-    /// Force, in newtons.
+    /// Force in N.
     pub force: Vector3<f64>,
-    /// Moment, in newtons times the study's length unit.
+    /// Moment in N times the study's length unit.
     pub moment: Vector3<f64>,
 }
 
@@ -246,9 +246,9 @@ impl Load {
 pub struct Sweep {
     /// Source of the designs.
     pub designs: Designs,
-    /// True if the curves of every design are kept.
+    /// True if results contain the curves of every design.
     pub curves: bool,
-    /// The file format of the results.
+    /// File format of the results.
     pub format: FileFormat,
 }
 
@@ -257,9 +257,9 @@ pub struct Sweep {
 pub enum Designs {
     /// Variables over their ranges.
     Sampled(Sampled),
-    /// The rows of a CSV file, which [`DesignTable::read`] reads.
+    /// Rows of a CSV file. [`DesignTable::read`] reads them.
     File(std::path::PathBuf),
-    /// Rows that a program gives.
+    /// Rows from a program.
     Given(DesignTable),
 }
 
@@ -268,32 +268,32 @@ pub enum Designs {
 pub struct Sampled {
     /// Method that chooses the samples.
     pub method: Sampling,
-    /// Number of samples; in a grid, number of its points.
+    /// Number of samples. For a grid, number of its points.
     pub samples: u64,
-    /// Seed.
+    /// Seed of the samples.
     pub seed: u32,
-    /// The variables.
+    /// Variables and their ranges.
     pub variables: Vec<SweepVariable>,
 }
 
 /// Sampling method of designs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sampling {
-    /// Every combination of evenly spaced values, the last variable running fastest.
+    /// All combinations of evenly spaced values. The last variable changes fastest.
     Grid,
-    /// Every variable has as many equal strata as there are samples, and a sample in each.
+    /// Latin hypercube: each variable has as many equal strata as samples, with one sample in each stratum.
     LatinHypercube,
     /// A low-discrepancy sequence.
     Sobol,
-    /// Independent uniform numbers.
+    /// Independent, uniformly distributed numbers.
     Random,
-    /// Pairs of samples with the variables exchanged one by one, from which first-order and total
-    /// Sobol indices follow (A. Saltelli et al., Variance based sensitivity analysis of model output,
-    /// Computer Physics Communications 181, 2010): `samples` times the number of variables and two.
+    /// Pairs of samples with the variables exchanged one by one. They give first-order and total Sobol indices (A. Saltelli
+    /// et al., Variance based sensitivity analysis of model output, Computer Physics Communications 181, 2010). Number of
+    /// designs: `samples` times (number of variables + 2).
     Saltelli,
 }
 
-/// The file format of a sweep's results.
+/// File format of a sweep's results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileFormat {
     /// Comma-separated values.
@@ -302,14 +302,14 @@ pub enum FileFormat {
     Parquet,
 }
 
-/// A number that moves one or several coordinates.
+/// Variable of a sweep: a number that moves one or several coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepVariable {
     /// Name, without unit: `tie_rod_inner_dz` for an offset, `tie_rod_inner_z` for a coordinate.
     pub name: String,
     /// Coordinates that it moves.
     pub moves: Vec<Move>,
-    /// The rate of an elastic part that it sets instead. Its values are rates, or factors of the rate.
+    /// Rate of an elastic part that the variable sets instead. Its values are then rates, or factors of the rate.
     pub rate: Option<Rate>,
     /// True if its values are coordinates, false if they are offsets from the design.
     pub absolute: bool,

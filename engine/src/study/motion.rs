@@ -17,12 +17,12 @@ impl Drive {
         ("paper_theta", Drive::PaperTheta),
     ];
 
-    /// Name in studies.
+    /// Name of the drive in studies.
     pub fn name(self) -> &'static str {
         Drive::ALL[self as usize].0
     }
 
-    /// The key of its values in `[motion]`; with the unit, also the name of its column in results.
+    /// Key of the drive's values in `[motion]`. With the unit appended, it is the name of the column in results.
     pub fn key(self) -> &'static str {
         match self {
             Drive::PaperTheta => "theta",
@@ -30,12 +30,12 @@ impl Drive {
         }
     }
 
-    /// Returns true if its values are angles.
+    /// Returns true if the drive's values are angles.
     pub fn is_angle(self) -> bool {
         self != Drive::Travel
     }
 
-    /// The unit of its values as written.
+    /// Unit of the drive's values as written.
     pub fn unit(self, length: LengthUnit) -> &'static str {
         if self.is_angle() {
             "deg"
@@ -44,12 +44,12 @@ impl Drive {
         }
     }
 
-    /// The name of its column, with the unit.
+    /// Name of the drive's column, with the unit.
     pub fn column(self, length: LengthUnit) -> String {
         format!("{}_{}", self.key(), self.unit(length))
     }
 
-    /// The kernel's drive that it moves.
+    /// Drive of the kernel that corresponds to this drive.
     pub fn in_kernel(self) -> model::Drive {
         match self {
             Drive::Travel => model::Drive::Travel,
@@ -57,7 +57,7 @@ impl Drive {
         }
     }
 
-    /// A value of its, as written in degrees or length units.
+    /// Converts a value of the drive to the unit of studies: degrees or length units.
     pub fn printed(self, value: f64) -> f64 {
         match self.is_angle() {
             true => degrees(value),
@@ -66,7 +66,7 @@ impl Drive {
     }
 }
 
-/// An angle in degrees: the shortest decimal that means this angle, if fourteen digits do.
+/// Converts an angle to degrees. Returns the shortest decimal number that gives this angle, if fourteen digits suffice.
 fn degrees(angle: f64) -> f64 {
     let exact = angle.to_degrees();
     let short = format!("{exact:.13e}").parse().unwrap_or(exact);
@@ -78,7 +78,7 @@ fn degrees(angle: f64) -> f64 {
 }
 
 impl Motion {
-    /// The design position alone.
+    /// Motion that consists only of the design position.
     pub(crate) fn still() -> Self {
         Motion {
             drive: Drive::Travel,
@@ -90,7 +90,7 @@ impl Motion {
     }
 }
 
-/// The motion, if nothing is wrong with it. A named one has no time.
+/// Reads the motion. `None` if it has an error. A named motion has no time law.
 pub(super) fn motion(
     section: &Spanned<file::Motion>,
     is_named: bool,
@@ -127,7 +127,7 @@ pub(super) fn motion(
     })
 }
 
-/// Drive values in length units or radians, and their law where they follow one.
+/// Drive values in length units or radians, and their time law if there is one.
 fn drive_values(
     drive: Drive,
     section: &file::Motion,
@@ -220,7 +220,7 @@ pub(super) fn check_drive(
 }
 
 impl TimeLaw {
-    /// The drive at a time.
+    /// Value of the drive at a time.
     pub fn value(&self, time: f64) -> f64 {
         self.polynomial
             .iter()
@@ -245,7 +245,7 @@ pub(super) fn time_law(
     })
 }
 
-/// The values, in the unit they are written in.
+/// Reads values, in the unit in which they are written.
 pub(super) fn values(written: &Spanned<Values>, problems: &mut Problems) -> Option<Vec<f64>> {
     match written.get_ref() {
         Values::One(value) => Some(vec![*value]),
@@ -273,7 +273,7 @@ pub(super) fn values(written: &Spanned<Values>, problems: &mut Problems) -> Opti
     }
 }
 
-/// Refuses sensitivities that do not fit in memory: a station counts once for each requested hardpoint.
+/// Refuses sensitivities that do not fit in memory. A station counts once for each requested hardpoint.
 pub(super) fn check_sensitivities(
     place: Span<usize>,
     stations: usize,
@@ -317,7 +317,7 @@ fn range(from: &Number, to: &Number, steps: &Whole, problems: &mut Problems) -> 
     Some(evenly_spaced(from.value, to.value, count as usize))
 }
 
-/// A whole number within bounds.
+/// Reads a whole number within bounds.
 pub(super) fn within(
     number: &Whole,
     bounds: RangeInclusive<i64>,
@@ -335,15 +335,15 @@ pub(super) fn within(
     problems.refuse(number.span(), message)
 }
 
-/// `count` values from `from` to `to`.
+/// Makes `count` evenly spaced values from `from` to `to`.
 fn evenly_spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
     (0..count)
         .map(|i| evenly_spaced_at(from, to, count as u64, i as u64))
         .collect()
 }
 
-/// Value number `i` of `count` from `from` to `to`, both hit exactly, the values between correctly
-/// rounded where the products are exact, and symmetric (with an exact zero) where the ends are.
+/// Value number `i` of `count` values from `from` to `to`. Both ends are exact. The values between are correctly rounded if
+/// the products are exact. If the ends are symmetric, so are the values, with an exact zero.
 pub(super) fn evenly_spaced_at(from: f64, to: f64, count: u64, i: u64) -> f64 {
     let last = count - 1;
     match i {

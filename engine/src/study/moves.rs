@@ -11,23 +11,23 @@ use crate::model::{Axis, PointId, Suspension};
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// The keys of a variable that say so.
+/// Keys of a variable that describe its move.
 pub(super) struct Written<'a> {
     /// Place of the variable in the file.
     pub place: Span<usize>,
-    /// Name of the hardpoint; this or `hardpoints` is given.
+    /// Name of the hardpoint. Either this or `hardpoints` is given.
     pub hardpoint: &'a Option<Text>,
     /// Names of several hardpoints that move together.
     pub hardpoints: &'a Option<Spanned<Vec<Text>>>,
-    /// Displacement of each of them per unit of the variable.
+    /// Displacement of each hardpoint per unit of the variable.
     pub factors: &'a Option<Spanned<Vec<Number>>>,
-    /// `x`, `y` or `z`; this or `direction` is given.
+    /// Axis `x`, `y` or `z`. Either this or `direction` is given.
     pub axis: Option<&'a Text>,
     /// Direction of the move.
     pub direction: Option<&'a Coordinates>,
 }
 
-/// The coordinates, if the entries have no error.
+/// Reads the coordinates. `None` if an entry has an error.
 pub(super) fn moves(
     written: &Written<'_>,
     suspension: &Suspension,
@@ -72,7 +72,7 @@ fn shares(written: &Written<'_>, problems: &mut Problems) -> Option<Vec<(Axis, f
     }
 }
 
-/// The lowest and the highest value of a variable; `what` names them in messages.
+/// Reads the lowest and the highest value of a variable. `what` names them in messages.
 pub(super) fn range(
     written: &Spanned<Vec<Number>>,
     what: &str,
@@ -99,16 +99,16 @@ pub(super) fn range(
     Some([low, high])
 }
 
-/// The names of the moving points: `lower_arm_front+lower_arm_rear`.
+/// Names of the moving points, for example `lower_arm_front+lower_arm_rear`.
 pub(super) fn names(moves: &[Move], suspension: &Suspension) -> String {
     let names = moves.iter().map(|m| suspension.mechanism.name(m.point));
     let mut names: Vec<&str> = names.collect();
-    // Along a direction a point moves in several coordinates.
+    // With a direction, a point occurs once for each of its coordinates.
     names.dedup();
     names.join("+")
 }
 
-/// The hardpoints that a variable moves, and their displacements.
+/// Hardpoints that a variable moves, and their displacements.
 fn points(
     written: &Written<'_>,
     suspension: &Suspension,

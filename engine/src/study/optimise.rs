@@ -19,8 +19,8 @@ use super::{
 use crate::model::{Axis, PointId, Suspension};
 use toml::Spanned;
 
-/// The optimisation, if nothing is wrong with it, and the targets that came from files, by the place of the target as
-/// written.
+/// Reads the optimisation. `None` if it has an error. Also returns the targets that came from files, with the index of the
+/// target as written.
 pub(super) fn optimise(
     section: &file::Optimise,
     context: &Context,
@@ -74,7 +74,7 @@ pub(super) fn optimise(
         good_enough: good_enough?.unwrap_or(if fit { 0.0 } else { GOOD_ENOUGH }),
         fit,
         front: front?,
-        // The tolerances are read later.
+        // Tolerances are read later.
         scatter: None,
         side_effects: section
             .side_effects
@@ -84,10 +84,10 @@ pub(super) fn optimise(
     Some((optimise, files))
 }
 
-/// The most builds of a robust tuning.
+/// Largest number of builds in a robust tuning.
 const MOST_BUILDS: i64 = 4096;
 
-/// The builds that a tuning is robust against.
+/// Reads the builds of a robust tuning.
 pub(super) fn scatter(
     section: &file::Optimise,
     tolerance: Option<&Tolerance>,
@@ -165,7 +165,7 @@ pub(super) fn scatter(
     }))
 }
 
-/// Reads the goals that are traded on the front.
+/// Reads the goals whose trade-off the front shows.
 fn front(
     section: &file::Optimise,
     targets: &[Target],
@@ -205,11 +205,11 @@ fn front(
     Some(goals)
 }
 
-/// Below a tenth of a tolerance nobody sees a difference.
+/// Default for a good enough misfit: a difference below a tenth of a tolerance is not visible.
 pub(crate) const GOOD_ENOUGH: f64 = 0.1;
-/// Cap on the iterations of one start.
+/// Default limit of the iterations of one start.
 pub(crate) const MAX_ITERATIONS: u32 = 200;
-/// The largest turn of a body, in degrees: as far as the rotation is summed to all digits.
+/// Largest rotation of a body in degrees. Up to it, the series of the rotation is exact to all digits.
 const LARGEST_TURN: f64 = 15.0;
 
 fn variables(
@@ -227,7 +227,7 @@ fn variables(
         })
         .collect();
     if written.iter().any(|v| v.get_ref().rigid.is_some()) {
-        // A body may be shifted and a point of it moved besides.
+        // A body may be moved, and one of its points may have its own variable in addition.
         return resolved.into_iter().collect();
     }
     let place = |i: usize| {
@@ -241,7 +241,7 @@ fn variables(
             let other = other.as_ref();
             other.is_some_and(|other| {
                 other.moves == variable.moves && other.rate == variable.rate
-                    // Two directions would have one name.
+                    // Two variables with different directions would have the same name.
                     || variable.axis().is_none() && other.label() == variable.label()
             })
         };
@@ -328,7 +328,7 @@ fn cost(written: &file::Variable, problems: &mut Problems) -> Option<f64> {
     }
 }
 
-/// The six variables of a body, three shifts and three turns, or the requested ones.
+/// Variables of a rigid body: all three displacements and three rotations, or the requested ones.
 fn rigid(
     variable: &Spanned<file::Variable>,
     points: &Spanned<Vec<Text>>,

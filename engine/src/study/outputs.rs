@@ -23,7 +23,7 @@ const DEFAULT: [Characteristic; 4] = [
     Characteristic::Caster,
 ];
 
-/// Returns the outputs of the study, if they have no error.
+/// Reads the outputs. `None` if they have an error.
 pub(super) fn outputs(
     file: &File,
     suspension: &Suspension,
@@ -32,7 +32,7 @@ pub(super) fn outputs(
 ) -> Option<Outputs> {
     let Some(section) = &file.outputs else {
         let steered = match elastic {
-            // An equilibrium has the joints of the axis alone.
+            // In equilibrium the axis must run through joints.
             Some(_) => matches!(
                 suspension.mechanism.steering_axis,
                 Some(SteeringAxis::Through { .. })
@@ -91,7 +91,7 @@ pub(super) fn outputs(
     })
 }
 
-/// Points whose coordinates are reported.
+/// Points whose coordinates are in the results.
 pub(super) fn points(
     section: &file::Outputs,
     suspension: &Suspension,
@@ -102,7 +102,7 @@ pub(super) fn points(
     })
 }
 
-/// Hardpoints by whose coordinates derivatives are wanted.
+/// Hardpoints for whose coordinates the study requests derivatives.
 pub(super) fn sensitivities(
     section: &file::Outputs,
     suspension: &Suspension,
@@ -128,7 +128,7 @@ pub(super) fn knuckle(section: &file::Outputs, order: Order, problems: &mut Prob
     knuckle.is_some_and(|k| *k.get_ref())
 }
 
-/// Returns true if each pose is to be proved.
+/// Returns true if each pose must be certified.
 pub(super) fn certify(section: &file::Outputs) -> bool {
     section.certify.as_ref().is_some_and(|c| *c.get_ref())
 }
@@ -142,7 +142,7 @@ pub(super) fn order(section: &file::Outputs, problems: &mut Problems) -> Option<
     choose_or(&section.order, Order::Position, "order", &orders, problems)
 }
 
-/// Resolves each name; a name may occur only once.
+/// Resolves each name. A name may occur only once.
 pub(super) fn distinct<T>(
     names: &[Text],
     problems: &mut Problems,
@@ -159,7 +159,7 @@ pub(super) fn distinct<T>(
     resolved
 }
 
-/// The hardpoints of the study, extra points left out.
+/// Hardpoints of the study, without extra points.
 pub(super) fn hardpoints(suspension: &Suspension) -> impl Iterator<Item = (&str, PointId)> {
     let mechanism = &suspension.mechanism;
     let points = mechanism.points.iter().enumerate();
@@ -168,7 +168,7 @@ pub(super) fn hardpoints(suspension: &Suspension) -> impl Iterator<Item = (&str,
         .map(|(i, p)| (p.name.as_str(), PointId(i)))
 }
 
-/// The hardpoint of this name, which the study must give.
+/// Finds the hardpoint with this name. The study must give it.
 pub(super) fn hardpoint(
     text: &Text,
     suspension: &Suspension,
@@ -190,7 +190,7 @@ pub(super) fn hardpoint(
     choose(text, "hardpoint", &hardpoints, problems)
 }
 
-/// Refuses a quantity that only an axle has, also if its name is misspelt, and returns true.
+/// Refuses a quantity that only an axle has, even if its name is misspelt. Returns true if it did.
 fn refuses_axle_quantity(
     text: &Text,
     of_a_wheel: &[(&'static str, Characteristic)],
@@ -218,7 +218,7 @@ fn refuses_axle_quantity(
     true
 }
 
-/// The characteristic of this name. The study must give its inputs.
+/// Finds the characteristic with this name. The study must give its inputs.
 pub(super) fn characteristic(
     text: &Text,
     suspension: &Suspension,

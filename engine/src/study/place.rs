@@ -1,11 +1,11 @@
-//! The line of a study on which a key is written.
+//! Finds the line of a study on which a key is written.
 
 use super::Study;
 use toml_edit::{Document, Item};
 
 impl Study {
-    /// The line of the study's text, counted from 1, on which the value at a path of keys begins; of a
-    /// section, the line of its header.
+    /// Line of the study's text, counted from 1, on which the value at a path of keys begins. For a section it is the line
+    /// of its header.
     pub fn line_of(&self, path: &[&str]) -> Option<usize> {
         let document = Document::parse(self.text.as_str()).ok()?;
         let item = path

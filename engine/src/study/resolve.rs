@@ -16,26 +16,26 @@ use toml::Spanned;
 
 /// Parts of the study to which later sections of the file refer.
 pub(super) struct Context<'a> {
-    /// The suspension.
+    /// Suspension of the wheel, or of the left wheel.
     pub suspension: &'a Suspension,
-    /// The motion, if it has no error.
+    /// Motion, if it has no error.
     pub motion: Option<&'a Motion>,
     /// Further motions by name.
     pub motions: &'a [(String, Motion)],
-    /// The loads on the wheel.
+    /// Loads on the wheel.
     pub loads: &'a [Load],
-    /// Both wheels, if the study is of an axle.
+    /// Both wheels, if the study describes an axle.
     pub axle: Option<&'a AxleStudy>,
-    /// The elastic parts, if the study has them.
+    /// Elastic parts, if the study has them.
     pub elastic: Option<&'a ComplianceStudy>,
-    /// The file as written.
+    /// File as written.
     pub file: &'a super::file::File,
     /// Directory of the study file.
     pub directory: &'a Path,
 }
 
 impl Context<'_> {
-    /// The elastic parts of the axle, if the study is of one and has them.
+    /// Elastic parts of the axle, if the study describes an axle with elastic parts.
     pub(super) fn elastic_axle(&self) -> Option<&AxleComplianceStudy> {
         self.axle?.axle.elastic.as_deref()
     }
@@ -46,7 +46,7 @@ impl Context<'_> {
     }
 }
 
-/// Reads each entry. All of them are read even if one is wrong, so that every problem is reported.
+/// Reads each entry. An error in one entry does not stop the others, so that every problem is reported.
 pub(super) fn each<W, T>(
     written: impl IntoIterator<Item = W>,
     read: impl FnMut(W) -> Option<T>,
@@ -55,7 +55,7 @@ pub(super) fn each<W, T>(
     read.into_iter().collect()
 }
 
-/// The elements of a list that must not be empty; `what` names an element in messages.
+/// Elements of a list that must not be empty. `what` names an element in messages.
 pub(super) fn some<'w, T>(
     list: &'w Spanned<Vec<T>>,
     what: &str,
@@ -99,7 +99,7 @@ impl Study {
         resolve(path, format!("{name} (with --set)"), text, directory, parts)
     }
 
-    /// The study with edits `path=value`, as `--set` makes them; `name` is the file name it goes by.
+    /// Returns the study with edits `path=value`, like those of `--set`. `name` is the file name in messages.
     pub fn with_overrides(&self, name: &str, overrides: &[String]) -> Result<Study, StudyErrors> {
         let text = overrides::apply(name, &self.text, overrides)?;
         let parts = match self.is_elastic() {
@@ -109,8 +109,8 @@ impl Study {
         resolve(Path::new(name), name.to_owned(), text, Path::new(""), parts)
     }
 
-    /// Reads a study from its text. `name` is the file name it goes by, `directory` where the files it
-    /// names are.
+    /// Reads a study from its text. `name` is the file name in messages. `directory` contains the files that the study
+    /// names.
     pub fn from_text(name: &str, text: &str, directory: &Path) -> Result<Study, StudyErrors> {
         let (path, shown) = (Path::new(name), name.to_owned());
         resolve(path, shown, text.to_owned(), directory, Parts::Rigid)
@@ -151,16 +151,16 @@ fn check_sensitivities(
     }
 }
 
-/// Parts that a reader of studies knows.
+/// Kinds of parts that a reader of studies supports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Parts {
-    /// Rigid ones: elastic parts are refused, so that no result leaves them out.
+    /// Rigid parts only. Elastic parts are refused, so that no result silently ignores them.
     Rigid,
-    /// Elastic ones, too.
+    /// Rigid and elastic parts.
     Elastic,
 }
 
-/// `shown` is the name of the file in messages.
+/// Resolves a file. `shown` is the name of the file in messages.
 fn resolve(
     path: &Path,
     shown: String,
@@ -173,7 +173,7 @@ fn resolve(
     let file = parse::parse(&source)?;
     let mut problems = Problems::new(source.clone());
     let suspension = suspension::suspension(&file, &mut problems);
-    // Without a suspension there are no names that the rest could be right or wrong about.
+    // Without a suspension, names in other sections cannot be checked.
     let Some(suspension) = suspension else {
         let of_axle = is_of_axle(&file);
         if !of_axle {
@@ -210,19 +210,19 @@ fn resolve(
     problems.finish(study())
 }
 
-/// Returns true for the study of an axle. A solid axle is one without `[axle]`, too.
+/// Returns true for the study of an axle. A solid axle is one even without `[axle]`.
 fn is_of_axle(file: &file::File) -> bool {
     let topology = Topology::named(file.suspension.topology.get_ref());
     file.axle.is_some() || topology.is_some_and(Topology::carries_both_wheels)
 }
 
-/// The sections that describe the vehicle and its curves; each `None` if it has a fault.
+/// Sections that describe the vehicle and its curves. Each is `None` if it has an error.
 struct MainSections {
     motion: Option<Motion>,
     motions: Vec<(String, Motion)>,
-    /// The axle; the inner `None` for one wheel.
+    /// Axle. `Some(None)` for one wheel.
     axle: Option<Option<AxleStudy>>,
-    /// The elastic parts of one wheel; the inner `None` without any. Those of an axle are in its study.
+    /// Elastic parts of one wheel. `Some(None)` if there are none. Elastic parts of an axle are in `axle`.
     elastic: Option<Option<ComplianceStudy>>,
     formulation: Option<Formulation>,
     outputs: Option<Outputs>,
@@ -260,7 +260,7 @@ impl MainSections {
         solver::refuse_accuracy(file, problems);
         let outputs = match (of_axle, &elastic) {
             (true, _) => Some(Outputs::of(Vec::new())),
-            // Faults of the elastic parts are reported already.
+            // Errors in the elastic parts are already reported.
             (false, None) => None,
             (false, Some(elastic)) => {
                 outputs::outputs(file, suspension, elastic.as_ref(), problems)
@@ -300,7 +300,7 @@ impl MainSections {
         }
     }
 
-    /// The parts to which later sections refer.
+    /// Parts that later sections refer to.
     fn context<'a>(
         &'a self,
         file: &'a file::File,
@@ -319,12 +319,12 @@ impl MainSections {
         }
     }
 
-    /// Returns false for an axle that could not be read: sections about it would only repeat its faults.
+    /// Returns false for an axle with an error. Sections about it would only repeat the error.
     fn is_known(&self) -> bool {
         self.axle.is_some()
     }
 
-    /// The vehicle, if nothing is wrong with it.
+    /// Vehicle of the study. `None` if it has an error.
     fn vehicle(self, suspension: Suspension) -> Option<Vehicle> {
         Some(match self.axle? {
             Some(both) => Vehicle::Axle(Box::new(both)),
@@ -339,7 +339,7 @@ impl MainSections {
     }
 }
 
-/// Refuses the study of a car, which has a reader of its own.
+/// Refuses the study of a car, which has its own reader.
 fn refuse_car(source: &Arc<Source>) -> Result<(), StudyErrors> {
     let Some(place) = parse::car_section(&source.text) else {
         return Ok(());
@@ -350,7 +350,7 @@ fn refuse_car(source: &Arc<Source>) -> Result<(), StudyErrors> {
     Err(error.into())
 }
 
-/// The named motions of one wheel. In a study of an axle they are those of its left wheel.
+/// Named motions of one wheel. In a study of an axle they are those of its left wheel.
 fn motions_of_wheel(
     file: &file::File,
     of_axle: bool,
@@ -368,7 +368,7 @@ fn motions_of_wheel(
     motions
 }
 
-/// Checks the names of motions, and the drives of those that could be read.
+/// Checks the names of motions, and the drives of motions without errors.
 fn check_named_motions(
     file: &file::File,
     motions: &[(String, Motion)],
@@ -404,10 +404,10 @@ fn check_sweep_keeps_something(file: &file::File, outputs: &Outputs, problems: &
     }
 }
 
-/// The sections of a study that ask for more than curves.
+/// Sections of a study for tasks beyond curves.
 struct Tasks {
     optimise: Option<Optimise>,
-    /// Files of target curves, which become part of the study's text.
+    /// Contents of target files, which become part of the study's text.
     curves: Vec<(usize, FromFile)>,
     sweep: Option<Sweep>,
     setup: Option<Setup>,
@@ -415,8 +415,8 @@ struct Tasks {
 }
 
 impl Tasks {
-    /// Reads the sections in the order of their references. `is_known` is false if the axle could not be read.
-    /// `None` if a section has a fault.
+    /// Reads the sections in the order of their references. `is_known` is false if the axle could not be read. `None` if a
+    /// section has an error.
     fn read(
         context: &Context<'_>,
         is_known: bool,
@@ -468,7 +468,7 @@ impl Tasks {
     }
 }
 
-/// Texts of the bushings that come from files of their own, which become part of the study's text.
+/// Texts of the bushings that come from their own files. They become part of the study's text.
 fn bushings_of_files(file: &file::File, parts: Option<NamedParts<'_>>) -> Vec<BushingText> {
     let bushings = parts.into_iter().flat_map(|own| own.bushings);
     let is_of_file = |part: &NamedBushing<'_>| {
@@ -482,7 +482,7 @@ fn bushings_of_files(file: &file::File, parts: Option<NamedParts<'_>>) -> Vec<Bu
         .collect()
 }
 
-/// The files a study names.
+/// Files that a study names.
 fn named_files(file: &file::File) -> impl Iterator<Item = &str> {
     let targets = file.optimise.iter().flat_map(|o| o.targets.get_ref());
     let curves = targets.filter_map(|target| target.get_ref().file.as_ref());

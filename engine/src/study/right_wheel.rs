@@ -1,4 +1,4 @@
-//! `[axle.right]`: the right wheel of an axle, where it is not the mirror image of the left one.
+//! `[axle.right]`: right wheel of an axle, if it is not the mirror image of the left wheel.
 
 use super::error::Problems;
 use super::file::{self, File};
@@ -10,7 +10,7 @@ use crate::model::{PointId, SpinAxis, Suspension};
 use crate::solve::Solver;
 use toml::Spanned;
 
-/// Entries of the study for the right wheel; `None` if it is the mirror image.
+/// Entries of the study for the right wheel. `None` if it is the mirror image.
 pub(super) fn own(file: &File) -> Option<&file::OwnRight> {
     match file.axle.as_ref()?.get_ref().right.as_ref()?.get_ref() {
         RightWheel::Own(own) => Some(own),
@@ -18,7 +18,7 @@ pub(super) fn own(file: &File) -> Option<&file::OwnRight> {
     }
 }
 
-/// The right wheel; the inner `None` is the mirror image, springs left out.
+/// Right wheel without springs. The inner `None` means the mirror image of the left wheel.
 pub(super) fn right_wheel(
     file: &File,
     left: &Suspension,
@@ -71,7 +71,7 @@ pub(super) fn right_wheel(
     Some(Some(right))
 }
 
-/// The extra point of this name, which a built axle has at a place of its own on each side.
+/// Extra point with this name. A built axle has its own place for it on each side.
 fn extra_point(text: &Text, left: &Suspension) -> Option<PointId> {
     let (mechanism, name) = (&left.mechanism, text.get_ref());
     match mechanism.topology.hardpoint(name) {
@@ -80,7 +80,7 @@ fn extra_point(text: &Text, left: &Suspension) -> Option<PointId> {
     }
 }
 
-/// Own static camber and toe; a missing value is the left wheel's.
+/// Static camber and toe of the right wheel. A missing value is the left wheel's.
 fn spin_axis(
     file: &File,
     own: &file::OwnRight,

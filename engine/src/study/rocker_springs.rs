@@ -6,7 +6,7 @@ use super::suspension::above_zero;
 use crate::axle::{Preloaded, RockerSprings};
 use crate::model::Suspension;
 
-/// The springs between the rockers, if nothing is wrong with them.
+/// Reads the springs between the rockers. `None` if one has an error.
 pub(super) fn rocker_springs(
     file: &File,
     left: &Suspension,

@@ -1,16 +1,16 @@
-//! Wanted values of a target at each drive value, read from its curve between the points.
+//! Target values at each drive value. Between the points of a curve they are interpolated.
 
 use super::{Interpolation, Limit, Target, TargetKind, Wanted};
 use crate::axle::{Axle, Placement, Quantity};
 
-/// Wanted range at a drive value: from `low` to `high`.
+/// Range of target values at a drive value, from `low` to `high`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// The drive value.
+    /// Drive value.
     pub drive: f64,
-    /// The least wanted value.
+    /// Lowest target value.
     pub low: f64,
-    /// The most that is wanted; the same for a value.
+    /// Highest target value. Equal to `low` if the target is a single value.
     pub high: f64,
 }
 
@@ -21,27 +21,27 @@ impl Sample {
         self.low < self.high
     }
 
-    /// Deviation of a value from the wanted range: 0 within the limits.
+    /// Deviation of a value from the target range: 0 within the limits.
     #[inline]
     pub fn deviation(&self, found: f64) -> f64 {
         found - found.clamp(self.low, self.high)
     }
 }
 
-/// Wanted range of a quantity of an axle in one position.
+/// Target range of a quantity of an axle in one pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxleSample {
-    /// The position.
+    /// Pose.
     pub placement: Placement,
-    /// The quantity.
+    /// Quantity.
     pub quantity: Quantity,
-    /// Wanted range of the quantity. Its `drive` is the place on the target's curve as the study writes it.
+    /// Target range of the quantity. Its `drive` is the value on the target's curve as the study writes it.
     pub wanted: Sample,
 }
 
 impl Target {
-    /// Wanted ranges of the target for an axle: one for each place of its curve, each held position and each of its
-    /// quantities. Empty for a target of one wheel.
+    /// Target ranges for an axle: one for each point of the target's curve, each combination of fixed coordinates, and each
+    /// quantity. Empty for a target of one wheel.
     pub fn axle_samples(&self, axle: &Axle) -> Vec<AxleSample> {
         let (TargetKind::Axle(quantities), Some(site)) = (&self.of.kind, &self.site.axle) else {
             return Vec::new();
@@ -61,7 +61,7 @@ impl Target {
 }
 
 impl Wanted {
-    /// Wanted ranges at those stations that the target covers, or at its own drive values.
+    /// Target ranges at the stations that the target covers, or at its own drive values.
     pub fn samples(&self, stations: &[f64]) -> Vec<Sample> {
         let value = |(drive, value)| Sample {
             drive,
@@ -89,8 +89,8 @@ impl Wanted {
         }
     }
 
-    /// Wanted values of a value or a curve, as (drive value, value): at those stations that lie on the curve, or at
-    /// its own drive values. Empty for a band.
+    /// Target values of a single value or a curve, as (drive value, value). They are at the stations within the curve, or at
+    /// the target's own drive values. Empty for a band.
     pub fn at_stations(&self, stations: &[f64]) -> Vec<(f64, f64)> {
         match self {
             Wanted::At { drive, value } => vec![(*drive, *value)],
@@ -112,7 +112,7 @@ impl Wanted {
 }
 
 impl Limit {
-    /// The limit at a drive value, if it has one there.
+    /// Limit at a drive value. `None` outside the limit's curve.
     fn at(&self, drive: f64) -> Option<f64> {
         match self {
             Limit::Value(value) => Some(*value),
@@ -130,7 +130,7 @@ impl Limit {
 }
 
 impl Interpolation {
-    /// The slopes at the points of a curve, where it is not made of straight lines.
+    /// Slopes at the points of a curve. `None` for straight lines.
     fn slopes(self, points: &[[f64; 2]]) -> Option<Vec<f64>> {
         match self {
             Interpolation::Linear => None,
@@ -139,7 +139,7 @@ impl Interpolation {
     }
 }
 
-/// The curve at `x`, between its first and last point.
+/// Value of the curve at `x`, between its first and last point.
 fn at(points: &[[f64; 2]], slopes: Option<&[f64]>, x: f64) -> f64 {
     let right = points
         .partition_point(|p| p[0] <= x)
@@ -150,7 +150,7 @@ fn at(points: &[[f64; 2]], slopes: Option<&[f64]>, x: f64) -> f64 {
     match slopes {
         None => y0 + (y1 - y0) * t,
         Some(slopes) => {
-            // Hermite's cubic.
+            // Hermite cubic.
             let (m0, m1) = (slopes[right - 1] * width, slopes[right] * width);
             let rise = y1 - y0;
             y0 + t * (m0 + t * ((3.0 * rise - 2.0 * m0 - m1) + t * (m0 + m1 - 2.0 * rise)))
@@ -158,10 +158,10 @@ fn at(points: &[[f64; 2]], slopes: Option<&[f64]>, x: f64) -> f64 {
     }
 }
 
-/// Slopes of a piecewise cubic that is monotone wherever its points are: zero at turning points, else
-/// the weighted harmonic mean of the neighbouring secants (F. N. Fritsch, J. Butland, A method for
-/// constructing local monotone piecewise cubic interpolants, SIAM J. Sci. Stat. Comput. 5, 1984). At
-/// the ends the slope of the parabola through three points, limited likewise.
+/// Slopes of a piecewise cubic that is monotone wherever its points are. A slope is zero at turning points, else the
+/// weighted harmonic mean of the neighbouring secants (F. N. Fritsch, J. Butland, A method for constructing local monotone
+/// piecewise cubic interpolants, SIAM J. Sci. Stat. Comput. 5, 1984). At the ends it is the slope of the parabola through
+/// three points, limited in the same way.
 fn monotone_slopes(points: &[[f64; 2]]) -> Vec<f64> {
     let widths: Vec<f64> = points.windows(2).map(|p| p[1][0] - p[0][0]).collect();
     let secants: Vec<f64> = points
@@ -225,7 +225,7 @@ mod tests {
 
     #[test]
     fn three_points_of_a_monotone_parabola_give_the_parabola_near_its_ends() {
-        // y = x^2 at 1, 2, 3: end slopes 2 and 6 are exact.
+        // For y = x^2 at 1, 2, 3, the end slopes 2 and 6 are exact.
         let slopes = monotone_slopes(&[[1.0, 1.0], [2.0, 4.0], [3.0, 9.0]]);
         assert_eq!((slopes[0], slopes[2]), (2.0, 6.0));
     }

@@ -1,53 +1,53 @@
-//! `[setup]` and `[tolerance]`, resolved: adjustments, contributors and bands.
+//! `[setup]` and `[tolerance]`, resolved: adjustments, sources of scatter, and bands.
 
 use super::*;
 
-/// A set-up.
+/// Set-up: adjustments and target values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setup {
     /// Adjustments, at least one.
     pub adjust: Vec<Adjustment>,
-    /// Wanted static values.
+    /// Target static values.
     pub want: Vec<Want>,
-    /// Wanted change of the ride height, in study units: positive where the car becomes higher. The wheel travel of the
-    /// new resting position is its negative.
+    /// Target change of the ride height, in study units. Positive if the car becomes higher. The wheel travel of the new
+    /// static position is its negative.
     pub ride_height_change: Option<f64>,
 }
 
-/// Something that can be adjusted.
+/// An adjustable dimension.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Adjustment {
     /// Name: `tie_rod`, `upper_ball_joint y`.
     pub name: String,
-    /// The dimension, and its change in the kernel's frame per unit of the adjustment.
+    /// Dimension, and its change in the kernel's frame per unit of the adjustment.
     pub change: (BuildParameter, f64),
-    /// Sizes in which it comes.
+    /// Available sizes of the adjustment.
     pub increment: Increment,
 }
 
-/// Sizes in which an adjustment comes, in study units.
+/// Available sizes of an adjustment, in study units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Increment {
-    /// A thread: continuous, made in parts of a turn.
+    /// A thread. Continuous; set in fractions of a turn.
     Thread {
-        /// Change of length by one turn, of both threads together.
+        /// Change of length per turn, for both threads together.
         per_turn: f64,
     },
-    /// Whole shims.
+    /// A whole number of shims.
     Shims {
         /// Thickness of the thinnest shim.
         step: f64,
     },
-    /// Any amount, as of a slotted plate.
+    /// Any amount, for example with a slotted plate.
     Free,
 }
 
-/// A wanted static value, in radians or length units.
+/// A target static value, in radians or length units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Want {
-    /// The characteristic.
+    /// Characteristic.
     pub characteristic: Characteristic,
-    /// The value.
+    /// Value.
     pub value: f64,
 }
 
@@ -66,16 +66,16 @@ pub struct Tolerance {
     pub bands: Vec<Band>,
 }
 
-/// Something that scatters: a point, a length or a jig.
+/// A scattering part: a point, a length or a jig.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contributor {
     /// Name.
     pub name: String,
-    /// Independent parts.
+    /// Independent random numbers of the part.
     pub sources: Vec<Source>,
 }
 
-/// A number that scatters on its own.
+/// A random number that is independent of all others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
     /// Name.
@@ -98,27 +98,26 @@ pub enum Law {
         /// Standard deviation.
         sigma: f64,
     },
-    /// Evenly between two ends.
+    /// Uniform distribution between two ends.
     Uniform {
-        /// The lowest value.
+        /// Lowest value.
         low: f64,
-        /// The highest value.
+        /// Highest value.
         high: f64,
     },
 }
 
-/// A band that a quantity of builds is to keep to, in radians or length units.
+/// A band that a quantity of the builds must keep, in radians or length units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Band {
     /// Quantity that must keep the band: a characteristic, or a quantity of an axle (of both wheels if no side is
     /// named).
     pub of: TargetQuantity,
-    /// Drive value, or value of the number that [`Band::site`] is over, at which the band holds; `None` for all
-    /// stations.
+    /// Drive value at which the band holds, or value of the coordinate that [`Band::site`] varies. `None` for all stations.
     pub at: Option<f64>,
-    /// For an axle: the number of the motion that `at` is a value of, and the values of the others. Without it the
-    /// band holds everywhere in the motion.
+    /// For an axle: the coordinate of the motion that `at` is a value of, and the values of the others. `None` means that
+    /// the band holds in the whole motion.
     pub site: Option<AxleSite>,
-    /// Lowest and highest value; infinite without a limit.
+    /// Lowest and highest value. A missing limit is infinite.
     pub between: [f64; 2],
 }

@@ -1,17 +1,16 @@
-//! The names that the JSON schema of studies knows.
+//! JSON schema of studies.
 
 use crate::car::CarQuantity;
 use crate::characteristics::Characteristic;
 use crate::model::{FrameConvention, LengthUnit, Side, Topology};
 use hardpoint_study_file::schema::{self, Root};
 
-/// The JSON schema (draft 4) of studies, for editors: its keys, the required ones, the types of their values, and the
-/// names from lists.
+/// JSON schema (draft 4) of studies, for editors: keys, required keys, types of values, and permitted names.
 pub fn schema() -> serde_json::Value {
     schema::schema(names)
 }
 
-/// Names that a text may be, or the keys of a table, by the kind of study and the place.
+/// Permitted names of a text, or keys of a table, for a kind of study and a place.
 fn names(root: Root, path: &str) -> Option<Vec<String>> {
     let owned = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
     Some(match root {
@@ -30,7 +29,7 @@ fn names(root: Root, path: &str) -> Option<Vec<String>> {
             "outputs.characteristics[]" | "tolerance.bands[].characteristic" => {
                 CarQuantity::names()
             }
-            // Results of cases, and quantities of an axle by itself.
+            // Results of cases, and quantities of an axle alone.
             "optimise.targets[].characteristic" => {
                 let mut names = CarQuantity::names();
                 let own = crate::axle::Quantity::names()

@@ -1,4 +1,4 @@
-//! `[setup]`: adjustments and wanted values.
+//! `[setup]`: adjustments and target values.
 
 use super::error::Problems;
 use super::file;
@@ -10,7 +10,7 @@ use super::{Adjustment, Increment, Setup, Want};
 use crate::assembly::BuildParameter;
 use toml::Spanned;
 
-/// The set-up, if nothing is wrong with it.
+/// Reads the set-up. `None` if it has an error.
 pub(super) fn setup(
     section: &file::Setup,
     context: &Context,
@@ -51,7 +51,7 @@ pub(super) fn setup(
                 .from_printed(number.value, context.suspension.length_unit),
         });
     }
-    // In the order of the catalogue, whatever their order in the file.
+    // Sorts by the order of the catalogue, whatever their order in the file.
     want.sort_by_key(|want| want.characteristic);
     Some(Setup {
         adjust: adjust
@@ -63,7 +63,7 @@ pub(super) fn setup(
     })
 }
 
-/// Wanted change of the ride height: as written, or the negative of the written travel.
+/// Target change of the ride height: as written, or the negative of the written travel.
 fn ride_height_change(section: &file::Setup, problems: &mut Problems) -> Option<f64> {
     match (&section.ride_height_change, &section.travel) {
         (Some(change), Some(travel)) => {

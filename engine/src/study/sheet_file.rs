@@ -1,4 +1,4 @@
-//! Measured K&C sheets in the layout of `kc.csv` as targets: a target for each figure, station by station.
+//! Targets from measured K&C sheets in the layout of `kc.csv`: a target for each figure at each station.
 
 use super::axle_targets::{self, AxleSite};
 use super::curve_file::{at_record, delimiter};
@@ -16,13 +16,13 @@ use crate::model::Side;
 use std::sync::Arc;
 use toml::Spanned;
 
-/// Columns that a sheet needs.
+/// Required columns of a sheet.
 const NEEDED: [&str; 3] = ["load", "quantity", "value"];
 
-/// A target as it is written out in a study, by its keys: figure, place, value and tolerance, in printed units.
+/// Keys of a target in a study: figure, station, value and tolerance, in printed units.
 #[derive(Clone, Debug)]
 pub(super) struct SheetTarget {
-    /// Keys with words.
+    /// Keys with text values.
     pub words: Vec<(&'static str, String)>,
     /// Keys with numbers.
     pub numbers: Vec<(&'static str, f64)>,
@@ -47,8 +47,8 @@ fn sheet(path: &Text, context: &Context) -> Option<Arc<Source>> {
     })
 }
 
-/// The targets of a measured sheet; `None` if the target's file is not a sheet. With a figure or characteristic the
-/// rows of that figure count alone.
+/// Targets of a measured sheet. `None` if the target's file is not a sheet. If the target names a figure or a
+/// characteristic, only its rows count.
 pub(super) fn targets(
     spanned: &Spanned<Written>,
     context: &Context,
@@ -65,7 +65,7 @@ pub(super) fn targets(
     Some(of_sheet(spanned, of, &source, context, problems))
 }
 
-/// The elastic parts that a sheet is of.
+/// Elastic parts that a sheet measures.
 #[derive(Clone, Copy)]
 enum SheetOf<'a> {
     Wheel(&'a ComplianceStudy),
@@ -148,14 +148,14 @@ struct Reader<'a> {
     source: &'a Arc<Source>,
     of: SheetOf<'a>,
     context: &'a Context<'a>,
-    /// The name of the only figure that counts.
+    /// Name of the figure that counts, if the target names one.
     only: Option<&'a str>,
-    /// Tolerance of the target: of each value, or a factor of the column `tolerance`.
+    /// Tolerance of each value, or factor of the column `tolerance`.
     tolerance: f64,
     weight: f64,
 }
 
-/// Cells of a row by the names of their columns.
+/// Cells of a row, by the names of their columns.
 struct Row<'a> {
     source: &'a Arc<Source>,
     header: &'a csv::StringRecord,
@@ -172,7 +172,7 @@ impl Row<'_> {
         Err(at_record(self.source, self.record, message))
     }
 
-    /// A number; `None` for an empty cell.
+    /// Reads a number. `None` for an empty cell.
     fn number(&self, name: &str) -> Result<Option<f64>, StudyErrors> {
         match self.cell(name) {
             "" => Ok(None),
@@ -248,7 +248,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Returns true if a row is of a test, as far as it says.
+    /// Returns true if a row belongs to a test. Empty cells match every test.
     fn is_of(&self, row: &Row<'_>, test: &KcTest) -> Result<bool, StudyErrors> {
         let u = self.context.suspension.length_unit.symbol();
         let trail = row.number(&format!("trail_{u}"))?;
@@ -275,7 +275,7 @@ impl Reader<'_> {
             && same("steering", steering))
     }
 
-    /// The only figure among those that a row may be of. `None` for a secant that is not there.
+    /// Selects the only figure among those that fit a row. `None` for a missing secant.
     fn only_one<F>(
         row: &Row<'_>,
         is_secant: bool,
@@ -295,7 +295,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The figure of a row. `None` for the secant of a motion, which has none.
+    /// Figure of a row. `None` for a secant of a test with a motion, which has no secants.
     fn figure_of_wheel(
         &self,
         elastic: &ComplianceStudy,
@@ -333,7 +333,7 @@ impl Reader<'_> {
         }))
     }
 
-    /// The figure of a row of one wheel, of the axle, or of both wheels if the row names none.
+    /// Figure of a row: of one wheel, of the axle, or of both wheels if the row names none.
     fn figure_of_axle(
         &self,
         both: &AxleStudy,
@@ -385,7 +385,7 @@ impl Reader<'_> {
         }))
     }
 
-    /// The place of a row in the motion of an axle: the site, the value of the number that varies, and the keys of a target.
+    /// Station of a row in the motion of an axle: the site, the value of the varying coordinate, and the keys of a target.
     fn place_of_axle(&self, both: &AxleStudy, row: &Row<'_>) -> Result<AxlePlace, StudyErrors> {
         let axle = &both.axle;
         let u = axle.left.length_unit.symbol();
@@ -508,18 +508,18 @@ impl Reader<'_> {
     }
 }
 
-/// The figure that a row is about.
+/// Figure of a row.
 struct SheetFigure {
-    /// Name in a study.
+    /// Name of the figure in a study.
     name: String,
     of: TargetQuantity,
-    /// The wheel that a row of an axle names.
+    /// Wheel that the row names, for an axle.
     side: Option<Side>,
 }
 
-/// The place of a row in the motion of an axle.
+/// Station of a row in the motion of an axle.
 struct AxlePlace {
     site: AxleSite,
-    /// The numbers of a target that say the place.
+    /// Keys of a target with numbers that describe the station.
     numbers: Vec<(&'static str, f64)>,
 }

@@ -1,4 +1,4 @@
-//! Solid axles and twist beams: required and forbidden entries of a study, and the differences of the right half.
+//! Solid axles and twist beams: required and refused entries of a study, and differences of the right half.
 
 use super::error::Problems;
 use super::file::{self, File};
@@ -138,7 +138,7 @@ fn links(section: &file::Suspension, suspension: &Suspension, problems: &mut Pro
     }
 }
 
-/// The axle seen from its left and from its right wheel; the second is `None` for an axle that is its own mirror image.
+/// Axle as seen from its left and from its right wheel. The second is `None` if the axle is its own mirror image.
 pub(super) fn wheels(
     file: &File,
     suspension: &Suspension,
@@ -187,7 +187,7 @@ pub(super) fn wheels(
     Some((left, (!is_symmetric).then_some(right)))
 }
 
-/// Points of the right half that are not mirror images.
+/// Places the points of the right half that are not mirror images.
 fn differences(
     own: &file::OwnRight,
     rigid: &RigidAxle,

@@ -15,12 +15,12 @@ impl Formulation {
         ("point_coordinates", Formulation::PointCoordinates),
     ];
 
-    /// Name in studies.
+    /// Name of the formulation in studies.
     pub fn name(self) -> &'static str {
         Formulation::ALL[self as usize].0
     }
 
-    /// The highest derivative by the drive it can give.
+    /// Highest available derivative by the drive.
     fn highest_derivative(self) -> usize {
         match self {
             Formulation::KnucklePose => usize::MAX,
@@ -29,7 +29,7 @@ impl Formulation {
     }
 }
 
-/// The formulation, if the topology has it.
+/// Reads the formulation, and checks that it supports the topology.
 pub(super) fn formulation(
     file: &File,
     suspension: &Suspension,
@@ -53,7 +53,7 @@ pub(super) fn formulation(
     Some(formulation)
 }
 
-/// Refuses the key `accuracy`: every study is solved to rounding.
+/// Refuses the key `accuracy`. Every study is solved to rounding.
 pub(super) fn refuse_accuracy(file: &File, problems: &mut Problems) {
     if let Some(accuracy) = &file.solver.accuracy {
         let message = "poses always have full double precision: less saved no time, so accuracy is no longer a \
@@ -63,7 +63,7 @@ pub(super) fn refuse_accuracy(file: &File, problems: &mut Problems) {
     }
 }
 
-/// Refuses outputs that the formulation or the drive cannot give.
+/// Refuses outputs that the formulation or the drive does not support.
 pub(super) fn check_outputs(
     file: &File,
     formulation: Formulation,
@@ -104,7 +104,7 @@ pub(super) fn check_outputs(
     }
 }
 
-/// Refuses proofs for outputs without certificates.
+/// Refuses certificates for outputs that have none.
 fn check_certificate(
     file: &File,
     formulation: Formulation,
@@ -131,7 +131,7 @@ fn check_certificate(
     problems.add(certify.span(), message).help(help);
 }
 
-/// Refuses to balance loads on the point-coordinate equations.
+/// Refuses loads with the point-coordinate equations.
 fn check_loads(file: &File, formulation: Formulation, outputs: &Outputs, problems: &mut Problems) {
     let written = file.outputs.as_ref().and_then(|o| o.loads.as_ref());
     let Some(written) = written.filter(|_| !outputs.loads.is_empty()) else {

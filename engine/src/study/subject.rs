@@ -13,7 +13,7 @@ use crate::characteristics::{CarriedForce, Measure, Quantity};
 use crate::model::{Constraint, PointId, Suspension};
 use toml::Spanned;
 
-/// A point of the study, hardpoint or extra point.
+/// Point of the study: a hardpoint or an extra point.
 pub(super) fn point(
     text: &Text,
     suspension: &Suspension,
@@ -27,8 +27,8 @@ pub(super) fn point(
     choose(text, "point", &points, problems)
 }
 
-/// The members of a suspension by the names that columns of loads give them: rods, legs of arms, spring; and the
-/// drive shaft between two extra points.
+/// Members of a suspension, with the names from the columns of loads: rods, legs of arms, spring. The drive shaft between
+/// two extra points is included.
 pub(super) fn members(suspension: &Suspension) -> Vec<(String, [PointId; 2])> {
     let mechanism = &suspension.mechanism;
     let mut members: Vec<(String, [PointId; 2])> = Vec::new();
@@ -57,7 +57,7 @@ pub(super) fn members(suspension: &Suspension) -> Vec<(String, [PointId; 2])> {
     members
 }
 
-/// The member of this name.
+/// Finds the member with this name.
 pub(super) fn member(
     text: &Text,
     suspension: &Suspension,
@@ -68,7 +68,7 @@ pub(super) fn member(
     choose(text, "member", &options, problems)
 }
 
-/// A length, with its name: that of a member, or the distance of two points.
+/// A length with its name: that of a member, or the distance between two points.
 pub(super) fn length(
     written: &Spanned<MemberName>,
     suspension: &Suspension,
@@ -97,7 +97,7 @@ pub(super) fn length(
     }
 }
 
-/// A force under a load, by the name of its column without the unit; with its factor to the study's axes.
+/// Force in a member under a load, named by its column without the unit. Includes the factor to the study's axes.
 pub(super) fn force(
     name: &Text,
     context: &Context,
@@ -131,7 +131,7 @@ pub(super) fn force(
     Some((force, sign))
 }
 
-/// Returns the subject of a target.
+/// Reads the subject of a target.
 pub(super) fn subject(
     target: &Spanned<file::Target>,
     context: &Context,
@@ -192,7 +192,7 @@ pub(super) fn subject(
     })
 }
 
-/// In which motion, and where the rack is.
+/// Reads the motion and the rack displacements.
 pub(super) fn site(
     motion: &Option<Text>,
     rack: &Option<Spanned<Numbers>>,

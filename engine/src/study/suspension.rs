@@ -13,7 +13,7 @@ use crate::model::{
 use crate::number::Vector3;
 use std::collections::BTreeMap;
 
-/// The suspension, if nothing is wrong with it.
+/// Reads the suspension. `None` if it has an error.
 pub(super) fn suspension(file: &File, problems: &mut Problems) -> Option<Suspension> {
     let section = &file.suspension;
     let topologies: Vec<_> = Topology::ALL.iter().map(|t| (t.name, *t)).collect();
@@ -67,7 +67,7 @@ pub(super) fn suspension(file: &File, problems: &mut Problems) -> Option<Suspens
     Some(suspension)
 }
 
-/// The unit of lengths with that of forces.
+/// Combines the unit of length with the unit of force.
 fn with_forces(
     file: &File,
     length: Option<LengthUnit>,
@@ -94,18 +94,18 @@ fn with_forces(
     }
 }
 
-/// The unit of masses.
+/// Unit of mass.
 pub(super) fn mass_unit(written: &Option<Text>, problems: &mut Problems) -> Option<MassUnit> {
     let names = MassUnit::ALL.map(|unit| (unit.symbol(), unit));
     choose_or(written, MassUnit::Kilogram, "mass unit", &names, problems)
 }
 
-/// Kilograms in the unit of masses.
+/// Unit of mass in kg.
 pub(super) fn kilograms(file: &File, problems: &mut Problems) -> Option<f64> {
     Some(mass_unit(&file.suspension.mass_unit, problems)?.kilograms())
 }
 
-/// A hardpoint the file gives, in the study's axes.
+/// Hardpoint as the file gives it, in the study's axes.
 struct Given<'a> {
     name: &'static str,
     text: &'a Text,
@@ -165,7 +165,7 @@ fn hardpoints<'a>(
     if let Some(fault) = HardpointFault::missing(topology, is_found) {
         return problems.refuse(section.hardpoints.span(), fault.to_string());
     }
-    // A misspelt name is said already.
+    // A misspelt name is already reported.
     if sound {
         let names: Vec<&'static str> = given.iter().map(|g| g.name).collect();
         for group in topology.groups {
@@ -178,7 +178,7 @@ fn hardpoints<'a>(
     sound.then_some(given)
 }
 
-/// Reports the fault of a group at the place of its first part.
+/// Reports an error in a group of hardpoints, at its first part.
 fn add_group_fault(
     group: &Group,
     fault: &HardpointFault,
@@ -201,7 +201,7 @@ fn add_group_fault(
     }
 }
 
-/// The bodies that ends of springs and rods are mounted on, as far as the study says.
+/// Sets the bodies that carry the ends of springs and rods, where the study names them.
 pub(super) fn bodies(
     bodies: &BTreeMap<Text, Text>,
     mechanism: &mut Mechanism,
@@ -246,7 +246,7 @@ pub(super) fn position(coordinates: &Coordinates, problems: &mut Problems) -> Op
     three(coordinates, "coordinates [x, y, z]", problems)
 }
 
-/// The three numbers of a list, in the study's axes; `what` names them in messages.
+/// Three numbers of a list, in the study's axes. `what` names them in messages.
 pub(super) fn three(
     list: &Coordinates,
     what: &str,
@@ -261,7 +261,7 @@ pub(super) fn three(
     }
 }
 
-/// Static camber and toe, where the spin axis is not given by a hardpoint.
+/// Static camber and toe, if no hardpoint gives the spin axis.
 fn spin_axis(
     file: &File,
     mechanism: &mut Mechanism,
@@ -389,7 +389,7 @@ fn vehicle(section: &file::Vehicle, problems: &mut Problems) -> Option<VehicleFi
     })
 }
 
-/// The number, if it is given; `None` if it is wrong.
+/// Reads an optional positive number. `None` if it is not positive, `Some(None)` if it is missing.
 pub(super) fn positive(number: &Option<Number>, problems: &mut Problems) -> Option<Option<f64>> {
     match number {
         Some(number) => above_zero(number, problems).map(Some),
@@ -397,7 +397,7 @@ pub(super) fn positive(number: &Option<Number>, problems: &mut Problems) -> Opti
     }
 }
 
-/// The number, which must be above zero.
+/// Checks that the number is positive.
 pub(super) fn above_zero(number: &Number, problems: &mut Problems) -> Option<f64> {
     if number.value > 0.0 {
         return Some(number.value);

@@ -1,4 +1,4 @@
-//! `[sweep]`: which designs are to be looked at.
+//! `[sweep]`: designs to compute.
 
 use super::elastic_targets::{RateKeys, rate_keys};
 use super::error::Problems;
@@ -14,10 +14,10 @@ use std::collections::HashMap;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// The most designs of a sweep: years of work for the fastest machine.
+/// Largest number of designs in a sweep: years of work for the fastest machine.
 pub const MOST_DESIGNS: u64 = 1_000_000_000_000;
 
-/// The most variables that are exchanged one by one: a group of such designs stays within a block.
+/// Largest number of variables with Saltelli sampling. One group of such designs must fit into a block.
 pub(crate) const MOST_EXCHANGED: usize = crate::evaluate::BLOCK - 2;
 
 impl Sampling {
@@ -29,14 +29,14 @@ impl Sampling {
         ("saltelli", Sampling::Saltelli),
     ];
 
-    /// Name in studies.
+    /// Name of the method in studies.
     pub fn name(self) -> &'static str {
         Sampling::ALL[self as usize].0
     }
 }
 
 impl Sampled {
-    /// Number of designs.
+    /// Number of designs in the sweep.
     pub fn designs(&self) -> u64 {
         match self.method {
             Sampling::Saltelli => self.samples * (self.variables.len() as u64 + 2),
@@ -46,7 +46,8 @@ impl Sampled {
 }
 
 impl Sampled {
-    /// All that the designs depend on: points of a sequence do not depend on the number of samples.
+    /// Returns only the data that determine the designs. The points of a sequence do not depend on the number of samples, so
+    /// it is cleared.
     pub(crate) fn meaning(&self) -> Sampled {
         let samples = match self.method {
             Sampling::Sobol | Sampling::Random | Sampling::Saltelli => 0,
@@ -60,7 +61,7 @@ impl Sampled {
 }
 
 impl SweepVariable {
-    /// The name of its column.
+    /// Name of the variable's column.
     pub fn column(&self, length_unit: crate::model::LengthUnit) -> String {
         match &self.rate {
             Some(rate) => format!("{}_{}", self.name, rate.value_unit(length_unit)),
@@ -74,7 +75,7 @@ impl SweepVariable {
         evenly_spaced_at(low, high, self.steps.unwrap_or(1), level)
     }
 
-    /// The variable's value in the study's own design.
+    /// Value of the variable in the study's own design.
     pub fn at_design(&self, suspension: &Suspension) -> f64 {
         if let Some(rate) = &self.rate {
             return rate.own_value();
@@ -88,7 +89,7 @@ impl SweepVariable {
     }
 }
 
-/// The sweep, if nothing is wrong with it.
+/// Reads the sweep. `None` if it has an error.
 pub(super) fn sweep(
     file: &File,
     section: &Spanned<file::Sweep>,
@@ -131,7 +132,7 @@ pub(super) fn sweep(
     })
 }
 
-/// Sweeps use the equations in the knuckle's pose, and a drive that means the same for every design.
+/// Checks that the sweep uses the equations in the knuckle's pose, and a drive with the same meaning for every design.
 fn check_solver(
     file: &File,
     section: &Spanned<file::Sweep>,
@@ -160,7 +161,7 @@ fn check_solver(
     problems.add(place, message).help(help);
 }
 
-/// The file format of a sweep's results.
+/// File format of a sweep's results.
 pub(super) fn format(written: &Option<Text>, problems: &mut Problems) -> Option<FileFormat> {
     let Some(text) = written else {
         return Some(FileFormat::Csv);
@@ -198,25 +199,25 @@ fn sampled(
     asked.sampled(rules, resolved, &places, problems)
 }
 
-/// The keys of a sweep that say how its variables are sampled.
+/// Keys for the sampling of a sweep's variables.
 pub(super) struct SamplingKeys<'a> {
-    /// Place of the section.
+    /// Place of the section in the file.
     pub section: Span<usize>,
-    /// Place of the variables.
+    /// Place of the variables in the file.
     pub variables: Span<usize>,
-    /// Name of the method.
+    /// Name of the sampling method.
     pub method: &'a Option<Text>,
     /// Number of samples.
     pub samples: &'a Option<Whole>,
-    /// Seed.
+    /// Seed of the samples.
     pub seed: &'a Option<Whole>,
 }
 
-/// Method and seed, each if nothing is wrong with it.
+/// Method and seed. Each is `None` if it has an error.
 pub(super) type Rules = (Option<Sampling>, Option<i64>);
 
 impl SamplingKeys<'_> {
-    /// Method and seed. Both are read before the variables, so that mistakes of all are reported.
+    /// Reads method and seed before the variables, so that errors in all of them are reported.
     pub(super) fn rules(&self, problems: &mut Problems) -> Rules {
         let grid = Sampling::Grid;
         let method = choose_or(self.method, grid, "method", &Sampling::ALL, problems);
@@ -227,7 +228,7 @@ impl SamplingKeys<'_> {
         (method, seed)
     }
 
-    /// The samples of variables, which are written at `places`.
+    /// Reads the samples of variables, which are written at `places`.
     pub(super) fn sampled(
         &self,
         (method, seed): Rules,
@@ -250,7 +251,7 @@ impl SamplingKeys<'_> {
                     let message = format!("method = \"{}\" needs samples, a number", method.name());
                     return problems.refuse(self.section.clone(), message);
                 };
-                // Samples times variables and two must not exceed it either.
+                // Samples times (variables + 2) must not exceed the limit either.
                 let most = MOST_DESIGNS / (variables.len() as u64 + 2);
                 within(samples, 1..=most as i64, problems)? as u64
             }
@@ -352,7 +353,7 @@ fn variable(
     })
 }
 
-/// A variable that is the rate of an elastic part.
+/// Reads a variable that is the rate of an elastic part.
 fn rate(
     written: &file::SweepVariable,
     named: &RateKeys<'_>,
@@ -385,13 +386,13 @@ fn rate(
     })
 }
 
-/// `tie_rod_inner_dz` for an offset, `tie_rod_inner_z` for a coordinate.
+/// Column name without unit: `tie_rod_inner_dz` for an offset, `tie_rod_inner_z` for a coordinate.
 pub(super) fn column_stem(point: &str, axis: Axis, absolute: bool) -> String {
     let kind = if absolute { "" } else { "d" };
     format!("{point}_{kind}{}", axis.name())
 }
 
-/// The number of values in a grid.
+/// Reads the number of values in a grid.
 pub(super) fn steps(
     steps: &Whole,
     range: Option<[f64; 2]>,
@@ -407,7 +408,7 @@ pub(super) fn steps(
     Some(count as u64)
 }
 
-/// A name that can be part of a column's.
+/// Reads a name that may be part of a column name.
 pub(super) fn plain(name: &Text, problems: &mut Problems) -> Option<String> {
     let text = name.get_ref();
     let allowed = |c: char| c.is_ascii_alphanumeric() || "_+-".contains(c);
@@ -418,8 +419,8 @@ pub(super) fn plain(name: &Text, problems: &mut Problems) -> Option<String> {
     Some(text.clone())
 }
 
-/// Refuses two variables of one name, and a coordinate that is set by one variable and moved by
-/// another. Offsets of several variables add up.
+/// Refuses two variables with the same name. Also refuses a coordinate that one variable sets and another one moves. Offsets
+/// of several variables add up.
 fn distinct(
     written: &[Spanned<file::SweepVariable>],
     variables: &[SweepVariable],

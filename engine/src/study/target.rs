@@ -1,19 +1,19 @@
-//! Targets and constraints, resolved: quantities, sites, wanted values and limits.
+//! Resolved targets and constraints: quantities, sites, target values and limits.
 
 use super::*;
 
 /// Quantity of a target, with its name and unit in the study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TargetQuantity {
-    /// The quantities, in the kernel's frame.
+    /// Quantities, in the kernel's frame.
     pub kind: TargetKind,
     /// Name with the unit, as in a column heading.
     pub column: String,
-    /// Kind of quantity, from which its unit follows.
+    /// Kind of unit.
     pub unit: Unit,
-    /// The study's unit of length.
+    /// Unit of length of the study.
     pub length: LengthUnit,
-    /// -1 where the study's axis points the other way than the kernel's.
+    /// Sign of the study's axis: -1 if it points opposite to the kernel's axis.
     pub sign: f64,
 }
 
@@ -22,14 +22,14 @@ pub struct TargetQuantity {
 pub enum TargetKind {
     /// A measure of one wheel.
     Wheel(Measure),
-    /// A quantity of an axle, or the same quantity of either wheel.
+    /// A quantity of an axle, or the same quantity of both wheels.
     Axle(Vec<crate::axle::Quantity>),
     /// A value of one wheel with elastic parts.
     Elastic(KcValue),
 }
 
 impl TargetQuantity {
-    /// A characteristic.
+    /// Makes the quantity of a characteristic.
     pub fn characteristic(characteristic: Characteristic, length: LengthUnit) -> Self {
         TargetQuantity {
             kind: TargetKind::Wheel(Measure::Quantity(Quantity::Characteristic(characteristic))),
@@ -40,17 +40,17 @@ impl TargetQuantity {
         }
     }
 
-    /// Factor from a value in the kernel's frame, in radians, length units and newtons, to a printed one.
+    /// Factor from a value in the kernel's frame, in radians, length units and newtons, to the printed value.
     pub fn factor(&self) -> f64 {
         self.unit.printed_factor(self.length) * self.sign
     }
 
-    /// Converts a printed value into one in the kernel's frame.
+    /// Converts a printed value to the kernel's frame.
     pub fn from_printed(&self, printed: f64) -> f64 {
         self.unit.from_printed(printed, self.length) * self.sign
     }
 
-    /// The measure, if it is of one wheel.
+    /// Measure of one wheel, if it is one.
     pub fn of_wheel(&self) -> Option<&Measure> {
         match &self.kind {
             TargetKind::Wheel(measure) => Some(measure),
@@ -58,7 +58,7 @@ impl TargetQuantity {
         }
     }
 
-    /// The characteristic of one wheel, if it is one.
+    /// Characteristic of one wheel, if it is one.
     pub fn as_characteristic(&self) -> Option<Characteristic> {
         match &self.kind {
             TargetKind::Wheel(Measure::Quantity(Quantity::Characteristic(c)))
@@ -67,7 +67,7 @@ impl TargetQuantity {
         }
     }
 
-    /// Returns true if it is a figure of a test on elastic parts, of a wheel or an axle.
+    /// Returns true for a test figure of elastic parts, of a wheel or an axle.
     pub fn is_figure(&self) -> bool {
         match &self.kind {
             TargetKind::Elastic(KcValue::Figure { .. }) => true,
@@ -79,7 +79,7 @@ impl TargetQuantity {
         }
     }
 
-    /// The figure of a test on elastic parts, if it is one.
+    /// Test figure of elastic parts, if it is one.
     pub fn as_figure(&self) -> Option<ElasticFigure> {
         let TargetKind::Elastic(value @ KcValue::Figure { .. }) = self.kind else {
             return None;
@@ -94,38 +94,38 @@ impl TargetQuantity {
     }
 }
 
-/// Place of a target or a constraint: its motion, and the positions of the rack.
+/// Stations of a target or a constraint: its motion, and the rack displacements.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Site {
-    /// Name of a motion; the study's `[motion]` without it.
+    /// Motion with its name. `None` for the study's `[motion]`.
     pub motion: Option<(String, Motion)>,
     /// Rack displacements along the study's +y. If empty, the rack is at the motion's displacement, or straight ahead
     /// if the motion moves it.
     pub racks: Vec<f64>,
-    /// For an axle: the number of the motion that it is over, and where the others are held.
+    /// For an axle: the coordinate that varies, and the values of the others.
     pub axle: Option<AxleSite>,
 }
 
-/// A wanted curve, value or band. Values in the kernel's frame, in radians or length units (for gains:
-/// radians per length unit).
+/// Target curve, value or band. Values are in the kernel's frame, in radians or length units (for gains: radians per length
+/// unit).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
-    /// The quantity that the target is about.
+    /// Quantity of the target.
     pub of: TargetQuantity,
-    /// Wanted value, curve or band of that quantity.
+    /// Target value, curve or band of this quantity.
     pub wanted: Wanted,
     /// Acceptable deviation, in the unit of the values.
     pub tolerance: f64,
-    /// Weight against the other targets.
+    /// Weight relative to the other targets.
     pub weight: f64,
-    /// Place where the target applies.
+    /// Stations of the target.
     pub site: Site,
-    /// Further drive values at which it is compared, beside those of the motion.
+    /// Additional drive values at which it is compared.
     pub stations: Vec<f64>,
 }
 
 impl Target {
-    /// Name of the target: the characteristic's, or the column's without its unit.
+    /// Name of the target: that of the characteristic, or the column's without its unit.
     pub fn name(&self, length: LengthUnit) -> String {
         match self.of.as_characteristic() {
             Some(characteristic) => characteristic.info().name.to_owned(),
@@ -137,19 +137,19 @@ impl Target {
         }
     }
 
-    /// The drive values of a motion, and those added for this target.
+    /// Drive values of a motion, with those added for this target.
     pub fn stations_in(&self, motion: &Motion) -> Vec<f64> {
         self.stations_among(&motion.values)
     }
 
-    /// The given values, and those added for this target.
+    /// The given values, with those added for this target.
     pub fn stations_among(&self, values: &[f64]) -> Vec<f64> {
         let added = self.stations.iter().filter(|v| !values.contains(v));
         values.iter().chain(added).copied().collect()
     }
 
-    /// A drive value (for an axle, a value of the number that the target is over) as it is printed. `drive` is the
-    /// drive of the study's own motion.
+    /// Printed form of a drive value. For an axle it is a value of the varying coordinate. `drive` is the drive of the
+    /// study's own motion.
     pub fn printed_at(&self, drive: Drive, at: f64) -> f64 {
         match (&self.site.axle, &self.site.motion) {
             (Some(_), _) => at,
@@ -167,26 +167,26 @@ impl Target {
         }
     }
 
-    /// Returns true if it is about a characteristic in the study's own motion. Sweeps compare only such targets.
+    /// Returns true for a characteristic in the study's own motion. Sweeps compare only such targets.
     pub fn is_in_motion(&self) -> bool {
         let of = &self.of;
         let is_curve = of.as_characteristic().is_some() || of.as_figure().is_some();
         self.site == Site::default() && is_curve
     }
 
-    /// Returns true if a picture can show the target as a line: a value or curve of a characteristic in the study's
-    /// own motion.
+    /// Returns true if a chart can show the target as a line: a value or curve of a characteristic in the study's own
+    /// motion.
     pub fn is_plain(&self) -> bool {
         !matches!(self.wanted, Wanted::Band { .. }) && self.is_in_motion()
     }
 }
 
-/// Wanted value, curve or band of a target.
+/// Target value, curve or band.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wanted {
-    /// A curve over the drive, compared at the stations of the motion between its ends.
+    /// A curve over the drive. It is compared at the stations of the motion between its ends.
     Curve {
-        /// Drive value (as in [`Motion::values`]) and wanted value, by rising drive value.
+        /// Drive value (as in [`Motion::values`]) and target value, in the order of the drive value.
         points: Vec<[f64; 2]>,
         /// Interpolation between its points.
         interpolation: Interpolation,
@@ -195,14 +195,14 @@ pub enum Wanted {
     At {
         /// Drive value.
         drive: f64,
-        /// Wanted value.
+        /// Target value.
         value: f64,
     },
-    /// Measured points, each compared where it was measured: drive value and value.
+    /// Measured points, each as [drive value, value]. Each is compared at its own drive value.
     Points(Vec<[f64; 2]>),
-    /// Anything between two limits.
+    /// All values between two limits.
     Band {
-        /// The one drive value where it is wanted; `None` for the stations of the motion.
+        /// Single drive value of the band. `None` for the stations of the motion.
         at: Option<f64>,
         /// Lower limit; `None` for no limit.
         lower: Option<Limit>,
@@ -211,51 +211,51 @@ pub enum Wanted {
     },
 }
 
-/// The limit of a band.
+/// Limit of a band.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Limit {
-    /// The same everywhere.
+    /// A constant limit.
     Value(f64),
-    /// A curve over the drive, which limits between its ends.
+    /// A curve over the drive. It has no effect beyond its ends.
     Curve {
-        /// Drive value and limit, by rising drive value.
+        /// Drive value and limit, in the order of the drive value.
         points: Vec<[f64; 2]>,
         /// Interpolation between its points.
         interpolation: Interpolation,
     },
 }
 
-/// Limits that a design must keep.
+/// Limits that a design must satisfy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constraint {
     /// Description in words.
     pub name: String,
     /// Measures that must all be within limits.
     pub parts: Vec<Limited>,
-    /// Place where it must hold; `None` for the design position alone.
+    /// Stations of the constraint. `None` for the design position only.
     pub site: Option<Site>,
 }
 
 /// A measure that must be within limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limited {
-    /// The measure that must be within the limits.
+    /// Measure with limits.
     pub of: Measure,
     /// Lower limit; `None` for no limit.
     pub lower: Option<f64>,
-    /// Upper limit; `None` for no limit. Equal to `lower`, it makes an equality.
+    /// Upper limit; `None` for no limit. If it equals `lower`, the constraint is an equality.
     pub upper: Option<f64>,
-    /// Change of the measure that counts as 1 in the rows of a tuning: a visible one, such as a millimetre or a degree.
+    /// Change of the measure that counts as 1 in the rows of a tuning. It is a visible change, such as 1 mm or 1 degree.
     pub scale: f64,
     /// The same change in `unit`.
     pub visible: f64,
-    /// Unit of the limits as the study writes them, which margins and prices have too. "1" for a plain number.
+    /// Unit of the limits, margins and prices, as the study writes it. "1" for a plain number.
     pub unit: String,
 }
 
 impl Limited {
-    /// Margin between the measure and one of its limits in `unit`, from the value of the limit's row:
-    /// (measure - limit)/scale, with the opposite sign for a lower limit. Negative if the limit is violated.
+    /// Margin between the measure and one of its limits in `unit`, from the value of the limit's row. The row is (measure -
+    /// limit)/scale, with the opposite sign for a lower limit. Negative if the limit is violated.
     pub(crate) fn margin(&self, row: f64) -> f64 {
         match (self.of.is_versine(), self.upper) {
             (true, Some(limit)) => {
@@ -272,7 +272,7 @@ impl Limited {
 pub enum Interpolation {
     /// Straight lines.
     Linear,
-    /// The smooth piecewise cubic that overshoots nowhere (F. N. Fritsch, R. E. Carlson, Monotone
-    /// piecewise cubic interpolation, SIAM J. Numer. Anal. 17, 1980).
+    /// A smooth piecewise cubic without overshoot (F. N. Fritsch, R. E. Carlson, Monotone piecewise cubic interpolation,
+    /// SIAM J. Numer. Anal. 17, 1980).
     MonotoneCubic,
 }

@@ -1,4 +1,4 @@
-//! `targets` of `[optimise]`: wanted curves, values and bands.
+//! `targets` of `[optimise]`: target curves, values and bands.
 
 use super::axle_targets;
 use super::curve_file::{self, WantedColumns};
@@ -15,10 +15,10 @@ use super::{Interpolation, Limit, Motion, Site, Target, TargetQuantity, Wanted};
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// A curve as written: drive value and wanted value, in the file's units.
+/// A curve as written: drive value and target value, in the file's units.
 pub(super) type WrittenCurve = Vec<[f64; 2]>;
 
-/// Contents of a file that a target names, to be written out in its place.
+/// Contents of a file that a target names. They replace the target in the study's text.
 #[derive(Clone, Debug)]
 pub(super) enum FromFile {
     /// A curve.
@@ -27,10 +27,10 @@ pub(super) enum FromFile {
     Sheet(Vec<SheetTarget>),
 }
 
-/// Targets, and the data that came from files, by the place of the target as written.
+/// Targets, and the data from files with the index of the target as written.
 type ReadTargets = (Vec<Target>, Vec<(usize, FromFile)>);
 
-/// The targets, if they have no error, and the data that came from files, by the place of the target as written.
+/// Reads the targets, and the data from files with the index of the target as written. `None` if there is an error.
 pub(super) fn targets(
     section: &file::Optimise,
     context: &Context,
@@ -44,7 +44,7 @@ pub(super) fn targets(
     each_target(written, is_fit, context, problems)
 }
 
-/// Refuses the keys of an entry that only the study of a car has.
+/// Refuses the keys of an entry that only studies of cars have.
 pub(super) fn refuse_keys_of_cars(
     written: [&Option<Text>; 2],
     problems: &mut Problems,
@@ -58,7 +58,7 @@ pub(super) fn refuse_keys_of_cars(
     Some(())
 }
 
-/// The targets of a list.
+/// Reads the targets of a list.
 pub(super) fn each_target<'w>(
     written: impl IntoIterator<Item = &'w Spanned<Written>>,
     is_fit: bool,
@@ -127,7 +127,7 @@ fn target(
     Some((target, from_file))
 }
 
-/// The quantity of a target, its site, and for an axle its motion; each if nothing is wrong with it.
+/// Quantity of a target, its site, and for an axle its motion. Each is `None` if it has an error.
 fn quantity_and_site(
     spanned: &Spanned<Written>,
     context: &Context,
@@ -143,7 +143,7 @@ fn quantity_and_site(
     axle_targets::Where::from(written).refuse(false, problems);
     let of = match (context.elastic, &written.figure) {
         (Some(elastic), _) => elastic_targets::subject(spanned, elastic, context, problems),
-        // Faults of the elastic parts are reported already.
+        // Errors in the elastic parts are already reported.
         (None, Some(_)) if context.file.compliance.is_some() => None,
         (None, Some(figure)) => problems.refuse(
             figure.span(),
@@ -155,7 +155,7 @@ fn quantity_and_site(
     (of, site, None)
 }
 
-/// The rack displacements of a site.
+/// Rack displacements of a site.
 fn rack_displacements(site: &Site, motion: &Motion) -> Vec<f64> {
     match (site.racks.as_slice(), motion.rack_moves) {
         ([], true) => vec![0.0],
@@ -164,8 +164,8 @@ fn rack_displacements(site: &Site, motion: &Motion) -> Vec<f64> {
     }
 }
 
-/// Stations beside those of the motion. They are needed if a curve has fewer stations between its ends than points
-/// within the motion: otherwise too few stations would judge it.
+/// Stations in addition to those of the motion. They are needed if a curve has fewer stations between its ends than points
+/// within the motion. Otherwise too few stations would represent the curve.
 fn added_stations(wanted: &Wanted, motion: &Motion) -> Vec<f64> {
     let (lowest, highest) = ends(&motion.values);
     let curves: Vec<&[[f64; 2]]> = match wanted {
@@ -203,7 +203,7 @@ fn added_stations(wanted: &Wanted, motion: &Motion) -> Vec<f64> {
     added
 }
 
-/// The number, which must be above zero by so much that quotients by it, and their squares, do not overflow.
+/// Checks that the number is positive and not tiny, so that quotients by it, and their squares, do not overflow.
 fn not_tiny(number: &Number, problems: &mut Problems) -> Option<f64> {
     const LEAST: f64 = 1e-12;
     let value = above_zero(number, problems)?;
@@ -228,7 +228,7 @@ fn interpolation(written: &Written, problems: &mut Problems) -> Option<Interpola
     choose(text, "interpolation", &kinds, problems)
 }
 
-/// The points of a curve as written.
+/// Points of a curve as written.
 fn curve(
     points: &[Spanned<Vec<Number>>],
     place: Span<usize>,
@@ -269,7 +269,7 @@ fn curve(
     }
 }
 
-/// Place of a target, its subject and its motion.
+/// Place of a target in the file, its subject and its motion.
 struct TargetContext<'a> {
     motion: &'a Motion,
     place: Span<usize>,
@@ -278,7 +278,7 @@ struct TargetContext<'a> {
 }
 
 impl TargetContext<'_> {
-    /// The wanted values as written, and the curve of a file.
+    /// Reads the target values, and the curve of a file.
     fn wanted(
         &self,
         written: &Written,
@@ -329,7 +329,7 @@ impl TargetContext<'_> {
             (None, None, Some(at), None, false) => {
                 problems.refuse(at.span.clone(), "at needs value: the target value there")
             }
-            // A figure is of the design height, if no travel is given.
+            // Without a travel, a figure applies to the design height.
             (None, None, None, Some(value), false) if self.of.is_figure() => {
                 let value = self.of.from_printed(value.value);
                 Some(Wanted::At { drive: 0.0, value })
@@ -444,7 +444,7 @@ impl TargetContext<'_> {
             }
         };
         let (lower, upper) = (limit(lower)?, limit(upper)?);
-        // An axis that points the other way exchanges them.
+        // If the axis has the opposite sign, upper and lower limit are exchanged.
         let [lower, upper] = match self.of.sign < 0.0 {
             true => [upper, lower],
             false => [lower, upper],
@@ -455,7 +455,7 @@ impl TargetContext<'_> {
             .all(|limit| matches!(limit, Limit::Value(_)));
         let is_placed = written.motion.is_some() || written.over.is_some();
         let at = match at {
-            // A figure is of the design height, if no travel is given.
+            // Without a travel, a figure applies to the design height.
             None if self.of.is_figure() && is_level && !is_placed => Some(0.0),
             None => None,
             Some(at) => Some(self.single(at, problems)?),
@@ -481,7 +481,7 @@ impl TargetContext<'_> {
         Some(wanted)
     }
 
-    /// The drive value a target speaks of: degrees become radians.
+    /// Converts a target's drive value from degrees to radians if it is an angle.
     fn drive_value(&self, written: f64) -> f64 {
         match self.motion.drive.is_angle() {
             false => written,
@@ -490,14 +490,14 @@ impl TargetContext<'_> {
     }
 }
 
-/// The least and the largest of some values.
+/// Smallest and largest of some values.
 pub(super) fn ends(values: &[f64]) -> (f64, f64) {
     let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
     let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     (lowest, highest)
 }
 
-/// Words for the range of the motion, in the unit of target abscissae.
+/// Describes the range of the motion, in the unit of the targets' drive values.
 fn range_in_words(motion: &Motion) -> String {
     let (lowest, highest) = ends(&motion.values);
     let [lowest, highest] = [lowest, highest].map(|value| motion.drive.printed(value));

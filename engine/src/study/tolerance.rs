@@ -1,4 +1,4 @@
-//! `[tolerance]`: how parts scatter, and the bands that builds are to keep to.
+//! `[tolerance]`: scatter of parts, and the bands that builds must keep.
 
 use super::axle_targets;
 use super::elastic_targets::{self, RateKeys, rate_keys};
@@ -18,12 +18,13 @@ use crate::number::Vector3;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// A rate must be above 0 at so many standard deviations below its nominal value. Builds beyond are rejected.
+/// Number of standard deviations below its nominal value at which a rate must still be positive. Builds with a rate that is
+/// not positive are rejected.
 const LEAST_SIGMAS: f64 = 4.0;
-/// The most builds: hours of work for the fastest machine.
+/// Largest number of builds: hours of work for the fastest machine.
 const MOST_BUILDS: i64 = 10_000_000_000;
 
-/// The tolerances, if nothing is wrong with them.
+/// Reads the tolerances. `None` if they have an error.
 pub(super) fn tolerance(
     section: &Spanned<file::Tolerance>,
     setup: Option<&Setup>,
@@ -99,8 +100,8 @@ fn whole(
     problems.refuse(written.span(), message)
 }
 
-/// Contributors of both wheels from an entry of `scatter`. The parts of each wheel scatter by themselves, those of
-/// the right one as mirror images of the left one's. Parts made to one tolerance are one contributor.
+/// Sources of scatter of both wheels, from an entry of `scatter`. The parts of each wheel scatter independently, those of
+/// the right wheel as mirror images of the left ones. Parts with the same tolerance form one contributor.
 pub(super) fn contributors_of_axle(
     written: &Spanned<file::Scatter>,
     study: &AxleStudy,
@@ -113,7 +114,7 @@ pub(super) fn contributors_of_axle(
         None => None,
         Some(text) => {
             let Some(side) = choose(text, "side", &sides, problems) else {
-                // What else is wrong is said all the same.
+                // The entry is read anyway, so that its other errors are reported.
                 contributors(written, suspension, context, problems);
                 return None;
             };
@@ -131,13 +132,13 @@ pub(super) fn contributors_of_axle(
         if only.is_some_and(|only| only != side) {
             continue;
         }
-        // In the left wheel's axes: a mirror image scatters as its original does.
+        // Uses the left wheel's axes, because a mirror image scatters like its original.
         let of_side = Suspension {
             frame: suspension.frame,
             ..study.axle.suspension(side).clone()
         };
         let mut own = contributors(written, &of_side, context, problems)?;
-        // A part that both wheels share scatters once.
+        // A part that both wheels share has one random number.
         if own.iter().flat_map(|one| &one.sources).any(is_shared) {
             if let Some(text) = &written.get_ref().side {
                 let message = "both wheels share this part: expected no side";
@@ -166,7 +167,7 @@ pub(super) fn contributors_of_axle(
     Some(found)
 }
 
-/// Contributors from an entry of `scatter`: each named hardpoint is a contributor of its own, a jig is one.
+/// Contributors from an entry of `scatter`: one for each named hardpoint, and one for a jig.
 fn contributors(
     written: &Spanned<file::Scatter>,
     suspension: &Suspension,
@@ -211,7 +212,7 @@ fn contributors(
     }
 }
 
-/// The length of a member that scatters.
+/// Scatter of the length of a member.
 fn length(
     of: &Spanned<MemberName>,
     written: &file::Scatter,
@@ -250,7 +251,7 @@ fn length(
     })
 }
 
-/// Hardpoints that scatter, each a contributor.
+/// Scatter of hardpoints, one contributor for each.
 fn hardpoints(
     written: &file::Scatter,
     place: Span<usize>,
@@ -294,7 +295,7 @@ fn hardpoints(
     Some(names.into_iter().zip(points?).map(contributor).collect())
 }
 
-/// The rate of an elastic part that scatters.
+/// Scatter of the rate of an elastic part.
 fn rate(
     written: &file::Scatter,
     named: &RateKeys<'_>,
@@ -340,7 +341,7 @@ fn rate(
     })
 }
 
-/// The law of a scatter: normal by `sigma`, uniform by `limits`.
+/// Distribution of a scatter: normal with `sigma`, uniform with `limits`.
 fn law(written: &file::Scatter, place: Span<usize>, problems: &mut Problems) -> Option<Law> {
     match (&written.sigma, &written.limits) {
         (Some(sigma), None) => Some(Law::Normal {
@@ -368,7 +369,7 @@ fn law(written: &file::Scatter, place: Span<usize>, problems: &mut Problems) -> 
     }
 }
 
-/// Points that are shifted and turned together, about their centroid.
+/// Points that a jig moves and rotates together, about their centroid.
 fn jig(
     names: &Spanned<Vec<Text>>,
     written: &file::Scatter,
@@ -464,7 +465,7 @@ fn band(spanned: &Spanned<file::Band>, context: &Context, problems: &mut Problem
                     elastic_targets::quantity(name, elastic, context.suspension, problems)
                         .map(|found| found.subject(length))
                 }
-                // What is wrong with the elastic parts is said already.
+                // Errors in the elastic parts are already reported.
                 None if context.file.compliance.is_some() => None,
                 None => characteristic(name, context.suspension, problems)
                     .map(|found| TargetQuantity::characteristic(found, length)),
@@ -476,7 +477,7 @@ fn band(spanned: &Spanned<file::Band>, context: &Context, problems: &mut Problem
     let values = match (site, context.axle) {
         (Some(site), _) => Some(&site.values),
         (None, None) => context.motion.map(|motion| &motion.values),
-        // What is wrong with the place is said already.
+        // Errors in the stations are already reported.
         (None, Some(_)) => None,
     };
     let at = match (&written.at, values) {

@@ -1,21 +1,21 @@
-//! `[optimise]`, resolved: variables, goals and choices of a tuning.
+//! `[optimise]`, resolved: variables, goals and settings of a tuning.
 
 use super::*;
 
 /// A coordinate that moves with a variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {
-    /// The hardpoint.
+    /// Hardpoint that moves.
     pub point: PointId,
-    /// The coordinate, in the study's axes.
+    /// Coordinate that changes, in the study's axes.
     pub axis: Axis,
     /// Displacement per unit of the variable.
     pub factor: f64,
 }
 
 impl Move {
-    /// Moves the coordinate of a design, which is in the kernel's frame, by a value of the variable: to `factor` times
-    /// the value with `absolute`, else that far from where it is.
+    /// Applies a value of the variable to a coordinate of a design in the kernel's frame. With `absolute` the coordinate
+    /// becomes `factor` times the value; otherwise it changes by that amount.
     pub fn apply(&self, frame: &Frame, value: f64, absolute: bool, design: &mut [Vector3<f64>]) {
         let coordinate = &mut design[self.point.0][self.axis];
         let along = frame.sign(self.axis) * self.factor * value;
@@ -26,35 +26,35 @@ impl Move {
     }
 }
 
-/// An optimisation.
+/// An optimisation (tuning) of a study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Optimise {
     /// Number of starts: the design itself, then points of a low-discrepancy sequence.
     pub starts: usize,
-    /// Seed of that sequence.
+    /// Seed of this sequence.
     pub seed: u32,
-    /// Cap on the iterations of one start.
+    /// Largest number of iterations of one start.
     pub max_iterations: u64,
-    /// Quantities that may change.
+    /// Design variables.
     pub variables: Vec<Variable>,
-    /// Wanted values and curves.
+    /// Target values and curves.
     pub targets: Vec<Target>,
-    /// Limits that the design must keep.
+    /// Limits that the design must satisfy.
     pub constraints: Vec<Constraint>,
-    /// Misfit below which designs count as equally good, so that the one that moves least is taken; 0 for the least
-    /// misfit.
+    /// Misfit below which designs count as equally good. Among these, the tuning takes the one with the smallest change. 0
+    /// asks for the least misfit.
     pub good_enough: f64,
-    /// True if the targets are measurements, so that standard errors mean something.
+    /// True if the targets are measurements, so that standard errors are meaningful.
     pub fit: bool,
-    /// Two or three goals to trade on the front, or none.
+    /// Two or three goals whose trade-off is computed, or none.
     pub front: Vec<FrontGoal>,
-    /// The builds whose mean squared misfit is lowered; `None` to lower the misfit of the nominal design.
+    /// Builds of a robust tuning, whose mean squared misfit or yield counts. `None` for the misfit of the nominal design.
     pub scatter: Option<Scatter>,
-    /// True if changes that no target asks for are reported beside the tuned design.
+    /// True if the results report changes that no target asks for.
     pub side_effects: bool,
 }
 
-/// Builds that scatter as `[tolerance]` says: a fixed sample of them.
+/// A fixed sample of builds with the scatter of `[tolerance]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scatter {
     /// Number of builds.
@@ -63,9 +63,9 @@ pub struct Scatter {
     pub seed: u32,
     /// Dimensions that scatter.
     pub contributors: Vec<Contributor>,
-    /// Adjustments that set toe and camber again after assembly; `None` without them.
+    /// Adjustments that set toe and camber again after assembly. `None` if builds are not adjusted.
     pub adjust: Option<Vec<Adjustment>>,
-    /// Objective that the tuning improves.
+    /// Objective of the tuning.
     pub aim: RobustAim,
 }
 
@@ -79,25 +79,24 @@ impl Scatter {
 /// Objective of a robust tuning.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RobustAim {
-    /// The mean squared misfit of the builds.
+    /// Mean squared misfit of the builds.
     Misfit,
-    /// The share of builds that keep these bands.
+    /// Share of builds that keep these bands.
     Yield(Vec<Band>),
 }
 
-/// A goal that is traded on a front: all targets of one name.
+/// Goal of a front: all targets with one name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrontGoal {
-    /// The name.
+    /// Name of the targets.
     pub name: String,
-    /// Numbers of the targets.
+    /// Indices of the targets.
     pub targets: Vec<usize>,
 }
 
 impl Optimise {
-    /// The targets that designs of a sweep are compared with: all of them, or none if there is one that a sweep cannot
-    /// compare with. It can with targets of an axle, and with targets on a characteristic in the study's own motion;
-    /// never with measurements.
+    /// Targets for the designs of a sweep: all of them, or none if a sweep cannot evaluate one of them. It can evaluate
+    /// targets of an axle, and targets of a characteristic in the study's own motion, but no measurements.
     pub fn swept_targets(&self) -> &[Target] {
         let is_swept = |target: &Target| target.site.axle.is_some() || target.is_in_motion();
         match self.targets.iter().all(is_swept) && !self.fit {
@@ -107,26 +106,26 @@ impl Optimise {
     }
 }
 
-/// A design variable: a coordinate, several together, or the direction of a group of points.
+/// Design variable: a coordinate, several coordinates together, or a displacement of points along a direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variable {
-    /// The names of the hardpoints, as in `lower_arm_front+lower_arm_rear`.
+    /// Names of the hardpoints, for example `lower_arm_front+lower_arm_rear`.
     pub name: String,
-    /// Coordinates that the variable moves: one axis, or all axes of a direction. A turn has none.
+    /// Coordinates that the variable moves: one axis, or all axes of a direction. Empty for a rotation.
     pub moves: Vec<Move>,
-    /// The points it turns; the variable then is one of the three components of a rotation vector in degrees.
+    /// Rotated points. The variable is then one of the three components of a rotation vector in degrees.
     pub turn: Option<Turn>,
-    /// The rate of an elastic part that it is instead.
+    /// Rate of an elastic part that is the variable instead.
     pub rate: Option<Rate>,
-    /// Lowest and highest offset from the design, in the study's axes; degrees of a turn.
+    /// Lowest and highest offset from the design, in the study's axes. Degrees for a rotation.
     pub range: [f64; 2],
-    /// Cost of a move across the range, relative to the other variables. The search for the design that moves least
-    /// uses it.
+    /// Cost of a move across the range, relative to the other variables. It determines the size of a change in the search
+    /// for the smallest change.
     pub cost: f64,
 }
 
 impl Variable {
-    /// A name that no other variable has, with its move: `tie_rod_inner_dz`, `lower_arm_front+lower_arm_rear_turn_x`.
+    /// Unique name of the variable, with its move: `tie_rod_inner_dz`, `lower_arm_front+lower_arm_rear_turn_x`.
     pub fn label(&self) -> String {
         if let Some(rate) = &self.rate {
             return match (rate.axis_name(), rate.parameter) {
@@ -142,7 +141,7 @@ impl Variable {
         }
     }
 
-    /// The axis that it moves along, if it is one.
+    /// Axis of the move, if the move is along one axis.
     pub fn axis(&self) -> Option<Axis> {
         let first = self.moves.first()?.axis;
         self.moves.iter().all(|m| m.axis == first).then_some(first)
@@ -166,7 +165,7 @@ impl Variable {
         }
     }
 
-    /// The points it moves.
+    /// Points that the variable moves.
     pub fn points(&self) -> impl Iterator<Item = PointId> {
         let turned = self
             .turn
@@ -175,7 +174,7 @@ impl Variable {
         self.moves.iter().map(|m| m.point).chain(turned)
     }
 
-    /// Every coordinate of every point of a suspension, point by point, each over this range.
+    /// Makes a variable for every coordinate of every point of a suspension, point by point, each with this range.
     pub fn every_coordinate(suspension: &Suspension, range: [f64; 2]) -> Vec<Variable> {
         let mechanism = &suspension.mechanism;
         let points = (0..mechanism.points.len()).map(PointId);
@@ -198,14 +197,14 @@ impl Variable {
     }
 }
 
-/// The rate of an elastic part as a variable.
+/// Rate of an elastic part as a design variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rate {
     /// The rate: of a bushing along or about an axis, of a link, spring or anti-roll bar, or of rack and column.
     pub parameter: Parameter,
-    /// Value in the study.
+    /// Value of the rate in the study.
     pub design: f64,
-    /// True if the variable is the logarithm of a factor, false if it is added.
+    /// True if the variable is the logarithm of a factor, false if it is a change of the rate.
     pub is_relative: bool,
 }
 
@@ -213,7 +212,7 @@ pub struct Rate {
 pub const RATE_AXES: [&str; 6] = ["x", "y", "z", "tx", "ty", "tz"];
 
 impl Rate {
-    /// The rate and its derivative with the variable at `x`.
+    /// The rate and its derivative by the variable, at the value `x` of the variable.
     pub fn at(&self, x: f64) -> [f64; 2] {
         match self.is_relative {
             true => [self.design * x.exp(); 2],
@@ -221,7 +220,7 @@ impl Rate {
         }
     }
 
-    /// The rate at a value of a sweep or a scatter, which is a rate or a factor.
+    /// Rate for a value of a sweep or a scatter. The value is a rate, or a factor.
     pub fn of_value(&self, value: f64) -> f64 {
         match self.is_relative {
             true => self.design * value,
@@ -229,7 +228,7 @@ impl Rate {
         }
     }
 
-    /// The rate with a change, which is a part of the rate if it is relative; and its derivative by the change.
+    /// Rate after a change, and its derivative by the change. If the rate is relative, the change is a fraction of it.
     pub fn scattered(&self, change: f64) -> [f64; 2] {
         match self.is_relative {
             true => [self.design * (1.0 + change), self.design],
@@ -237,7 +236,7 @@ impl Rate {
         }
     }
 
-    /// Unit of the values of [`Rate::of_value`]: `factor`, or that of the rate.
+    /// Unit of the values of [`Rate::of_value`]: `factor`, or the unit of the rate.
     pub fn value_unit(&self, length: LengthUnit) -> String {
         let u = length.symbol();
         match (self.is_relative, self.parameter) {
@@ -249,7 +248,7 @@ impl Rate {
         }
     }
 
-    /// The value of [`Rate::of_value`] that gives the study's own rate.
+    /// Value for [`Rate::of_value`] that gives the study's own rate.
     pub fn own_value(&self) -> f64 {
         match self.is_relative {
             true => 1.0,
@@ -274,11 +273,11 @@ impl Rate {
     }
 }
 
-/// Points that are turned as one body about their centroid, before anything else moves them.
+/// Points that rotate as one body about their centroid, before all other moves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Turn {
-    /// The points.
+    /// Points that rotate.
     pub points: Vec<PointId>,
-    /// The component of the rotation vector, in the study's axes.
+    /// Component of the rotation vector, in the study's axes.
     pub axis: Axis,
 }

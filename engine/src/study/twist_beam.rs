@@ -1,4 +1,4 @@
-//! Twist beams: the figure of the cross member, and what the hardpoints must meet.
+//! Twist beams: stiffness of the cross member, and conditions for the hardpoints.
 
 use super::error::Problems;
 use super::file::{self, File};
@@ -6,12 +6,13 @@ use super::suspension::above_zero;
 use super::value::Text;
 use crate::model::{Suspension, TwistBeam};
 
-/// Ratio of the energy of two turning levers to that of the beam. The twist is half the difference of the angles that both
-/// halves are read to turn by, one against the other: k_t psi^2/2 = (k_t/4) (2 psi)^2/2.
+/// Factor from the beam's torsional rate to the rate of the equivalent anti-roll bar, whose angle is that between its two
+/// levers. The beam's twist psi is half the difference of the rotations of the two halves, so k_t psi^2/2 = (k_t/4) (2
+/// psi)^2/2.
 const OF_BOTH_LEVERS: f64 = 0.25;
 
-/// Rate of the anti-roll bar that a twist beam is to formulas; the inner `None` without `[twist_beam]`. Reports a section that
-/// does not belong to the topology.
+/// Rate of the anti-roll bar that represents the twist beam in formulas. The inner `None` means that there is no
+/// `[twist_beam]`. Refuses the section in other topologies.
 pub(super) fn bar_rate(
     file: &File,
     left: &Suspension,
@@ -35,7 +36,7 @@ pub(super) fn bar_rate(
     Some(Some(OF_BOTH_LEVERS * rate * left.length_unit.newtons()))
 }
 
-/// Checks that the shear centre is in the middle of the car and apart from the line through both mounts.
+/// Checks that the shear centre is in the middle of the car, and not on the line through both mounts.
 pub(super) fn check(
     section: &file::Suspension,
     suspension: &Suspension,
@@ -65,5 +66,5 @@ pub(super) fn check(
     Some(())
 }
 
-/// Least distance of the shear centre from the line through both mounts, in sizes of the mechanism.
+/// Smallest distance of the shear centre from the line through both mounts, as a share of the mechanism's size.
 const LEAST_APART: f64 = 1e-3;

@@ -1,4 +1,4 @@
-//! Changes of single values of a study's text: values in, text out, comments kept.
+//! Changes of single values in a study's text. Comments stay.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
@@ -8,9 +8,9 @@ use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, Tab
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ValueEdit {
-    /// Keys and places from the root, as in `["optimise", "targets", 0, "tolerance"]`.
+    /// Keys and indices from the root, for example `["optimise", "targets", 0, "tolerance"]`.
     pub path: Vec<PathStep>,
-    /// The new value; without it the key or the entry is removed. At the place behind the last entry it is added.
+    /// New value. `None` removes the key or the entry. An index one past the last entry adds an entry.
     pub value: Option<Json>,
 }
 
@@ -24,7 +24,7 @@ pub enum PathStep {
     Key(String),
 }
 
-/// Returns the text with all changes made, one after another. Comments and layout around them stay.
+/// Returns the text after all changes, made in order. Comments and layout around them stay.
 pub fn edited_text(text: &str, edits: &[ValueEdit]) -> Result<String, String> {
     let mut document: DocumentMut = text.parse().map_err(|e| format!("not TOML: {e}"))?;
     for edit in edits {
@@ -56,7 +56,7 @@ fn apply(root: &mut Table, edit: &ValueEdit) -> Result<(), String> {
     .ok_or_else(missing)
 }
 
-/// A path in words, as in `optimise.targets[0].tolerance`.
+/// Describes a path, for example `optimise.targets[0].tolerance`.
 fn described(path: &[PathStep]) -> String {
     let mut words = String::new();
     for step in path {
@@ -107,7 +107,7 @@ fn set_key(table: &mut dyn TableLike, key: &str, value: Option<&Json>) -> Option
     if let Some(Item::Value(old)) = table.get_mut(key) {
         return replace(old, value);
     }
-    // The blank before the brace that closes an inline table belongs to its last value.
+    // The space before the closing brace of an inline table belongs to its last value.
     let mut end = None;
     if let Some((_, Item::Value(last))) = table.iter_mut().last()
         && let Some(suffix) = last.decor().suffix().and_then(|s| s.as_str())
@@ -123,7 +123,7 @@ fn set_key(table: &mut dyn TableLike, key: &str, value: Option<&Json>) -> Option
     Some(())
 }
 
-/// Puts a value in place of another. Where both have the same shape, the layout inside stays as well.
+/// Replaces a value. If old and new value have the same shape, the layout inside also stays.
 fn replace(old: &mut Value, new: &Json) -> Option<()> {
     match (&mut *old, new) {
         (Value::Array(list), Json::Array(values)) if list.len() == values.len() => {
@@ -148,7 +148,7 @@ fn replace(old: &mut Value, new: &Json) -> Option<()> {
     Some(())
 }
 
-/// Changes, removes or adds an entry of a list. A comment behind an entry, on its line, goes with it.
+/// Changes, removes or adds an entry of a list. A comment after an entry, on the same line, is removed with it.
 fn set_entry(list: &mut Array, at: usize, value: Option<&Json>) -> Option<()> {
     match value {
         Some(value) if at < list.len() => replace(list.get_mut(at)?, value),
@@ -184,7 +184,7 @@ fn set_entry(list: &mut Array, at: usize, value: Option<&Json>) -> Option<()> {
     }
 }
 
-/// The blanks and comments before an entry that is added. A comment behind the last entry stays with that.
+/// Spaces and comments before an added entry. A comment after the previous last entry stays there.
 fn place_for_more(list: &mut Array) -> String {
     let Some(last) = list.len().checked_sub(1).and_then(|k| list.get_mut(k)) else {
         return String::new();
@@ -194,7 +194,7 @@ fn place_for_more(list: &mut Array) -> String {
         return " ".to_owned();
     };
     let indent = own[start..].to_owned();
-    // Without a comma at the end, what follows the last entry is its own.
+    // Without a trailing comma, the text after the last entry belongs to this entry.
     let after = last.decor().suffix().and_then(|s| s.as_str());
     let after = after.unwrap_or("").to_owned();
     last.decor_mut().set_suffix("");
@@ -243,7 +243,7 @@ fn in_usual_order(values: &serde_json::Map<String, Json>) -> Vec<(&String, &Json
     entries
 }
 
-/// A value as a study writes it. Nothing stands for a missing value.
+/// Writes a value in the form of a study. `None` for a missing value.
 fn written(value: &Json) -> Option<Value> {
     Some(match value {
         Json::Null => return None,

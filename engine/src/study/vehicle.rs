@@ -7,7 +7,7 @@ use crate::compliance::{AxleParameter, Parameter};
 use crate::model::{Side, Suspension};
 use std::sync::LazyLock;
 
-/// Vehicle part that a study describes.
+/// Part of the vehicle that a study describes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Vehicle {
     /// One wheel.
@@ -19,20 +19,20 @@ pub enum Vehicle {
 /// One wheel, its motion and outputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WheelStudy {
-    /// The suspension.
+    /// Suspension of the wheel.
     pub suspension: Suspension,
-    /// The motion.
+    /// Motion of the wheel.
     pub motion: Motion,
     /// Formulation that finds the poses.
     pub formulation: Formulation,
     /// Outputs of the study.
     pub outputs: Outputs,
-    /// The elastic parts and their tests, if there are any.
+    /// Elastic parts and their tests, if there are any.
     pub compliance: Option<ComplianceStudy>,
 }
 
 impl WheelStudy {
-    /// The figures of the tests on its elastic parts; none without such parts.
+    /// Test figures of the elastic parts. Empty without such parts.
     pub fn figures(&self) -> Vec<ElasticFigure> {
         let elastic = self.compliance.iter();
         elastic
@@ -40,7 +40,7 @@ impl WheelStudy {
             .collect()
     }
 
-    /// The design position of a suspension, without outputs.
+    /// Study of a suspension in its design position, without outputs.
     pub fn of(suspension: Suspension) -> Self {
         WheelStudy {
             suspension,
@@ -52,11 +52,11 @@ impl WheelStudy {
     }
 }
 
-/// The design position alone.
+/// Motion that consists only of the design position.
 static STILL: LazyLock<Motion> = LazyLock::new(Motion::still);
 
 impl Vehicle {
-    /// The suspension of the wheel; of an axle that of its left wheel. The variables of a study move its hardpoints.
+    /// Suspension of the wheel, or of an axle's left wheel. The variables of a study move its hardpoints.
     pub fn wheel(&self) -> &Suspension {
         match self {
             Vehicle::Wheel(own) => &own.suspension,
@@ -64,7 +64,7 @@ impl Vehicle {
         }
     }
 
-    /// The same as [`Vehicle::wheel`], to be changed.
+    /// Mutable [`Vehicle::wheel`].
     pub fn wheel_mut(&mut self) -> &mut Suspension {
         match self {
             Vehicle::Wheel(own) => &mut own.suspension,
@@ -72,8 +72,8 @@ impl Vehicle {
         }
     }
 
-    /// The motion of the wheel by itself, where targets and constraints without a motion of their own hold. An axle moves
-    /// both wheels, so that of its left wheel by itself this is the design position alone.
+    /// Motion of the wheel alone. Targets and constraints without their own motion use it. A motion of an axle moves both
+    /// wheels, so for an axle this is only the design position.
     pub fn motion(&self) -> &Motion {
         match self {
             Vehicle::Wheel(own) => &own.motion,
@@ -110,7 +110,7 @@ impl Vehicle {
         }
     }
 
-    /// The axle, if it is one.
+    /// Axle, if the vehicle is one.
     pub fn axle(&self) -> Option<&AxleStudy> {
         match self {
             Vehicle::Axle(both) => Some(both),
@@ -118,7 +118,7 @@ impl Vehicle {
         }
     }
 
-    /// The axle, to be changed, if it is one.
+    /// Axle, mutable, if the vehicle is one.
     pub fn axle_mut(&mut self) -> Option<&mut AxleStudy> {
         match self {
             Vehicle::Axle(both) => Some(both),
@@ -126,7 +126,7 @@ impl Vehicle {
         }
     }
 
-    /// The wheel with its motion, if it is one wheel.
+    /// Wheel with its motion, if the vehicle is one wheel.
     pub fn one_wheel(&self) -> Option<&WheelStudy> {
         match self {
             Vehicle::Wheel(own) => Some(own),
@@ -134,7 +134,7 @@ impl Vehicle {
         }
     }
 
-    /// The wheel with its motion, to be changed, if it is one wheel.
+    /// Wheel with its motion, mutable, if the vehicle is one wheel.
     pub fn one_wheel_mut(&mut self) -> Option<&mut WheelStudy> {
         match self {
             Vehicle::Wheel(own) => Some(own),
@@ -144,17 +144,17 @@ impl Vehicle {
 }
 
 impl Study {
-    /// The suspension of the wheel; of an axle that of its left wheel. The variables move its hardpoints.
+    /// Suspension of the wheel, or of an axle's left wheel. The variables move its hardpoints.
     pub fn wheel(&self) -> &Suspension {
         self.vehicle.wheel()
     }
 
-    /// The same as [`Study::wheel`], to be changed.
+    /// Mutable [`Study::wheel`].
     pub fn wheel_mut(&mut self) -> &mut Suspension {
         self.vehicle.wheel_mut()
     }
 
-    /// The suspension of the wheel; of an axle that of its left wheel.
+    /// Suspension of the wheel, or of an axle's left wheel.
     pub fn into_wheel(self) -> Suspension {
         match self.vehicle {
             Vehicle::Wheel(own) => own.suspension,
@@ -162,8 +162,8 @@ impl Study {
         }
     }
 
-    /// Names of the further motions that have curves: those of one wheel, or those of an axle. Motions of an axle's left
-    /// wheel by itself serve constraints only.
+    /// Names of the further motions with curves: those of one wheel, or those of an axle. Motions of an axle's left wheel
+    /// alone serve only constraints.
     pub fn motion_names(&self) -> Vec<&str> {
         match &self.vehicle {
             Vehicle::Wheel(_) => self.motions.iter().map(|(name, _)| name.as_str()).collect(),
@@ -171,7 +171,8 @@ impl Study {
         }
     }
 
-    /// The study with one of [`Study::motion_names`] in place of its own motion; `None` for another name.
+    /// Returns the study with the motion of this name in place of its own. `None` if [`Study::motion_names`] does not
+    /// contain the name.
     pub fn in_motion(&self, name: &str) -> Option<Study> {
         let mut study = self.clone();
         match &mut study.vehicle {
@@ -187,12 +188,12 @@ impl Study {
         Some(study)
     }
 
-    /// The motion of the wheel by itself ([`Vehicle::motion`]).
+    /// Motion of the wheel alone ([`Vehicle::motion`]).
     pub fn motion(&self) -> &Motion {
         self.vehicle.motion()
     }
 
-    /// The elastic parts of one wheel and their tests, if the study has them.
+    /// Elastic parts of one wheel and their tests, if the study has them.
     pub fn compliance(&self) -> Option<&ComplianceStudy> {
         self.one_wheel()?.compliance.as_ref()
     }
@@ -203,22 +204,22 @@ impl Study {
         of_axle || self.compliance().is_some()
     }
 
-    /// The axle, if the study is of one.
+    /// Axle, if the study describes one.
     pub fn axle(&self) -> Option<&AxleStudy> {
         self.vehicle.axle()
     }
 
-    /// The axle, to be changed, if the study is of one.
+    /// Axle, mutable, if the study describes one.
     pub fn axle_mut(&mut self) -> Option<&mut AxleStudy> {
         self.vehicle.axle_mut()
     }
 
-    /// The wheel with its motion, if the study is of one wheel.
+    /// Wheel with its motion, if the study describes one wheel.
     pub fn one_wheel(&self) -> Option<&WheelStudy> {
         self.vehicle.one_wheel()
     }
 
-    /// The wheel with its motion, to be changed, if the study is of one wheel.
+    /// Wheel with its motion, mutable, if the study describes one wheel.
     pub fn one_wheel_mut(&mut self) -> Option<&mut WheelStudy> {
         self.vehicle.one_wheel_mut()
     }

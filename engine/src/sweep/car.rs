@@ -16,11 +16,11 @@ pub struct CarSweepPlan<'s> {
     samples: Samples,
     request: CarRequest<'s>,
     targets: &'s [CarTarget],
-    /// Place of the result of each target.
+    /// Index of the result of each target.
     places: Vec<usize>,
 }
 
-/// Reason why a sweep of a car cannot begin.
+/// Reason why a sweep of a car cannot start.
 #[derive(Debug)]
 pub enum CarNotBegun {
     /// The study's own design cannot be solved.
@@ -30,10 +30,10 @@ pub enum CarNotBegun {
 }
 
 impl<'s> CarSweepPlan<'s> {
-    /// The plan of a study's sweep.
+    /// Plan of a study's sweep.
     ///
     /// # Errors
-    /// The reason if the study's own design cannot be solved, or two columns have the same name.
+    /// The reason if the study's own design cannot be solved, or if two columns have the same name.
     pub fn of(study: &'s CarStudy, sweep: &'s CarSweep) -> Result<Self, CarNotBegun> {
         let targets = study.optimise.as_ref().map_or(&[][..], |o| &o.targets);
         let wanted = targets.iter().map(|target| CaseResult {
@@ -69,7 +69,7 @@ impl<'s> CarSweepPlan<'s> {
         Ok(plan)
     }
 
-    /// A worker, one for each thread.
+    /// Makes a worker. Each thread has one.
     pub fn worker(&self) -> CarWorker<'_> {
         CarWorker {
             plan: self,
@@ -78,14 +78,14 @@ impl<'s> CarSweepPlan<'s> {
         }
     }
 
-    /// Values of the variables in the design of this number.
+    /// Values of the variables in the design with this number.
     pub fn values(&self, number: u64) -> Vec<f64> {
         let mut values = vec![0.0; self.sweep.variables.len()];
         self.samples.values(number, &mut values);
         values
     }
 
-    /// The car of these values of the variables.
+    /// Car with these values of the variables.
     pub fn car(&self, values: &[f64]) -> Car {
         moved(&self.study.car, &self.sweep.variables, values)
     }
@@ -128,7 +128,7 @@ impl<'s> CarSweepPlan<'s> {
         format!("{}_{}", self.study.cases[case].name, quantity.name())
     }
 
-    /// Fills in the row of a car. Returns why cases failed, if some did.
+    /// Writes the row of a car. Returns the reason why cases failed, if some did.
     fn row_of(
         &self,
         car: &Car,
@@ -161,7 +161,7 @@ impl<'s> CarSweepPlan<'s> {
     }
 }
 
-/// Turns blocks of designs of a car into rows. One for each thread.
+/// Converts blocks of designs of a car to rows. Each thread has one.
 pub struct CarWorker<'p> {
     plan: &'p CarSweepPlan<'p>,
     rows: Rows,
@@ -169,7 +169,7 @@ pub struct CarWorker<'p> {
 }
 
 impl CarWorker<'_> {
-    /// The rows of a block of the sweep.
+    /// Rows of a block of the sweep.
     pub fn rows(&mut self, block: u64) -> &Rows {
         let (plan, rows) = (self.plan, &mut self.rows);
         let range = plan.record.designs_of(block);
@@ -263,7 +263,7 @@ fn describe(study: &CarStudy, sweep: &CarSweep, targets: &[CarTarget]) -> SweepR
     }
 }
 
-/// SHA-256 of everything the results depend on, by the study's meaning rather than its text.
+/// SHA-256 digest of everything that determines the results. It covers the study's meaning, not its text.
 fn digest(study: &CarStudy, sweep: &CarSweep) -> String {
     let meaning = (
         (&study.car, &study.cases, &study.quantities),

@@ -1,35 +1,35 @@
-//! Main effects: which variable matters for which output.
+//! Main effects: how much each variable influences each output.
 //!
-//! Only designs that have a value for every output count. There are two measures. The *change* follows the
-//! least-squares plane through all designs, from the low end of a variable's range to its high end. It has a sign and
-//! a unit, and `r2` is the quality of the plane. The *share* is the first-order Sobol index S = Var(E[y|x]) / Var(y):
-//! the part of the output's variance that vanishes when this variable is known. It includes curved responses. Shares
-//! need variables that are sampled independently, so designs from a file have none.
+//! Only designs with a value for every output count. There are two measures. The *change* follows the least-squares plane
+//! through all designs, from the low end of a variable's range to its high end. It has a sign and a unit, and `r2` is the
+//! quality of the plane. The *share* is the first-order Sobol index S = Var(E[y|x]) / Var(y): the part of the output's
+//! variance that vanishes when this variable is known. It includes curved responses. Shares need variables that are sampled
+//! independently, so designs from a file have none.
 //!
-//! From a grid a share is the exact ratio of sums of squares over the grid (levels beyond 32 are taken together).
-//! From other samples the plane gives its part of the share exactly. Only the part from r, the residual of the output
-//! from the plane, must be separated from chance:
+//! For a grid, a share is the exact ratio of sums of squares over the grid (levels beyond 32 are combined). For other
+//! samples, the plane gives its part of the share exactly. Only the part from r, the residual of the output from the plane,
+//! must be separated from chance:
 //!
 //! ```text
 //! n Var(E[y|x_j]) = n b_j^2 Var(u_j) + between levels of x_j of r,   y = mean + sum b_i u_i + r
 //! ```
 //!
-//! Each of the two terms is reduced by the value that chance alone would give. The second is the correlation ratio by
-//! levels of equal width (T. L. Kelley, An unbiased correlation ratio measure, PNAS 21, 1935). About 1/levels^2 of it
-//! is lost within the levels. A better plane leaves less to chance. If designs fail, or lack an output, the variables
-//! of the remaining designs are no longer independent. Then the plane's part of an output cannot be split by
-//! variable, and the share is the second term of the whole of y. It is still the part of the variance that vanishes
-//! when this variable is known, but shares may sum up to more than one.
+//! Each of the two terms is reduced by the value that chance alone would give. The second is the correlation ratio by levels
+//! of equal width (T. L. Kelley, An unbiased correlation ratio measure, PNAS 21, 1935). About 1/levels^2 of it is lost
+//! within the levels. A better plane leaves less to chance. If designs fail, or lack an output, the variables of the
+//! remaining designs are no longer independent. Then the plane's part of an output cannot be split by variable, and the
+//! share is the second term for the whole y. It is still the part of the variance that vanishes when this variable is known,
+//! but shares may sum up to more than one.
 //!
-//! From Saltelli's samples it is the mean of (y_B - mean) (y_C - y_A) (A. Saltelli et al., Computer Physics
+//! For Saltelli's samples, the share is the mean of (y_B - mean) (y_C - y_A) (A. Saltelli et al., Computer Physics
 //! Communications 181, 2010). The total index is half the mean of (y_A - y_C)^2 (M. J. W. Jansen, Computer Physics
-//! Communications 117, 1999). It is the part of the variance that remains when all other variables are known. Chance
-//! may take both out of the interval from 0 to 1; they are then set to its ends.
+//! Communications 117, 1999). It is the part of the variance that remains when all other variables are known. Chance may
+//! move both out of the interval from 0 to 1. They are then set to its ends.
 
 use super::{SweepRecord, SweepStatistics};
 use nalgebra::{DMatrix, DVector};
 
-/// An output whose relative spread is below this is constant up to rounding.
+/// Relative spread below which an output is constant except for rounding.
 const CONSTANT: f64 = 1e-12;
 
 /// Effects of the variables on one output.
@@ -39,16 +39,16 @@ pub struct Effects {
     pub mean: f64,
     /// Standard deviation over the designs.
     pub deviation: f64,
-    /// The part of the variance that the plane of least squares explains.
+    /// Part of the variance that the least-squares plane explains.
     pub r2: Option<f64>,
-    /// The effect of each variable.
+    /// Effect of each variable.
     pub of: Vec<Effect>,
 }
 
 /// Effect of one variable on one output.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Effect {
-    /// Change from one end of the variable's range to the other, in the plane of least squares.
+    /// Change from the low end of the variable's range to the high end, in the least-squares plane.
     pub linear_change: Option<f64>,
     /// First-order Sobol index.
     pub first_order_index: Option<f64>,
@@ -57,7 +57,7 @@ pub struct Effect {
 }
 
 impl Effects {
-    /// Effects on every output. Returns `None` if no design has a value for all outputs.
+    /// Effects on every output. `None` if no design has a value for all outputs.
     pub fn all(record: &SweepRecord, statistics: &SweepStatistics) -> Option<Vec<Effects>> {
         let count = statistics.moments.count;
         if count == 0 {
@@ -127,8 +127,8 @@ impl Effects {
     }
 }
 
-/// Sum of squares of an output between the levels of a variable, and the number of levels that contain designs. With a
-/// plane, the sum of squares of the output's remainder after the plane is subtracted.
+/// Sum of squares of an output between the levels of a variable, and the number of levels that contain designs. If a plane
+/// is given, it is subtracted from the output first.
 fn between_levels(
     statistics: &SweepStatistics,
     variable: usize,
@@ -163,7 +163,7 @@ fn share((between, met): (f64, f64), left: f64, linear: f64, n: f64) -> Option<f
     Some((linear - chance).max(0.0) + (between - (met - 1.0) * chance).max(0.0))
 }
 
-/// First-order and total index from Saltelli's samples.
+/// First-order and total index for Saltelli's samples.
 fn exchanged(
     statistics: &SweepStatistics,
     variable: usize,
@@ -177,14 +177,14 @@ fn exchanged(
     let mean = sums.sum[k] / (2.0 * n);
     let variance = sums.squares[k] / (2.0 * n) - mean * mean;
     let at = variable * sums.sum.len() + k;
-    // y_B about the mean: the same in the limit, with less noise.
+    // Uses y_B minus the mean. It has the same limit with less noise.
     let first = (sums.first[at] - mean * sums.steps[at]) / n;
     let total = 0.5 * sums.total[at] / n;
     let part = |of: f64| Some((of / variance).clamp(0.0, 1.0));
     (part(first), part(total))
 }
 
-/// The plane of least squares through all designs.
+/// Least-squares plane through all designs.
 struct Plane {
     mean: DVector<f64>,
     /// Variances of the scaled variables.
@@ -193,8 +193,8 @@ struct Plane {
 }
 
 impl Plane {
-    /// The plane through the designs that a tally has summed up. `None` if they do not determine it: too few designs,
-    /// or variables that depend on each other.
+    /// Plane through the designs of some statistics. `None` if they do not determine it: too few designs, or variables that
+    /// depend on each other.
     fn of(statistics: &SweepStatistics) -> Option<Self> {
         let moments = &statistics.moments;
         let (n, d) = (moments.count as f64, moments.u.len());
@@ -219,7 +219,7 @@ impl Plane {
         })
     }
 
-    /// The slopes by the scaled variables, and the variance they explain.
+    /// Slopes by the scaled variables, and the variance that they explain.
     fn slopes(&self, statistics: &SweepStatistics, k: usize) -> (Vec<f64>, f64) {
         let moments = &statistics.moments;
         let n = moments.count as f64;

@@ -1,9 +1,9 @@
-//! The Pareto front: designs that cannot be bettered in one target without losing in another.
+//! Pareto front: designs that no other design improves in one target without a loss in another.
 
 use super::Failing;
 use serde::{Deserialize, Serialize};
 
-/// A design worth keeping, with its row.
+/// A stored design with its row.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
     /// Number of the design.
@@ -11,21 +11,21 @@ pub struct Candidate {
     /// Values of the variables.
     #[serde(with = "super::or_null")]
     pub variables: Vec<f64>,
-    /// Outputs of the design; NaN if a value does not exist.
+    /// Outputs of the design. NaN if a value does not exist.
     #[serde(with = "super::or_null")]
     pub outputs: Vec<f64>,
-    /// Reason why some station was not solved; `None` if all were solved.
+    /// Reason why some station was not solved. `None` if all were solved.
     pub failing: Option<Failing>,
 }
 
-/// Designs of which none is at least as good as another in every target.
+/// Designs of the front: no design is at least as good as another in every target.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Vec<Candidate>", into = "Vec<Candidate>")]
 pub struct Front {
     designs: Vec<Candidate>,
 }
 
-/// Candidates by rising number of the design, in whichever order the front keeps them.
+/// Candidates in the order of their numbers, whatever their order in the front.
 impl From<Front> for Vec<Candidate> {
     fn from(front: Front) -> Self {
         front.sorted().into_iter().cloned().collect()
@@ -39,9 +39,9 @@ impl From<Vec<Candidate>> for Front {
 }
 
 impl Front {
-    /// Takes in a design, given its outputs and the indices of those that are to be small, unless a design on the front
-    /// is at least as good in all of them. Designs that are no longer on the front leave it. Offered in the order of
-    /// their numbers, of equal designs the first stays.
+    /// Adds a design with its outputs, unless a design on the front is at least as good in every deviation. `deviations` are
+    /// the indices of the outputs to minimise. Designs that are no longer on the front are removed. If designs are offered
+    /// in the order of their numbers, the first of equal designs stays.
     pub fn offer(
         &mut self,
         deviations: &[usize],
@@ -60,7 +60,7 @@ impl Front {
         self.designs.push(candidate());
     }
 
-    /// The designs by their numbers.
+    /// Designs in the order of their numbers.
     pub fn sorted(&self) -> Vec<&Candidate> {
         let mut designs: Vec<&Candidate> = self.designs.iter().collect();
         designs.sort_by_key(|c| c.design);
@@ -73,10 +73,10 @@ mod tests {
     use super::*;
     use crate::sweep::uniform;
 
-    /// Against the definition, for points in any order and cut into parts anywhere.
+    /// Compares with the definition, for points in any order and divided into parts anywhere.
     #[test]
     fn the_front_is_what_no_other_design_betters() {
-        // Near a plane on which every gain is a loss, with repetitions.
+        // Points near a plane on which every gain is a loss, with repetitions.
         let point = |i: u64| {
             let whole = |k: usize, most: f64| (uniform(i, k, 9) * most).floor();
             let (a, b) = (whole(0, 12.0), whole(1, 12.0));

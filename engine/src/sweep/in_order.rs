@@ -1,18 +1,17 @@
-//! Work on all threads, its results taken in order while it runs.
+//! Runs work on all threads and takes its results in order while it runs.
 
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// Pieces of work per thread that may have been begun and not yet been taken.
+/// Largest number of pieces of work per thread that have been started and not been taken.
 const AHEAD: u64 = 8;
 
-/// Processes the pieces of work numbered `range` on the threads of the current rayon pool. Each thread has its own
-/// worker. Any free thread hands the results to `take` in order, while the others continue. Only a few pieces per
-/// thread wait in memory, however long the range is.
+/// Processes the pieces of work numbered `range` on the threads of the current rayon pool. Each thread has its own worker.
+/// Any free thread passes the results to `take` in order, while the others continue. Only a few pieces per thread wait in
+/// memory, however long the range is.
 ///
-/// Ends early when `take` fails, or when `work` returns `None`; then every piece before that one has
-/// been taken.
+/// Ends early if `take` fails, or if `work` returns `None`. In the second case every piece before that one has been taken.
 pub fn in_order<W, T: Send, E: Send>(
     range: Range<u64>,
     worker: impl Fn() -> W + Sync,
@@ -53,22 +52,22 @@ pub fn in_order<W, T: Send, E: Send>(
     failed.map_or(Ok(()), Err)
 }
 
-/// The pieces of work that are done, under way and still to do.
+/// Finished, running and open pieces of work.
 struct Queue<T, F, E> {
-    /// The most pieces that have been begun and not been taken.
+    /// Largest number of pieces that have been started and not been taken.
     most: u64,
     state: Mutex<QueueState<T, F, E>>,
     changed: Condvar,
 }
 
 struct QueueState<T, F, E> {
-    /// Number of the next piece to begin, and the end of the range.
+    /// Number of the next piece to start, and the end of the range.
     next: u64,
     end: u64,
-    /// The first piece that has not been taken, and the results of it and of later pieces, as far as they are done.
+    /// Number of the first piece that has not been taken, and the results of it and of later pieces, if they are finished.
     first: u64,
     waiting: VecDeque<Option<Option<T>>>,
-    /// Takes results; `None` while a thread is using it.
+    /// Callback that takes results. `None` while a thread is using it.
     take: Option<F>,
     failed: Option<E>,
 }
@@ -84,7 +83,7 @@ impl<T, F, E> Queue<T, F, E> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Returns the next task; `None` if all work is done.
+    /// Returns the next task. `None` if all work is done.
     fn turn(&self) -> Option<Turn<T, F>> {
         let mut state = self.state();
         loop {
@@ -142,7 +141,7 @@ impl<T, F, E> QueueState<T, F, E> {
     }
 }
 
-/// Ends the queue where its thread panics.
+/// Ends the queue if its thread panics.
 struct EndsOnPanic<'q, T, F, E>(&'q Queue<T, F, E>);
 
 impl<T, F, E> Drop for EndsOnPanic<'_, T, F, E> {
@@ -216,7 +215,7 @@ mod tests {
             )
         });
         assert!(ended.is_ok());
-        // With the one that is being taken.
+        // The count includes the piece that is being taken.
         assert!(most > 3 && most <= 3 * AHEAD + 1, "{most}");
     }
 

@@ -1,8 +1,9 @@
 //! Sweeps: many designs, in blocks, on all cores.
 //!
-//! [`Samples`] give the design of each number, an [`Evaluator`](crate::evaluate::Evaluator) solves a block of designs, a
-//! [`Worker`] keeps a row of each, and [`in_order()`] does so on all threads. Each block is summed by itself, and the sums are added in the order of the blocks
-//! ([`SweepStatistics`]). So results are the same to the bit for any number of threads, in one run, in shards or resumed.
+//! [`Samples`] gives the design with each number. An [`Evaluator`](crate::evaluate::Evaluator) solves a block of designs. A
+//! [`Worker`] makes a row for each design, and [`in_order()`] runs workers on all threads. Each block has its own sums,
+//! which are added in the order of the blocks ([`SweepStatistics`]). So results have the same bits for any number of
+//! threads, in one run, in shards or resumed.
 
 mod car;
 pub mod csv;
@@ -34,7 +35,7 @@ pub use sequence::{latin_hypercube, sobol, uniform};
 pub use statistics::{FailureCount, OutputRange, SweepStatistics};
 pub use swept::{Swept, SweptWorker};
 
-/// SHA-256 of a text in hexadecimal digits.
+/// SHA-256 digest of a text, in hexadecimal digits.
 fn digest_of(text: &str) -> String {
     let digest = hmac_sha256::Hash::hash(text.as_bytes());
     digest.iter().map(|byte| format!("{byte:02x}")).collect()

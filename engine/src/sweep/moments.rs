@@ -1,12 +1,12 @@
-//! Sums from which main effects follow.
+//! Sums from which main effects are computed.
 
 use super::SweepRecord;
 use serde::{Deserialize, Serialize};
 
-/// The most levels a variable is divided into.
+/// Largest number of levels of a variable.
 const MOST_LEVELS: u64 = 32;
 
-/// A variable over its range: -1 at its low end, 1 at its high end.
+/// Scaling of a variable over its range: -1 at its low end, 1 at its high end.
 pub(super) struct Span {
     middle: f64,
     half: f64,
@@ -14,9 +14,9 @@ pub(super) struct Span {
 }
 
 impl Span {
-    /// The spans of a sweep's variables. A grid's levels are its own, or groups of neighbouring levels so that there
-    /// are at most [`MOST_LEVELS`]. For other samples there are as many levels as the cube root of the number of
-    /// designs. The loss within a level then shrinks as the noise does.
+    /// Spans of a sweep's variables. For a grid the levels are its own, or groups of neighbouring levels so that there are
+    /// at most [`MOST_LEVELS`]. For other samples the number of levels is the cube root of the number of designs. The loss
+    /// within a level then decreases like the noise.
     pub(super) fn all(record: &SweepRecord) -> Vec<Span> {
         let levels = (record.designs as f64).cbrt().floor() as u64;
         let span = |v: &super::VariableRecord| Span {
@@ -50,19 +50,19 @@ fn add_to(sums: &mut [f64], others: &[f64]) {
 pub struct Moments {
     /// Number of designs.
     pub count: u64,
-    /// Sums of u.
+    /// Sums of u, by variable.
     #[serde(with = "super::or_null")]
     pub u: Vec<f64>,
-    /// `[i][j]`: sums of u_i u_j, j <= i.
+    /// Sums of u_i u_j, `[i][j]` with j <= i.
     #[serde(with = "super::or_null")]
     pub uu: Vec<f64>,
-    /// Sums of y.
+    /// Sums of y, by output.
     #[serde(with = "super::or_null")]
     pub y: Vec<f64>,
-    /// Sums of y^2.
+    /// Sums of y^2, by output.
     #[serde(with = "super::or_null")]
     pub yy: Vec<f64>,
-    /// `[variable][output]`: sums of u y.
+    /// Sums of u y, `[variable][output]`.
     #[serde(with = "super::or_null")]
     pub uy: Vec<f64>,
 }
@@ -99,7 +99,7 @@ impl Moments {
         }
     }
 
-    /// Returns true if both have the same number of sums of each kind.
+    /// Returns true if both have the same shape.
     pub(super) fn fits(&self, other: &Self) -> bool {
         let lengths = |m: &Self| [&m.u, &m.uu, &m.y, &m.yy, &m.uy].map(Vec::len);
         lengths(self) == lengths(other)
@@ -118,19 +118,19 @@ impl Moments {
 /// Sums of outputs by the level of each variable.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BinnedSums {
-    /// The sums by the level of each variable.
+    /// Sums by the level of each variable.
     pub of: Vec<LevelSums>,
 }
 
 /// Sums of outputs and variables by the level of one variable.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LevelSums {
-    /// Designs by level.
+    /// Number of designs, by level.
     pub counts: Vec<u64>,
-    /// `[level][output]`
+    /// Sums of outputs, `[level][output]`.
     #[serde(with = "super::or_null")]
     pub sums: Vec<f64>,
-    /// `[level][variable]`, of the scaled variables.
+    /// Sums of the scaled variables, `[level][variable]`.
     #[serde(with = "super::or_null")]
     pub places: Vec<f64>,
 }
@@ -157,7 +157,7 @@ impl BinnedSums {
         }
     }
 
-    /// Returns true if both have the same number of sums of each kind.
+    /// Returns true if both have the same shape.
     pub(super) fn fits(&self, other: &Self) -> bool {
         let lengths = |l: &LevelSums| [l.counts.len(), l.sums.len(), l.places.len()];
         let (own, others) = (self.of.iter(), other.of.iter());
@@ -175,28 +175,28 @@ impl BinnedSums {
     }
 }
 
-/// Sums over Saltelli's groups: a design A, a design B, then A with one variable after the other from
-/// B, called C below. Groups with a design that has no values are left out.
+/// Sums over Saltelli's groups. A group is a design A, a design B, and then A with one variable after the other from B,
+/// called C below. Groups with a design without values are left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SaltelliSums {
     /// Number of groups.
     pub groups: u64,
-    /// Sums of y_A + y_B.
+    /// Sums of y_A + y_B, by output.
     #[serde(with = "super::or_null")]
     pub sum: Vec<f64>,
-    /// Sums of y_A^2 + y_B^2.
+    /// Sums of y_A^2 + y_B^2, by output.
     #[serde(with = "super::or_null")]
     pub squares: Vec<f64>,
-    /// `[variable][output]`: sums of y_C - y_A.
+    /// Sums of y_C - y_A, `[variable][output]`.
     #[serde(with = "super::or_null")]
     pub steps: Vec<f64>,
-    /// `[variable][output]`: sums of y_B (y_C - y_A).
+    /// Sums of y_B (y_C - y_A), `[variable][output]`.
     #[serde(with = "super::or_null")]
     pub first: Vec<f64>,
-    /// `[variable][output]`: sums of (y_A - y_C)^2.
+    /// Sums of (y_A - y_C)^2, `[variable][output]`.
     #[serde(with = "super::or_null")]
     pub total: Vec<f64>,
-    /// The group under way, [role][output]; empty where there are no groups.
+    /// Present group, `[role][output]`. Empty if there are no groups.
     #[serde(skip)]
     group: Vec<f64>,
     #[serde(skip)]
@@ -249,7 +249,7 @@ impl SaltelliSums {
         }
     }
 
-    /// Returns true if both have the same number of sums of each kind.
+    /// Returns true if both have the same shape.
     pub(super) fn fits(&self, other: &Self) -> bool {
         let lengths = |s: &Self| [&s.sum, &s.squares, &s.steps, &s.first, &s.total].map(Vec::len);
         lengths(self) == lengths(other)

@@ -1,4 +1,4 @@
-//! Numbers in JSON. A number that is not finite becomes null, and null is read as NaN.
+//! Numbers in JSON. A number that is not finite is written as null, and null is read as NaN.
 
 use serde::{Deserialize, Deserializer, Serializer};
 

@@ -34,11 +34,12 @@ use std::ops::{ControlFlow, Range};
 pub struct SweepPlan<'s> {
     /// Description of the results, as in `sweep.json`.
     pub record: SweepRecord,
-    /// The quantities that are read off each pose, those of targets included, and the stations of each design.
+    /// Quantities that are read in each pose, including those of targets, and the stations of each design.
     request: Request<'s>,
-    /// For each quantity its derivative by the drive, unless it is a derivative itself. For an axle, the requested derivatives.
+    /// Derivative of each quantity by the drive, unless the quantity is itself a derivative. For an axle, the requested
+    /// derivatives.
     gains: Vec<Vec<Gain>>,
-    /// Number of quantities that are read over the motion. The others are figures of the design position.
+    /// Number of quantities over the motion. The others are figures of the design position.
     over_motion: usize,
     targets: Vec<SweptTarget>,
     samples: Samples,
@@ -55,7 +56,7 @@ struct Gain {
     slope: usize,
 }
 
-/// A target with its wanted value at each station.
+/// A target with its target value at each station.
 #[derive(Clone, Debug)]
 struct SweptTarget {
     /// Name of the target in column names.
@@ -65,7 +66,7 @@ struct SweptTarget {
     wishes: Vec<SweptWish>,
 }
 
-/// Wanted value of a quantity at a station, both by number.
+/// Target value of a quantity at a station, both by index.
 #[derive(Clone, Copy, Debug)]
 struct SweptWish {
     quantity: usize,
@@ -73,10 +74,10 @@ struct SweptWish {
     wanted: Sample,
 }
 
-/// Reason why a sweep cannot begin.
+/// Reason why a sweep cannot start.
 #[derive(Debug)]
 pub enum NotBegun {
-    /// The file with the designs is wrong.
+    /// The file with the designs has an error.
     Designs(StudyErrors),
     /// The study's own design cannot be solved.
     Fault(DesignFault),
@@ -91,7 +92,7 @@ impl From<DesignFault> for NotBegun {
 }
 
 impl<'s> SweepPlan<'s> {
-    /// The plan of a study's sweep.
+    /// Plan of a study's sweep.
     pub fn of(study: &'s Study, sweep: &Sweep) -> Result<Self, NotBegun> {
         let suspension = study.wheel();
         let samples = match &sweep.designs {
@@ -167,12 +168,12 @@ impl<'s> SweepPlan<'s> {
         Ok(plan)
     }
 
-    /// A worker, one for each thread.
+    /// Makes a worker. Each thread has one.
     pub fn worker(&self) -> Result<Worker<'_>, DesignFault> {
         self.worker_of_width(Some(Width::widest()))
     }
 
-    /// Makes a worker that solves designs in SIMD lanes of this width; one by one if the width is `None`.
+    /// Makes a worker that solves designs in SIMD lanes of this width, or one by one if the width is `None`.
     pub fn worker_of_width(&self, width: Option<Width>) -> Result<Worker<'_>, DesignFault> {
         Ok(Worker {
             plan: self,
@@ -194,28 +195,27 @@ impl<'s> SweepPlan<'s> {
         Swept::Suspension(self).run(blocks, go_on, take);
     }
 
-    /// The stations at which each design is solved.
+    /// Stations at which each design is solved.
     pub fn stations(&self) -> &Stations {
         self.request.stations()
     }
 
-    /// The quantities of a corner, those of targets included; empty for an axle.
+    /// Quantities of one wheel, including those of targets. Empty for an axle.
     pub fn quantities(&self) -> &[Quantity] {
         self.request.of_wheel()
     }
 
-    /// The columns of values, by quantity.
+    /// Columns of values, by quantity.
     pub fn values(&self) -> &[Column] {
         self.request.columns()
     }
 
-    /// The quantities that are read in each position of an axle, those of targets included; empty for a study of one
-    /// wheel.
+    /// Quantities that are read in each pose of an axle, including those of targets. Empty for a study of one wheel.
     pub fn axle_quantities(&self) -> &[crate::axle::Quantity] {
         self.request.axle().map_or(&[], |axle| &axle.quantities)
     }
 
-    /// The points of the design of this number, in the kernel's frame.
+    /// Points of the design with this number, in the kernel's frame.
     pub fn design(&self, number: u64) -> Vec<Vector3<f64>> {
         let Suspension { design, frame, .. } = self.study.wheel();
         let mut values = vec![0.0; self.samples.variables().len()];
@@ -225,7 +225,7 @@ impl<'s> SweepPlan<'s> {
         moved
     }
 
-    /// The study with the hardpoints and rates of the design of this number.
+    /// Study with the hardpoints and rates of the design with this number.
     pub fn moved(&self, number: u64) -> Study {
         let mut moved = self.study.at_design(self.design(number));
         let mut values = vec![0.0; self.samples.variables().len()];
@@ -238,12 +238,12 @@ impl<'s> SweepPlan<'s> {
         moved
     }
 
-    /// Returns true if a quantity is read over the motion; false if it is a figure of the design position.
+    /// Returns true if a quantity is read over the motion, false if it is a figure of the design position.
     fn is_over_motion(&self, quantity: usize) -> bool {
         quantity < self.over_motion
     }
 
-    /// The columns of results, in the order [`Worker`] fills them in.
+    /// Columns of results, in the order in which [`Worker`] writes them.
     fn output_columns(&self) -> Vec<OutputColumn> {
         let mut columns = Vec::new();
         let mut add = |column: String, output: &str, kind: Kind, unit: &str| {
@@ -287,7 +287,7 @@ impl<'s> SweepPlan<'s> {
         columns
     }
 
-    /// Fills in the outputs of a design, given by its number in the block.
+    /// Writes the outputs of a design, given by its index in the block.
     fn summarise(&self, block: &Block, design: usize, into: &mut [f64]) {
         let mut cells = into.iter_mut();
         let mut put = |value: f64| {
@@ -307,7 +307,7 @@ impl<'s> SweepPlan<'s> {
             let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
             for station in self.stations().of_motion() {
                 let value = value_at(station) * factor;
-                // A range over a part of the motion would look like one over all of it.
+                // A range over a part of the motion would look like a range over all of it.
                 (min, max) = match value.is_nan() {
                     true => (f64::NAN, f64::NAN),
                     false => (
@@ -344,7 +344,7 @@ impl<'s> SweepPlan<'s> {
         }
     }
 
-    /// Fills in why each design of a block was not solved at every station, if it was not.
+    /// Writes the reason why each design of a block was not solved at every station, if it was not.
     fn failing(&self, block: &Block, into: &mut Vec<Option<Failing>>) {
         into.clear();
         into.resize(block.designs(), None);
@@ -437,8 +437,8 @@ fn describe(study: &Study, sweep: &Sweep, samples: &Samples, stations: &Stations
     }
 }
 
-/// SHA-256 of everything the results depend on: of the study's meaning rather than its text, so that a
-/// comment may change.
+/// SHA-256 digest of everything that determines the results. It covers the study's meaning, not its text, so that a comment
+/// may change.
 fn digest(study: &Study, sweep: &Sweep, samples: &Samples) -> String {
     let meaning = format!(
         "{} {:?} {:?} {:?} {:?}",

@@ -1,33 +1,33 @@
-//! Rows: the results that are kept of each design of a block.
+//! Rows: results of each design of a block.
 
 use crate::car::{FailedCases, NoEquilibrium};
 use crate::curves::Status;
 use crate::mechanism::{DesignFault, Failure, NoPose};
 use crate::model::{Drive, Mechanism};
 
-/// Rows of consecutive designs, in the units they are printed in.
+/// Rows of consecutive designs, in printed units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rows {
     /// Number of the first design.
     pub first: u64,
-    /// For each design, the reason why some station was not solved; `None` if all were solved.
+    /// Reason why some station of each design was not solved. `None` if all were solved.
     pub failing: Vec<Option<Failing>>,
-    /// `[design][variable]`
+    /// Values of the variables, `[design][variable]`.
     pub variables: Vec<f64>,
-    /// `[design][output]`, NaN where there is no value.
+    /// Outputs, `[design][output]`. NaN if there is no value.
     pub outputs: Vec<f64>,
 }
 
 /// Reason why a design was not solved at every station.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Failing {
-    /// The word in the `status` column.
+    /// Word in the `status` column.
     pub status: String,
-    /// The reason without numbers, so that equal reasons can be counted.
+    /// Reason without numbers, so that equal reasons can be counted.
     pub reason: String,
     /// Number of stations without a pose.
     pub stations: u64,
-    /// The drive value, as printed, of that one which is nearest to the design position. `None` if the design cannot be
+    /// Drive value, in printed units, of the failed station nearest to the design position. `None` if the design cannot be
     /// solved at all.
     pub at: Option<f64>,
 }
@@ -38,13 +38,13 @@ impl Rows {
         self.failing.len()
     }
 
-    /// The variables of a design, by its index in the rows.
+    /// Variables of a design, by its index in the rows.
     pub fn variables(&self, place: usize) -> &[f64] {
         let width = self.variables.len() / self.designs();
         &self.variables[place * width..][..width]
     }
 
-    /// The outputs of a design, by its index in the rows.
+    /// Outputs of a design, by its index in the rows.
     pub fn outputs(&self, place: usize) -> &[f64] {
         let width = self.outputs.len() / self.designs();
         &self.outputs[place * width..][..width]
@@ -52,8 +52,8 @@ impl Rows {
 }
 
 impl Failing {
-    /// Describes a design that has stations without a pose; `failure` and `at` are those of the station nearest to the
-    /// design position.
+    /// Describes a design with stations without a pose. `failure` and `at` are those of the station nearest to the design
+    /// position.
     pub(super) fn stations(failure: &NoPose, at: f64) -> Self {
         Failing {
             status: Status::Failed(*failure).word().to_owned(),
@@ -63,7 +63,7 @@ impl Failing {
         }
     }
 
-    /// Describes a design of a car with cases that have no equilibrium; `case` is the name of the first of them.
+    /// Describes a design of a car with cases without an equilibrium. `case` is the name of the first of them.
     pub(super) fn case(case: &str, failed: &FailedCases) -> Self {
         let reason = match &failed.why {
             NoEquilibrium::NoPose { axle, failure } => {
@@ -79,7 +79,7 @@ impl Failing {
         }
     }
 
-    /// Describes a design that cannot be solved at all, for a reason in words; all its `stations` fail.
+    /// Describes a design that cannot be solved at all, for a reason in words. All its `stations` fail.
     pub(super) fn of_design(reason: String, stations: usize) -> Self {
         Failing {
             status: "degenerate".to_owned(),
@@ -89,13 +89,13 @@ impl Failing {
         }
     }
 
-    /// Describes a design that cannot be solved at all; all its `stations` fail.
+    /// Describes a design that cannot be solved at all. All its `stations` fail.
     pub(super) fn degenerate(fault: &DesignFault, mechanism: &Mechanism, stations: usize) -> Self {
         Failing::of_design(fault.describe(mechanism), stations)
     }
 }
 
-/// Reason why a station has no pose, with the wheel, without the value at which the mechanism folds.
+/// Reason why a station has no pose, with the wheel, but without the value at which the mechanism folds.
 fn no_pose(failure: &NoPose) -> String {
     match failure {
         NoPose::Corner(failure) => reason(failure),

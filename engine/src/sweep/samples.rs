@@ -8,7 +8,7 @@ use crate::study::{DesignTable, Rate, Sampled, Sampling, SweepVariable};
 /// Source of the designs of a sweep, by number.
 #[derive(Clone, Debug)]
 pub enum Samples {
-    /// Sampled from ranges.
+    /// Designs sampled from ranges.
     Sampled(Sampled),
     /// Designs from a file.
     Table(DesignTable),
@@ -23,7 +23,7 @@ impl Samples {
         }
     }
 
-    /// The variables.
+    /// Variables of the designs.
     pub fn variables(&self) -> &[SweepVariable] {
         match self {
             Samples::Sampled(sampled) => &sampled.variables,
@@ -31,7 +31,7 @@ impl Samples {
         }
     }
 
-    /// The values of the variables in a design: a function of its number alone.
+    /// Writes the values of the variables in a design. They depend only on its number.
     pub fn values(&self, design: u64, into: &mut [f64]) {
         match self {
             Samples::Table(table) => into.copy_from_slice(table.row(design)),
@@ -55,8 +55,8 @@ impl Samples {
         }
     }
 
-    /// Writes a design, given the values of its variables. `from` is the study's design; both are in
-    /// the kernel's frame.
+    /// Writes the points of a design, given the values of its variables. `from` is the study's design. Both are in the
+    /// kernel's frame.
     pub fn place(
         &self,
         values: &[f64],
@@ -74,7 +74,7 @@ impl Samples {
 }
 
 impl Samples {
-    /// The rates that are varied, in the order of their variables.
+    /// Rates that vary, in the order of their variables.
     pub fn rates(&self) -> impl Iterator<Item = &Rate> {
         self.variables().iter().filter_map(|v| v.rate.as_ref())
     }
@@ -90,14 +90,14 @@ impl Samples {
     }
 }
 
-/// Place of variable `k` of a sampled design in its range, from 0 to 1.
+/// Position of variable `k` of a sampled design in its range, from 0 to 1.
 fn fraction(sampled: &Sampled, design: u64, k: usize) -> f64 {
     let (seed, count) = (sampled.seed, sampled.variables.len());
     match sampled.method {
         Sampling::Sobol => sobol(design, k, count, seed),
         Sampling::Random | Sampling::Grid => uniform(design, k, seed),
         Sampling::LatinHypercube => latin_hypercube(design, sampled.samples, k, seed),
-        // Two samples A and B, then A with one variable after the other from B.
+        // A group has two samples A and B, then A with one variable after the other from B.
         Sampling::Saltelli => {
             let designs = count as u64 + 2;
             let (group, role) = (design / designs, design % designs);

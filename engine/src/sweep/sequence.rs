@@ -1,17 +1,15 @@
-//! Numbers in [0, 1) by index: each is a function of seed, index and dimension alone, so that a sweep
-//! can be begun anywhere.
+//! Numbers in [0, 1) by index. Each depends only on seed, index and dimension, so that a sweep can start anywhere.
 
-/// Points of one scrambled Sobol sequence of `sobol_burley`.
+/// Number of points of one scrambled Sobol sequence of `sobol_burley`.
 const SOBOL_POINTS: u64 = 1 << 16;
 
-/// Coordinate `dimension` of point `index` of an Owen-scrambled Sobol sequence with so many
-/// `dimensions`, in steps of 2^-24. The sequence has 2^16 points of 256 dimensions; beyond either, one with another seed
-/// follows, independent of it.
+/// Coordinate `dimension` of point `index` of an Owen-scrambled Sobol sequence with this number of `dimensions`, in steps of
+/// 2^-24. A sequence has 2^16 points of 256 dimensions. Beyond either, an independent sequence with another seed follows.
 pub fn sobol(index: u64, dimension: usize, dimensions: usize, seed: u32) -> f64 {
     let most = sobol_burley::NUM_DIMENSIONS as usize;
     let across = dimensions.div_ceil(most) as u64;
     let part = index / SOBOL_POINTS * across + (dimension / most) as u64;
-    // The first part has the seed itself, as mixed(0) is 0.
+    // The first part uses the seed itself, because mixed(0) is 0.
     let seed = seed ^ mixed(part) as u32;
     let fraction = sobol_burley::sample(
         (index % SOBOL_POINTS) as u32,
@@ -21,27 +19,26 @@ pub fn sobol(index: u64, dimension: usize, dimensions: usize, seed: u32) -> f64 
     f64::from(fraction)
 }
 
-/// A uniform number, independent for every index, dimension and seed.
+/// Uniformly distributed number, independent for every index, dimension and seed.
 pub fn uniform(index: u64, dimension: usize, seed: u32) -> f64 {
     let bits = mixed(mixed(index.wrapping_add(STRIDE)) ^ key(dimension, seed));
     (bits >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// Coordinate `dimension` of point `index` of a Latin hypercube of `count` points: a uniform number in
-/// a stratum of width `1 / count` that no other point is in (M. D. McKay, R. J. Beckman, W. J. Conover,
-/// Technometrics 21, 1979).
+/// Coordinate `dimension` of point `index` of a Latin hypercube of `count` points: a uniform number in a stratum of width `1
+/// / count` that contains no other point (M. D. McKay, R. J. Beckman, W. J. Conover, Technometrics 21, 1979).
 pub fn latin_hypercube(index: u64, count: u64, dimension: usize, seed: u32) -> f64 {
     let stratum = permuted(index, count, key(dimension, seed));
     let within = uniform(index, dimension, !seed);
-    // Rounding must not lead out of the interval.
+    // Rounding must not reach the end of the interval.
     ((stratum as f64 + within) / count as f64).min(1.0 - f64::EPSILON / 2.0)
 }
 
-/// The golden ratio's fraction, the stride of SplitMix64.
+/// Stride of SplitMix64: the fraction of the golden ratio.
 const STRIDE: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// The finaliser of SplitMix64, a bijection that leaves no trace of its argument's order (G. L. Steele,
-/// D. Lea, C. H. Flood, Fast splittable pseudorandom number generators, OOPSLA 2014).
+/// Finaliser of SplitMix64: a bijection that removes every trace of its argument's order (G. L. Steele, D. Lea, C. H. Flood,
+/// Fast splittable pseudorandom number generators, OOPSLA 2014).
 fn mixed(x: u64) -> u64 {
     let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -89,8 +86,8 @@ mod tests {
         }
     }
 
-    /// Means, variances and correlations of neighbours and dimensions are those of uniform numbers,
-    /// within four standard deviations.
+    /// Means, variances and correlations of neighbours and dimensions are those of uniform numbers, within four standard
+    /// deviations.
     #[test]
     fn uniform_numbers_are_uniform_and_independent() {
         let count = 40_000;
@@ -120,7 +117,7 @@ mod tests {
         }
     }
 
-    /// In each run of 2^16 points, 2^k in a row fill 2^k equal strata; also beyond the first run.
+    /// In each run of 2^16 points, 2^k consecutive points are in 2^k equal strata. This also holds beyond the first run.
     #[test]
     fn sobol_points_fill_strata_beyond_the_first_run_too() {
         for start in [0, 1 << 16, 5 << 16] {

@@ -1,15 +1,15 @@
 //! Statistics that can be added: of a block, of a run, of all shards.
 //!
-//! Statistics are made from the rows of one block. Those of a part absorb its blocks in their order, and those of the sweep
-//! absorb its parts in theirs. So every sum has one order of additions, for any threads, shards and machines. Statistics
-//! written as JSON return to the bit.
+//! Statistics are made from the rows of one block. A part adds the statistics of its blocks in order, and the sweep adds
+//! those of its parts in order. So every sum has one order of additions, for any threads, shards and machines. Statistics
+//! keep their bits when they are written as JSON and read again.
 
 use super::front::{Candidate, Front};
 use super::moments::{BinnedSums, Moments, SaltelliSums, Span};
 use super::{Rows, SweepRecord};
 use serde::{Deserialize, Serialize};
 
-/// Number of best designs that are kept, and of examples of each failure.
+/// Number of best designs to keep, and number of examples for each failure.
 const KEPT: usize = 10;
 const EXAMPLES: usize = 5;
 
@@ -20,17 +20,17 @@ pub struct SweepStatistics {
     pub designs: u64,
     /// Number of designs solved at every station.
     pub solved: u64,
-    /// Number of designs that the SIMD lanes left to be solved one by one.
+    /// Number of designs that were not solved in SIMD lanes.
     pub one_by_one: u64,
-    /// Reasons why other designs were not solved at every station, in order of first appearance.
+    /// Reasons for failures of the other designs, in order of first appearance.
     pub failures: Vec<FailureCount>,
     /// Range of each output.
     pub ranges: Vec<Option<OutputRange>>,
-    /// The best designs by misfit, the best first.
+    /// Best designs by misfit, in order.
     pub best: Vec<Candidate>,
-    /// The designs that no other is better than in every target, where there are several.
+    /// Designs of the Pareto front, if there are several targets.
     pub front: Front,
-    /// Sums over designs that have a value for every output.
+    /// Sums over designs with a value for every output.
     pub moments: Moments,
     /// Sums by the level of each variable.
     #[serde(rename = "levels")]
@@ -40,36 +40,36 @@ pub struct SweepStatistics {
     pub saltelli: SaltelliSums,
 }
 
-/// Designs that failed for one reason.
+/// Designs that failed for the same reason.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FailureCount {
-    /// The word in the `status` column.
+    /// Word in the `status` column.
     pub status: String,
-    /// The reason.
+    /// Reason in words.
     pub reason: String,
-    /// Number of designs that failed for it.
+    /// Number of these designs.
     pub designs: u64,
-    /// Their stations without a pose.
+    /// Number of their stations without a pose.
     pub stations: u64,
-    /// The drive value nearest to the design position at which one failed.
+    /// Drive value nearest to the design position at which one of them failed.
     pub nearest: Option<f64>,
     /// Numbers of the first of these designs.
     pub examples: Vec<u64>,
 }
 
-/// The range of an output, and the designs at its ends.
+/// Range of an output, and the designs at its ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OutputRange {
-    /// Designs that have the output.
+    /// Number of designs that have the output.
     pub count: u64,
-    /// Least value and its (first) design.
+    /// Smallest value and its (first) design.
     pub min: (f64, u64),
     /// Largest value and its (first) design.
     pub max: (f64, u64),
 }
 
 impl SweepStatistics {
-    /// Statistics of no designs.
+    /// Statistics without any designs.
     pub fn empty(record: &SweepRecord) -> Self {
         SweepStatistics {
             designs: 0,
@@ -94,7 +94,7 @@ impl SweepStatistics {
             .iter()
             .map(|o| o.at_design.unwrap_or(0.0))
             .collect();
-        // Outputs less those of the study's design, so that sums of squares lose no digits.
+        // Outputs minus those of the study's design, so that sums of squares lose no digits.
         let mut shifted = vec![0.0; reference.len()];
         let spans = Span::all(record);
         let mut scaled = vec![0.0; spans.len()];
@@ -135,7 +135,7 @@ impl SweepStatistics {
             for ((shifted, value), reference) in shifted.iter_mut().zip(outputs).zip(&reference) {
                 *shifted = value - reference;
             }
-            // Designs made by exchanging variables are no independent samples.
+            // Designs made by exchanging variables are not independent samples.
             let independent = group.is_none_or(|group| number % group < 2);
             if complete && independent {
                 for ((scaled, span), value) in scaled.iter_mut().zip(&spans).zip(variables) {
@@ -152,7 +152,7 @@ impl SweepStatistics {
         statistics
     }
 
-    /// Returns true if these statistics have the shape of this sweep's.
+    /// Returns true if these statistics have the shape of this sweep.
     pub fn are_of(&self, record: &SweepRecord) -> bool {
         let empty = SweepStatistics::empty(record);
         let [variables, outputs] = [record.variables.len(), record.outputs.len()];
@@ -165,7 +165,7 @@ impl SweepStatistics {
             && self.saltelli.fits(&empty.saltelli)
     }
 
-    /// Adds the statistics of the designs that follow.
+    /// Adds the statistics of the following designs.
     pub fn absorb(&mut self, record: &SweepRecord, next: &SweepStatistics) {
         self.designs += next.designs;
         self.solved += next.solved;
@@ -235,7 +235,7 @@ impl OutputRange {
     }
 }
 
-/// Inserts a design among the best if it belongs there. Among equal designs the first remains first.
+/// Inserts a design among the best if it belongs there. Of equal designs the first stays first.
 fn keep_best(
     best: &mut Vec<Candidate>,
     misfit: usize,

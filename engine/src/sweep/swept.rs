@@ -1,4 +1,4 @@
-//! A sweep that is ready to run: of a suspension or of a car.
+//! A sweep that is ready to run, for a suspension or a car.
 
 use super::{CarSweepPlan, CarWorker, Rows, SweepPlan, SweepRecord, Worker, in_order};
 use crate::evaluate::Block;
@@ -22,7 +22,7 @@ impl<'s> Swept<'s> {
         }
     }
 
-    /// A worker, one for each thread.
+    /// Makes a worker. Each thread has one.
     pub fn worker(self) -> SweptWorker<'s> {
         match self {
             Swept::Suspension(plan) => {
@@ -34,15 +34,15 @@ impl<'s> Swept<'s> {
         }
     }
 
-    /// Solves blocks of the sweep on the threads of the current rayon pool and passes their rows to `take`, in order, while it
-    /// runs. Ends early if `go_on` or `take` requests it; all earlier rows have then been passed on.
+    /// Solves blocks of the sweep on the threads of the current rayon pool and passes their rows to `take`, in order, while
+    /// it runs. Ends early if `go_on` or `take` requests it. All earlier rows have then been passed on.
     pub fn run(
         self,
         blocks: Range<u64>,
         go_on: impl Fn() -> bool + Sync,
         mut take: impl FnMut(&Rows) -> ControlFlow<()> + Send,
     ) {
-        // An early end is no error.
+        // An early stop is not an error.
         let _: Result<(), ()> = in_order(
             blocks,
             || self.worker(),
@@ -55,7 +55,7 @@ impl<'s> Swept<'s> {
     }
 }
 
-/// Turns blocks of designs into rows.
+/// Converts blocks of designs to rows.
 pub enum SweptWorker<'s> {
     /// Designs of one wheel or of an axle.
     Suspension(Box<Worker<'s>>),
@@ -64,7 +64,7 @@ pub enum SweptWorker<'s> {
 }
 
 impl SweptWorker<'_> {
-    /// The rows of a block of the sweep.
+    /// Rows of a block of the sweep.
     pub fn rows(&mut self, block: u64) -> &Rows {
         match self {
             SweptWorker::Suspension(worker) => worker.rows(block),
@@ -72,7 +72,7 @@ impl SweptWorker<'_> {
         }
     }
 
-    /// Number of designs of the last block that SIMD lanes left to be solved one by one. A car has no lanes.
+    /// Number of designs of the last block that were not solved in SIMD lanes. A car has no lanes.
     pub fn one_by_one(&self) -> usize {
         match self {
             SweptWorker::Suspension(worker) => worker.one_by_one().len(),
@@ -80,7 +80,7 @@ impl SweptWorker<'_> {
         }
     }
 
-    /// Curves behind the last rows, of a suspension.
+    /// Curves from which the latest rows were made, for a suspension.
     pub fn block(&self) -> Option<&Block> {
         match self {
             SweptWorker::Suspension(worker) => Some(worker.block()),

@@ -1,14 +1,14 @@
-//! The first-order answer of an axle, exact.
+//! First-order result for an axle, exact.
 //!
-//! Each side's parts move its built design alone ([`crate::assembly`]). Readings of the axle have gradients by every
-//! hardpoint coordinate of either side, with the conditions of the ground on both travels
+//! The parts of each side move only its built design ([`crate::assembly`]). Values of the axle have gradients by every
+//! hardpoint coordinate of either side. They include the conditions of the ground on both travels
 //! ([`AxleSolver::gradients`]):
 //!
 //! ```text
 //! dy/dx = (dy/dp_left) (dp_left/dx) + (dy/dp_right) (dp_right/dx)
 //! ```
 //!
-//! The second order is in module `axle_second`.
+//! Module `axle_second` computes the second order.
 
 use super::Problem;
 use super::wheel_assembler::WheelAssembler;
@@ -21,7 +21,7 @@ use crate::study::Source;
 /// Rates at which a source moves every point of a wheel.
 pub(super) type Moves = Vec<Vector3<f64>>;
 
-/// Derivatives of every value by each source, `[cell][source]`: NaN without a value, or without a derivative.
+/// Derivatives of every value by each source, `[cell][source]`. NaN if there is no value or no derivative.
 pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f64>, SetUpError> {
     let moves = moves(problem, sources)?;
     let drawn = |side: Side| {
@@ -45,7 +45,7 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
                 let of_side = |(side, moves): (Side, &Moves)| -> f64 {
                     let by = found.gradient((0, output, station), side);
                     let pairs = moves.iter().zip(by);
-                    // A point that does not move adds nothing, even where the derivative by it has no value.
+                    // A point that does not move contributes nothing, even if the derivative by it has no value.
                     let moving = pairs.filter(|(way, _)| way.to_array() != [0.0; 3]);
                     moving.map(|(way, by)| by.dot(*way)).sum()
                 };
@@ -57,7 +57,7 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
     Ok(gradients)
 }
 
-/// Rates at which each source moves both wheels' built designs.
+/// Rates at which each source moves the built designs of both wheels.
 pub(super) fn moves(problem: &Problem, sources: &[&Source]) -> Result<Vec<[Moves; 2]>, SetUpError> {
     let mut all: Vec<[Moves; 2]> = vec![Default::default(); sources.len()];
     for (side, wheel_assembler) in problem.wheel_assemblers.iter().enumerate() {
@@ -73,7 +73,7 @@ pub(super) fn moves(problem: &Problem, sources: &[&Source]) -> Result<Vec<[Moves
     Ok(all)
 }
 
-/// Rates at which each source moves the built design of a wheel; empty for a source that does not move it.
+/// Rates at which each source moves the built design of a wheel. Empty for a source that does not move it.
 pub(super) fn moves_of_wheel(
     wheel_assembler: &WheelAssembler,
     built: &Built,

@@ -1,14 +1,14 @@
-//! The second-order answer of an axle, exact.
+//! Second-order result for an axle, exact.
 //!
-//! Along a direction of the parts, both built designs, their poses and the readings are series in one number, as for
-//! one wheel (module `expansion`). In addition, the ground condition f = h_l - h_r = 0 holds order by order. If the
-//! roll angle is given, the travels z +- s(e) follow; if both travels are given, the roll angle follows:
+//! Along a direction of the parts, both built designs, their poses and the readings are series in one number, as for one
+//! wheel (module `expansion`). In addition, the ground condition f = h_l - h_r = 0 holds order by order. If the roll angle
+//! is given, the travels z +- s(e) follow; if both travels are given, the roll angle follows:
 //!
 //! ```text
 //! s_k = -f_k/(n.C_l' + n.C_r')        phi_k = -f_k/track
 //! ```
 //!
-//! f_k being the coefficient that is left with the orders below. Quantities made of velocities are left out.
+//! with f_k the coefficient that remains after the lower orders. Quantities that contain velocities are left out.
 
 use super::Problem;
 use super::expansion::combined;
@@ -25,7 +25,7 @@ use crate::study::Source;
 
 type Series = Jet<f64, 3>;
 
-/// The most series of poses of both wheels: seconds of work.
+/// Largest number of series of poses of both wheels: seconds of work.
 const MOST_SERIES: usize = 300_000;
 
 /// Second-order terms of the mean and of the variance, by cell.
@@ -51,7 +51,7 @@ pub(super) fn second(
     Ok(combined(problem, &readable, second_derivatives))
 }
 
-/// The positions of the nominal axle.
+/// Poses of the nominal axle.
 struct DrawnPositions<'p> {
     problem: &'p Problem<'p>,
     stations: &'p AxleStations<'p>,
@@ -60,16 +60,16 @@ struct DrawnPositions<'p> {
     positions: Vec<Option<DrawnPosition>>,
 }
 
-/// A position, and its sources of motion.
+/// A pose of the nominal axle, with data for its series.
 struct DrawnPosition {
     travels: [f64; 2],
     roll: f64,
     rack: f64,
     hold: Hold,
-    /// n.C_l' + n.C_r', and the track.
+    /// Slopes n.C_l' + n.C_r' and track, for the ground condition.
     slopes: [f64; 2],
     wheels: [(Pose<f64>, Lu6<f64>); 2],
-    /// Quantities that have a value here.
+    /// True for each quantity that has a value here.
     has_value: Vec<bool>,
 }
 
@@ -85,7 +85,7 @@ impl<'p> DrawnPositions<'p> {
             let solver = Solver::new(&suspension.mechanism, &suspension.design);
             solvers.push(solver.map_err(SetUpError::Fault)?);
         }
-        // With the first derivatives of both wheels, for the slopes of what the ground asks.
+        // First derivatives of both wheels are needed for the slopes of the ground condition.
         let solver = AxleSolver::<2>::new(axle, &stations.quantities, false);
         let mut solver = solver.map_err(|(_, fault)| SetUpError::Fault(fault))?;
         let placed = solver.place_all(&stations.placements);
@@ -129,7 +129,8 @@ impl<'p> DrawnPositions<'p> {
         })
     }
 
-    /// By cell, the second derivative along the sum of some sources' directions, each in its standard deviation.
+    /// Second derivative along the sum of some sources' directions, each scaled by its standard deviation. One entry for
+    /// each cell.
     fn second_derivatives(&self, along: &[&Source]) -> Vec<f64> {
         let wheel_assemblers = self.problem.wheel_assemblers.iter().zip(&self.built);
         let designs: Vec<Vec<Vector3<Series>>> = wheel_assemblers
@@ -158,7 +159,7 @@ impl<'p> DrawnPositions<'p> {
         second_derivatives
     }
 
-    /// The axle in a position as series, on the ground to every order.
+    /// State of the axle as series in which the ground condition holds to every order.
     fn on_ground(
         &self,
         position: &DrawnPosition,
@@ -181,7 +182,7 @@ impl<'p> DrawnPositions<'p> {
         state
     }
 
-    /// The axle with the travels moved apart by `apart` and the ground turned by `turn`.
+    /// State of the axle with the travels changed by +-`apart` and the ground rotated by `turn`.
     fn state(
         &self,
         position: &DrawnPosition,
@@ -206,7 +207,7 @@ impl<'p> DrawnPositions<'p> {
         };
         let (sine, cosine) = position.roll.sin_cos();
         let [sine, cosine] = [sine, cosine].map(Series::constant);
-        // To second order.
+        // Cosine to second order.
         let upright = Series::constant(1.0) - turn * turn * Series::constant(0.5);
         AxleState {
             readings: [reading(Side::Left), reading(Side::Right)],

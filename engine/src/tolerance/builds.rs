@@ -1,4 +1,4 @@
-//! Builds by number: drawn at random, assembled, solved.
+//! Builds by number: random numbers, assembly, solution.
 
 use super::lanes::LaneBuilder;
 use super::wheel_assembler::WheelAssembler;
@@ -10,16 +10,16 @@ use crate::model::{Side, Suspension};
 use crate::number::{Vector3, Width};
 
 impl Problem<'_> {
-    /// Why no build is solved in SIMD lanes; `None` if most are.
+    /// Reason why no build is solved in SIMD lanes. `None` if most builds are.
     pub fn not_in_lanes(&self) -> Option<NotInLanes> {
         let builder = Builder::new(self, Some(Width::widest())).ok()?;
         builder.evaluator.not_in_lanes()
     }
 
-    /// The values of the nominal suspension, by cell.
+    /// Values of the nominal suspension, by cell.
     pub fn drawn(&self) -> Result<Vec<f64>, DesignFault> {
         let mut builder = Builder::new(self, None)?;
-        // Nothing drawn: the numbers are 0. A drawing that cannot be put together is left without values.
+        // The random numbers are 0. A nominal design that cannot be assembled has no values.
         if builder.build(0).is_err() {
             return Ok(vec![f64::NAN; self.cells()]);
         }
@@ -29,15 +29,15 @@ impl Problem<'_> {
         Ok(values.collect())
     }
 
-    /// A build by its number: its built design, at rest, from the random numbers of the seed, and aligned if the
-    /// study says so. For an axle the left wheel.
+    /// Build with this number: its design at rest, from the random numbers of the seed, and aligned if the study requests
+    /// it. For an axle it is the left wheel.
     pub fn built(&self, number: u64) -> Result<Suspension, AssemblyError> {
         let built = self.built_wheels(number).map_err(|(_, reject)| reject);
         built.map(|mut wheels| wheels.swap_remove(0))
     }
 
-    /// The study of the build of this number, as text: its built design at rest, and its rates. An error names the
-    /// wheel that cannot be assembled.
+    /// Study of the build with this number, as text: its design at rest, and its rates. An error names the wheel that cannot
+    /// be assembled.
     pub fn built_text(&self, number: u64) -> Result<String, (Option<Side>, AssemblyError)> {
         let built = self.built_wheels(number)?;
         let text = match &built[..] {
@@ -55,7 +55,7 @@ impl Problem<'_> {
         Ok(self.study.with_rates_of(text, &moved))
     }
 
-    /// Every wheel of the build of this number: for an axle left and right, each in the frame of a left one. An error
+    /// All wheels of the build with this number: for an axle left and right, each in the frame of a left wheel. An error
     /// names the wheel that cannot be assembled.
     pub fn built_wheels(
         &self,
@@ -75,33 +75,33 @@ impl Problem<'_> {
     }
 }
 
-/// A build that could not be assembled: its number, the wheel of an axle, and the reason.
+/// A build that could not be assembled: its number, its wheel for an axle, and the reason.
 type Unbuilt = (u64, Option<Side>, AssemblyError);
 
 /// Failed builds of a block.
 pub(super) struct Outcome {
     pub(super) rejects: Vec<Unbuilt>,
-    /// Number of builds without a pose somewhere in the motion, and number of the first of them.
+    /// Number of builds without a pose at some station of the motion, and the number of the first of them.
     pub(super) incomplete: (u64, Option<u64>),
 }
 
-/// Solves blocks of builds. One for each thread.
+/// Solves blocks of builds. Each thread has one.
 ///
-/// Builds are assembled in SIMD lanes. Those that do not settle there, and those of rockers near a toggle, are
-/// assembled one by one. The choice depends on the build alone.
+/// Builds are assembled in SIMD lanes. Builds that do not settle there, and builds with rockers near a toggle, are assembled
+/// one by one. The build alone decides which.
 pub(super) struct Builder<'a> {
     problem: &'a Problem<'a>,
-    /// One, or left and right.
+    /// One wheel, or left and right wheel.
     wheels: Vec<WheelBuilder<'a>>,
     evaluator: Evaluator<'a>,
-    /// The values of the builds assembled together, in the order of their numbers.
+    /// Values of the builds assembled together, in the order of their numbers.
     pub(super) block: Block,
     draws: Vec<f64>,
-    /// `[source][build]`
+    /// Random numbers of the block, `[source][build]`.
     draws_of_block: Vec<f64>,
     /// Index in the block of each design.
     places: Vec<usize>,
-    /// Rates of elastic parts that scatter, design after design.
+    /// Scattering rates of elastic parts, design after design.
     rates: Vec<f64>,
 }
 
@@ -114,7 +114,7 @@ struct WheelBuilder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    /// In lanes of a width, or one by one alone.
+    /// Makes a builder with lanes of this width, or without lanes.
     pub(super) fn new(problem: &'a Problem<'a>, width: Option<Width>) -> Result<Self, DesignFault> {
         let mut evaluator = problem.request.evaluator(width)?;
         evaluator.interrupt = problem.interrupt;
@@ -138,8 +138,8 @@ impl<'a> Builder<'a> {
         })
     }
 
-    /// Draws and solves builds from number `first`, up to `count` of them, at most a block. `None` where the problem's
-    /// interrupt is raised meanwhile.
+    /// Draws and solves builds from number `first` on: `count` of them, at most a block. `None` if the problem's interrupt
+    /// is raised meanwhile.
     pub(super) fn solve(&mut self, first: u64, count: usize) -> Option<Outcome> {
         let Problem {
             tolerance,
@@ -177,7 +177,7 @@ impl<'a> Builder<'a> {
             }
         }
         let outcome = self.finish(first, rejects);
-        // The values of a block that was cut short are those of another one.
+        // If the block was cut short, its values are those of an earlier block.
         (!interrupt.is_raised()).then_some(outcome)
     }
 
@@ -189,7 +189,8 @@ impl<'a> Builder<'a> {
         self.rates.clear();
     }
 
-    /// Assembles every wheel of a build that the lanes did not assemble, from its random numbers; all or none.
+    /// Assembles all wheels of a build that the lanes did not assemble, from its random numbers. On failure it assembles
+    /// none.
     fn build(&mut self, place: usize) -> Result<(), (Option<Side>, AssemblyError)> {
         let (tolerance, draws) = (self.problem.tolerance, &self.draws);
         let built = self.wheels.iter_mut().try_for_each(|wheel| {
@@ -225,7 +226,7 @@ impl<'a> Builder<'a> {
         built
     }
 
-    /// Solves the assembled builds of a block that begins with a build of this number.
+    /// Solves the assembled builds of a block. `first` is the number of its first build.
     fn finish(&mut self, first: u64, mut rejects: Vec<Unbuilt>) -> Outcome {
         let wheels = &self.wheels;
         let designs = [0, 1].map(|k| wheels.get(k).map_or(&[][..], |wheel| &wheel.designs));

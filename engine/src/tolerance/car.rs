@@ -1,8 +1,8 @@
-//! Scatter of a car: parts of both axles, rates and figures, in every load case.
+//! Scatter of a car: parts of both axles, rates and figures of the car, in every load case.
 //!
-//! Each axle's parts are assembled as in a study of the axle ([`crate::assembly`]), and the car stands on its springs
-//! with them. First-order answers are exact: derivatives of every result by the hardpoints of each wheel times
-//! derivatives of the built designs by each source, and derivatives by rates and figures.
+//! Each axle's parts are assembled as in a study of the axle ([`crate::assembly`]). The car then stands on its springs with
+//! these parts. First-order results are exact. They are derivatives of every result by the hardpoints of each wheel, times
+//! derivatives of the built designs by each source, plus derivatives by rates and figures.
 
 use super::axle_expansion::{Moves as PointMoves, moves};
 use super::histogram::Histogram;
@@ -16,21 +16,21 @@ use crate::study::{CarContributor, CarStudy, CarTolerance, Source};
 use crate::sweep::{in_order, uniform};
 use std::ops::ControlFlow;
 
-/// Variance of each source of a contributor, and the motion of both wheels' points by it.
+/// For each source of a contributor: its variance, and the rates at which it moves both wheels' points.
 type Ways = Vec<(f64, [PointMoves; 2])>;
 
-/// Builds of a block.
+/// Number of builds in a block.
 const BLOCK: u64 = 16;
 
-/// The tolerances of a car, made ready.
+/// Tolerances of a car, prepared.
 pub struct CarProblem<'a> {
     /// The study.
     pub study: &'a CarStudy,
     /// Tolerances.
     pub tolerance: &'a CarTolerance,
-    /// Results of cases: the study's, then those of bands.
+    /// Results of cases: those of the study, then those of bands.
     pub request: CarRequest<'a>,
-    /// Place of the result of each band.
+    /// Index of the result of each band.
     places: Vec<usize>,
     axles: [Problem<'a>; 2],
 }
@@ -40,22 +40,22 @@ pub struct CarProblem<'a> {
 pub struct CarBuilds {
     /// Number of builds.
     pub builds: u64,
-    /// Spread of each result, as printed.
+    /// Spread of each result, in printed units.
     pub spreads: Vec<Spread>,
-    /// Builds that cannot be assembled or solved in every case, with number and reason of the first.
+    /// Number of builds that cannot be assembled, or cannot be solved in every case.
     pub failed: u64,
-    /// Number and reason of the first of these.
+    /// Number of the first of these builds, and the reason.
     pub first_failed: Option<(u64, String)>,
-    /// Builds that keep to each band.
+    /// Number of builds that keep each band.
     pub in_bands: Vec<u64>,
-    /// Builds that keep to every band.
+    /// Number of builds that keep every band.
     pub in_all_bands: u64,
 }
 
-/// First-order answer of one result, as printed.
+/// First-order result for one quantity, in printed units.
 #[derive(Clone, Debug)]
 pub struct CarExpansion {
-    /// Variance by each contributor; NaN where the result has no derivatives.
+    /// Variance from each contributor. NaN if the result has no derivatives.
     pub variances: Vec<f64>,
 }
 
@@ -65,12 +65,12 @@ impl CarExpansion {
         self.variances.iter().sum::<f64>().sqrt()
     }
 
-    /// Part of a contributor in the variance.
+    /// Share of a contributor in the variance.
     pub fn share(&self, contributor: usize) -> f64 {
         self.variances[contributor] / self.variances.iter().sum::<f64>()
     }
 
-    /// Returns true if the builds confirm the first-order standard deviation; `None` if nothing scatters.
+    /// Returns true if the builds confirm the first-order standard deviation. `None` if nothing scatters.
     pub fn holds(&self, spread: &Spread) -> Option<bool> {
         let sigma = self.sigma();
         let scatters = sigma > 0.0 && spread.count > 0;
@@ -83,7 +83,7 @@ impl<'a> CarProblem<'a> {
     /// Prepares the tolerances of a car.
     ///
     /// # Errors
-    /// Axle and reason if the design of one cannot be put together.
+    /// Axle and reason if the design of an axle cannot be assembled.
     pub fn of(
         study: &'a CarStudy,
         tolerance: &'a CarTolerance,
@@ -109,7 +109,7 @@ impl<'a> CarProblem<'a> {
         })
     }
 
-    /// The car of a build. An error names the wheel that cannot be assembled.
+    /// Car of a build. An error names the wheel that cannot be assembled.
     pub fn built(&self, number: u64) -> Result<Car, String> {
         let mut car = self.study.car.clone();
         for (axle, problem) in self.axles.iter().enumerate() {
@@ -146,8 +146,8 @@ impl<'a> CarProblem<'a> {
         Ok(car)
     }
 
-    /// The nominal car as builds are made of it: both wheels of an axle whose parts scatter have the points of the assembly, a
-    /// point of the spin axis among them.
+    /// Nominal car, in the form that builds use. If parts of an axle scatter, both of its wheels have the points of the
+    /// assembly, including a point of the spin axis.
     fn drawn(&self) -> Car {
         let mut car = self.study.car.clone();
         for (axle, problem) in self.axles.iter().enumerate() {
@@ -165,7 +165,7 @@ impl<'a> CarProblem<'a> {
         car
     }
 
-    /// The nominal results, as printed; NaN for missing results.
+    /// Nominal results, in printed units. NaN for missing results.
     ///
     /// # Errors
     /// The reason if the design position cannot be solved.
@@ -175,10 +175,10 @@ impl<'a> CarProblem<'a> {
         Ok(values)
     }
 
-    /// The first-order answer of every result.
+    /// First-order result for every quantity.
     ///
     /// # Errors
-    /// Axle and reason if the design of one cannot be put together.
+    /// Axle and reason if the design of an axle cannot be assembled.
     pub fn expansion(&self) -> Result<Vec<CarExpansion>, (usize, SetUpError)> {
         let drawn = self.drawn();
         let gradients = self.request.gradients(&drawn);
@@ -224,8 +224,8 @@ impl<'a> CarProblem<'a> {
         Ok(expansions.collect())
     }
 
-    /// Solves the builds on the threads of the current rayon pool. `note` hears of the number done, in order, and may end the
-    /// work early. Results do not depend on the number of threads.
+    /// Solves the builds on the threads of the current rayon pool. `note` gets the number of finished builds, in order, and
+    /// may stop the work early. Results do not depend on the number of threads.
     pub fn monte_carlo(
         &self,
         nominal: &[f64],
@@ -252,7 +252,7 @@ impl<'a> CarProblem<'a> {
             });
             Some(builds.collect::<Vec<_>>())
         };
-        // An early end is no error.
+        // An early stop is not an error.
         let _: Result<(), ()> = in_order(
             0..total.div_ceil(BLOCK),
             Vec::new,
@@ -291,7 +291,7 @@ impl<'a> CarProblem<'a> {
         all
     }
 
-    /// Fills in the results of a build. Returns the reason if it cannot be assembled, or a case has no equilibrium.
+    /// Writes the results of a build. Returns the reason if it cannot be assembled, or if a case has no equilibrium.
     fn build(&self, number: u64, row: &mut [f64]) -> Option<String> {
         row.fill(f64::NAN);
         let car = match self.built(number) {
@@ -309,19 +309,19 @@ impl<'a> CarProblem<'a> {
     }
 }
 
-/// Derivative of a result along the motion of both wheels' points of an axle.
+/// Derivative of a result along a motion of the points of both wheels of an axle.
 fn along(gradient: &CarGradient, axle: usize, moves: &[PointMoves; 2]) -> f64 {
     let of_side = |side: Side| -> f64 {
         let by = &gradient.wheels[2 * axle + side as usize];
         let pairs = moves[side as usize].iter().zip(by);
-        // A point that does not move adds nothing, even where the derivative by it has no value.
+        // A point that does not move contributes nothing, even if the derivative by it has no value.
         let moving = pairs.filter(|(way, _)| way.to_array() != [0.0; 3]);
         moving.map(|(way, by)| by.dot(*way)).sum()
     };
     Side::ALL.map(of_side).iter().sum()
 }
 
-/// Spread of values about a nominal one. Sums run in the order of the builds.
+/// Spread of values about a nominal value. Sums run in the order of the builds.
 fn spread(mut values: Vec<f64>, nominal: f64) -> Spread {
     let about = match nominal.is_nan() {
         true => values.first().copied().unwrap_or(0.0),

@@ -1,4 +1,4 @@
-//! Random numbers of builds: functions of seed, number of the build, wheel and number of the source alone.
+//! Random numbers of builds. They depend only on the seed, the number of the build, the wheel and the index of the source.
 
 use crate::evaluate::BLOCK;
 use crate::model::Side;
@@ -6,7 +6,7 @@ use crate::study::{Law, Source, Tolerance};
 use crate::sweep::uniform;
 
 impl Law {
-    /// Mean of the law.
+    /// Mean of the distribution.
     pub fn mean(self) -> f64 {
         match self {
             Law::Normal { .. } => 0.0,
@@ -14,7 +14,7 @@ impl Law {
         }
     }
 
-    /// Variance.
+    /// Variance of the distribution.
     pub fn variance(self) -> f64 {
         match self {
             Law::Normal { sigma } => sigma * sigma,
@@ -22,7 +22,7 @@ impl Law {
         }
     }
 
-    /// Fourth central moment over the square of its variance.
+    /// Fourth central moment divided by the square of the variance.
     pub fn kurtosis(self) -> f64 {
         match self {
             Law::Normal { .. } => 3.0,
@@ -30,7 +30,7 @@ impl Law {
         }
     }
 
-    /// The number below which a draw lies with probability `fraction`.
+    /// Value below which a random number lies with probability `fraction`.
     pub fn quantile(self, fraction: f64) -> f64 {
         match self {
             Law::Normal { sigma } => sigma * normal_quantile(fraction),
@@ -38,7 +38,7 @@ impl Law {
         }
     }
 
-    /// The quantiles of fractions in their place.
+    /// Replaces fractions by their quantiles.
     fn quantiles(self, fractions: &mut [f64]) {
         let Law::Normal { sigma } = self else {
             for fraction in fractions {
@@ -46,8 +46,8 @@ impl Law {
             }
             return;
         };
-        // Nearly all fractions are in the central region. Its formula is applied to all at once; the others are
-        // corrected after it.
+        // Nearly all fractions are in the central region. Its formula is applied to all at once. The others are corrected
+        // afterwards.
         let mut numbers = [0.0; BLOCK];
         for (number, fraction) in numbers.iter_mut().zip(&*fractions) {
             *number = sigma * centre(fraction - 0.5);
@@ -67,13 +67,13 @@ impl Tolerance {
         self.each_source().count()
     }
 
-    /// The sources, contributor by contributor.
+    /// All sources, contributor by contributor.
     pub(super) fn each_source(&self) -> impl Iterator<Item = &Source> {
         self.scatter.iter().flat_map(|c| &c.sources)
     }
 
-    /// The sources, each with the number of its random stream and its place in that stream. A wheel of an axle has a
-    /// stream of its own: contributors of the other wheel do not change its numbers.
+    /// Sources, each with its random stream and its index in the stream. Each wheel of an axle has its own stream, so
+    /// contributors of the other wheel do not change its numbers.
     fn streams(&self) -> impl Iterator<Item = (&Source, Option<Side>, usize)> {
         let mut counts = [0; 3];
         self.each_source().map(move |source| {
@@ -83,15 +83,15 @@ impl Tolerance {
         })
     }
 
-    /// The numbers of a build, source by source.
+    /// Random numbers of a build, source by source.
     pub fn draw(&self, build: u64, into: &mut [f64]) {
         for (number, (source, side, k)) in into.iter_mut().zip(self.streams()) {
             *number = source.law.quantile(self.fraction(build, side, k));
         }
     }
 
-    /// The numbers of the builds from one on, up to a block: `[source][build]`. The same as those of [`Tolerance::draw`];
-    /// 0 for builds beyond the `count`-th.
+    /// Random numbers of builds from number `first` on, for a block, `[source][build]`. They equal those of
+    /// [`Tolerance::draw`]. 0 for builds beyond the `count`-th.
     pub(super) fn draw_block(&self, first: u64, count: usize, into: &mut [f64]) {
         let rows = into.chunks_exact_mut(BLOCK);
         for (row, (source, side, k)) in rows.zip(self.streams()) {
@@ -104,7 +104,7 @@ impl Tolerance {
         }
     }
 
-    /// The middle of one of 2^53 intervals, so that neither end is met.
+    /// Middle of one of 2^53 intervals, so that the fraction is never 0 or 1.
     #[inline]
     fn fraction(&self, build: u64, side: Option<Side>, source: usize) -> f64 {
         let wheel = side.map_or(build, |side| 2 * build + side as u64);
@@ -112,7 +112,7 @@ impl Tolerance {
     }
 }
 
-/// The standard normal quantile of a fraction in (0, 1), to about 1e-15 relative (M. J. Wichura, Algorithm AS 241: The
+/// Standard normal quantile of a fraction in (0, 1), accurate to about 1e-15 relative (M. J. Wichura, Algorithm AS 241: The
 /// percentage points of the normal distribution, Applied Statistics 37, 1988, routine PPND16).
 pub fn normal_quantile(fraction: f64) -> f64 {
     let q = fraction - 0.5;
@@ -128,7 +128,7 @@ pub fn normal_quantile(fraction: f64) -> f64 {
     value.copysign(q)
 }
 
-/// Half the width of the part of the fractions that has an approximation without a logarithm.
+/// Half the width of the central region, whose approximation needs no logarithm.
 const HALF_CENTRE: f64 = 0.425;
 
 #[inline]
@@ -136,7 +136,7 @@ fn centre(q: f64) -> f64 {
     q * ratio(0.180625 - q * q, &CENTRE)
 }
 
-/// A quotient of two polynomials, lowest power first.
+/// Quotient of two polynomials, with coefficients from the lowest power on.
 #[inline]
 fn ratio(x: f64, [above, below]: &[[f64; 8]; 2]) -> f64 {
     let horner = |c: &[f64; 8]| c.iter().rev().fold(0.0, |sum, c| sum * x + c);
@@ -216,7 +216,7 @@ const TAIL: [[f64; 8]; 2] = [
 mod tests {
     use super::*;
 
-    /// The integral of the normal density between two quantiles is the difference of their fractions.
+    /// The integral of the normal density between two quantiles equals the difference of their fractions.
     #[test]
     fn quantiles_are_those_of_the_normal_law() {
         let density = |x: f64| (-0.5 * x * x).exp() / (2.0 * std::f64::consts::PI).sqrt();
@@ -230,7 +230,7 @@ mod tests {
             let inner: f64 = (0..n)
                 .map(|i| {
                     let x = a + h * f64::from(i);
-                    // Gauss and Legendre's rule of three points.
+                    // Gauss-Legendre rule with three points.
                     let node = 0.5 * (0.6_f64).sqrt() * h;
                     let middle = x + 0.5 * h;
                     h * (8.0 * density(middle)

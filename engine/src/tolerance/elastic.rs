@@ -1,13 +1,14 @@
-//! Builds of a wheel with elastic parts: parts are assembled without load, and rates scatter beside them.
+//! Builds of a wheel with elastic parts: parts are assembled without load, and rates scatter in addition.
 //!
-//! The parts of a build go together as those of the rigid mechanism, in the position where elastic parts are relaxed. The
-//! built design is the design of an elastic wheel, whose equilibria are read. With p the built design and k the rates,
+//! The parts of a build are assembled like those of the rigid mechanism, in the position where elastic parts carry no force.
+//! The built design is the design of an elastic wheel, whose equilibria are evaluated. With p the built design and k the
+//! rates,
 //!
 //! ```text
 //! dy/dx = (dy/dp) (dp/dx) + (dy/dk) (dk/dx)
 //! ```
 //!
-//! dy/dp and dy/dk come from one tape for each station. Second derivatives are not formed.
+//! dy/dp and dy/dk come from one tape for each station. Second derivatives are not computed.
 
 use super::axle_expansion::{Moves, moves_of_wheel};
 use super::wheel_assembler::WheelAssembler;
@@ -21,7 +22,7 @@ use crate::number::{Tape, Vector3};
 use crate::study::{Band, ComplianceStudy, Rate, Source, Study, TargetKind, Tolerance, WheelStudy};
 use crate::threads::Interrupt;
 
-/// The rates that scatter, each with the wheel of its part, in the order of their sources.
+/// Scattering rates, each with the wheel of its part, in the order of their sources.
 pub(super) fn rates(tolerance: &Tolerance) -> impl Iterator<Item = (AxleParameter, &Rate)> {
     tolerance.each_source().filter_map(|source| {
         let rate = source.rate.as_ref()?;
@@ -30,13 +31,14 @@ pub(super) fn rates(tolerance: &Tolerance) -> impl Iterator<Item = (AxleParamete
     })
 }
 
-/// Appends the rates of a build, from the numbers drawn for it.
+/// Appends the rates of a build, from its random numbers.
 pub(super) fn append_rates(tolerance: &Tolerance, draws: &[f64], into: &mut Vec<f64>) {
     let sources = tolerance.each_source().zip(draws);
     into.extend(sources.filter_map(|(source, z)| Some(source.rate.as_ref()?.scattered(*z)[0])));
 }
 
-/// Prepares the tolerances of a study with elastic parts: characteristics over the motion, figures in the design position.
+/// Prepares the tolerances of a study with elastic parts: characteristics over the motion, test figures in the design
+/// position.
 pub(super) fn problem<'a>(
     study: &'a Study,
     own: &WheelStudy,
@@ -120,7 +122,7 @@ pub(super) fn problem<'a>(
     })
 }
 
-/// Derivatives of every value by each source (`[cell][source]`); NaN without a value.
+/// Derivatives of every value by each source, `[cell][source]`. NaN if there is no value.
 pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f64>, SetUpError> {
     let wheel_assembler = &problem.wheel_assemblers[0];
     let assembler = &wheel_assembler.assembler;
@@ -146,7 +148,7 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
         let wanted: Vec<KcValue> = numbers.iter().map(|k| problem.elastic[*k]).collect();
         let travel = stations.values()[stations.value_of(station)];
         let rack = stations.racks[stations.rack_of(station)] * suspension.frame.sign(Axis::Y);
-        // A station without equilibrium has no derivatives.
+        // A station without an equilibrium has no derivatives.
         let _: Result<(), _> = run.gradients(
             [travel, rack],
             &wanted,
@@ -166,8 +168,8 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
     Ok(gradient)
 }
 
-/// Writes the derivatives of a value by each source. `by` has its derivatives by the coordinates of all points, wheel after
-/// wheel, then by the rates that scatter. `moves` gives the rates at which a source moves the points of each wheel.
+/// Writes the derivatives of a value by each source. `by` holds its derivatives by the coordinates of all points, wheel
+/// after wheel, then by the scattering rates. `moves` gives the rates at which a source moves the points of each wheel.
 pub(super) fn write_slopes<'m>(
     sources: &[&Source],
     moves: impl Fn(usize) -> &'m [Moves],

@@ -1,13 +1,13 @@
-//! The first-order answer of an axle with elastic parts.
+//! First-order result for an axle with elastic parts.
 //!
-//! The parts of a wheel move the built design of that wheel alone. Rates scatter beside them: those of each wheel by
-//! themselves, those of shared parts once. With p the built designs and k the rates,
+//! The parts of a wheel move only the built design of that wheel. Rates scatter in addition: those of the two wheels
+//! independently, those of shared parts once. With p the built designs and k the rates,
 //!
 //! ```text
 //! dy/dx = (dy/dp_left) (dp_left/dx) + (dy/dp_right) (dp_right/dx) + (dy/dk) (dk/dx)
 //! ```
 //!
-//! The derivatives of a station's values come from one tape. Second derivatives are not formed.
+//! The derivatives of a station's values come from one tape. Second derivatives are not computed.
 
 use super::Problem;
 use super::axle_expansion::moves;
@@ -20,7 +20,7 @@ use crate::model::{Axis, PointId, Side};
 use crate::number::Tape;
 use crate::study::{AxleComplianceStudy, Source};
 
-/// Derivatives of every value by each source (`[cell][source]`); NaN without a value.
+/// Derivatives of every value by each source, `[cell][source]`. NaN if there is no value.
 pub(super) fn gradients(
     problem: &Problem,
     stations: &AxleStations<'_>,
@@ -50,7 +50,7 @@ pub(super) fn gradients(
         let numbers = stations.quantities_at(station);
         let reads = numbers.iter().map(|k| stations.quantities[*k].into());
         let reads: Vec<AxleRead> = reads.collect();
-        // A station without equilibrium has no derivatives.
+        // A station without an equilibrium has no derivatives.
         let _: Result<(), _> =
             equilibria.gradients(at, &reads, &parameters, &mut tape, &mut |number, _, by| {
                 let cell = problem.cell(numbers[number], station);

@@ -1,9 +1,9 @@
-//! The first- and second-order answer, exact.
+//! First- and second-order results, exact.
 //!
-//! The adjoint of the built design ([`crate::assembly::built_curves`]) gives g, for values and gains alike. Power
-//! series give H. Along d_j + d_k a built design, its poses and the readings are series in one number. Their second
-//! coefficient is (H_jj + 2 H_jk + H_kk)/2. Quantities made of velocities (gains, roll centres, anti-features, swing
-//! arms, motion ratios) have no second-order part here: their series would have to be in travel as well.
+//! The adjoint of the built design ([`crate::assembly::built_curves`]) gives g, for values and gains alike. Power series
+//! give H. Along d_j + d_k a built design, its poses and the readings are series in one number. Their second coefficient is
+//! (H_jj + 2 H_jk + H_kk)/2. Quantities that contain velocities (gains, roll centres, anti-features, swing arms, motion
+//! ratios) have no second-order result here, because they would also need series in travel.
 
 use super::{Problem, Spread, axle_expansion, axle_second, elastic, elastic_axle};
 use crate::assembly::{BuildParameter, Rest, SetUpError, built_curves};
@@ -19,33 +19,33 @@ use crate::study::{Outputs, Source, WheelStudy};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 
-/// The linear answer holds where its second-order term is below this part of its variance.
+/// Share of the variance below which the second-order term must be for the linear result to be valid.
 pub const HOLDS: f64 = 0.02;
 
-/// The most sources whose products are looked at.
+/// Largest number of sources for which products are computed.
 const MOST_SOURCES: usize = 120;
 
-/// Mean and variance by the derivatives at the nominal design.
+/// Mean and variance from the derivatives at the nominal design.
 #[derive(Clone, Debug)]
 pub struct Expansion {
-    /// `[cell][source]`: g.
+    /// Derivatives g, `[cell][source]`.
     pub gradient: Vec<f64>,
-    /// By cell: the first-order variance.
+    /// First-order variance, by cell.
     pub variance: Vec<f64>,
-    /// By cell: mean by first order, less the nominal value. Laws that are not centred on 0 cause it.
+    /// First-order mean minus the nominal value, by cell. It comes from distributions that are not centred on 0.
     pub shift: Vec<f64>,
-    /// Second-order terms of the mean and of the variance, by cell. NaN where unknown.
+    /// Second-order terms of the mean and of the variance, by cell. NaN if unknown.
     pub second: Vec<[f64; 2]>,
     sources: usize,
 }
 
 impl Expansion {
-    /// Expands every value of a study about the nominal design. Errors if that cannot be built or aligned.
+    /// Expands every value of a study about the nominal design. An error says why that design cannot be built or aligned.
     pub fn of(problem: &Problem) -> Result<Self, SetUpError> {
         let sources: Vec<_> = problem.tolerance.each_source().collect();
         let (count, cells) = (sources.len(), problem.cells());
         let (gradient, second) = match problem.request.axle() {
-            // The second derivatives of equilibria are not formed.
+            // Second derivatives of equilibria are not computed.
             None if !problem.elastic.is_empty() => {
                 let gradient = elastic::gradients(problem, &sources)?;
                 (gradient, vec![[f64::NAN; 2]; cells])
@@ -86,19 +86,19 @@ impl Expansion {
         &self.gradient[cell * self.sources..(cell + 1) * self.sources]
     }
 
-    /// The second-order term as a part of the first-order variance; NaN where it is not known.
+    /// Second-order term as a share of the first-order variance. NaN if it is not known.
     pub fn bend(&self, cell: usize) -> f64 {
         let [mean, variance] = self.second[cell];
         (mean * mean).max(variance) / self.variance[cell]
     }
 
-    /// Returns true if the linear answer holds; `None` if that is unknown.
+    /// Returns true if the linear result is valid. `None` if that is unknown.
     pub fn holds(&self, cell: usize) -> Option<bool> {
         let bend = self.bend(cell);
         (!bend.is_nan()).then_some(bend < HOLDS)
     }
 
-    /// The part of the builds' variance that first order does not explain.
+    /// Part of the builds' variance that first order does not explain.
     pub fn remainder(&self, cell: usize, spread: &Spread) -> Remainder {
         let variance = spread.sigma * spread.sigma;
         let explained = self.variance[cell] / variance;
@@ -109,7 +109,7 @@ impl Expansion {
         }
     }
 
-    /// The first-order variance a contributor is responsible for, by its number among those of the study.
+    /// First-order variance from a contributor, given by its index in the study.
     pub fn part(&self, problem: &Problem, cell: usize, contributor: usize) -> f64 {
         let mut gradient = self.gradient(cell).iter();
         let mut part = 0.0;
@@ -124,20 +124,20 @@ impl Expansion {
     }
 }
 
-/// The part of the variance of builds that the first-order parts of the contributors leave: curvature, interaction and
+/// Part of the variance of builds that remains after the first-order parts of the contributors: curvature, interaction and
 /// sampling error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Remainder {
-    /// The remainder over the builds' variance: with the parts of the contributors it adds up to 1.
+    /// Remainder divided by the builds' variance. With the parts of the contributors it adds up to 1.
     pub part: f64,
     /// Standard error.
     pub error: f64,
-    /// The same part by second order; NaN if that is not known.
+    /// The same share by second order. NaN if it is not known.
     pub second: f64,
 }
 
-/// Derivatives of every value by each source (`[cell][source]`), and second-order terms of its mean and variance
-/// (`[cell]`), for one wheel.
+/// Derivatives of every value by each source, `[cell][source]`, and second-order terms of its mean and variance, `[cell]`,
+/// for one wheel.
 fn of_wheel(
     problem: &Problem,
     sources: &[&Source],
@@ -167,14 +167,14 @@ fn of_wheel(
     Ok((gradient, second(problem, &built)))
 }
 
-/// The plan of everything that is looked at, where it is looked at.
+/// Plan of all quantities at all stations.
 fn plan(problem: &Problem) -> Plan {
     let mut own = WheelStudy::of(problem.wheel_assemblers[0].assembler.suspension().clone());
     own.outputs = Outputs::of(problem.characteristics().collect());
     let mut plan = Plan::of(&own);
     plan.rack_moves = problem.study.motion().rack_moves;
     plan.station_order = StationOrder::through(problem.stations().values());
-    // The stations have the rack in the kernel's axes.
+    // The racks of the stations are in the kernel's axes.
     plan.racks = problem
         .stations()
         .racks
@@ -184,7 +184,7 @@ fn plan(problem: &Problem) -> Plan {
     plan
 }
 
-/// Second-order terms of the mean and of the variance of one wheel, by cell.
+/// Second-order terms of the mean and of the variance for one wheel, by cell.
 fn second(problem: &Problem, built: &crate::assembly::Built) -> Vec<[f64; 2]> {
     let mechanism = &problem.wheel_assemblers[0].assembler.suspension().mechanism;
     let readable: Vec<bool> = problem
@@ -201,8 +201,8 @@ fn second(problem: &Problem, built: &crate::assembly::Built) -> Vec<[f64; 2]> {
     combined(problem, &readable, second_derivatives)
 }
 
-/// Second-order terms of the mean and variance of each cell. They come from the second derivatives of all cells along
-/// sums of sources, each in its standard deviation. NaN for cells that are not `readable`.
+/// Second-order terms of the mean and variance of each cell. They come from the second derivatives of all cells along sums
+/// of sources, each scaled by its standard deviation. NaN for cells that are not `readable`.
 pub(super) fn combined(
     problem: &Problem,
     readable: &[bool],
@@ -220,7 +220,7 @@ pub(super) fn combined(
     let pairs: Vec<(usize, usize)> = (0..count)
         .flat_map(|j| (j..count).map(move |k| (j, k)))
         .collect();
-    // y'' along d_j + d_k.
+    // Second derivatives y'' along d_j + d_k.
     let second_derivatives: Vec<Vec<f64>> = pairs
         .par_iter()
         .map(|(j, k)| match j == k {
@@ -250,16 +250,16 @@ pub(super) fn combined(
     second
 }
 
-/// The poses of the nominal design, each with the factors of its Jacobian.
+/// Poses of the nominal design, each with the factors of its Jacobian.
 struct Poses<'p> {
     readable: &'p [bool],
     slots: Slots,
     constants: Constants,
-    /// The pose of each station, if it has one.
+    /// Pose of each station, if it has one.
     poses: Vec<Option<SolvedStation>>,
 }
 
-/// A pose, where it is, and the factors of its Jacobian.
+/// A pose, its motion point, and the factors of its Jacobian.
 type SolvedStation = (crate::mechanism::Pose<f64>, MotionPoint<f64>, Lu6<f64>);
 
 impl<'p> Poses<'p> {
@@ -299,7 +299,8 @@ impl<'p> Poses<'p> {
         })
     }
 
-    /// By cell, the second derivative along the sum of some sources' directions, each in its standard deviation.
+    /// Second derivative along the sum of some sources' directions, each scaled by its standard deviation. One entry for
+    /// each cell.
     fn second_derivatives(
         &self,
         problem: &Problem,

@@ -3,24 +3,24 @@
 /// Number of bins.
 pub const BINS: usize = 32;
 
-/// Numbers of builds in bins of equal width, from the least to the greatest value.
+/// Numbers of builds in bins of equal width, from the smallest to the largest value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Histogram {
-    /// The least and the greatest value.
+    /// Smallest and largest value.
     pub range: [f64; 2],
     /// Number of builds in each bin.
     pub counts: [u32; BINS],
 }
 
 impl Histogram {
-    /// The histogram of rising values, each with the number of builds that have it; `None` without values.
+    /// Makes the histogram of values in rising order, each with its number of builds. `None` without values.
     pub(super) fn of(values: impl DoubleEndedIterator<Item = (f64, u64)> + Clone) -> Option<Self> {
         let least = values.clone().next()?.0;
         let greatest = values.clone().next_back()?.0;
         let width = (greatest - least) / BINS as f64;
         let mut counts = [0; BINS];
         for (value, count) in values {
-            // All values are in the first bin if they are equal: the quotient is no number.
+            // If all values are equal, the quotient is NaN, and all are in the first bin.
             let bin = ((value - least) / width) as usize;
             counts[bin.min(BINS - 1)] += u32::try_from(count).unwrap_or(u32::MAX);
         }
@@ -41,7 +41,7 @@ mod tests {
 
     #[test]
     fn every_value_is_in_its_bin() {
-        // The middles of the bins of 0 to 32, and both ends.
+        // The middles of the bins from 0 to 32, and both ends.
         let mut values: Vec<f64> = (0..BINS).map(|bin| bin as f64 + 0.5).collect();
         values.insert(0, 0.0);
         values.push(BINS as f64);

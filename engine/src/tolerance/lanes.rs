@@ -1,16 +1,16 @@
-//! Builds in SIMD lanes: from their numbers to their built designs.
+//! Builds in SIMD lanes: from random numbers to built designs.
 
 use super::wheel_assembler::WheelAssembler;
 use crate::evaluate::{BLOCK, scatter};
 use crate::number::{SimdReal, SimdTask, Vector3, Width};
 use crate::study::Tolerance;
 
-/// Puts together as many builds at a time as the processor has lanes.
+/// Assembles as many builds at a time as the processor has lanes.
 pub(super) struct LaneBuilder<'a> {
     tolerance: &'a Tolerance,
     wheel_assembler: &'a WheelAssembler,
     width: Width,
-    /// The built designs of the block, a build's points after another's.
+    /// Built designs of the block, one build's points after another's.
     pub(super) designs: Vec<Vector3<f64>>,
     /// True for each accepted build; the others are assembled one by one.
     pub(super) accepted: [bool; BLOCK],
@@ -32,7 +32,7 @@ impl<'a> LaneBuilder<'a> {
         }
     }
 
-    /// Assembles the first `count` builds of those that have been drawn, `[source][build]`.
+    /// Assembles the first `count` builds from their random numbers, `[source][build]`.
     pub(super) fn assemble(&mut self, draws: &[f64], count: usize) {
         self.width.run(Assembling {
             builder: self,

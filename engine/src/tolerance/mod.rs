@@ -1,7 +1,7 @@
-//! The effect of manufacturing scatter on curves and figures.
+//! Effect of manufacturing scatter on curves and test figures.
 //!
-//! Parts scatter by independent numbers z with mean m and variance s^2 ([`crate::study::Source`]). Whatever is read off a
-//! build is, about the drawing,
+//! Parts scatter by independent numbers z with mean m and variance s^2 ([`crate::study::Source`]). Every value y of a build
+//! is, about the nominal design,
 //!
 //! ```text
 //! y = y0 + g.z + z.H z/2 + ...
@@ -10,9 +10,9 @@
 //! sigma^2 grows by tr((H S)^2)/2      of normal z; a uniform z_k adds H_kk^2 s_k^4 (1.8 - 3)/4
 //! ```
 //!
-//! g and H are exact ([`crate::assembly`]), for one wheel and for an axle: no difference quotients. In addition, a
-//! Monte Carlo analysis assembles builds and solves them over the motion. The linear answer holds if the mean shift
-//! squared and the growth of the variance are below 2 % of sigma^2.
+//! g and H are exact ([`crate::assembly`]), for one wheel and for an axle, without difference quotients. In addition, a
+//! Monte Carlo analysis assembles builds and solves them over the motion. The linear result is valid if the square of the
+//! mean shift and the growth of the variance are below 2 % of sigma^2.
 
 mod axle_expansion;
 mod axle_second;
@@ -49,33 +49,33 @@ use std::borrow::Cow;
 use std::sync::atomic::AtomicBool;
 use wheel_assembler::WheelAssembler;
 
-/// The percentiles that are reported.
+/// Percentiles in the results.
 pub const PERCENTILES: [f64; 7] = [0.5, 1.0, 5.0, 50.0, 95.0, 99.0, 99.5];
 
-/// A study's tolerances, made ready: of one wheel, or of both of an axle.
+/// Tolerances of a study, prepared for one wheel or for both wheels of an axle.
 pub struct Problem<'a> {
     /// The study.
     pub study: &'a Study,
     /// Tolerances.
     pub tolerance: &'a Tolerance,
-    /// Quantities and stations: those of the study's outputs and motion, the design position, then those of bands. Of an
-    /// axle each wheel has hardpoints of its own.
+    /// Quantities and stations: those of the study's outputs and motion, the design position, then those of bands. For an
+    /// axle, each wheel has its own hardpoints.
     request: Request<'static>,
-    /// By band: the output and the station of each value, and its limits.
+    /// Output and station of each value of a band, and the limits of the band. One entry for each band.
     bands: Vec<Banded>,
-    /// The assembler of each wheel: left, then right.
+    /// Assemblers of the wheels: left, then right.
     wheel_assemblers: Vec<WheelAssembler>,
-    /// Values of a wheel with elastic parts, in the order of the outputs; empty for rigid ones.
+    /// Values of a wheel with elastic parts, in the order of the outputs. Empty for rigid wheels.
     elastic: Vec<KcValue>,
-    /// Ends a Monte Carlo early.
+    /// Flag that stops a Monte Carlo analysis.
     interrupt: Interrupt<'a>,
 }
 
-/// The values of a band: output and station of each, and their limits.
+/// Values of a band as [output, station], and the limits of the band.
 type Banded = (Vec<[usize; 2]>, [f64; 2]);
 
 impl<'a> Problem<'a> {
-    /// The same, whose builds end early when a flag is raised: within a block, which is then left out.
+    /// Returns the problem with a flag that stops the builds. The block during which it is raised is left out.
     pub fn interruptible(self, flag: &'a AtomicBool) -> Self {
         Problem {
             interrupt: Interrupt(Some(flag)),
@@ -83,7 +83,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Prepares the tolerances of a study. Errors if its own design cannot be solved or not be aligned.
+    /// Prepares the tolerances of a study. An error says why its own design cannot be solved or aligned.
     pub fn of(study: &'a Study, tolerance: &'a Tolerance) -> Result<Self, SetUpError> {
         match &study.vehicle {
             Vehicle::Wheel(own) => Problem::of_wheel(study, own, tolerance),
@@ -183,7 +183,7 @@ impl<'a> Problem<'a> {
                 }
             }
             let placements = match &band.site {
-                // Figures of tests are of the design position.
+                // Test figures apply to the design position.
                 None if band.of.is_figure() => at_design.clone(),
                 None => of_motion.clone(),
                 Some(site) => {
@@ -230,12 +230,12 @@ impl<'a> Problem<'a> {
         self.request.columns()
     }
 
-    /// Stations at which they are read: those of the motion, the design position, those of bands.
+    /// Stations of the values: those of the motion, the design position, those of bands.
     pub fn stations(&self) -> &Stations {
         self.request.stations()
     }
 
-    /// The characteristics of a study of one wheel, in the order of [`Problem::outputs`]; none for an axle.
+    /// Characteristics of a study of one wheel, in the order of [`Problem::outputs`]. None for an axle.
     fn characteristics(&self) -> impl Iterator<Item = Characteristic> {
         self.request.of_wheel().iter().filter_map(|q| match q {
             Quantity::Characteristic(c) => Some(*c),
@@ -248,19 +248,19 @@ impl<'a> Problem<'a> {
         self.outputs().len() * self.stations().count()
     }
 
-    /// The value's number of an output at a station.
+    /// Index of the value of an output at a station.
     pub fn cell(&self, output: usize, station: usize) -> usize {
         output * self.stations().count() + station
     }
 
-    /// For each band, the numbers ([`Problem::cell`]) of the values that are to keep to it.
+    /// For each band, the indices ([`Problem::cell`]) of the values that must keep it.
     pub fn cells_of_bands(&self) -> impl Iterator<Item = Vec<usize>> + '_ {
         let cell = |[output, station]: &[usize; 2]| self.cell(*output, *station);
         let bands = self.bands.iter();
         bands.map(move |(places, _)| places.iter().map(cell).collect())
     }
 
-    /// The position of every station of an axle; empty for a study of one wheel.
+    /// Placements of all stations of an axle. Empty for a study of one wheel.
     pub fn placements(&self) -> &[Placement] {
         self.request.axle().map_or(&[], |axle| &axle.placements)
     }

@@ -1,4 +1,4 @@
-//! Builds by the thousand.
+//! Monte Carlo analysis: results of many builds.
 
 use super::builds::{Builder, Outcome};
 use super::histogram::Histogram;
@@ -13,25 +13,25 @@ use crate::sweep::in_order;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-/// Sums that are formed side by side.
+/// Number of sums that are computed in parallel.
 const SIDE_BY_SIDE: usize = 8;
 
-/// The result of many builds.
+/// Results of many builds.
 #[derive(Clone, Debug)]
 pub struct MonteCarlo {
     /// Number of builds.
     pub builds: u64,
-    /// The spread of each cell.
+    /// Spread of each cell.
     pub spreads: Vec<Spread>,
-    /// Builds that cannot be assembled, by word.
+    /// Builds that cannot be assembled, by a word for the reason.
     pub rejects: BTreeMap<&'static str, Rejected>,
-    /// Assembled builds that have no pose somewhere in the motion.
+    /// Number of assembled builds without a pose at some station.
     pub incomplete: u64,
-    /// Number of the first of these.
+    /// Number of the first of these builds.
     pub first_incomplete: Option<u64>,
-    /// Builds that keep to every band.
+    /// Number of builds that keep every band.
     pub in_all_bands: u64,
-    /// Builds that keep to each band.
+    /// Number of builds that keep each band.
     pub in_bands: Vec<u64>,
 }
 
@@ -42,28 +42,29 @@ pub struct Rejected {
     pub builds: u64,
     /// Number of the first of these builds.
     pub first: u64,
-    /// For an axle: the wheel of the first that cannot be assembled.
+    /// For an axle: the wheel of the first of these builds that cannot be assembled.
     pub side: Option<Side>,
-    /// The reason why the first cannot be assembled.
+    /// Reason why the first of these builds cannot be assembled.
     pub why: AssemblyError,
 }
 
-/// Scatter of a value over builds. In radians and length units.
+/// Scatter of a value over builds, in radians and length units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// Builds that have the value.
+    /// Number of builds that have the value.
     pub count: u64,
     /// Mean.
     pub mean: f64,
     /// Standard deviation.
     pub sigma: f64,
-    /// Standard error of the standard deviation: by the fourth moment.
+    /// Standard error of the standard deviation, from the fourth moment.
     pub sigma_error: f64,
-    /// The least and the greatest value.
+    /// Smallest and largest value.
     pub range: [f64; 2],
-    /// See [`PERCENTILES`].
+    /// Percentiles at [`PERCENTILES`].
     pub percentiles: [f64; PERCENTILES.len()],
-    /// Histogram of the first 4,096 builds, and those of their block; of all if there are no more. `None` without values.
+    /// Histogram of all builds up to 4,096. With more builds, it covers the first 4,096 and the rest of their block. `None`
+    /// without values.
     pub histogram: Option<Histogram>,
 }
 
@@ -73,15 +74,15 @@ impl MonteCarlo {
         self.rejects.values().map(|rejected| rejected.builds).sum()
     }
 
-    /// The share of builds that keep every band. Those that cannot be assembled do not.
+    /// Share of builds that keep every band. Builds that cannot be assembled do not count as keeping them.
     pub fn yield_of_all(&self) -> f64 {
         self.in_all_bands as f64 / self.builds as f64
     }
 }
 
-/// Sums of a block, about the nominal values.
+/// Sums over a block, of deviations from the nominal values.
 struct Sums {
-    /// By cell: count, powers one to four.
+    /// Count and sums of the first to fourth powers, by cell.
     powers: Vec<[f64; 5]>,
     ranges: Vec<[f64; 2]>,
     sifted: Sifted,
@@ -90,7 +91,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// Sums over the builds of one block; powers are of the deviations from the values as `drawn`.
+    /// Sums over the builds of one block. Powers are those of the deviations from `drawn`.
     fn of(problem: &Problem, drawn: &[f64], block: &Block, order: &Order) -> Self {
         let bands = &problem.bands;
         let mut sums = Sums {
@@ -114,7 +115,7 @@ impl Sums {
                 }
             }
         }
-        // Without bands every build that goes together is as wanted.
+        // Without bands, every build that can be assembled counts as good.
         let mut in_all = match bands.is_empty() {
             true => has_values,
             false => [true; BLOCK],
@@ -124,7 +125,7 @@ impl Sums {
             for [output, station] in cells {
                 let values = block.across(*output, *station).flatten();
                 for (is_in, value) in in_band.iter_mut().zip(values) {
-                    // A value that is not there is not in its band.
+                    // A missing value is not in its band.
                     *is_in &= value >= low && value <= high;
                 }
             }
@@ -142,15 +143,15 @@ fn count(flags: &[bool]) -> u64 {
     flags.iter().map(|is| u64::from(*is)).sum()
 }
 
-/// Count and powers one to four of the distances of values from a number, and the range of the values.
+/// Count of values, sums of the first to fourth powers of their distances from a number, and their range.
 fn powers<'v>(pieces: impl Iterator<Item = &'v [f64]>, about: f64) -> ([f64; 5], [f64; 2]) {
-    // Several sums at a time, which are added in the end: their order is that of the builds' numbers.
+    // Several sums at a time, which are added at the end. Their order is that of the builds' numbers.
     let mut sums = [[0.0; SIDE_BY_SIDE]; 5];
     let mut range = [f64::INFINITY, f64::NEG_INFINITY];
     for values in pieces {
         for values in values.chunks(SIDE_BY_SIDE) {
             for (k, value) in values.iter().enumerate() {
-                // Neither comparison holds of NaN.
+                // Both comparisons are false for NaN.
                 range[0] = if *value < range[0] { *value } else { range[0] };
                 range[1] = if *value > range[1] { *value } else { range[1] };
                 let is = f64::from(u8::from(!value.is_nan()));
@@ -167,8 +168,8 @@ fn powers<'v>(pieces: impl Iterator<Item = &'v [f64]>, about: f64) -> ([f64; 5],
     (sums.map(|side_by_side| side_by_side.iter().sum()), range)
 }
 
-/// Draws, assembles and solves the builds of a problem on the threads of the current rayon pool. `drawn` are the
-/// nominal values. `note` gets the number of finished builds, and may end the work there.
+/// Draws, assembles and solves the builds of a problem on the threads of the current rayon pool. `drawn` are the nominal
+/// values. `note` gets the number of finished builds, and may stop the work.
 pub fn monte_carlo(
     problem: &Problem,
     drawn: &[f64],
@@ -177,7 +178,7 @@ pub fn monte_carlo(
     monte_carlo_in(Some(Width::widest()), problem, drawn, note)
 }
 
-/// As [`monte_carlo`], in lanes of this width, or build by build without one.
+/// The same as [`monte_carlo`], in lanes of this width, or build by build without lanes.
 pub fn monte_carlo_in(
     width: Option<Width>,
     problem: &Problem,
@@ -188,7 +189,7 @@ pub fn monte_carlo_in(
     let cells = problem.cells();
     let (order, mut gathered) = Order::of(cells);
     let blocks = tolerance.builds.div_ceil(BLOCK as u64);
-    // One worker is made here, so that a design that cannot be solved is known.
+    // One worker is made here, so that a design that cannot be solved gives an error.
     Builder::new(problem, width)?;
     let worker = || Builder::new(problem, width).ok();
     let work = |worker: &mut Option<Builder>, block: u64| {
@@ -244,7 +245,7 @@ pub fn monte_carlo_in(
             ControlFlow::Break(()) => Err(()),
         }
     });
-    // Ended early, it is of the builds that were taken.
+    // After an early stop the result covers the finished builds.
     let (Ok(()) | Err(())) = taken;
     for (cell, (powers, range)) in powers.into_iter().zip(ranges).enumerate() {
         let [mean, sigma, sigma_error] = moments(powers);
@@ -261,7 +262,8 @@ pub fn monte_carlo_in(
     Ok(total)
 }
 
-/// Mean, standard deviation and its standard error from sums of powers: var(s) = (m4 - m2^2)/(4 n m2).
+/// Mean, standard deviation, and standard error of the standard deviation from sums of powers: var(s) = (m4 - m2^2)/(4 n
+/// m2).
 pub(super) fn moments([n, s1, s2, s3, s4]: [f64; 5]) -> [f64; 3] {
     if n == 0.0 {
         return [f64::NAN; 3];

@@ -1,39 +1,40 @@
-//! Percentiles: of n values the smallest that so many percent of them do not exceed, exactly, in bounded memory.
+//! Exact percentiles in bounded memory. The p-percentile of n values is the smallest value that p percent of them do not
+//! exceed.
 //!
-//! For every value a few *windows* are kept, within which percentiles can still lie; outside them values are only
-//! counted. Whenever the number of builds has doubled, to n, windows narrow: the p-quantile of however many more builds
-//! lies between those order statistics of the n that are
+//! For every value the code keeps a few *windows*, in which percentiles can still lie. Outside of them it only counts
+//! values. Whenever the number of builds has doubled, to n, the windows become narrower. The p-quantile of any larger number
+//! of builds lies between those order statistics of the n values that are
 //!
 //! ```text
 //! n p +- (7 sqrt(n p (1 - p)) + 24)
 //! ```
 //!
-//! (of a binomial number less than one in 10^10 is farther from its mean). What is kept grows as the root of n; equal values
-//! are kept as one. If a percentile
-//! came to lie outside all the same it would be known to, and have no value. Which windows a thread happens to use
-//! changes nothing: results have the same bytes for any number of threads.
+//! (fewer than one in 10^10 binomial numbers are farther from their mean). The number of stored values grows as the square
+//! root of n. Equal values are stored once. If a percentile lies outside the windows after all, this is detected, and it has
+//! no value. The windows that a thread happens to use do not change the results: they have the same bytes for any number of
+//! threads.
 
 use super::PERCENTILES;
 use super::histogram::Histogram;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Builds at which windows narrow for the first time.
+/// Number of builds at which windows become narrower for the first time.
 const FIRST: u64 = 4096;
-/// Fewer values than these are kept even if they are equal.
+/// Number of values below which equal values are not merged.
 const FEW: usize = 4096;
-/// The most windows of a value.
+/// Largest number of windows of a value.
 const MOST: usize = PERCENTILES.len();
-/// A window of nothing.
+/// An empty window.
 const NONE: [f64; 2] = [f64::INFINITY; 2];
 
-/// The windows of every value, by cell, each from its least to its greatest value, by rising values.
+/// Windows of every cell, each as [smallest, largest] value, in rising order.
 type Windows = Vec<[[f64; 2]; MOST]>;
 
-/// The contribution of some builds.
+/// Contribution of some builds.
 pub(super) struct Sifted {
     windows: Arc<Windows>,
-    /// `[cell]`: number of values below the first window, between the first and the second, and so on.
+    /// Number of values below the first window, between the first and the second, and so on, by cell.
     between: Vec<[u32; MOST + 1]>,
     /// Values within windows, cell after cell.
     kept: Vec<f64>,
@@ -41,33 +42,33 @@ pub(super) struct Sifted {
     ends: Vec<usize>,
 }
 
-/// The order of all values.
+/// Order of all values.
 pub(super) struct Order {
-    /// The current windows, for builds that are still to be sifted.
+    /// Present windows, for the builds that follow.
     windows: Mutex<Arc<Windows>>,
 }
 
-/// The contributions of all builds so far.
+/// Contributions of all builds so far.
 pub(super) struct Gathered {
     windows: Arc<Windows>,
     cells: Vec<Cell>,
     narrows_at: u64,
-    /// Histograms of the builds before windows narrow; empty until then.
+    /// Histograms of the builds before windows become narrower. Empty until then.
     histograms: Vec<Option<Histogram>>,
 }
 
-/// The values of a cell.
+/// Values of a cell.
 #[derive(Clone, Default)]
 struct Cell {
     between: [u64; MOST + 1],
-    /// Values within windows, and how often each is there.
+    /// Values within windows, each with its number of occurrences.
     kept: Vec<(f64, u64)>,
-    /// The length at which equal values are looked for again.
+    /// Length at which equal values are merged next.
     compact_at: usize,
 }
 
 impl Order {
-    /// An order of this many cells with nothing gathered; at first every value is kept.
+    /// Makes an order of this many cells without any values. At first every value is kept.
     pub(super) fn of(cells: usize) -> (Order, Gathered) {
         let mut all = [NONE; MOST];
         all[0] = [f64::NEG_INFINITY, f64::INFINITY];
@@ -88,7 +89,7 @@ impl Order {
         self.windows.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Ready to sift the values of some builds.
+    /// Prepares the contribution of some builds.
     pub(super) fn begin(&self) -> Sifted {
         let windows = self.lock().clone();
         Sifted {
@@ -101,7 +102,7 @@ impl Order {
 }
 
 impl Sifted {
-    /// Adds the values of the next cell; NaN counts as missing.
+    /// Adds the values of the next cell. NaN counts as missing.
     pub(super) fn cell<'v>(&mut self, values: impl Iterator<Item = &'v [f64]>) {
         let windows = &self.windows[self.between.len()];
         let used = windows.iter().take_while(|w| **w != NONE).count();
@@ -127,12 +128,12 @@ impl Sifted {
 }
 
 impl Gathered {
-    /// Takes the values of some builds; `builds` is the number of builds so far.
+    /// Adds the contribution of some builds. `builds` is the number of builds so far.
     pub(super) fn take(&mut self, sifted: &Sifted, builds: u64, order: &Order) {
         let mut first = 0;
         for (number, cell) in self.cells.iter_mut().enumerate() {
             let (now, then) = (&self.windows[number], &sifted.windows[number]);
-            // Windows may have narrowed since: each lies within one that was.
+            // Windows may have become narrower since then. Each lies within an old one.
             for (gap, count) in sifted.between[number].iter().enumerate() {
                 cell.between[moved(gap, then, now)] += u64::from(*count);
             }
@@ -161,7 +162,7 @@ impl Gathered {
         self.windows = Arc::new(windows.collect());
     }
 
-    /// The histogram of a cell: of all builds, or of the first [`FIRST`] with those of their block. `None` without values.
+    /// Histogram of a cell. It covers all builds, or the first [`FIRST`] and the rest of their block. `None` without values.
     pub(super) fn histogram(&mut self, cell: usize) -> Option<Histogram> {
         match self.histograms.get(cell) {
             Some(histogram) => *histogram,
@@ -169,7 +170,7 @@ impl Gathered {
         }
     }
 
-    /// The percentiles of a cell; NaN without values.
+    /// Percentiles of a cell. NaN without values.
     pub(super) fn percentiles(&mut self, cell: usize) -> [f64; MOST] {
         let windows = &self.windows[cell];
         let cell = &mut self.cells[cell];
@@ -207,13 +208,13 @@ impl Cell {
         self.compact_at = 2 * self.kept.len() + FEW;
     }
 
-    /// The histogram of the stored values.
+    /// Histogram of the stored values.
     fn histogram(&mut self) -> Option<Histogram> {
         self.compact();
         Histogram::of(self.kept.iter().copied())
     }
 
-    /// Narrows the windows to values that can still be a percentile.
+    /// Reduces the windows to values that can still be a percentile.
     fn narrow(&mut self, windows: &[[f64; 2]; MOST]) -> [[f64; 2]; MOST] {
         self.compact();
         let ranks = Ranks::of(self, windows);
@@ -230,7 +231,7 @@ impl Cell {
             let Some(own) = own else {
                 continue;
             };
-            // Where there are not so many values, or the one is in no window, a window reaches as far as it did.
+            // If there are not enough values, or if the value lies in no window, this end of the window does not change.
             let reach = 7.0 * (n * p * (1.0 - p)).sqrt() + 24.0;
             let least = (n * p - reach).floor();
             let least = match least < 0.0 {
@@ -261,7 +262,7 @@ impl Cell {
     }
 }
 
-/// The gap between the windows `now` that takes the values of a gap between the windows `then`; each new window lies
+/// Converts a gap between the windows `then` to the gap between the windows `now` that contains it. Each new window lies
 /// within an old one.
 fn moved(gap: usize, then: &[[f64; 2]; MOST], now: &[[f64; 2]; MOST]) -> usize {
     match gap {
@@ -270,17 +271,17 @@ fn moved(gap: usize, then: &[[f64; 2]; MOST], now: &[[f64; 2]; MOST]) -> usize {
     }
 }
 
-/// The values of a cell by number, the least being number 0.
+/// Values of a cell by rank. The smallest has rank 0.
 struct Ranks<'c> {
     cell: &'c Cell,
     windows: &'c [[f64; 2]; MOST],
-    /// For each kept value, the number of kept values before it; at the end their total.
+    /// For each kept value, the number of kept values before it. The last entry is their total.
     before: Vec<u64>,
     count: u64,
 }
 
 impl<'c> Ranks<'c> {
-    /// Ranks of the values of a cell that is compact: values rise, each there once.
+    /// Ranks of the values of a compact cell: its values rise, and each occurs once.
     fn of(cell: &'c Cell, windows: &'c [[f64; 2]; MOST]) -> Self {
         let mut before = Vec::with_capacity(cell.kept.len() + 1);
         let mut sum = 0;
@@ -297,7 +298,7 @@ impl<'c> Ranks<'c> {
         }
     }
 
-    /// The value of a number; `None` if it lies in no window.
+    /// Value with this rank. `None` if it lies in no window.
     fn at(&self, number: u64) -> Option<f64> {
         let (mut below, mut first) = (0, 0);
         for (between, [_, greatest]) in self.cell.between.iter().zip(self.windows) {
@@ -322,8 +323,8 @@ mod tests {
 
     const BLOCK: usize = 128;
 
-    /// Statistics of normal, few-valued, rising and missing values, block by block; windows that are two blocks old
-    /// sift every third block.
+    /// Statistics of normal values, of a few distinct values, of rising values and of missing values, block by block. Every
+    /// third block uses windows that are two blocks old.
     fn gathered(builds: usize) -> (Vec<Vec<f64>>, Order, Gathered) {
         let value = |cell: usize, build: usize| {
             let fraction = uniform(build as u64, cell, 9);
@@ -364,7 +365,8 @@ mod tests {
             for (cell, mut values) in all.into_iter().enumerate() {
                 values.sort_unstable_by(f64::total_cmp);
                 let found = gathered.percentiles(cell);
-                // What rises with its number is no sample: where it is not known it is said not to be.
+                // Values that rise with the number of the build are no random sample. Their percentiles may be missing, but
+                // must not be wrong.
                 let is_sample = cell != 2;
                 for (percent, found) in PERCENTILES.into_iter().zip(found) {
                     let number = (percent / 100.0 * values.len() as f64).ceil().max(1.0);

@@ -7,9 +7,9 @@ use crate::model::{Side, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::study::{Source, Study, Tolerance};
 
-/// Builds one wheel.
+/// Builder of one wheel.
 pub(super) struct WheelAssembler {
-    /// Puts builds together.
+    /// Assembler of builds.
     pub(super) assembler: Assembler,
     pub(super) alignment: Option<Alignment>,
     /// For an axle: the wheel whose parts these are.
@@ -36,7 +36,7 @@ impl WheelAssembler {
         })
     }
 
-    /// The dimensions that a source changes in this wheel; none if the source belongs to the other wheel.
+    /// Dimensions that a source changes in this wheel. Empty if the source belongs to the other wheel.
     pub(super) fn changes<'s>(&self, source: &'s Source) -> &'s [(BuildParameter, f64)] {
         match source.side == self.side {
             true => &source.changes,
@@ -44,7 +44,7 @@ impl WheelAssembler {
         }
     }
 
-    /// The dimensions that a source changes in this wheel, with the changes of the adjustments that keep it aligned.
+    /// Dimensions that a source changes in this wheel, with the changes of the adjustments that keep it aligned.
     pub(super) fn direction(&self, built: &Built, source: &Source) -> Vec<(BuildParameter, f64)> {
         let changes = self.changes(source);
         match &self.alignment {
@@ -55,7 +55,7 @@ impl WheelAssembler {
         }
     }
 
-    /// The built design as a series along the sum of some sources' directions, each in its standard deviation.
+    /// Built design as a series along the sum of some sources' directions, each scaled by its standard deviation.
     pub(super) fn series(&self, built: &Built, along: &[&Source]) -> Vec<Vector3<Jet<f64, 3>>> {
         let assembler = &self.assembler;
         let mechanism = &assembler.suspension().mechanism;
@@ -72,7 +72,7 @@ impl WheelAssembler {
         }
     }
 
-    /// Makes these the parts of a build, from the numbers drawn for it.
+    /// Changes the parts to those of a build, from its random numbers.
     pub(super) fn change_parts(
         &self,
         tolerance: &Tolerance,
@@ -89,7 +89,7 @@ impl WheelAssembler {
         }
     }
 
-    /// Puts parts together and writes their built design.
+    /// Assembles parts and writes their built design.
     pub(super) fn put_together(
         &self,
         parts: &mut Parts<f64>,

@@ -1,24 +1,25 @@
-//! Yield, and the tolerances that are worth spending money on.
+//! Yield, and the tolerances that are worth their cost.
 //!
-//! The first-order answer over a fixed sample of draws gives the gain from a tighter tolerance. Each contributor's
-//! part of each banded value is stored, so that a tolerance is halved or doubled with one addition. Predicted yields
-//! are those of the Monte Carlo analysis, changed by the difference of the linear ones.
+//! The first-order result over a fixed random sample gives the gain from a tighter tolerance. Each contributor's part of
+//! each banded value is stored, so that halving or doubling a tolerance takes one addition. Predicted yields are those of
+//! the Monte Carlo analysis, changed by the difference of the linear ones.
 
 use super::{Expansion, MonteCarlo, Problem};
 
-/// Draws of the sample.
+/// Number of random draws in the sample.
 const SAMPLE: u64 = 20_000;
-/// A tolerance may be looser if doubling it costs less than this part of the yield.
+/// Largest loss of yield by doubling a tolerance for which the tolerance can be relaxed.
 const LITTLE: f64 = 0.001;
-/// Nothing is called loose if the yield is below this, or if the contributor has more than this share of a variance.
+/// Limit for such statements. No tolerance can be relaxed if the yield is below this, or if the contributor has more than
+/// this share of a variance.
 const SMALL: f64 = 0.05;
 
-/// The yield of a band.
+/// Yield of a band.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BandYield {
-    /// Share of the builds that keep to the band.
+    /// Share of the builds that keep the band.
     pub monte_carlo: f64,
-    /// The same share by the first-order answer, over a sample of draws.
+    /// The same share by the first-order result, over a random sample.
     pub linear: f64,
 }
 
@@ -27,34 +28,34 @@ pub struct BandYield {
 pub struct Yields {
     /// Yield of each band.
     pub bands: Vec<BandYield>,
-    /// Yield of all bands together: of builds that keep to every one.
+    /// Yield of all bands together: share of builds that keep every band.
     pub all: BandYield,
-    /// Contributors, the one first whose halving gains most.
+    /// Contributors, in the order of the gain from halving their tolerance, largest first.
     pub ranking: Vec<Ranking>,
 }
 
 /// Effects of a contributor's tolerance on variance and yield.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ranking {
-    /// Number among those of the study.
+    /// Index of the contributor in the study.
     pub contributor: usize,
     /// Largest share of the variance of a banded value.
     pub share: f64,
-    /// The yield if its tolerance were half.
+    /// Yield with half the tolerance.
     pub halved: f64,
-    /// The yield if it were double.
+    /// Yield with twice the tolerance.
     pub doubled: f64,
-    /// True if the tolerance may be looser: doubling it costs almost no yield.
+    /// True if the tolerance can be relaxed: doubling it costs almost no yield.
     pub may_be_looser: bool,
 }
 
-/// The yield of all bands if the tolerance of several contributors is multiplied by factors.
+/// Random sample that gives the yield of all bands when tolerances of contributors are multiplied by factors.
 struct Sample {
-    /// `[draw][row][contributor]`: the contributor's part of the row's value.
+    /// Contributor's part of the row's value, `[draw][row][contributor]`.
     parts: Vec<f64>,
-    /// Drawn values by row.
+    /// Nominal values by row.
     drawn: Vec<f64>,
-    /// Band of each row and its ends.
+    /// Band of each row and its limits.
     rows: Vec<(usize, [f64; 2])>,
     contributors: usize,
     bands: usize,
@@ -99,7 +100,7 @@ impl Sample {
         }
     }
 
-    /// The share of draws in each band and in all of them, with the tolerance of one contributor multiplied.
+    /// Share of the sample in each band, and in all of them, with the tolerance of one contributor multiplied by a factor.
     fn yields(&self, changed: Option<(usize, f64)>) -> (Vec<f64>, f64) {
         let mut in_bands = vec![0_u64; self.bands];
         let (mut in_all, mut draws) = (0_u64, 0_u64);
@@ -128,7 +129,7 @@ impl Sample {
     }
 }
 
-/// The first-order part of yields and ranking, which no build is needed for.
+/// First-order part of yields and ranking. It needs no builds.
 pub struct Forecast {
     /// Share of the sample in each band, and in all of them.
     bands: Vec<f64>,
@@ -136,16 +137,16 @@ pub struct Forecast {
     contributors: Vec<Worth>,
 }
 
-/// The first-order worth of a contributor.
+/// First-order worth of a contributor.
 struct Worth {
     share: f64,
-    /// The change of the yield if its tolerance were half, and if it were double.
+    /// Change of the yield with half, and with twice the tolerance.
     halved: f64,
     doubled: f64,
 }
 
 impl Forecast {
-    /// The forecast of a problem; `None` where a study has no bands.
+    /// Forecast of a problem. `None` if the study has no bands.
     pub fn of(problem: &Problem, expansion: &Expansion, drawn: &[f64]) -> Option<Self> {
         if problem.tolerance.bands.is_empty() {
             return None;
@@ -190,7 +191,7 @@ impl Forecast {
                 }
             })
             .collect();
-        // Equal gains are ordered by the cost of letting go, then by share.
+        // Equal gains are ordered by the loss from doubling, then by share.
         ranking.sort_by(|a, b| {
             let gain = b.halved.total_cmp(&a.halved);
             gain.then(a.doubled.total_cmp(&b.doubled))
@@ -213,7 +214,7 @@ impl Forecast {
     }
 }
 
-/// Yields and ranking; `None` where a study has no bands.
+/// Yields and ranking. `None` if the study has no bands.
 pub fn rank(
     problem: &Problem,
     expansion: &Expansion,

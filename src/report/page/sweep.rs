@@ -472,20 +472,21 @@ fn key(value: Option<f64>) -> f64 {
 
 /// Explanation of the sensitivity indices.
 fn effects(record: &SweepRecord) -> String {
-    let change = "The change is the change from the low to the high end of a variable's range in the plane of least \
-                  squares through all designs that have every output";
+    let change = "Change over the range: change of the output from the low to the high end of a variable's range, in the \
+                  plane of least squares through all designs that have every output";
     let share = match record.method.as_str() {
         "file" => {
             " Designs from a file need not be independent, so there are no shares of the variance."
         }
         "saltelli" => {
-            " The share is the first-order Sobol index, the part of the output's variance that goes when \
-             the variable is known; the total index is the part that stays when everything else is."
+            " Share of the variance: first-order Sobol index, the fraction of the output's variance that \
+             disappears on average if the variable is fixed. Total index: the fraction that remains on average \
+             if all other variables are fixed."
         }
         _ => {
-            " The share is the first-order Sobol index, the part of the output's variance that goes when \
-             the variable is known."
+            " Share of the variance: first-order Sobol index, the fraction of the output's variance that \
+             disappears on average if the variable is fixed."
         }
     };
-    format!("{change}.{share} Outputs that nothing moves are left out.")
+    format!("{change}.{share} Outputs that no variable changes are left out.")
 }

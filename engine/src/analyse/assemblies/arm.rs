@@ -1,14 +1,15 @@
-//! All assemblies of a strut or a double wishbone: one turn of the lower arm.
+//! All assemblies of a strut or a double wishbone: one full rotation of the lower arm.
 //!
-//! At an arm angle th there are at most four (module `closed_form`): a strut upright or inverted, or the upper arm on
-//! either side; and the outer end of the tie rod on either side of its plane. For each of the four, the travel is an
-//! explicit function f(th). The assemblies are the roots of f(th) = travel over one turn of the arm. (The four functions of
-//! a strut together are one trigonometric polynomial of degree ten, so it has at most twenty roots.)
+//! At an arm angle th there are at most four (module `closed_form`). The strut may be upright or inverted, or the upper arm
+//! may be on either side. The outer end of the tie rod may be on either side of its plane. For each of the four, the travel
+//! is an explicit function f(th). The assemblies are the roots of f(th) = travel over one rotation of the arm. (The four
+//! functions of a strut together are one trigonometric polynomial of degree ten, so it has at most twenty roots.)
 //!
-//! Intervals isolate the roots. Mean-value forms about the middle m of a piece X enclose f and f':
-//! f(X) in f(m) + f'(X) (X - m). Their excess width shrinks with the square of the piece's width. Each piece has one of these outcomes:
+//! Intervals isolate the roots. Mean-value forms about the middle m of a piece X enclose f and f': f(X) in f(m) + f'(X) (X -
+//! m). Their excess width shrinks with the square of the piece's width. Each piece has one of these outcomes:
 //!
-//! - It is dropped if f encloses no root there, or if the upper end or the tie rod has no real place anywhere on it.
+//! - It is dropped if f encloses no root there. It is also dropped if the upper end or the tie rod has no real position on
+//!   it.
 //! - If f' does not vanish on it, there is at most one root, and the signs at the ends decide.
 //! - If all its poses are closer to a known assembly than any other assembly can be, that one is the only one.
 //! - Otherwise it is halved.
@@ -26,13 +27,13 @@ use crate::solve::closed_form::{ArmState, ClosedForm};
 use crate::threads::checkpoint;
 use std::f64::consts::PI;
 
-/// Pieces this narrow (rad) are not halved any further.
+/// Width (rad) below which pieces are not halved any further.
 const NARROWEST: f64 = 1e-10;
 /// Largest number of pieces for each of the four functions: a quarter of a second. An ordinary design takes 400 pieces. A
 /// design with parallel arms, or with a tie rod's lever of a hundredth of its arm, takes 1,500.
 const MOST_PIECES: usize = 20_000;
-/// Width (rad) below which Newton's method is tried on an undecided piece, and the factor by which the piece must be
-/// narrower for the next try.
+/// Width (rad) below which Newton's method is tried on an undecided piece. `NEXT_TRY` is the factor by which the piece must
+/// be narrower for the next try.
 const FIRST_TRY: f64 = 0.02;
 const NEXT_TRY: f64 = 0.1;
 /// Offsets (rad) from a toggle at which poses are tried if there is none at the toggle.
@@ -42,16 +43,16 @@ const NEAR: f64 = 1e-4;
 
 type Value = Jet<Interval, 3>;
 
-/// A range of arm angles that is still to be looked at.
+/// A range of arm angles to search.
 #[derive(Clone, Copy)]
 struct Piece {
     low: f64,
     high: f64,
-    /// Newton's method is not tried before it is as narrow as this.
+    /// Width below which Newton's method is tried next.
     next_try: f64,
 }
 
-/// One of the four assemblies at an arm angle.
+/// One of the four assemblies at an arm angle, for the whole rotation.
 struct Branch {
     form: ClosedForm<Interval>,
     plain: ClosedForm<f64>,
@@ -87,7 +88,7 @@ impl Search<'_> {
 
     fn on_branch(&mut self, branch: &Branch) {
         let mut undecided: Vec<(f64, f64)> = Vec::new();
-        // The turn is not cut at zero, where the design lies.
+        // The rotation is not divided at zero, where the design lies.
         let cut = -PI + 0.1234;
         let half = |low: f64| Piece {
             low,
@@ -134,7 +135,7 @@ impl Search<'_> {
         }
         self.all.looked_at += looked_at;
         for (low, high) in undecided {
-            // A root of even order, or a root at a toggle, or none.
+            // A root of even order, a root at a toggle, or no root.
             match self.beside(branch, 0.5 * (low + high)) {
                 Some(assembly) => self.add(assembly),
                 None => self.all.undecided.push(Undecided::ArmAngle(low, high)),
@@ -142,7 +143,8 @@ impl Search<'_> {
         }
     }
 
-    /// Returns true if all poses of a piece are next to one assembly: a known one, or one that Newton's method finds from here.
+    /// Returns true if all poses of a piece are close to one assembly: a known one, or one that Newton's method finds from
+    /// here.
     fn settles(&mut self, branch: &Branch, low: f64, high: f64) -> bool {
         let poses = branch.poses(Interval::bounds(low, high));
         if self.is_settled(&poses) {
@@ -157,7 +159,7 @@ impl Search<'_> {
         self.is_settled(&poses)
     }
 
-    /// The assembly at an arm angle, or so near that it cannot be told from one there.
+    /// Assembly at an arm angle, or so near that it cannot be distinguished from one there.
     fn beside(&self, branch: &Branch, angle: f64) -> Option<Assembly> {
         let found = self.assembly(&branch.pose(angle)?)?;
         let apart = (0.5 * (found.arm_angle? - angle)).sin().abs();
@@ -198,8 +200,8 @@ impl Branch {
         }
     }
 
-    /// Squares that are negative where there is no assembly, of the upper end and of the tie rod's; and f - travel
-    /// as a series in the angle.
+    /// Squares for the upper end and for the tie rod, which are negative if there is no assembly. Also returns f - travel as
+    /// a series in the angle.
     #[inline(never)]
     fn miss(&self, angle: Interval) -> ([Interval; 2], Value) {
         let form = self.form.map(Jet::constant);
@@ -208,9 +210,10 @@ impl Branch {
         ([upper_square, state.toggle_square()[0]], miss)
     }
 
-    /// The mechanism on a piece, and the square under the root for its upper end. This square and that of the tie-rod end's
-    /// distance from its plane are small differences of large terms near their zeros. These zeros may be double ones, where
-    /// parallel arms align with each other and the steering axis. Their mean-value forms are far narrower than these.
+    /// State of the mechanism on a piece, and the square under the root for its upper end. Near their zeros, this square and
+    /// that of the tie-rod end's distance from its plane are small differences of large terms. The zeros may be double ones,
+    /// if parallel arms are in line with each other and the steering axis. Their mean-value forms are far narrower than
+    /// direct evaluation.
     fn state(&self, form: &ClosedForm<Value>, angle: Interval) -> (ArmState<Value>, Interval) {
         let middle = Interval::point(angle.middle());
         let around = angle - middle;
@@ -246,7 +249,7 @@ impl Branch {
             .map(|series| series[0])
     }
 
-    /// The pose at an arm angle, or the next that can be computed, if there is one.
+    /// Pose at an arm angle, or at the nearest angle for which it can be computed, if there is one.
     fn pose(&self, angle: f64) -> Option<Pose<f64>> {
         BESIDE.iter().find_map(|by| {
             let (sine, cosine) = (angle + by).sin_cos();
@@ -259,7 +262,7 @@ impl Branch {
         })
     }
 
-    /// The root on a piece that has exactly one, by bisection until Newton's method is safe.
+    /// Root on a piece that has exactly one, by bisection until Newton's method is safe.
     fn refined(&self, mut low: f64, mut high: f64) -> f64 {
         let at = |angle: f64| self.miss(Interval::point(angle)).1[0].value();
         let rising = at(high) > at(low);
@@ -275,10 +278,10 @@ impl Branch {
     }
 }
 
-/// Adds a range, joined with the last one if they touch.
+/// Adds a range. Joins it with the last one if they touch.
 fn join(ranges: &mut Vec<(f64, f64)>, (low, high): (f64, f64)) {
     match ranges.last_mut() {
-        // Pieces come from the top of the stack, that is upward.
+        // Pieces come from the top of the stack, in upward order.
         Some(last) if low <= last.1 && high >= last.1 => last.1 = high,
         Some(last) if high >= last.0 && low <= last.0 => last.0 = low,
         _ => ranges.push((low, high)),

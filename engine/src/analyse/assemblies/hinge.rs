@@ -1,6 +1,6 @@
 //! All assemblies of an arm on a hinge: at most two.
 //!
-//! The wheel centre moves on a circle, at the height c + A cos th + B sin th. With H = A^2 + B^2 and the wanted height C
+//! The wheel centre moves on a circle, at the height c + A cos th + B sin th. With H = A^2 + B^2 and the required height C
 //! above c,
 //!
 //! ```text
@@ -41,7 +41,7 @@ impl Search<'_> {
         for assembly in found.into_iter().flatten() {
             self.add(assembly);
         }
-        // At the end of the range both are one.
+        // At the end of the range both assemblies coincide.
         if missed == 2 || (missed == 1 && left.low > 0.0) {
             let ends = (top - from_top, top + from_top);
             self.all.undecided.push(Undecided::ArmAngle(ends.0, ends.1));
@@ -49,7 +49,7 @@ impl Search<'_> {
     }
 }
 
-/// The pose in which the arm is turned by an angle.
+/// Pose after a rotation of the arm by an angle.
 fn turned(circle: &Circle<f64>, angle: f64) -> Pose<f64> {
     let (sine, cosine) = angle.sin_cos();
     let axis = circle.radius.cross(circle.turned).normalised();

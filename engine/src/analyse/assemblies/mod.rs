@@ -2,8 +2,8 @@
 //!
 //! Each kind of mechanism has a complete method, which cannot miss an assembly:
 //!
-//! - [`arm`]: strut and double wishbone, by their closed form. Intervals search one turn of the lower arm, for each side of
-//!   the upper end and of the tie rod.
+//! - [`arm`]: strut and double wishbone, by their closed form. Intervals search one rotation of the lower arm, for each side
+//!   of the upper end and of the tie rod.
 //! - [`hinge`]: a semi-trailing arm, two points of a circle.
 //! - [`rods`]: a knuckle on five rods. Intervals search all rotations.
 //!
@@ -29,29 +29,30 @@ use std::ops::ControlFlow;
 pub struct Assembly {
     /// Pose of the knuckle.
     pub pose: Pose<f64>,
-    /// Angle of the first arm from the design position (radians, positive raises its outer joint), where
-    /// there is an arm.
+    /// Angle of the first arm from the design position (radians, positive raises its outer joint). `None` if there is no
+    /// arm.
     pub arm_angle: Option<f64>,
-    /// For each of the [`Assemblies::traits`], true if the assembly has the design's variant; `None` at the border of two variants.
+    /// For each of the [`Assemblies::traits`], true if the assembly has the design's variant. `None` at the border between
+    /// two variants.
     pub branch: Vec<Option<bool>>,
     /// Position of the wheel centre.
     pub wheel_centre: Vector3<f64>,
-    /// Proof of the pose; `None` if the pose is singular in double precision.
+    /// Proof of the pose. `None` if the pose is singular in double precision.
     pub certificate: Option<Certificate>,
 }
 
-/// A feature of an assembly with two variants. Only at the border between them an assembly has neither.
+/// A feature of an assembly with two variants. An assembly has neither only at the border between them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AssemblyMode {
-    /// A strut's mount above or below the foot of the ball joint on its axis.
+    /// Position of a strut's mount, above or below the foot of the perpendicular from the ball joint to the strut's axis.
     Strut,
-    /// The side of the upper arm on which the steering axis is, seen along the arm's axis.
+    /// Side of the upper arm on which the steering axis lies, seen along the arm's axis.
     UpperArm,
-    /// The side of the plane through steering axis and rack joint on which the tie rod's end is.
+    /// Side of the plane through steering axis and rack joint on which the tie rod's end lies.
     TieRod,
-    /// An arm on a hinge rises or falls as it turns.
+    /// Motion of the end of an arm on a hinge, up or down as its angle grows.
     Arm,
-    /// The sign of the determinant of the closure equations.
+    /// Sign of the determinant of the closure equations.
     Determinant,
 }
 
@@ -67,7 +68,7 @@ impl AssemblyMode {
         }
     }
 
-    /// The word for either.
+    /// Word for one of the two variants.
     pub fn word(self, as_designed: bool) -> &'static str {
         match (self, as_designed) {
             (AssemblyMode::Strut, true) => "upright",
@@ -79,17 +80,17 @@ impl AssemblyMode {
     }
 }
 
-/// The assemblies that were found at one travel.
+/// Assemblies that were found at one travel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Assemblies {
-    /// The modes that distinguish assemblies of this mechanism.
+    /// Modes that distinguish assemblies of this mechanism.
     pub traits: Vec<AssemblyMode>,
-    /// The assemblies, by rising arm angle or, for a mechanism without an arm, by the rotation from the design
+    /// Assemblies, in the order of the arm angle or, for a mechanism without an arm, of the rotation from the design
     /// position.
     pub found: Vec<Assembly>,
-    /// Places with a possible further assembly that the search could not decide. Only degenerate designs have any.
+    /// Places with a possible further assembly that the search could not decide. Only degenerate designs have such places.
     pub undecided: Vec<Undecided>,
-    /// Number of examined pieces of the arm's turn, or of examined boxes of poses.
+    /// Number of examined pieces of the arm's rotation, or of examined boxes of poses.
     pub looked_at: usize,
 }
 
@@ -98,21 +99,21 @@ pub struct Assemblies {
 pub enum Undecided {
     /// Between two angles of the first arm (radians).
     ArmAngle(f64, f64),
-    /// Next to a pose.
+    /// Near a pose.
     Pose(Pose<f64>),
-    /// This share of all rotations of the knuckle was not searched: it would have taken too long.
+    /// This share of all rotations of the knuckle was not searched, because it would have taken too long.
     Rotations(f64),
 }
 
-/// Number of starting points of Newton's method, where the exact search has left an interval undecided.
+/// Number of starting points for Newton's method, if the exact search has left an interval undecided.
 const TRIES: usize = 400;
-/// Distance (in sizes) below which an assembly without proof counts as equal to another one. They are then one double
-/// assembly, whose place is uncertain by the square root of the rounding.
+/// Distance (in sizes) below which an assembly without proof counts as equal to another one. The two are then a double
+/// assembly, whose position is uncertain by the square root of the rounding.
 const DOUBLE: f64 = 1e-5;
-/// Undecided places kept apart in the answer.
+/// Largest number of undecided places in the result.
 const MOST_UNDECIDED: usize = 64;
 
-/// Ranges of the arm's angle that overlap become one.
+/// Merges overlapping ranges of the arm's angle.
 fn merge(undecided: &mut Vec<Undecided>) {
     let mut ranges: Vec<(f64, f64)> = Vec::new();
     let mut others = Vec::new();
@@ -143,11 +144,11 @@ impl Assembly {
 }
 
 impl Solver<'_> {
-    /// Every assembly of the design's lengths at a wheel travel, the rack displaced by `rack` (towards the
-    /// kernel's +y). `None` for a mechanism that there is no complete method for.
+    /// Every assembly of the design's lengths at a wheel travel, with the rack displaced by `rack` (towards the kernel's
+    /// +y). `None` for a mechanism without a complete method.
     pub fn assemblies(&self, travel: f64, rack: f64) -> Option<Assemblies> {
         let mut search = Search::new(self, travel, rack);
-        // The known assembly comes first: it must be found even if the search gives up.
+        // The connected assembly comes first: it must be found even if the search gives up.
         search.take_connected();
         let mechanism = self.mechanism();
         match (Roles::of(mechanism), mechanism.constraints.as_slice()) {
@@ -166,7 +167,7 @@ impl Solver<'_> {
     }
 }
 
-/// The modes by which assemblies of a mechanism are told apart.
+/// Modes that distinguish assemblies of a mechanism.
 fn traits(mechanism: &Mechanism) -> Vec<AssemblyMode> {
     match (Roles::of(mechanism), mechanism.constraints.as_slice()) {
         (Some(roles), _) if roles.is_strut() => vec![AssemblyMode::Strut, AssemblyMode::TieRod],
@@ -176,12 +177,12 @@ fn traits(mechanism: &Mechanism) -> Vec<AssemblyMode> {
     }
 }
 
-/// The assemblies of one design at one travel, as they are found.
+/// Search for the assemblies of one design at one travel, with those found so far.
 struct Search<'a> {
     solver: &'a Solver<'a>,
     certifier: Certifier<'a>,
     point: MotionPoint<f64>,
-    /// The design, without rounding.
+    /// Design without rounding.
     exact: Vec<Vector3<Interval>>,
     all: Assemblies,
 }
@@ -238,7 +239,7 @@ impl<'a> Search<'a> {
             })
             .collect();
         let turns = (0..TRIES).map(|k| {
-            // Evenly over the sphere by the golden angle, and over the turns about each direction.
+            // Distributed evenly over the sphere by the golden angle, and over the rotations about each direction.
             let k = k as f64 + 0.5;
             let (height, around) = (1.0 - 2.0 * k / TRIES as f64, k * 2.399_963_229_728_653);
             let level = (1.0 - height * height).sqrt();
@@ -247,7 +248,7 @@ impl<'a> Search<'a> {
             design.moved(Vector3::default(), axis * (0.5 * turn).tan())
         });
         for start in starts.into_iter().chain(turns) {
-            // A design with a free rotation has infinitely many assemblies; none is proved.
+            // A design with a free rotation has infinitely many assemblies, and none is proved.
             let found = self.assembly(&start);
             if let Some(assembly) = found.filter(|a| a.certificate.is_some()) {
                 self.add(assembly);
@@ -255,7 +256,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The assembly that Newton's method reaches from a pose. It may also settle near an assembly that almost exists. A result
+    /// Assembly that Newton's method reaches from a pose. It may also settle near an assembly that almost exists. A result
     /// without proof must at least satisfy the equations.
     fn assembly(&self, near: &Pose<f64>) -> Option<Assembly> {
         let pose = self.solver.polished(near, &self.point)?;
@@ -289,8 +290,8 @@ impl<'a> Search<'a> {
         self.all.traits.iter().map(alike).collect()
     }
 
-    /// A number whose sign tells the two variants of `of` apart. `None` if the mechanism has no such feature, or if the equations
-    /// cannot be factorised there.
+    /// Number whose sign distinguishes the two variants of `of`. `None` if the mechanism has no such feature, or if the
+    /// equations cannot be factorised there.
     fn sign(&self, of: AssemblyMode, at: &Configuration<f64>) -> Option<f64> {
         let mechanism = self.solver.mechanism();
         let roles = Roles::of(mechanism);
@@ -317,7 +318,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Adds an assembly, unless it was found already, as from the other side of a toggle.
+    /// Adds an assembly, unless it was already found, for example from the other side of a toggle.
     fn add(&mut self, assembly: Assembly) {
         if self.is_settled(&assembly.pose.map(Interval::point)) {
             return;
@@ -334,7 +335,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Returns true if all these poses are so close to one proved assembly that no other is among them.
+    /// Returns true if all these poses are so close to one proved assembly that they contain no other.
     fn is_settled(&self, poses: &Pose<Interval>) -> bool {
         self.all.found.iter().any(|assembly| {
             let Some(proof) = assembly.certificate else {
@@ -353,14 +354,14 @@ impl<'a> Search<'a> {
                 .into_iter()
                 .zip(assembly.pose.rotation.columns);
             let turned = turned.map(|(a, b)| far(a, b)).fold(0.0, f64::max);
-            // Coordinates of the origin count as they are, the rotation in scales.
+            // Coordinates of the origin count directly. The rotation is multiplied by the scale.
             far(poses.origin, assembly.pose.origin) < proof.uniqueness
                 && turned * proof.scale < proof.uniqueness
         })
     }
 }
 
-/// Velocity of an arm's outer joint for a turn about its axis, up to a positive factor.
+/// Velocity of an arm's outer joint for a rotation about its axis, up to a positive factor.
 fn velocity(at: &Configuration<f64>, arm: &Arm) -> Vector3<f64> {
     let from = at.point(arm.rear);
     (at.point(arm.front) - from).cross(at.point(arm.outer) - from)

@@ -1,27 +1,27 @@
 //! All assemblies of a knuckle on rods: branch and prune over every rotation.
 //!
-//! With p the position of the knuckle's origin, R its rotation, b the lever of a rod's outer end, a its
-//! inner end and L its length, e the lever of the wheel centre and h the height it is to have,
+//! p is the position of the knuckle's origin, R its rotation. b is the lever of a rod's outer end, a its inner end and L its
+//! length. e is the lever of the wheel centre and h its required height.
 //!
 //! ```text
 //! F = (|p + R b - a|^2 - L^2)/(2 L)   for each rod,      F = p_z + (R e)_z - h
 //! R = C(v) D,   C(v) c = c + 2 (v x c + v x (v x c))/(1 + v.v),   D one of 1 and the half turns about x, y, z
 //! ```
 //!
-//! Every rotation has a quaternion whose largest component is 1. So v in [-1, 1]^3 with the four D covers all
-//! rotations. The distance from p to a rod's inner end is at most the length of the rod plus that of its lever.
-//! With g = (p + R b - a)/L the differential is dF = g.dp + (m + m x v).dv 2/(1 + v.v), m = R b x g.
+//! Every rotation has a quaternion whose largest component is 1. So v in [-1, 1]^3 with the four D covers all rotations. The
+//! distance from p to a rod's inner end is at most the length of the rod plus that of its lever. With g = (p + R b - a)/L
+//! the differential is dF = g.dp + (m + m x v).dv 2/(1 + v.v), m = R b x g.
 //!
 //! In a box of (p, v), in this order:
 //!
-//! 1. height and lengths are solved for each coordinate of p in turn, which narrows the box or empties it;
-//! 2. the mean-value form of each equation must contain 0;
-//! 3. Krawczyk's operator K = x - A F(x) + (1 - A J(X)) (X - x), A an inverse of J in the middle x: all
-//!    solutions in X are in K; if K lies inside X there is one and only one (R. Krawczyk, *Computing* 4,
-//!    1969; R. E. Moore, *SIAM J. Numer. Anal.* 14, 1977). The step repeats while it narrows the box much.
+//! 1. Height and lengths are solved for each coordinate of p in turn. This makes the box smaller or empty.
+//! 2. The mean-value form of each equation must contain 0.
+//! 3. Krawczyk's operator is K = x - A F(x) + (1 - A J(X)) (X - x), with A an inverse of J in the middle x. All solutions in
+//!    X are in K; if K lies inside X there is exactly one (R. Krawczyk, *Computing* 4, 1969; R. E. Moore, *SIAM J. Numer.
+//!    Anal.* 14, 1977). The step repeats while it makes the box much smaller.
 //!
-//! The search halves the remaining box across the variable that changes the equations most. All results
-//! are rounded outward, so it misses no assembly.
+//! The search halves the remaining box across the variable that changes the equations most. All results are rounded outward,
+//! so it misses no assembly.
 
 use super::{Search, Undecided, pose_distance};
 use crate::linear::lu::Lu6;
@@ -33,43 +33,43 @@ use crate::number::{Real, Scalar};
 use crate::threads::checkpoint;
 use std::array::from_fn;
 
-/// p and v.
+/// Box of p and v.
 type Cell = [Interval; 6];
 
-/// Boxes looked at before giving up: six seconds or seven. A design takes fifty to two hundred thousand.
+/// Largest number of boxes: six or seven seconds. A design takes fifty to two hundred thousand.
 const MOST_CELLS: usize = 500_000;
-/// Boxes that move no equation by more than this share of the size are not halved any further.
+/// Change of the equations within a box, as a share of the size, below which the box is not halved any further.
 const NARROWEST: f64 = 1e-9;
-/// Newton's method is tried in boxes that move no equation by more than this share of the size, and at most this often. It
-/// takes ten times as long as a box, and only singular assemblies need it.
+/// Change of the equations within a box, as a share of the size, below which Newton's method is tried, and largest number of
+/// tries. A try takes ten times as long as a box, and only singular assemblies need it.
 const FIRST_TRY: f64 = 1e-3;
 const MOST_TRIES: usize = 4000;
-/// Krawczyk's operator is repeated while it leaves no more than this part of a box's volume.
+/// Largest share of a box's volume that may remain for Krawczyk's operator to be repeated.
 const WORTHWHILE: f64 = 0.5;
-/// An assembly is that of its box if it is as near as this, in sizes.
+/// Distance, in sizes, up to which an assembly belongs to its box.
 const NEAR: f64 = 1e-6;
 
-/// A rod, for one D.
+/// A rod, for one of the four D.
 #[derive(Clone, Copy)]
 struct Rod {
-    /// a
+    /// Inner end a.
     inner: Vector3<Interval>,
-    /// D b
+    /// Lever D b.
     lever: Vector3<Interval>,
-    /// L^2
+    /// Squared length L^2.
     squared: Interval,
-    /// 1/L: it only scales the equation, and may be rounded.
+    /// Inverse length 1/L. It only scales the equation, and may be rounded.
     scale: f64,
 }
 
-/// The equations for one D.
+/// Equations for one of the four D.
 struct Chart {
     rods: [Rod; 5],
-    /// D e
+    /// Lever D e.
     wheel_lever: Vector3<Interval>,
-    /// h
+    /// Height h.
     height: Interval,
-    /// The signs on D's diagonal.
+    /// Signs on the diagonal of D.
     flip: [f64; 3],
 }
 
@@ -79,12 +79,12 @@ enum Verdict {
     None,
     /// Exactly one assembly, in this box.
     One(Cell),
-    /// This part of the box is left, with the change of the equations that each variable can make.
+    /// Remaining part of the box, with the change of the equations that each variable can make.
     Open(Cell, [f64; 6]),
 }
 
 impl Search<'_> {
-    /// Finds the assemblies of a mechanism whose constraints are five rods; `None` for other mechanisms.
+    /// Finds the assemblies of a mechanism whose constraints are five rods. `None` for other mechanisms.
     pub(crate) fn by_rods(&mut self) -> Option<()> {
         let mechanism = self.solver.mechanism();
         let (rods, origin) = (
@@ -153,7 +153,7 @@ impl Search<'_> {
                     continue;
                 }
                 let Interval { low, high } = cell[widest];
-                // The cut is not in the middle, where the design may lie.
+                // The box is not divided in the middle, where the design may lie.
                 let cut = low + 0.4871 * (high - low);
                 let (mut below, mut above) = (cell, cell);
                 below[widest] = Interval::bounds(low, cut);
@@ -180,7 +180,7 @@ impl Search<'_> {
         }
     }
 
-    /// Records that nothing could be decided next to a pose, once for each place.
+    /// Records that nothing could be decided near a pose, once for each place.
     fn leave_open(&mut self, pose: Pose<f64>) {
         let size = self.solver.size();
         let known = |u: &Undecided| match u {
@@ -195,7 +195,7 @@ impl Search<'_> {
     }
 }
 
-/// The five rods of a mechanism that has five rods and no other constraint.
+/// Rods of a mechanism with five rods and no other constraint.
 fn rods(mechanism: &Mechanism, design: &[Vector3<Interval>], rack: f64) -> Option<[Rod; 5]> {
     let origin = design[mechanism.origin.0];
     let rod = |constraint: &Constraint| {
@@ -224,7 +224,7 @@ fn rods(mechanism: &Mechanism, design: &[Vector3<Interval>], rack: f64) -> Optio
     rods?.try_into().ok()
 }
 
-/// A box of positions that the knuckle's origin can have: those within reach of every rod.
+/// Box of possible positions of the knuckle's origin: those within reach of every rod.
 fn place(rods: &[Rod; 5]) -> Vector3<Interval> {
     let within = |rod: &Rod| {
         let reach = rod.squared.sqrt() + rod.lever.norm_squared().sqrt();
@@ -237,7 +237,7 @@ fn place(rods: &[Rod; 5]) -> Vector3<Interval> {
     })
 }
 
-/// F and J of a box.
+/// Values F and J of a box.
 struct Linearised {
     f: [Interval; 6],
     jacobian: [[Interval; 6]; 6],
@@ -294,7 +294,7 @@ impl Chart {
             }
             cell = next;
             one |= inside;
-            // NaN where the box is a point.
+            // The ratio is NaN if the box is a point.
             if left.is_nan() || left > WORTHWHILE {
                 break moves;
             }
@@ -305,7 +305,7 @@ impl Chart {
         }
     }
 
-    /// Narrows p by the height and by each rod's length; `None` if nothing is left.
+    /// Reduces p by the height and by each rod's length. `None` if nothing remains.
     fn narrowed(&self, cell: &mut Cell) -> Option<()> {
         let rotation = rotation(cell);
         let rise = apply(&rotation, self.wheel_lever).z;
@@ -358,7 +358,7 @@ impl Chart {
         Linearised { f, jacobian }
     }
 
-    /// The poses of a box.
+    /// Poses of a box.
     fn pose(&self, cell: &Cell) -> Pose<Interval> {
         let rows = rotation(cell);
         let [x, y, z] = rows.map(Vector3::to_array);
@@ -374,7 +374,7 @@ impl Chart {
     }
 }
 
-/// The rows of C(v).
+/// Rows of C(v).
 fn rotation(cell: &Cell) -> [Vector3<Interval>; 3] {
     let v = [cell[3], cell[4], cell[5]];
     let squares = v.map(Real::squared);
@@ -382,7 +382,7 @@ fn rotation(cell: &Cell) -> [Vector3<Interval>; 3] {
     let twice = one.constant(2.0) / (one + squares[0] + squares[1] + squares[2]);
     let unit = Interval::bounds(-1.0, 1.0);
     let within = |entry: Interval| entry.common(unit).unwrap_or(unit);
-    // 1 - 2 t/(1 + x^2 + t) with t the other two squares: t/(s + t) grows with t and falls with s.
+    // The entry is 1 - 2 t/(1 + x^2 + t), with t the other two squares. t/(s + t) grows with t and falls with s.
     let diagonal = |i: usize| {
         let (t, s) = (
             squares[(i + 1) % 3] + squares[(i + 2) % 3],
@@ -407,7 +407,7 @@ fn apply(rows: &[Vector3<Interval>; 3], v: Vector3<Interval>) -> Vector3<Interva
     Vector3::new(rows[0].dot(v), rows[1].dot(v), rows[2].dot(v))
 }
 
-/// An inverse of the middle of a matrix, rounded.
+/// Inverse of the middle of a matrix, rounded.
 fn inverse(matrix: &[[Interval; 6]; 6]) -> Option<[[f64; 6]; 6]> {
     let rows = Lu6::new(matrix.map(|row| row.map(Scalar::value)), 1.0)?.inverse();
     let finite = rows.as_flattened().iter().all(|entry| entry.is_finite());

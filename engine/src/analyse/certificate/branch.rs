@@ -10,17 +10,17 @@ use crate::solve::Station;
 use crate::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
 
-/// The most steps a path from one station to the next may be proved in.
+/// Largest number of steps in the proof of a path from one station to the next.
 const MOST_STEPS: usize = 4096;
-/// Halvings of such a step.
+/// Largest number of halvings of such a step.
 const MOST_HALVINGS: usize = 40;
 
 impl Solver<'_> {
-    /// The same as [`Solver::for_each_pose`], with two proofs for every pose: it is right, and it lies on the branch of the design
-    /// position. A pose without proof counts as a failure.
+    /// The same as [`Solver::for_each_pose`], with two proofs for every pose: that it is right, and that it lies on the
+    /// branch of the design position. A pose without proof counts as a failure.
     ///
     /// # Errors
-    /// The design position is singular.
+    /// If the design position is singular.
     pub fn for_each_certified_pose(
         &mut self,
         certifier: &Certifier,
@@ -38,8 +38,8 @@ impl Solver<'_> {
         self.prove_poses(certifier, drive, station_order, rack, &found, visit)
     }
 
-    /// Proves poses that were found at the stations: that each is right, and that it lies on the branch of the
-    /// design position. `visit` gets those that are proved, and why the others are not.
+    /// Proves poses that were found at the stations: that each is right, and that it lies on the branch of the design
+    /// position. `visit` gets the proved poses, and the reasons why the others are not proved.
     ///
     /// # Errors
     /// If the design position itself is singular.
@@ -77,7 +77,7 @@ impl Solver<'_> {
                     self.prove_path(certifier, from?, (pose, point))
                         .map_err(Failure::Uncertified)
                 });
-                // Nothing is proved beyond a gap in the proof. An unreachable station ends the side anyway.
+                // No pose is proved beyond a gap in the proof. An unreachable station ends its side in any case.
                 from = certified;
                 let shown = match &certified {
                     Ok(proved) => Ok((&proved.place.0, proved.certificate)),
@@ -91,7 +91,7 @@ impl Solver<'_> {
         Ok(())
     }
 
-    /// Proves that a pose lies on one branch with another, in as many steps as it takes.
+    /// Proves that a pose lies on the same branch as another one, in as many steps as needed.
     fn prove_path(
         &mut self,
         certifier: &Certifier,
@@ -101,7 +101,7 @@ impl Solver<'_> {
         if from.place == to {
             return Ok(from);
         }
-        // Poses that remain to be proved to be on the branch, nearest last.
+        // Poses that remain to be proved to be on the branch. The nearest is last.
         let mut goals = vec![(Proved::new(certifier, to)?, 0)];
         for _ in 0..MOST_STEPS {
             let Some(&(goal, depth)) = goals.last() else {
@@ -130,14 +130,14 @@ impl Solver<'_> {
             let top = goals.last_mut().expect("looked at above");
             top.1 += 1;
             let depth = top.1;
-            // An end that is itself unproved will not become so by a shorter way to it.
+            // If an end itself is not proved, a shorter step to it cannot prove it.
             goals.push((Proved::new(certifier, (middle, between))?, depth));
         }
         Err(Unproven::Branch)
     }
 }
 
-/// A pose that is proved to be right.
+/// A pose that is proved right.
 #[derive(Clone, Copy)]
 struct Proved {
     place: Station,
@@ -150,7 +150,7 @@ impl Proved {
         Ok(Proved { place, certificate })
     }
 
-    /// Proves that the straight line to another pose runs beside one branch.
+    /// Proves that the straight line to another pose follows one branch.
     fn reaches(&self, certifier: &Certifier, other: &Self) -> Result<(), Unproven> {
         let ((from, start), (to, end)) = (&self.place, &other.place);
         let errors = [self.certificate.error, other.certificate.error];

@@ -1,4 +1,4 @@
-//! The constants of the theorem: second derivatives for every pair of variables, and the radii that follow from them.
+//! Tests the constants of the theorem: second derivatives for every pair of variables, and the radii that follow from them.
 
 use super::quadratic::{PoseBend, Quadratic};
 use super::theorem::{Radii, defect, image, radii};
@@ -16,12 +16,12 @@ fn suspensions() -> Vec<Suspension> {
         let study = Study::from_text("row.toml", topology.template, Path::new("."));
         study.expect("a template is valid").into_wheel()
     };
-    // The hinge of a twist beam is not quadratic, and studies of it take no proof.
+    // The hinge of a twist beam is not quadratic, and studies of twist beams have no proofs.
     let proved = Topology::ALL.iter().filter(|t| !t.is_twist_beam());
     proved.map(read).collect()
 }
 
-/// The twelve equations at a displacement of the pose's numbers from the design position, lengths divided by the scale.
+/// The twelve equations at a displacement of the pose's numbers from the design position. Lengths are divided by the scale.
 fn equations(suspension: &Suspension, drive: Drive, scale: f64, z: [f64; N]) -> [Interval; N] {
     let mechanism: &Mechanism = &suspension.mechanism;
     let design: Vec<_> = suspension
@@ -66,8 +66,8 @@ fn equations(suspension: &Suspension, drive: Drive, scale: f64, z: [f64; N]) -> 
     all
 }
 
-/// The second derivative of a polynomial of second degree by variables j and l, from its values alone:
-/// F(e_j + e_l) - F(e_j) - F(e_l) + F(0). For j = l this is F'' as well, since F(2 e) - 2 F(e) + F(0) = F''.
+/// Second derivative of a polynomial of second degree by variables j and l, from its values alone: F(e_j + e_l) - F(e_j) -
+/// F(e_l) + F(0). For j = l this is also F'', since F(2 e) - 2 F(e) + F(0) = F''.
 fn differences(at: &impl Fn([f64; N]) -> [Interval; N], j: usize, l: usize) -> [Interval; N] {
     let unit = |one: bool, other: bool| {
         let mut z = [0.0; N];
@@ -80,8 +80,8 @@ fn differences(at: &impl Fn([f64; N]) -> [Interval; N], j: usize, l: usize) -> [
     from_fn(|i| both[i] - first[i] - second[i] + none[i])
 }
 
-/// For every topology, drive, equation and pair of the pose's numbers: the constant is the true coefficient of the pair in
-/// H(z, z), which is H_jj for one number and H_jl + H_lj = 2 H_jl for two different ones.
+/// For every topology, drive, equation and pair of the pose's numbers, the constant is the true coefficient of the pair in
+/// H(z, z). This is H_jj for one number, and H_jl + H_lj = 2 H_jl for two different ones.
 #[test]
 fn constants_are_the_second_derivatives_of_every_pair() {
     for suspension in suspensions() {
@@ -105,7 +105,7 @@ fn constants_are_the_second_derivatives_of_every_pair() {
                         assert!(own.next().is_none(), "{name}: a pair counts once");
                         let what =
                             format!("{name} {drive:?} {equation} {j} {l}: {middle} {truth:?}");
-                        // Both enclose the same number, and the bound of the constant is sharp.
+                        // Both enclose the same number, and the bound of the constant is tight.
                         assert!(
                             middle - off <= truth.high && truth.low <= middle + off,
                             "{what}"
@@ -137,9 +137,9 @@ fn proved(jacobian: &Square, bends: &[PoseBend], residual: f64) -> Result<Radii,
     radii(&IDENTITY, &intervals, bends, residual)
 }
 
-/// A planted system of which a pair of variables makes the only second derivative: x_j + k x_j x_l = r, x_l - x_j = 0,
-/// with J = 1 after elimination, that is x_j + k x_j^2 = r along x_j = x_l. Its solutions are known. `pair` counts k as the
-/// certificate does: H_jj = 2 k for one number, H_jl + H_lj = 2 k for two.
+/// A system with known solutions, in which one pair of variables has the only second derivative: x_j + k x_j x_l = r, x_l -
+/// x_j = 0, with J = 1 after elimination, that is x_j + k x_j^2 = r along x_j = x_l. `pair` counts k like the certificate:
+/// H_jj = 2 k for one number, H_jl + H_lj = 2 k for two.
 fn planted(equation: usize, j: usize, l: usize, k: f64) -> PoseBend {
     PoseBend {
         equation,
@@ -149,9 +149,9 @@ fn planted(equation: usize, j: usize, l: usize, k: f64) -> PoseBend {
     }
 }
 
-/// For every pair: x + k x^2 = 0 has its other solution at the distance 1/k, and no radius of uniqueness may reach it. With
-/// x + k x^2 = r, 4 k r < -1 leaves no solution: just beyond that nothing may be proved, and just before it is. The
-/// solution is x = (sqrt(1 + 4 k r) - 1)/(2 k), and the error must not be below its distance.
+/// For every pair, x + k x^2 = 0 has its other solution at the distance 1/k, and no radius of uniqueness may reach it. With
+/// x + k x^2 = r, there is no solution if 4 k r < -1. Just beyond that limit the proof must fail; just before it, it
+/// succeeds. The solution is x = (sqrt(1 + 4 k r) - 1)/(2 k), and the error bound must not be below its distance.
 #[test]
 fn planted_solutions_are_not_beyond_the_radii() {
     for j in 0..N {
@@ -165,7 +165,7 @@ fn planted_solutions_are_not_beyond_the_radii() {
                 let limit = 0.25 / k;
                 for share in [0.1, 0.5, 0.999_999_99] {
                     let found = proved(&IDENTITY, &bends, share * limit).expect("a solution");
-                    // The solutions of k x^2 - x + r = 0, in digits that do not cancel.
+                    // Solutions of k x^2 - x + r = 0, in a form without cancellation.
                     let root = (1.0 - share).sqrt();
                     let near = 2.0 * share * limit / (1.0 + root);
                     let far = (1.0 + root) / (2.0 * k);
@@ -181,8 +181,8 @@ fn planted_solutions_are_not_beyond_the_radii() {
     }
 }
 
-/// Constants of several pairs add up, those of one pair in several equations as the inverse mixes them, and what is not
-/// known of any of them counts as much.
+/// Constants of several pairs add up. Constants of one pair in several equations add up as the inverse combines them. The
+/// uncertainty of each counts as much as its value.
 #[test]
 fn constants_of_all_pairs_add_up() {
     let bends = [
@@ -196,10 +196,11 @@ fn constants_of_all_pairs_add_up() {
         planted(8, 2, 5, 0.5),
     ];
     let found = proved(&IDENTITY, &bends, 0.0).unwrap();
-    // |H| of equation 3 is 1 + 1.5 + 0.5 + 0.5, of equation 8 it is 1.
+    // |H| of equation 3 is 1 + 1.5 + 0.5 + 0.5, that of equation 8 is 1.
     let expected = 2.0 / 3.5;
     assert!((found.uniqueness / expected - 1.0).abs() < 1e-9);
-    // The inverse adds equation 8 to equation 3: signs of one pair count before their sum.
+    // The inverse adds equation 8 to equation 3. Coefficients of one pair are added with their signs before the absolute
+    // value.
     let mut inverse = IDENTITY;
     inverse[3][8] = -1.0;
     let mut jacobian = IDENTITY;
@@ -221,8 +222,8 @@ fn constants_of_all_pairs_add_up() {
     );
 }
 
-/// An inverse that is off by a part z of 1 takes (1 - z): x (1 + z) + k x^2 = 0 with A = 1 is proved as if it were
-/// x (1 - z). From z = 1 on nothing is proved.
+/// With an inverse that deviates from the exact one by z, x (1 + z) + k x^2 = 0 with A = 1 is proved as if it were x (1 - z)
+/// + k x^2 = 0. From z = 1 on the proof fails.
 #[test]
 fn an_inverse_that_is_off_narrows_the_radii() {
     let bends = [planted(4, 1, 6, 0.5)];
@@ -246,8 +247,8 @@ fn an_inverse_that_is_off_narrows_the_radii() {
     );
 }
 
-/// Twelve products and the subtraction of 1 are known to rounding: no better than twelve units of roundoff and no worse
-/// than a few times as much.
+/// The bound includes the rounding of twelve products and of the subtraction of 1. It is at least twelve units of roundoff,
+/// and at most a few times as much.
 #[test]
 fn an_exact_inverse_is_off_by_rounding() {
     let intervals = IDENTITY.map(|row| row.map(Interval::point));
@@ -259,15 +260,15 @@ fn an_exact_inverse_is_off_by_rounding() {
     assert!(norm >= 12.0 * (1.0 + 12.0 * unit) && norm <= 12.0 * (1.0 + 2e-12));
 }
 
-/// Linear equations have one solution, however far one goes.
+/// Linear equations have one solution, at any distance.
 #[test]
 fn linear_equations_have_one_solution() {
     let found = proved(&IDENTITY, &[], 0.0).unwrap();
     assert!(found.uniqueness > 1e300, "{}", found.uniqueness);
 }
 
-/// Along a line between two motion points the equations are a parabola with what is enclosed. Over a short turn of the arm
-/// the enclosure of the curvature is as sharp as the turn.
+/// Along a line between two motion points the equations are enclosed by a parabola. Over a short rotation of the arm the
+/// enclosure of the curvature is as narrow as the rotation.
 #[test]
 fn equations_on_a_line_are_enclosed() {
     for suspension in suspensions() {
@@ -301,7 +302,7 @@ fn equations_on_a_line_are_enclosed() {
                     let line = constant[i] + slope[i].times(share);
                     let sum = line + bend[i].times(share * share);
                     assert!(sum.low <= exact[i].high && exact[i].low <= sum.high, "{i}");
-                    // Wider than it must be by no more than the turn, and by rounding.
+                    // The enclosure exceeds the smallest possible one by no more than the rotation and rounding.
                     let needed = (exact[i] - line).times(1.0 / (share * share));
                     let most = bend[i].magnitude();
                     assert!(bend[i].width() <= 5e-4 * most + 1e-14, "{i}: {:?}", bend[i]);
@@ -317,7 +318,7 @@ fn equations_on_a_line_are_enclosed() {
     }
 }
 
-/// A knuckle point b is off by the origin's error and the rotation's: sqrt 3 e + 3 (e/scale) |b|.
+/// The error of a knuckle point b comes from the errors of origin and rotation: sqrt 3 e + 3 (e/scale) |b|.
 #[test]
 fn points_are_off_by_origin_and_rotation() {
     let certificate = super::Certificate {

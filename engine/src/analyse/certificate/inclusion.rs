@@ -16,7 +16,7 @@ use crate::model::Drive;
 use crate::number::{Interval, Jet, Matrix3, Vector3};
 use std::array::from_fn;
 
-/// The poses at all travels of an interval.
+/// Poses at all travels of an interval.
 #[derive(Clone, Copy, Debug)]
 pub struct Inclusion {
     /// Bound on the difference between the given pose and the exact one at any travel of the interval.
@@ -26,10 +26,10 @@ pub struct Inclusion {
 }
 
 impl Certifier<'_> {
-    /// Encloses the poses beside a given one at every travel of an interval, with the rack exactly at `rack`.
+    /// Encloses the poses near a given one at every travel of an interval, with the rack exactly at `rack`.
     ///
     /// # Errors
-    /// Reason why nothing could be proved; a shorter interval may succeed.
+    /// Reason why the proof failed. A shorter interval may succeed.
     pub fn over_travels(
         &self,
         pose: &Pose<f64>,
@@ -57,7 +57,7 @@ impl Certifier<'_> {
         let one = Interval::point(1.0);
         let defect = Interval::point(defect(&inverse, &jacobian));
         let left = one - defect;
-        // Never NaN: interval bounds are never NaN.
+        // The bound is never NaN, because interval bounds are never NaN.
         if left.low <= 0.0 {
             return Err(Unproven::TooClose);
         }
@@ -71,7 +71,7 @@ impl Certifier<'_> {
         let off = (defect * Interval::point(largest) / left).high;
         let rate = rate.map(|v| around(v, off));
 
-        // The origin moves by lengths, the rotation by its entries; lengths are counted in the scale.
+        // The error moves the origin by a length, and changes the entries of the rotation by the error divided by the scale.
         let turn = (Interval::point(certificate.error) / Interval::point(self.scale)).high;
         let place = |j: usize, value: f64, error: f64| match j {
             0..3 => Jet([around(Interval::point(value), error), rate[j]]),

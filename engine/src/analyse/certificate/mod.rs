@@ -1,8 +1,8 @@
 //! Proof that a pose is right: the theorem of Newton and Kantorovich on the quadratic closure equations.
 //!
-//! In the twelve numbers x of a pose (position of the origin, nine entries of the rotation) the five
-//! constraints, the drive and the six conditions R^T R = 1 are quadratic ([`quadratic`]). With A an approximate inverse
-//! of the Jacobian J at x, in the maximum norm,
+//! In the twelve numbers x of a pose (position of the origin, nine entries of the rotation) the five constraints, the drive
+//! and the six conditions R^T R = 1 are quadratic ([`quadratic`]). With A an approximate inverse of the Jacobian J at x, in
+//! the maximum norm,
 //!
 //! ```text
 //! Y = |A F(x)|,   Z0 = |1 - A J(x)|,   Z2 = |A H|,   H the constant second derivative
@@ -11,25 +11,23 @@
 //! r- = 2 Y / (1 - Z0 + sqrt d),  r+ = (1 - Z0 + sqrt d) / Z2,  d = (1 - Z0)^2 - 2 Z2 Y
 //! ```
 //!
-//! (radii polynomial: |A F + (A J - 1) e + A H(e,e)/2| <= Y + Z0 r + Z2 r^2/2 <= r maps the ball into
-//! itself). F, J and H are evaluated on [`Interval`]s from the hardpoints on, so that link lengths, strut
-//! normals and everything else are enclosed as well: the proof is about the exact mechanism whose
-//! hardpoints are the given doubles, whatever is rounded on the way. Lengths are divided by a power of
-//! two near the size.
+//! (radii polynomial: |A F + (A J - 1) e + A H(e,e)/2| <= Y + Z0 r + Z2 r^2/2 <= r maps the ball into itself). F, J and H
+//! are evaluated on [`Interval`]s, beginning with the hardpoints, so that link lengths, strut normals and everything else
+//! are also enclosed. So the proof concerns the exact mechanism whose hardpoints are the given doubles, whatever is rounded
+//! in the computation. Lengths are divided by a power of two near the size.
 //!
-//! *A whole step.* On the straight line x(t) between two poses, 0 <= t <= 1, the equations are
-//! F = a + b t + c t^2 (with c enclosed over the line where the drive is an angle), so
+//! *A whole step.* On the straight line x(t) between two poses, 0 <= t <= 1, the equations are F = a + b t + c t^2 (with c
+//! enclosed over the line if the drive is an angle), so
 //!
 //! ```text
 //! |A F(x(t))| <= |A a| + |A (b + c)| + |A c|/4          as t (1 - t) <= 1/4
 //! ```
 //!
-//! and with J enclosed over the line the same inequality proves, for every t, one and only one solution
-//! within r+ of the line: both poses lie on one branch. A chain of such steps from the design position
-//! proves a whole curve.
+//! With J enclosed over the line, the same inequality proves, for every t, one and only one solution within r+ of the line.
+//! So both poses lie on one branch. A chain of such steps from the design position proves a whole curve.
 //!
-//! *An interval of the travel.* With the drive an interval in F the inequality holds for every travel in it:
-//! there is a pose for each, within r- of the one pose that was looked at ([`Inclusion`]).
+//! *An interval of the travel.* If the drive in F is an interval, the inequality holds for every travel in it. For each
+//! there is a pose within r- of the given pose ([`Inclusion`]).
 
 mod branch;
 #[cfg(test)]
@@ -57,13 +55,12 @@ type Square = [[f64; N]; N];
 /// Proof of a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Certificate {
-    /// The exact pose is no further than this from the computed one: coordinates of the knuckle's
-    /// origin differ by no more than this length, entries of the rotation by no more than this over the
-    /// scale.
+    /// Bound on the difference between the exact pose and the computed one. Coordinates of the knuckle's origin differ by at
+    /// most this length, entries of the rotation by at most this length divided by the scale.
     pub error: f64,
-    /// No other solution is closer than this, measured alike.
+    /// Distance within which there is no other solution, measured in the same way.
     pub uniqueness: f64,
-    /// The length the rotation is counted at: the power of two next to the size.
+    /// Length by which entries of the rotation are multiplied: the power of two next to the size.
     pub scale: f64,
 }
 
@@ -81,7 +78,7 @@ pub struct Certifier<'m> {
     mechanism: &'m Mechanism,
     design: Vec<Vector3<f64>>,
     scale: f64,
-    /// The equations for each kind of drive, made when first needed.
+    /// Equations for each kind of drive, made when first needed.
     equations: [OnceCell<Quadratic>; 2],
 }
 
@@ -96,7 +93,7 @@ impl<'m> Certifier<'m> {
         }
     }
 
-    /// The length the rotation is counted at.
+    /// Length by which entries of the rotation are multiplied.
     pub(crate) fn scale(&self) -> f64 {
         self.scale
     }
@@ -109,7 +106,7 @@ impl<'m> Certifier<'m> {
     /// Proves a pose, with the drive and the rack exactly at `point`.
     ///
     /// # Errors
-    /// Reason why nothing could be proved.
+    /// Reason why the proof failed.
     pub fn pose(
         &self,
         pose: &Pose<f64>,
@@ -131,11 +128,11 @@ impl<'m> Certifier<'m> {
         }
     }
 
-    /// Proves that two poses lie on one branch, with exactly one solution beside every point of the straight line between them.
-    /// Each pose is proved already, to within its entry of `errors`.
+    /// Proves that two poses lie on one branch, with exactly one solution near every point of the straight line between
+    /// them. Each pose must already be proved, to within its entry of `errors`.
     ///
     /// # Errors
-    /// Reason why nothing could be proved; a shorter step may succeed.
+    /// Reason why the proof failed. A shorter step may succeed.
     fn line(
         &self,
         (from, start): (&Pose<f64>, &MotionPoint<f64>),
@@ -154,7 +151,7 @@ impl<'m> Certifier<'m> {
         ];
         let bound = bound[0] + bound[1] + bound[2];
         let radii = radii(&inverse, &jacobian, &equations.pose_bends, bound.high)?;
-        // The proved solutions at both ends are the ones beside the line.
+        // The proved solutions at both ends are those near the line.
         let within = (radii.uniqueness * self.scale).next_down();
         match errors.into_iter().all(|error| error <= within) {
             true => Ok(()),

@@ -24,7 +24,7 @@ use crate::number::Real;
 use crate::number::{Matrix3, Vector3};
 use std::array::from_fn;
 
-/// The pose, the rack, and two for the drive.
+/// Number of variables: the pose, the rack, and two for the drive.
 const V: usize = N + 3;
 const RACK: usize = N;
 const DRIVE: [usize; 2] = [N + 1, N + 2];
@@ -33,12 +33,12 @@ type Once = Dual<Interval, V>;
 /// A number with its first and second derivatives.
 type Twice = Dual<Once, V>;
 
-/// A displacement from the design position.
+/// Displacement from the design position.
 pub(crate) type Displacement = [Interval; V];
-/// The Jacobian by the pose.
+/// Jacobian by the pose.
 pub(crate) type Jacobian = [[Interval; N]; N];
 
-/// An entry of a second derivative.
+/// Entry of a second derivative.
 #[derive(Clone, Copy, Debug)]
 struct Bend {
     equation: usize,
@@ -47,28 +47,28 @@ struct Bend {
     value: Interval,
 }
 
-/// The equations of one design with one kind of drive.
+/// Equations of one design with one kind of drive.
 pub(crate) struct Quadratic {
     drive: Drive,
-    /// The length that counts as 1: a power of two next to the size.
+    /// Length that counts as 1: a power of two next to the size.
     scale: f64,
     /// Design position of the knuckle's origin.
     origin: Vector3<f64>,
     constant: [Interval; N],
     linear: [[Interval; V]; N],
     bends: Vec<Bend>,
-    /// Second derivatives by the pose alone, by pairs of variables.
+    /// Second derivatives by the pose, by pairs of variables.
     pub(crate) pose_bends: Vec<PoseBend>,
 }
 
-/// A second derivative by a pair of the pose's numbers, counted twice where they are two.
+/// Second derivative by a pair of the pose's numbers. If the two differ, it is counted twice.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PoseBend {
     pub equation: usize,
-    /// Number of the pair.
+    /// Index of the pair.
     pub pair: usize,
     pub middle: f64,
-    /// Bound on the error of the middle, rounding of the sums it enters included.
+    /// Bound on the error of the middle, including the rounding of the sums that use it.
     pub off: f64,
 }
 
@@ -164,7 +164,7 @@ impl Quadratic {
         }
     }
 
-    /// The displacement to a pose and motion point.
+    /// Displacement to a pose and motion point.
     pub(crate) fn displacement(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Displacement {
         let point = MotionPoint {
             drive: point.drive,
@@ -174,7 +174,7 @@ impl Quadratic {
         self.displacement_over(pose, &point)
     }
 
-    /// The same as [`Quadratic::displacement`], with drive and rack anywhere in intervals.
+    /// The same as [`Quadratic::displacement`], with drive and rack in intervals.
     pub(crate) fn displacement_over(
         &self,
         pose: &Pose<f64>,
@@ -203,7 +203,7 @@ impl Quadratic {
         })
     }
 
-    /// J(z) by the pose, and by the travel that drives.
+    /// Jacobian J(z) by the pose, and by the travel as the drive.
     pub(crate) fn jacobian(&self, z: &Displacement) -> (Jacobian, [Interval; N]) {
         let gradients = self.gradients(z);
         (
@@ -212,7 +212,7 @@ impl Quadratic {
         )
     }
 
-    /// J(z) by every variable.
+    /// Jacobian J(z) by all variables.
     fn gradients(&self, z: &Displacement) -> [[Interval; V]; N] {
         let mut gradients = self.linear;
         for b in &self.bends {
@@ -222,7 +222,7 @@ impl Quadratic {
         gradients
     }
 
-    /// F(z) and J(z).
+    /// Values F(z) and Jacobian J(z).
     pub(crate) fn linearised(&self, z: &Displacement) -> ([Interval; N], Jacobian) {
         let gradients = self.gradients(z);
         let values = from_fn(|i| {
@@ -235,8 +235,9 @@ impl Quadratic {
         (values, gradients.map(by_pose))
     }
 
-    /// The equations on the straight line between two poses, while drive and rack move evenly from one motion point to the other.
-    /// Returns coefficients a, b, c with F within a + b t + c t^2 for 0 <= t <= 1, and the Jacobian over the whole line.
+    /// Equations on the straight line between two poses, while drive and rack move evenly from one motion point to the
+    /// other. Returns coefficients a, b, c with F within a + b t + c t^2 for 0 <= t <= 1, and the Jacobian over the whole
+    /// line.
     pub(crate) fn on_line(
         &self,
         [from, to]: [&Displacement; 2],
@@ -244,7 +245,7 @@ impl Quadratic {
     ) -> ([[Interval; N]; 3], Jacobian) {
         let mut over: Displacement = from_fn(|j| from[j].hull(to[j]));
         let mut along: Displacement = from_fn(|j| to[j] - from[j]);
-        // Second derivatives of the variables, halved.
+        // Half the second derivatives of the variables.
         let mut curved = [Interval::point(0.0); 2];
         let mut along_anywhere = along;
         if self.drive == Drive::ArmAngle {
@@ -269,7 +270,7 @@ impl Quadratic {
             let terms = here[i].iter().zip(&along);
             terms.fold(zero, |sum, (g, v)| sum + *g * *v)
         });
-        // Halves of H(z', z') + J z''.
+        // Half of H(z', z') + J z''.
         let mut bend: [Interval; N] =
             from_fn(|i| anywhere[i][DRIVE[0]] * curved[0] + anywhere[i][DRIVE[1]] * curved[1]);
         for b in &self.bends {
@@ -292,18 +293,18 @@ fn by_pose(gradient: [Interval; V]) -> [Interval; N] {
     from_fn(|j| gradient[j])
 }
 
-/// The largest distance of a number of the interval from `middle`.
+/// Largest distance of a number in the interval from `middle`.
 pub(crate) fn radius(interval: Interval, middle: f64) -> f64 {
     let reach = (interval.high - middle).max(middle - interval.low);
-    // A difference of doubles is zero only where they are equal; the next number after zero would make
-    // all that it is multiplied with subnormal, and slow.
+    // A difference of doubles is zero only if they are equal. The next number after zero would make all products with it
+    // subnormal, and slow.
     match reach > 0.0 {
         true => reach.next_up(),
         false => 0.0,
     }
 }
 
-/// The middles of a Jacobian.
+/// Middles of a Jacobian.
 pub(crate) fn middles(jacobian: &Jacobian) -> Square {
     jacobian.map(|row| row.map(Interval::middle))
 }
@@ -316,8 +317,8 @@ mod tests {
     use crate::study::Study;
     use std::path::Path;
 
-    /// The certificate assumes that every closure equation is a polynomial of second degree along any line through the pose's
-    /// twelve numbers, the rack and the drive. Another kind of row would have a third derivative.
+    /// The certificate assumes that every closure equation is a polynomial of second degree along any line through the
+    /// pose's twelve numbers, the rack and the drive. Any other row would have a third derivative.
     #[test]
     fn every_row_of_every_topology_is_quadratic() {
         // Numbers in [-1, 1) from a linear congruential sequence.
@@ -328,7 +329,7 @@ mod tests {
                 .wrapping_add(1);
             (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
         };
-        // The hinge of a twist beam is not quadratic, and studies of it take no proof.
+        // The hinge of a twist beam is not quadratic, and studies of twist beams have no proofs.
         for topology in Topology::ALL.iter().filter(|t| !t.is_twist_beam()) {
             let study = Study::from_text("row.toml", topology.template, Path::new("."));
             let suspension = study.expect("a template is valid").into_wheel();

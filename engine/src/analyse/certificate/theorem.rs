@@ -1,9 +1,9 @@
 //! One application of the theorem of Newton and Kantorovich.
 //!
-//! The sums with many terms, |A F|, |1 - A J| and |A H|, are formed in plain doubles from middles and radii, and a bound of
-//! the rounding error is added. With the unit roundoff u, a sum of n products is off by at most n u/(1 - n u) times the sum
-//! of their absolute values (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 3.1). All sums here have at
-//! most sixteen terms.
+//! The sums with many terms, |A F|, |1 - A J| and |A H|, are computed in plain doubles from middles and radii, and a bound
+//! of the rounding error is added. With the unit roundoff u, a sum of n products has an error of at most n u/(1 - n u) times
+//! the sum of their absolute values (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 3.1). All sums here
+//! have at most sixteen terms.
 
 use super::quadratic::{Jacobian, PoseBend, middles, radius};
 use super::{N, Square};
@@ -13,18 +13,18 @@ use crate::number::Interval;
 use crate::number::Real;
 use std::array::from_fn;
 
-/// The radii of one application of the theorem.
+/// Radii of one application of the theorem.
 pub(crate) struct Radii {
     pub error: f64,
     pub uniqueness: f64,
 }
 
-/// Sixteen units of roundoff, and as much again as the quotient and the bound's own products need.
+/// Rounding bound: sixteen units of roundoff, doubled for the quotient and the bound's own products.
 pub(crate) const ROUNDING: f64 = 16.0 * f64::EPSILON;
-/// Sums of up to two hundred non-negative terms, each rounded a few times, lose less than this part.
+/// Upward factor for sums of up to two hundred non-negative terms, each rounded a few times. They lose less than this.
 const UPWARD: f64 = 1.0 + 1e-12;
 
-/// The theorem for the middles' approximate inverse A: `residual` bounds |A F|.
+/// Applies the theorem with the approximate inverse A of the middles. `residual` bounds |A F|.
 pub(crate) fn radii(
     inverse: &Square,
     jacobian: &Jacobian,
@@ -32,7 +32,7 @@ pub(crate) fn radii(
     residual: f64,
 ) -> Result<Radii, Unproven> {
     let left = Interval::point(1.0) - Interval::point(defect(inverse, jacobian));
-    // Never NaN: interval bounds are never NaN.
+    // The bound is never NaN, because interval bounds are never NaN.
     if left.low <= 0.0 {
         return Err(Unproven::Singular);
     }
@@ -54,7 +54,7 @@ pub(crate) fn radii(
     }
 }
 
-/// A bound on |1 - A J|.
+/// Bound on |1 - A J|.
 pub(crate) fn defect(inverse: &Square, jacobian: &Jacobian) -> f64 {
     let middle = middles(jacobian);
     let off: Square = from_fn(|k| {
@@ -78,7 +78,7 @@ pub(crate) fn defect(inverse: &Square, jacobian: &Jacobian) -> f64 {
     largest((0..N).map(row))
 }
 
-/// A bound on |A H|.
+/// Bound on |A H|.
 fn curvature(inverse: &Square, bends: &[PoseBend]) -> f64 {
     let row = |i: usize| {
         let (mut total, mut unsure) = (0.0, 0.0);
@@ -96,10 +96,10 @@ fn curvature(inverse: &Square, bends: &[PoseBend]) -> f64 {
     largest((0..N).map(row))
 }
 
-/// The largest of some sums of non-negative terms, rounded up, underflow included.
+/// Largest of some sums of non-negative terms, rounded up. Underflow is included.
 fn largest(sums: impl Iterator<Item = f64>) -> f64 {
     sums.fold(0.0, |most: f64, sum| {
-        // Written so that NaN becomes infinite.
+        // With this form of the test, NaN becomes infinite.
         let bound = sum * UPWARD + f64::MIN_POSITIVE;
         match bound <= f64::MAX {
             true => most.max(bound),
@@ -108,7 +108,7 @@ fn largest(sums: impl Iterator<Item = f64>) -> f64 {
     })
 }
 
-/// A bound on the norm of A applied to a vector.
+/// Bound on the norm of A applied to a vector.
 pub(crate) fn image(inverse: &Square, vector: &[Interval; N]) -> f64 {
     let middle = vector.map(Interval::middle);
     let off: [f64; N] = from_fn(|j| radius(vector[j], middle[j]) + ROUNDING * middle[j].abs());
@@ -123,7 +123,7 @@ pub(crate) fn image(inverse: &Square, vector: &[Interval; N]) -> f64 {
     largest(inverse.iter().map(row))
 }
 
-/// An approximate inverse.
+/// Approximate inverse of a matrix.
 pub(crate) fn inverse(matrix: &Square) -> Result<Square, Unproven> {
     let factors = Lu::of(*matrix, 1.0).ok_or(Unproven::Singular)?;
     Ok(factors.inverse())

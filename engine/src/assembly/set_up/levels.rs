@@ -1,35 +1,35 @@
-//! The first level: threads meet their aims exactly, whatever the shims are.
+//! First level: threads meet their aims exactly, for any shims.
 
 use super::problem::Problem;
 use super::{AdjustedSuspension, SetUpError};
 use nalgebra::{DMatrix, DVector};
 
-/// Maximum number of steps of Newton's method.
+/// Largest number of steps of Newton's method.
 const MOST_STEPS: usize = 40;
-/// Effects below this share of the largest count as zero: no aim depends on these directions.
+/// Share of the largest effect below which effects count as zero. No aim depends on such directions.
 const FLAT: f64 = 1e-8;
-/// Steps up to this, in parts of the size, do not change the parts.
+/// Size of steps, as a share of the suspension's size, that do not change the parts.
 const STILL: f64 = 1e-14;
-/// Steps up to this that make nothing better are rounding.
+/// Size of steps without improvement that count as rounding.
 const ROUNDING: f64 = 1e-7;
-/// The smallest part of a step that is tried.
+/// Smallest part of a step that is tried.
 const SHORTEST: f64 = 1e-3;
 
 /// Assignment of aims to threads and shims.
 #[derive(Clone, Debug)]
 pub(super) struct Levels {
-    /// Values that threads meet exactly: `S`.
+    /// Indices of values that threads meet exactly: `S`.
     pub(super) exact: Vec<usize>,
-    /// Values that shims serve: `R`.
+    /// Indices of values that shims serve: `R`.
     pub(super) rest: Vec<usize>,
-    /// Numbers of the continuous adjustments.
+    /// Indices of the continuous adjustments.
     pub(super) threads: Vec<usize>,
-    /// Numbers of the shims.
+    /// Indices of the shims.
     pub(super) shims: Vec<usize>,
 }
 
-/// Returns the independent rows of a matrix, by Gram-Schmidt with pivoting. Each time it takes the row with the largest
-/// remainder, equation (1).
+/// Finds independent rows of a matrix, by Gram-Schmidt with pivoting. Each time it takes the row with the largest remainder,
+/// equation (1).
 pub(super) fn felt(mut rows: DMatrix<f64>) -> Vec<usize> {
     let mut taken = Vec::new();
     let mut largest = 0.0;
@@ -54,11 +54,11 @@ pub(super) fn felt(mut rows: DMatrix<f64>) -> Vec<usize> {
     taken
 }
 
-/// End of an iteration.
+/// Result of an iteration.
 pub(super) enum End {
-    /// The aims are met, or as near as least squares can bring them.
+    /// The aims are met, or as close as least squares can bring them.
     Settled(AdjustedSuspension),
-    /// No step brings the aims nearer.
+    /// No step brings the aims closer.
     Stuck(AdjustedSuspension),
 }
 
@@ -91,7 +91,7 @@ impl Problem<'_> {
                 End::Settled(state) => return Err(self.out_of_reach(&state, aims)),
                 End::Stuck(state) => {
                     let errors = self.errors(&state, &left);
-                    // An error without a value is the largest.
+                    // An error without a value counts as the largest.
                     let sizes = errors
                         .iter()
                         .map(|e| if e.is_nan() { f64::INFINITY } else { e.abs() });
@@ -106,8 +106,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Runs Newton's method (2) with the smallest steps that meet the aims. It halves a step if the parts cannot be put
-    /// together or the errors grow.
+    /// Runs Newton's method (2) with the smallest steps that meet the aims. It halves a step if the parts cannot be
+    /// assembled or the errors grow.
     pub(super) fn newton(
         &self,
         state: AdjustedSuspension,
@@ -125,7 +125,7 @@ impl Problem<'_> {
         })
     }
 
-    /// Takes steps of some adjustments until they are still. A trial gives the state of changed amounts.
+    /// Takes steps of some adjustments until they no longer change the parts. `trial` gives the state for changed amounts.
     pub(super) fn iterate(
         &self,
         mut state: AdjustedSuspension,
@@ -169,7 +169,7 @@ impl Problem<'_> {
     }
 }
 
-/// The least-squares step of smallest norm; `None` if an error or an effect has no value.
+/// Least-squares step of smallest norm. `None` if an error or an effect has no value.
 pub(super) fn least_step(effects: DMatrix<f64>, errors: &DVector<f64>) -> Option<DVector<f64>> {
     if errors.iter().chain(effects.iter()).any(|v| !v.is_finite()) {
         return None;

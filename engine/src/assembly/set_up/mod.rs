@@ -1,23 +1,24 @@
-//! Set-ups: adjustments that give wanted static values.
+//! Set-ups: adjustments that give target static values.
 //!
-//! Threads turn continuously, but shims come whole. So threads meet their aims exactly, for any choice of shims. Shims
+//! Threads are continuous, but shims come in whole steps. So threads meet their aims exactly, for any choice of shims. Shims
 //! serve the remaining aims. The error of a shim never affects a value that a thread can meet.
 //!
 //! Notation: `x` are the amounts of threads and other continuous adjustments, `z` those of shims (`z_k = s_k m_k`, step
-//! `s_k`, whole `m_k`), `w(x, z)` the static values of the mechanism assembled anew, `b` their aims, and `W = D dw` the
-//! exact derivatives, weighted by `D`: a tenth of a degree counts as much as a millimetre.
+//! `s_k`, whole number `m_k`). `w(x, z)` are the static values of the mechanism after assembly, `b` their aims. `W = D dw`
+//! are the exact derivatives, weighted by `D`: a tenth of a degree counts as much as a millimetre.
 //!
 //! *Aims of the threads.* The threads can meet as many aims as `W_x` has rank. Gram-Schmidt with pivoting over its rows
-//! takes them one by one, each time the aim that the threads still move most:
+//! takes them one by one, each time the aim that the threads still change most:
 //!
 //! ```text
 //! i = argmax |w_i|,   u = w_i / |w_i|,   w_j <- w_j - (w_j . u) u                      (1)
 //! ```
 //!
-//! until no significant row remains. `S` are the aims taken, `R` the others. So a tie rod takes toe, and a pushrod
-//! takes the ride height.
+//! until no significant row remains. `S` are the aims taken, `R` the others. So a tie rod takes toe, and a pushrod takes the
+//! ride height.
 //!
-//! *First level.* Newton's method meets `S` by the threads; more threads than aims make the smallest adjustment:
+//! *First level.* Newton's method meets `S` with the threads. With more threads than aims, the adjustment is the smallest
+//! one:
 //!
 //! ```text
 //! x <- x - W_Sx^+ D (w_S - b_S)        which defines x = X(z)                           (2)
@@ -38,15 +39,15 @@
 //!
 //! If the threads meet every aim, `R` is empty. Then (2) over threads and shims together gives the smallest adjustment.
 //!
-//! *Whole shims.* About the real optimum `z0`, the `m_k` are `floor(z0_k / s_k)` or one more. At most 2^10 neighbours are
-//! ranked by the linear model, ties by their distance from `z0`:
+//! *Whole shims.* Near the real optimum `z0`, the `m_k` are `floor(z0_k / s_k)` or one more. The linear model ranks at most
+//! 2^10 neighbours; neighbours with equal errors are ranked by their distance from `z0`:
 //!
 //! ```text
 //! |r(z0) + G (z - z0)|^2                                                                (6)
 //! ```
 //!
-//! The eight best and the nearest are assembled and meet (2). The order is: first neighbours with errors of at most
-//! half a step,
+//! The eight best and the nearest are assembled and meet (2). The order is: first neighbours with errors of at most half a
+//! step,
 //!
 //! ```text
 //! |r_i| <= sum over shims of s_k |G_ik| / 2                                             (7)
@@ -54,12 +55,12 @@
 //!
 //! then the one with the least `phi`, then the one with the smallest adjustment.
 //!
-//! If (2) or (5) misses its aims, the solver gives up the aim with the largest error and meets the others from there.
-//! So an aim is not reported as out of reach just because another aim was in its way.
+//! If (2) or (5) misses its aims, the solver gives up the aim with the largest error and meets the others from there. So an
+//! aim is not reported as out of reach only because another aim prevented it.
 //!
-//! A mechanic fits shims first, then turns the threads by sixteenths of a turn. The thread that moves toe most comes
-//! last. The solver also assembles the rounded state. It bounds the errors as in (7), plus half a sixteenth of a turn
-//! of each thread.
+//! A mechanic fits shims first, then turns the threads by sixteenths of a turn. The thread that changes toe most comes last.
+//! The solver also assembles the rounded state. It bounds the errors as in (7), plus half a sixteenth of a turn of each
+//! thread.
 
 mod levels;
 mod problem;
@@ -79,42 +80,42 @@ const MET: f64 = 1e-9;
 /// Steps per turn of a thread: a mechanic turns it by sixteenths of a turn.
 pub const PARTS_OF_A_TURN: f64 = 16.0;
 
-/// A quantity of the resting position.
+/// A quantity of the static position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Static {
     /// A characteristic at travel 0.
     Characteristic(Characteristic),
-    /// Change of the ride height since the design: positive where the car is higher. It is the negative of the wheel
-    /// travel of the resting position.
+    /// Change of the ride height from the design. Positive if the car is higher. It is the negative of the wheel travel of
+    /// the static position.
     RideHeightChange,
 }
 
-/// A suspension at rest with its parts adjusted.
+/// A suspension in its static position, with its parts adjusted.
 #[derive(Clone, Debug)]
 pub struct AdjustedSuspension {
     /// Amount of each adjustment, in the order of the study.
     pub amounts: Vec<f64>,
-    /// The assembled parts.
+    /// Assembled parts.
     pub built: Built,
     /// Static values, in printed units.
     pub values: Vec<f64>,
-    /// Derivatives of the static values, by adjustment and value.
+    /// Derivatives of the static values, `[adjustment][value]`.
     pub by: Vec<Vec<f64>>,
 }
 
 /// Aim of a static value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Aim {
-    /// The study wants this value, in printed units.
+    /// Target value of the study, in printed units.
     Wanted(f64),
-    /// Nothing is wanted: the value of the design is kept, since an adjustment is there for it.
+    /// Value of the design. The study gives no target, but an adjustment for this value exists, so it is kept.
     Kept(f64),
-    /// Nothing is wanted, and the value may change.
+    /// No target. The value may change.
     Free,
 }
 
 impl Aim {
-    /// The value to meet; `None` if the value may change.
+    /// Value to meet. `None` if the value may change.
     pub fn value(self) -> Option<f64> {
         match self {
             Aim::Wanted(value) | Aim::Kept(value) => Some(value),
@@ -126,18 +127,18 @@ impl Aim {
 /// A solved set-up.
 #[derive(Clone, Debug)]
 pub struct SetUp {
-    /// Static values: camber, toe, caster and bump steer (where they are defined), other wanted values, and the change
-    /// of ride height.
+    /// Static values: camber, toe, caster and bump steer (if they are defined), other target values, and the change of ride
+    /// height.
     pub statics: Vec<Static>,
     /// Aim of each static value.
     pub aims: Vec<Aim>,
-    /// The state of the design, at the wanted ride height if no adjustment sets it.
+    /// State of the design, at the target ride height if no adjustment sets it.
     pub drawn: AdjustedSuspension,
-    /// Adjustments in the order a mechanic does them: shims, threads, the thread of toe last.
+    /// Indices of the adjustments in the order of a mechanic: shims, then threads, with the thread of toe last.
     pub order: Vec<usize>,
-    /// The state after each adjustment, in this order. Only shims are rounded.
+    /// State after each adjustment, in this order. Only shims are rounded.
     pub steps: Vec<AdjustedSuspension>,
-    /// The state with amounts that a mechanic can make: whole shims, sixteenths of turns, hundredths of a millimetre.
+    /// State with amounts that a mechanic can set: whole shims, sixteenths of turns, hundredths of a millimetre.
     pub rounded: AdjustedSuspension,
     /// Allowed error of each value: the effect of half a step of each shim.
     pub allowed: Vec<f64>,
@@ -148,28 +149,28 @@ pub struct SetUp {
 /// A missed aim.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MissedTarget {
-    /// The static value.
+    /// Static value.
     pub of: Static,
-    /// Value at which it ends, in printed units.
+    /// Value that is reached, in printed units.
     pub value: f64,
-    /// Wanted value, in printed units.
+    /// Target value, in printed units.
     pub wanted: f64,
 }
 
-/// Reason for which a set-up has no answer.
+/// Reason why a set-up has no solution.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SetUpError {
-    /// The parts of the design, or parts a little adjusted, cannot be put together.
+    /// The parts of the design, or slightly adjusted parts, cannot be assembled.
     AssemblyError(AssemblyError),
     /// The assembled parts form a design that cannot move.
     Fault(DesignFault),
-    /// No adjustment moves a value that must be held.
+    /// No adjustment changes a value that must be kept.
     Unsettled,
     /// The adjustments cannot meet these aims.
     OutOfReach(Vec<MissedTarget>),
-    /// The aims take an adjustment that no workshop makes: more than a tenth of the suspension's size.
+    /// The aims need an unrealistic adjustment: more than a tenth of the suspension's size.
     Absurd {
-        /// Number of the adjustment.
+        /// Index of the adjustment.
         adjustment: usize,
         /// Amount.
         amount: f64,
@@ -189,7 +190,7 @@ impl From<DesignFault> for SetUpError {
 }
 
 impl SetUp {
-    /// Solves for the adjustments that give the wanted values of a study.
+    /// Finds the adjustments that give the target values of a study.
     pub fn solve(study: &Study, setup: &Setup, assembler: &Assembler) -> Result<SetUp, SetUpError> {
         let (problem, drawn) = Problem::of(study, setup, assembler)?;
         let (state, levels) = problem.solve(&drawn)?;
@@ -238,7 +239,7 @@ impl SetUp {
         })
     }
 
-    /// The state after all adjustments, not rounded.
+    /// State after all adjustments, not rounded.
     pub fn last(&self) -> &AdjustedSuspension {
         self.steps.last().unwrap_or(&self.drawn)
     }
@@ -248,7 +249,7 @@ impl SetUp {
         self.errors(self.last())
     }
 
-    /// Error of each value that has an aim, with the amounts that a mechanic can make: value minus aim.
+    /// Error of each value that has an aim, with the amounts that a mechanic can set: value minus aim.
     pub fn misses_rounded(&self) -> Vec<Option<f64>> {
         self.errors(&self.rounded)
     }
@@ -279,7 +280,7 @@ impl SetUp {
     }
 }
 
-/// Returns true for each error that does not exceed the allowed error, up to rounding. A value without an aim has none.
+/// Returns true for each error that does not exceed the allowed error, up to rounding. A value without an aim has no error.
 fn within(errors: &[Option<f64>], allowed: &[f64]) -> Vec<bool> {
     let pairs = errors.iter().zip(allowed);
     pairs
@@ -287,7 +288,7 @@ fn within(errors: &[Option<f64>], allowed: &[f64]) -> Vec<bool> {
         .collect()
 }
 
-/// Returns true if an adjustment is continuous, that is, not made of whole shims.
+/// Returns true if an adjustment is continuous, that is, not made with whole shims.
 fn is_continuous(increment: Increment) -> bool {
     !matches!(increment, Increment::Shims { .. })
 }

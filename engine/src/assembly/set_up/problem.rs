@@ -1,4 +1,4 @@
-//! The static values of a set-up, their aims, and states of the adjusted suspension.
+//! Static values of a set-up, their aims, and states of the adjusted suspension.
 
 use super::levels::{Levels, felt};
 use super::{
@@ -14,7 +14,7 @@ use crate::plan::Plan;
 use crate::study::{Adjustment, Increment, Outputs, Setup, Study, WheelStudy};
 use nalgebra::{DMatrix, DVector};
 
-/// Errors that half steps allow may be so much larger than their slopes say: steps are curved.
+/// Factor for errors that half steps allow. It accounts for the curvature that slopes ignore.
 const CURVED: f64 = 1.01;
 
 /// A set-up to solve.
@@ -26,14 +26,14 @@ pub(super) struct Problem<'a> {
     rest: Rest,
     pub(super) statics: Vec<Static>,
     pub(super) aims: Vec<Aim>,
-    /// Weight of each value's error, per unit in which it is printed: 10 per degree, 1 per millimetre.
+    /// Weight of each value's error, per printed unit: 10 per degree, 1 per millimetre.
     pub(super) weights: Vec<f64>,
-    /// A millimetre in length units.
+    /// Length of 1 mm in length units.
     millimetre: f64,
 }
 
 impl<'a> Problem<'a> {
-    /// The set-up of a study, and the state of its design.
+    /// Makes the set-up of a study, and the state of its design.
     pub(super) fn of(
         study: &Study,
         setup: &Setup,
@@ -58,7 +58,7 @@ impl<'a> Problem<'a> {
             });
         }
         statics.push(Static::RideHeightChange);
-        // With one adjustment there is nothing that could keep the height while it does something else.
+        // A single adjustment cannot keep the height and do something else.
         aims.push(match setup.ride_height_change {
             Some(change) if lifts => Aim::Wanted(change),
             None if lifts && setup.adjust.len() > 1 => Aim::Kept(0.0),
@@ -86,8 +86,9 @@ impl<'a> Problem<'a> {
         Ok((problem, drawn))
     }
 
-    /// Keeps the toe of the design where none is wanted and a thread is there for it: it moves toe more than camber,
-    /// caster and ride height. Alone it is there for whatever is wanted.
+    /// Keeps the toe of the design if the study gives no target for it and one of several threads is for toe. A thread is
+    /// for toe if it changes toe more than camber, caster and ride height. A single thread serves whatever the study
+    /// requests.
     fn keep_toe(&mut self, drawn: &AdjustedSuspension) {
         let Some(toe) = self.toe() else {
             return;
@@ -112,13 +113,13 @@ impl<'a> Problem<'a> {
         self.statics.iter().position(|s| *s == toe)
     }
 
-    /// Numbers of the continuous adjustments.
+    /// Indices of the continuous adjustments.
     pub(super) fn threads(&self) -> impl Iterator<Item = usize> {
         let increments = self.increments.iter().enumerate();
         increments.filter_map(|(k, increment)| is_continuous(*increment).then_some(k))
     }
 
-    /// Numbers of the shims.
+    /// Indices of the shims, with their steps.
     pub(super) fn shims(&self) -> impl Iterator<Item = (usize, f64)> {
         let increments = self.increments.iter().enumerate();
         increments.filter_map(|(k, increment)| match increment {
@@ -127,14 +128,14 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// Numbers of the values that have an aim.
+    /// Indices of the values with an aim.
     pub(super) fn targets(&self) -> Vec<usize> {
         let aims = self.aims.iter().enumerate();
         let targets = aims.filter_map(|(i, aim)| aim.value().map(|_| i));
         targets.collect()
     }
 
-    /// The order a mechanic works in: shims, threads, and of these last the one that moves toe most.
+    /// Order of a mechanic: shims, then threads. The thread that changes toe most comes last.
     pub(super) fn order(&self, drawn: &AdjustedSuspension) -> Vec<usize> {
         let mut order: Vec<usize> = self.shims().map(|(k, _)| k).collect();
         order.extend(self.threads());
@@ -151,7 +152,7 @@ impl<'a> Problem<'a> {
         order
     }
 
-    /// Puts the parts together with these amounts of the adjustments.
+    /// Assembles the parts with these amounts of the adjustments.
     pub(super) fn state(&self, amounts: &[f64]) -> Result<AdjustedSuspension, SetUpError> {
         let mechanism = &self.assembler.suspension().mechanism;
         let mut parts = self.assembler.drawn().clone();
@@ -166,7 +167,7 @@ impl<'a> Problem<'a> {
         let values = found.curves.stations[0].values.iter();
         let values = values.map(|v| v.unwrap_or(f64::NAN));
         let columns = found.curves.columns.len();
-        // The car is higher by as much as the wheel is lower: 0 minus, so that no change is no negative zero.
+        // The car is higher by as much as the wheel is lower. The form 0 - x avoids a negative zero.
         let change = 0.0 - built.height;
         Ok(AdjustedSuspension {
             amounts: amounts.to_vec(),
@@ -181,7 +182,7 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// Weighted derivatives `W`: a row for each of these values, a column for each of these adjustments.
+    /// Weighted derivatives `W`, with a row for each of these values and a column for each of these adjustments.
     pub(super) fn effects(
         &self,
         state: &AdjustedSuspension,
@@ -202,7 +203,7 @@ impl<'a> Problem<'a> {
         DVector::from_iterator(values.len(), values.iter().map(error))
     }
 
-    /// Names those of these values that miss their aims. A value that does not exist misses its aim.
+    /// Names the values among these that miss their aims. A value that does not exist misses its aim.
     pub(super) fn out_of_reach(&self, state: &AdjustedSuspension, values: &[usize]) -> SetUpError {
         let missed = values.iter().filter_map(|i| {
             let (value, wanted) = (state.values[*i], self.aims[*i].value()?);
@@ -221,18 +222,18 @@ impl<'a> Problem<'a> {
         match increment {
             Increment::Shims { step } => step,
             Increment::Thread { per_turn } => per_turn / PARTS_OF_A_TURN,
-            // A hundredth of a millimetre, or the decimal below it in another unit.
+            // A hundredth of a millimetre, or the next smaller power of ten in another unit.
             Increment::Free => 10f64.powf((0.01 * self.millimetre).log10().floor()),
         }
     }
 
-    /// The nearest amount that a mechanic can make.
+    /// Nearest amount that a mechanic can set.
     pub(super) fn rounded(&self, increment: Increment, amount: f64) -> f64 {
         let grid = self.grid(increment);
         (amount / grid).round() * grid
     }
 
-    /// Errors that half steps of shims may leave, equation (7), in printed units: 0 for a value that threads meet.
+    /// Errors that half steps of shims may cause, equation (7), in printed units. 0 for a value that threads meet.
     pub(super) fn half_steps(&self, levels: &Levels, state: &AdjustedSuspension) -> Vec<f64> {
         let mut allowed = vec![0.0; self.statics.len()];
         let by = self.reduced_effects(levels, state);
@@ -244,7 +245,7 @@ impl<'a> Problem<'a> {
         allowed
     }
 
-    /// The same with half of the smallest change of every continuous adjustment.
+    /// The same errors plus the effect of half the smallest change of every continuous adjustment.
     pub(super) fn with_half_turns(&self, allowed: &[f64], state: &AdjustedSuspension) -> Vec<f64> {
         let mut allowed = allowed.to_vec();
         for k in self.threads() {
@@ -256,7 +257,7 @@ impl<'a> Problem<'a> {
         allowed
     }
 
-    /// The aims that threads meet and the others, from the derivatives of a state, equation (1).
+    /// Aims that threads meet, and the other aims, from the derivatives of a state, equation (1).
     pub(super) fn levels(&self, state: &AdjustedSuspension) -> Levels {
         let targets = self.targets();
         let threads: Vec<usize> = self.threads().collect();
@@ -273,7 +274,7 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// The characteristics of a set-up: the usual ones that exist, and further ones that are wanted.
+/// Characteristics of a set-up: the usual ones that exist, and further ones with targets.
 fn characteristics(study: &Study, setup: &Setup) -> Vec<Characteristic> {
     let mechanism = &study.wheel().mechanism;
     let usual = [
@@ -294,7 +295,7 @@ fn characteristics(study: &Study, setup: &Setup) -> Vec<Characteristic> {
     characteristics
 }
 
-/// The plan of these characteristics at rest.
+/// Plan of these characteristics in the static position.
 fn at_rest(assembler: &Assembler, characteristics: Vec<Characteristic>) -> Plan {
     let mut at_rest = WheelStudy::of(assembler.suspension().clone());
     at_rest.outputs = Outputs::of(characteristics);

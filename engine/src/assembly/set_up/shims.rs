@@ -1,11 +1,11 @@
-//! The second level: whole shims serve the aims that threads do not meet.
+//! Second level: whole shims serve the aims that threads do not meet.
 
 use super::levels::{End, Levels, least_step};
 use super::problem::Problem;
 use super::{AdjustedSuspension, MET, SetUpError};
 use nalgebra::{DMatrix, DVector};
 
-/// Maximum number of shims whose two neighbours are both tried, which gives 2^10 combinations. The others are rounded.
+/// Largest number of shims for which both neighbours are tried, which gives 2^10 combinations. Further shims are rounded.
 const MOST_ENUMERATED: usize = 10;
 /// Number of neighbours that are assembled.
 const MOST_ASSEMBLED: usize = 8;
@@ -56,7 +56,7 @@ impl Problem<'_> {
         }
     }
 
-    /// Gauss and Newton's method (5) over shims of any thickness; every trial meets the aims of the threads.
+    /// Gauss-Newton method (5) over shims of any thickness. Every trial meets the aims of the threads.
     fn serve(
         &self,
         state: AdjustedSuspension,
@@ -79,12 +79,12 @@ impl Problem<'_> {
         })
     }
 
-    /// The state with these shims, in which the threads meet their aims: `X(z)` of equation (2).
+    /// State with these shims, in which the threads meet their aims: `X(z)` of equation (2).
     fn with_threads(&self, amounts: &[f64], levels: &Levels) -> Result<End, SetUpError> {
         Ok(self.newton(self.state(amounts)?, &levels.exact, &levels.threads))
     }
 
-    /// The best state with whole shims about a state with real ones.
+    /// Best state with whole shims near a state with real ones.
     fn whole(
         &self,
         real: &AdjustedSuspension,
@@ -127,8 +127,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Amounts with whole shims about those of a state, the most promising first by the linear model (6); the nearest is
-    /// among them.
+    /// Amounts with whole shims near those of a state, in the order of the linear model (6). The nearest amounts are
+    /// included.
     pub(super) fn neighbours(&self, real: &AdjustedSuspension, levels: &Levels) -> Vec<Vec<f64>> {
         let mut nearest = real.amounts.clone();
         let mut open = Vec::new();
@@ -140,11 +140,11 @@ impl Problem<'_> {
                 open.push((column, k, step, steps));
             }
         }
-        // Without an error to share out, the nearest is the smallest change of what was found.
+        // Without remaining errors, the nearest amounts change the solution least.
         if levels.rest.is_empty() || open.is_empty() {
             return vec![nearest];
         }
-        // Those first of which a step does most.
+        // The shims whose step has the largest effect come first.
         let effect =
             |(column, _, step, _): &(usize, usize, f64, f64)| by.column(*column).norm() * step;
         open.sort_by(|a, b| effect(b).total_cmp(&effect(a)));

@@ -19,7 +19,7 @@ fn study(overrides: &[&str]) -> Study {
     Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Does something with the set-up of a study and the state of its design.
+/// Calls a function with the set-up of a study and the state of its design.
 fn with<R>(study: &Study, work: impl FnOnce(&Problem<'_>, &AdjustedSuspension) -> R) -> R {
     let assembler = Assembler::new(study.wheel()).unwrap();
     let setup = study.setup.as_ref().unwrap();
@@ -27,8 +27,8 @@ fn with<R>(study: &Study, work: impl FnOnce(&Problem<'_>, &AdjustedSuspension) -
     work(&problem, &drawn)
 }
 
-/// An adjustment moves an aim if its effect is above a hundred-millionth of the largest: for the choice of aims, and for
-/// the steps towards them.
+/// An adjustment changes an aim if its effect is above a hundred-millionth of the largest effect. This holds for the choice
+/// of aims, and for the steps towards them.
 #[test]
 fn effects_count_down_to_a_hundred_millionth() {
     let rows = |across: f64| DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 1.0, across]);
@@ -42,8 +42,8 @@ fn effects_count_down_to_a_hundred_millionth() {
     assert_eq!(step(5e-9)[1], 0.0);
 }
 
-/// A step is tried whole, then halved down to a thousandth. A step below 1e-14 of the size is not tried. A step that
-/// makes nothing better is rounding up to 1e-7 of the size; a longer one is stuck.
+/// The solver tries a full step, then halves it down to a thousandth. It does not try a step below 1e-14 of the size. A step
+/// without improvement is rounding up to 1e-7 of the size; a longer one means that the solver is stuck.
 #[test]
 fn steps_are_halved_and_end_at_their_thresholds() {
     with(&study(&[THREE]), |problem, drawn| {
@@ -72,7 +72,7 @@ fn steps_are_halved_and_end_at_their_thresholds() {
     });
 }
 
-/// Newton's method meets the aims to rounding, with no thread, no aim, and in full.
+/// Newton's method meets the aims to rounding: without threads, without aims, and with both.
 #[test]
 fn an_iteration_without_aims_or_adjustments_stays() {
     with(&study(&[THREE]), |problem, drawn| {
@@ -90,8 +90,8 @@ fn an_iteration_without_aims_or_adjustments_stays() {
     });
 }
 
-/// A tenth of a degree, a millimetre, and a thousandth of a degree per millimetre count the same, whatever the length
-/// unit is.
+/// A tenth of a degree, a millimetre, and a thousandth of a degree per millimetre have the same weight, whatever the length
+/// unit.
 #[test]
 fn errors_weigh_the_same_in_every_unit() {
     for (unit, millimetre) in [
@@ -119,8 +119,7 @@ fn errors_weigh_the_same_in_every_unit() {
     }
 }
 
-/// An aim counts as met within the allowed error plus 1e-9. The error names a missed aim even if its value does not
-/// exist.
+/// An aim is met within the allowed error plus 1e-9. The error names a missed aim even if its value does not exist.
 #[test]
 fn aims_are_met_to_rounding() {
     let errors = [5e-9, -5e-9, 5e-10, -5e-10, 0.5, -0.501].map(Some);
@@ -151,7 +150,7 @@ fn aims_are_met_to_rounding() {
     });
 }
 
-/// Half a step of a shim may leave its half effect and a hundredth more, a thread half of a sixteenth of a turn.
+/// Half a step of a shim may cause half its effect plus 1 %. A thread adds the effect of half a sixteenth of a turn.
 #[test]
 fn half_steps_allow_half_effects() {
     let shim =
@@ -163,7 +162,7 @@ fn half_steps_allow_half_effects() {
         let assembler = Assembler::new(study.wheel()).unwrap();
         let found = SetUp::solve(&study, study.setup.as_ref().unwrap(), &assembler).unwrap();
         let by = &found.last().by;
-        // The thread turns toe back, and moves camber a little.
+        // The thread turns toe back, and changes camber a little.
         let effect = match has_thread {
             false => by[0][0],
             true => by[0][0] - by[1][0] * by[0][1] / by[1][1],
@@ -179,7 +178,7 @@ fn half_steps_allow_half_effects() {
     }
 }
 
-/// An adjustment of up to a tenth of the suspension's size is made, a longer one is refused with its amount.
+/// An adjustment of up to a tenth of the suspension's size is accepted. A larger one is refused with its amount.
 #[test]
 fn adjustments_beyond_a_tenth_of_the_size_are_refused() {
     let adjust = "setup.adjust=[{shim=\"upper_ball_joint\",axis=\"y\"}]";
@@ -222,7 +221,7 @@ fn shims() -> Study {
     ])
 }
 
-/// The neighbours are the eight of all roundings up and down with the least error of the linear model, and the nearest.
+/// The neighbours are the nearest amounts and the eight best of all roundings up and down, by the linear model.
 #[test]
 fn neighbours_are_the_best_of_all_roundings() {
     with(&shims(), |problem, drawn| {
@@ -258,7 +257,7 @@ fn neighbours_are_the_best_of_all_roundings() {
     });
 }
 
-/// Shims within 1e-9 of whole steps are whole. Without an error to share out, shims take the nearest whole steps.
+/// Shims within 1e-9 of whole steps count as whole. Without remaining errors, shims take the nearest whole steps.
 #[test]
 fn whole_shims_have_one_neighbour() {
     with(&shims(), |problem, drawn| {

@@ -11,7 +11,7 @@ use crate::model::{Axis, Side};
 use crate::number::Tape;
 use crate::study::AxleComplianceStudy;
 
-/// Curves of an axle under a plan. Errors if the axle has no elastic model.
+/// Curves of an axle under a plan. An error if the axle has no elastic model.
 pub(in crate::axle) fn curves(
     axle: &Axle,
     elastic: &AxleComplianceStudy,
@@ -86,7 +86,7 @@ impl StationReader<'_> {
         Ok((values, self.sensitivities(station, at)?))
     }
 
-    /// The reason why a column has no value in an equilibrium.
+    /// Reason why a column has no value in an equilibrium.
     fn undefined(&self, column: &AxleColumn) -> NoValue {
         match column.quantity() {
             Some(super::super::Quantity::Corner(_, of)) => NoValue::Undefined(of.undefined_where()),

@@ -1,29 +1,30 @@
-//! Figures of tests as quantities of an axle.
+//! Test figures as quantities of an axle.
 
 use crate::ask::{Info, Unit};
 use crate::compliance::{HeldQuantity, KcSubject, KcTest, TestLoad, TestMode};
 use crate::model::Side;
 
-/// A figure of a test on both wheels: a derivative at a station, or a secant over the window of the test.
+/// Figure of a test on both wheels: a derivative at a station, or a secant over the window of the test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TestFigure {
-    /// The test.
+    /// Test of the figure.
     pub test: KcTest,
     /// Name in the tables of the rig.
     pub quantity: &'static str,
-    /// Kind of number.
+    /// Kind of unit.
     pub unit: Unit,
-    /// The axle, or one of its wheels.
+    /// Subject: the axle, or one of its wheels.
     pub of: KcSubject,
     /// True for the secant over the window of the test.
     pub is_secant: bool,
-    /// True if its name ends with the load, since tests of another load have the quantity, too.
+    /// True if its name ends with the load, because tests with other loads have the same quantity.
     pub names_load: bool,
 }
 
 impl TestFigure {
-    /// Name without the side. It tells what differs from a test with the load on both wheels in one direction, without
-    /// trail, bar connected, steering wheel held; and the load, where others have the quantity, too.
+    /// Name without the side. It contains only differences from the default test, and the load if others have the same
+    /// quantity. In the default test the load acts on both wheels in one direction, without trail, with the bar connected
+    /// and the steering wheel fixed.
     pub fn stem(&self) -> String {
         let test = &self.test;
         let mut name = self.quantity.to_owned();
@@ -61,7 +62,7 @@ impl TestFigure {
         name
     }
 
-    /// The wheel, if it is of one.
+    /// Wheel of the figure, if it concerns one.
     pub fn side(&self) -> Option<Side> {
         match self.of {
             KcSubject::Wheel(side) => Some(side),
@@ -77,7 +78,7 @@ impl TestFigure {
         }
     }
 
-    /// The entry of a catalogue.
+    /// Catalogue entry of the figure.
     pub(in crate::axle) fn info(&self) -> Info {
         Info {
             name: self.quantity,

@@ -1,7 +1,7 @@
-//! Axles with elastic parts: the quantities of an axle in equilibrium, and figures of tests among them.
+//! Axles with elastic parts: quantities of an axle in equilibrium, including test figures.
 //!
 //! Both wheels stand on level pads at given heights, without horizontal loads ([`crate::compliance`]). A quantity keeps its
-//! name, sign and formula; it is read in the equilibrium in place of the rigid mechanism's position.
+//! name, sign and formula. It is evaluated in the equilibrium, in place of the pose of the rigid mechanism.
 
 mod curves;
 mod figure;

@@ -52,7 +52,7 @@ pub fn not_in_equilibrium(quantity: Quantity, is_derivative: bool) -> Option<[&'
     }
 }
 
-/// A value that is read in an equilibrium: a quantity, or its derivative along a motion.
+/// A value in an equilibrium: a quantity, or its derivative along a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct AxleRead {
     pub quantity: Quantity,
@@ -66,14 +66,14 @@ impl From<Quantity> for AxleRead {
 }
 
 impl AxleColumn {
-    /// The value of the column, if equilibria may have it.
+    /// Value of the column, if it can be evaluated in equilibrium.
     pub(crate) fn read(&self) -> Option<AxleRead> {
         let (quantity, by) = (self.quantity()?, self.by);
         Some(AxleRead { quantity, by })
     }
 }
 
-/// Bar connected, steering wheel held: where quantities that are no figures are read.
+/// Conditions for quantities that are no test figures: bar connected, steering wheel fixed.
 const USUAL: Conditions = (true, false);
 
 impl AxleRead {
@@ -98,7 +98,7 @@ struct Reader<'h, T> {
 }
 
 impl<T: Scalar> Reader<'_, T> {
-    /// Both wheels along a motion; `None` if they do not move along it.
+    /// Both wheels along a motion. `None` if they cannot move along it.
     fn moving(&mut self, by: Motion) -> Option<&Moving<T>> {
         if !self.known.iter().any(|(known, _)| *known == by) {
             let found = self.along(by);
@@ -126,7 +126,7 @@ impl<T: Scalar> Reader<'_, T> {
         })
     }
 
-    /// A number of both wheels with its derivative along a motion, if one is given.
+    /// A number of both wheels, with its derivative along a motion if one is given.
     fn pair(
         &mut self,
         by: Option<Motion>,
@@ -245,8 +245,8 @@ fn of<T: Copy>(figure: &TestFigure, all: &[AxleFigure<T>]) -> Option<T> {
     }
 }
 
-/// The numbers of the values under each kind of conditions. Usual ones come first, as they decide whether the station has an
-/// equilibrium.
+/// Groups the indices of the values by conditions. The usual conditions come first, because they decide whether the station
+/// has an equilibrium.
 fn by_conditions(wanted: &[AxleRead]) -> Vec<(Conditions, Vec<usize>)> {
     let mut groups = vec![(USUAL, Vec::new())];
     for (number, read) in wanted.iter().enumerate() {
@@ -259,7 +259,7 @@ fn by_conditions(wanted: &[AxleRead]) -> Vec<(Conditions, Vec<usize>)> {
     groups
 }
 
-/// An axle with elastic parts, ready to be read at stations.
+/// An axle with elastic parts, ready for the evaluation of stations.
 pub(crate) struct Equilibria<'a> {
     run: AxleKcRun<'a>,
     /// Sign of the study's rack axis in the kernel's frame.
@@ -267,7 +267,7 @@ pub(crate) struct Equilibria<'a> {
 }
 
 impl Axle {
-    /// The equilibria of the axle as it is, with its elastic parts. Errors if it has no elastic model.
+    /// Equilibria of the axle with its own hardpoints and elastic parts. An error if it has no elastic model.
     pub(crate) fn own_equilibria(
         &self,
         elastic: &AxleComplianceStudy,
@@ -276,7 +276,7 @@ impl Axle {
         self.equilibria(designs, &elastic.parts)
     }
 
-    /// The axle's equilibria with its hardpoints at `designs` and these parts. Errors if it has no elastic model.
+    /// Equilibria of the axle with its hardpoints at `designs` and these parts. An error if it has no elastic model.
     pub(crate) fn equilibria(
         &self,
         designs: [&[Vector3<f64>]; 2],
@@ -299,7 +299,7 @@ impl Axle {
 }
 
 impl Equilibria<'_> {
-    /// Values at travels and a rack towards the kernel's +y; `None` for those that the station does not have.
+    /// Values at travels and a rack displacement towards the kernel's +y. `None` for missing values.
     pub(crate) fn values(
         &self,
         (travels, rack): ([f64; 2], f64),
@@ -319,8 +319,8 @@ impl Equilibria<'_> {
         Ok(found)
     }
 
-    /// Values at travels and a rack towards the kernel's +y, with their derivatives by inputs. `receive` gets the number of
-    /// each value that there is, the value and its derivatives.
+    /// Values at travels and a rack displacement towards the kernel's +y, with their derivatives by inputs. `receive` gets
+    /// the index of each existing value, the value and its derivatives.
     pub(crate) fn gradients(
         &self,
         (travels, rack): ([f64; 2], f64),

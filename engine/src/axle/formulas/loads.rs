@@ -1,7 +1,7 @@
 //! Wheel loads and stiffnesses, from the forces of springs and anti-roll bars by virtual work.
 //!
-//! With U the energy of springs and bars, F_i = U_zi/(n.C_i') is the load of a wheel along the normal of the
-//! ground; parts weigh nothing. The bar adds k_b (b_l - b_r)^2/2, b the angles of its levers. Springs between the rockers
+//! With U the energy of springs and bars, F_i = U_zi/(n.C_i') is the load of a wheel along the normal of the ground. Parts
+//! have no weight. The bar adds the energy k_b (b_l - b_r)^2/2, with b the angles of its levers. Springs between the rockers
 //! add the energies of [`RockerSprings`](crate::axle::RockerSprings).
 
 use super::rigid;
@@ -12,7 +12,7 @@ use crate::model::Side;
 use crate::number::{Real, Scalar};
 use std::f64::consts::PI;
 
-/// Force of a spring, its bump stop included.
+/// Force of a spring with its stops.
 pub(crate) fn spring_force<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let (length, _, design) = state.wheel(side).reading.spring_length();
     match &state.setup.springs {
@@ -21,7 +21,7 @@ pub(crate) fn spring_force<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>,
     }
 }
 
-/// Load of a wheel by its spring alone.
+/// Load of a wheel from its spring alone.
 fn spring_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let wheel = state.wheel(side);
     let (_, by_travel, _) = wheel.reading.spring_length();
@@ -68,7 +68,7 @@ pub(crate) fn heave_bar_torque<T: Scalar, W: WheelParts<T>>(state: &AxleState<T,
     rocker_forces(state).heave_bar
 }
 
-/// Load of a wheel by its own spring and the springs between the rockers.
+/// Load of a wheel from its own spring and the springs between the rockers.
 fn sprung_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let own = match state.setup.springs {
         Some(_) => Some(spring_load(state, side)),
@@ -102,7 +102,8 @@ pub(crate) fn wheel_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, s
     }
 }
 
-/// Load that a wheel gains as its pad rises, by its spring alone: body level, the other wheel still, neither bar nor tyre.
+/// Rate of the wheel load by the height of its pad, from its spring alone. The body is level, the other wheel does not move,
+/// and bar and tyre are left out.
 pub(crate) fn wheel_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     if state.carriers.is_rigid() {
         return rigid::wheel_rate(state, side);
@@ -122,7 +123,7 @@ fn loads<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T; 2] {
     ]
 }
 
-/// The sum of both.
+/// Sum of both wheel loads.
 pub(crate) fn axle_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let [left, right] = loads(state);
     left + right
@@ -134,8 +135,8 @@ pub(crate) fn roll_moment<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) 
     (state.track() * (right - left)).scaled(0.5)
 }
 
-/// Roll moment by roll angle on a rig: body and rack held, wheels on level pads moved equally and oppositely. The roll
-/// angle is that of the line through both contact points, as rigs measure it.
+/// Roll moment per roll angle on a rig. Body and rack are fixed, and the wheels on level pads move equally and oppositely.
+/// The roll angle is that of the line through both contact points, as rigs measure it.
 pub(crate) fn roll_stiffness<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let pads = state.on_pads();
     let rig = pads.moving(Motion::OpposedTravels);
@@ -143,7 +144,8 @@ pub(crate) fn roll_stiffness<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W
     roll_moment(&rig)[1] / angle[1]
 }
 
-/// The same with both tyres in series. A tyre yields by its load over its rate, on both sides of the track.
+/// The same stiffness with both tyres in series. A tyre deflects by its load divided by its rate, on both sides of the
+/// track.
 pub(crate) fn roll_stiffness_with_tyres<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let track = state.on_pads().track();
     let tyre = state.setup.tyre_rate.unwrap_or(f64::NAN);
@@ -155,12 +157,12 @@ fn in_series<T: Scalar>(one: T, other: T) -> T {
     one * other / (one + other)
 }
 
-/// Roll moment by roll angle on a plane ground, mean travel and rack held.
+/// Roll moment per roll angle on a plane ground, with constant mean travel and rack.
 pub(crate) fn roll_stiffness_on_road<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     roll_moment(&state.moving(Motion::Roll))[1]
 }
 
-/// Roll moment by roll angle on a plane ground, the sum of the wheel loads and the rack held.
+/// Roll moment per roll angle on a plane ground, with constant sum of the wheel loads and constant rack.
 pub(crate) fn roll_stiffness_at_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let plane = state.on_plane();
     let (rolling, derivative_by_heave) = (plane.moving(Motion::Roll), plane.moving(Motion::Heave));
@@ -168,13 +170,13 @@ pub(crate) fn roll_stiffness_at_load<T: Scalar, W: WheelParts<T>>(state: &AxleSt
     roll_moment(&rolling)[1] - roll_moment(&derivative_by_heave)[1] * sinking
 }
 
-/// Half the load that the axle gains by heave of the wheel centres, of the springs alone. The rack is held, on a plane
-/// ground the roll angle too; on pads both travels change equally.
+/// Half the rate of the axle load by heave of the wheel centres, from the springs alone. The rack is fixed. On a plane
+/// ground the roll angle is fixed, too; on pads both travels change equally.
 pub(crate) fn ride_rate_without_tyres<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     axle_load(&state.moving(Motion::Heave))[1].scaled(0.5)
 }
 
-/// The same in series with a tyre, where there is one.
+/// The same rate in series with a tyre, if there is one.
 pub(crate) fn ride_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let rate = ride_rate_without_tyres(state);
     match state.setup.tyre_rate {
@@ -183,7 +185,7 @@ pub(crate) fn ride_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) ->
     }
 }
 
-/// Frequency of `rate` at each wheel under a mass of the axle, in hertz.
+/// Natural frequency in Hz, for `rate` at each wheel and a mass of the axle.
 fn frequency<T: Scalar, W: WheelParts<T>>(
     state: &AxleState<T, W>,
     rate: T,
@@ -198,10 +200,10 @@ pub(crate) fn ride_frequency<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W
     frequency(state, ride_rate(state), state.setup.sprung_mass)
 }
 
-/// Natural frequency of the wheels between springs and tyres, the body held.
+/// Natural frequency of the wheels between springs and tyres, with the body fixed.
 pub(crate) fn wheel_hop_frequency<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let tyre = state.setup.tyre_rate.unwrap_or(f64::NAN);
-    // Both wheels of a solid axle hop together; an independent wheel has the same rate either way.
+    // Both wheels of a solid axle hop together. For independent wheels the rate is the same either way.
     let rate = match state.carriers.is_rigid() {
         true => axle_load(&state.on_pads().moving(Motion::Heave))[1].scaled(0.5),
         false => (wheel_rate(state, Side::Left) + wheel_rate(state, Side::Right)).scaled(0.5),

@@ -1,4 +1,4 @@
-//! The formulas of the axle's catalogue, over any number.
+//! Formulas of the axle's catalogue, over any number type.
 
 pub(super) mod loads;
 pub(super) mod rigid;

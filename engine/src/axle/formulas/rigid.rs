@@ -1,8 +1,8 @@
 //! Quantities of a rigid axle.
 //!
-//! The axle has two travels: the mean h, and the difference d, by which the left wheel centre rises as the right one falls.
-//! C_b,h and C_b,d are the velocities of the axle's point at contact point b. Normal forces f_b at both contact points
-//! balance forces that do the work q_h and q_d along both travels if
+//! The axle has two travels: the mean h, and the difference d, by which the left wheel centre rises while the right one
+//! falls. C_b,h and C_b,d are the velocities of the axle's point at contact point b. Normal forces f_b at both contact
+//! points balance forces that do the work q_h and q_d along both travels if
 //!
 //! ```text
 //! f_l n.C_l,h + f_r n.C_r,h = -q_h        f_l n.C_l,d + f_r n.C_r,d = -q_d                     (1)
@@ -27,8 +27,8 @@
 //! dp_l = (n.C_l,h + n.C_l,d)/2 dz_l + (n.C_l,h - n.C_l,d)/2 dz_r, and the same for p_r with l and r exchanged   (3)
 //! ```
 //!
-//! Each wheel is read in its own frame, the right one in the mirror image, where its own difference is -d. So n.C_r,d
-//! is the negative of the reading there, and e.C_r,d is the outboard reading.
+//! Each wheel has its own frame. That of the right wheel is the mirror image, in which its difference is -d. So n.C_r,d is
+//! the negative of the value in that frame, and e.C_r,d is the outboard component there.
 
 use super::loads::{bar_torque, spring_force};
 use super::roll::FARTHEST_MEETING;
@@ -38,13 +38,13 @@ use crate::characteristics::NumberPart;
 use crate::model::Side;
 use crate::number::{Each, Real, Scalar, Vector3};
 
-/// Work along the difference and along the mean travel.
+/// Work along the difference of travels and along the mean travel.
 struct Work<T> {
     difference: T,
     mean: T,
 }
 
-/// Velocities of a point of each wheel, in its own frame, by its own difference and by the mean travel.
+/// Velocities of a point of each wheel in its own frame, by the wheel's own difference and by the mean travel.
 type Velocities<T> = [[Vector3<T>; 2]; 2];
 
 #[inline(always)]
@@ -54,7 +54,7 @@ fn contact_velocities<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> Vel
         .each(|wheel| [wheel.contact_by_difference(), wheel.contact_by_mean()])
 }
 
-/// The loads of both wheels that balance forces of this work: equation (1).
+/// Loads of both wheels that balance forces with this work: equation (1).
 #[inline(always)]
 fn balancing<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, work: &Work<T>) -> [T; 2] {
     let [left, right] = state.wheels();
@@ -67,7 +67,7 @@ fn balancing<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, work: &Work<T>)
     ]
 }
 
-/// Loads of both wheels by a unit side force to the left, half at each wheel.
+/// Loads of both wheels from a unit side force to the left, half at each wheel.
 #[inline(always)]
 pub(crate) fn side_force_loads<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T; 2] {
     let [left, right] = state.wheels().each(|wheel| wheel.ground.outboard());
@@ -79,7 +79,7 @@ pub(crate) fn side_force_loads<T: Real, W: WheelParts<T>>(state: &AxleState<T, W
     balancing(state, &work)
 }
 
-/// Height of the roll centre, and its place to the left of the middle of both contact points: equation (2).
+/// Height of the roll centre, and its distance to the left of the middle of both contact points: equation (2).
 #[inline(always)]
 pub(crate) fn roll_centre<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T; 2] {
     let [left, right] = state.wheels();
@@ -98,21 +98,21 @@ fn rolling<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     turn.x
 }
 
-/// Returns true if the roll centre is so far away that its place says nothing.
+/// Returns true if the roll centre is so far away that its position is meaningless.
 pub(crate) fn rolls_about_infinity(state: &AxleState<f64>) -> bool {
     let [height, lateral] = roll_centre(state);
     let far = 0.5 * FARTHEST_MEETING * state.track();
-    // NaN is far.
+    // NaN also counts as far away.
     !(height.abs() < far && lateral.abs() < far)
 }
 
-/// Loads of both wheels by springs and anti-roll bar.
+/// Loads of both wheels from springs and anti-roll bar.
 pub(crate) fn wheel_loads<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T; 2] {
     loads_of(state, state.setup.bar_rate.is_some())
 }
 
-/// Load that a wheel gains as its level pad rises, by the springs alone. The other pad stands still, so both travels change
-/// by the inverse of the matrix of (3).
+/// Rate of the wheel load by the height of its level pad, from the springs alone. The other pad does not move, so both
+/// travels change by the inverse of the matrix of (3).
 pub(crate) fn wheel_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let pads = state.on_pads();
     let by_travel = |motion: Motion| loads_of(&pads.moving(motion), false)[side as usize][1];
@@ -122,7 +122,7 @@ pub(crate) fn wheel_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, s
     );
     let rises = |wheel: WheelState<'_, T, W>| {
         let (difference, mean) = (wheel.rise_by_difference(), wheel.rise_by_mean());
-        // By the wheel's own travel and by the other one.
+        // Derivatives by the wheel's own travel and by the other one.
         [mean + difference, mean - difference].each(|c| c.scaled(0.5))
     };
     let [left, right] = pads.wheels();
@@ -148,7 +148,7 @@ fn loads_of<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, has_bar: bool)
         let force = spring_force(state, side);
         rates(side, NumberPart::SpringLength).each(|rate| force * rate)
     });
-    // The right wheel's own difference has the other sign.
+    // The difference of the right wheel has the opposite sign.
     let mut work = Work {
         difference: left[0] - right[0],
         mean: left[1] + right[1],
@@ -163,7 +163,7 @@ fn loads_of<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, has_bar: bool)
     balancing(state, &work)
 }
 
-/// Loads of both wheels by a unit force forward, half at each wheel. `by_carrier` is 1 if the axle takes the torque, 0 if
+/// Loads of both wheels from a unit force forward, half at each wheel. `by_carrier` is 1 if the axle takes the torque, 0 if
 /// shafts from the body do.
 #[inline(always)]
 fn forward_force_loads<T: Real, W: WheelParts<T>>(
@@ -189,7 +189,7 @@ fn forward_force_loads<T: Real, W: WheelParts<T>>(
     balancing(state, &work)
 }
 
-/// 100 share (L/h) (f_l + f_r) for a unit force forward.
+/// Percentage 100 share (L/h) (f_l + f_r) for a unit force forward.
 #[inline(always)]
 fn supported<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, share: f64, by_carrier: f64) -> T {
     let c = &state.setup.constants;
@@ -215,7 +215,7 @@ pub(crate) fn anti_squat<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> 
     driving(state)
 }
 
-/// The same of a rear axle in braking, or of a driven front axle under drive.
+/// The same share for a rear axle in braking, or for a driven front axle under drive.
 #[inline(always)]
 pub(crate) fn anti_lift<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     match state.setup.constants.is_front {
@@ -224,7 +224,7 @@ pub(crate) fn anti_lift<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T
     }
 }
 
-/// The same of a front axle in braking.
+/// The same share for a front axle in braking.
 #[inline(always)]
 pub(crate) fn anti_dive<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     -braking(state)
@@ -238,8 +238,8 @@ pub(crate) fn drive_load_transfer<T: Real, W: WheelParts<T>>(state: &AxleState<T
     (right - left).scaled(0.5)
 }
 
-/// Twist of a twist beam. Each half is read as the near one, against which the far half turns: by opposite angles, which are
-/// positive in the sense of a fall of the far wheel.
+/// Twist of a twist beam. Each half is read as the near one, and the far half rotates against it. The two angles are
+/// opposite. They are positive if the far wheel falls.
 #[inline(always)]
 pub(crate) fn beam_twist<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let [left, right] = state
@@ -249,7 +249,7 @@ pub(crate) fn beam_twist<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -
     (right - left).scaled(0.5)
 }
 
-/// Torque of a twist beam. The bar that it is to other formulas has a quarter of its rate and twice its angle.
+/// Torque of a twist beam. In other formulas the beam is a bar with a quarter of its rate and twice its angle.
 #[inline(always)]
 pub(crate) fn beam_torque<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     -bar_torque(state).scaled(2.0)

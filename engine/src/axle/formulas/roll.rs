@@ -1,9 +1,9 @@
 //! Track, roll centre, jacking, and the effects of roll on a wheel.
 //!
-//! In front view the reaction of a side force on a locked wheel runs along the normal to C' through C: one
-//! unit of it inboard along the ground brings j units of load, j = (C'.o)/(C'.n) with o outboard along the
-//! ground. Both normals meet in the roll centre. With eta along the ground from midway between the contact
-//! points, to the left, and zeta above it
+//! In front view the reaction of a side force on a locked wheel acts along the normal to C' through C. A unit side force
+//! inboard along the ground adds j units of wheel load, j = (C'.o)/(C'.n) with o outboard along the ground. Both normals
+//! meet in the roll centre. Its coordinates are eta along the ground from midway between the contact points, positive to the
+//! left, and zeta above the ground:
 //!
 //! ```text
 //! d/2 + (track/2 - eta) j_l = zeta = -d/2 + (track/2 + eta) j_r
@@ -11,7 +11,8 @@
 //! eta  = ((track/2) (j_l - j_r) + d)/(j_l + j_r)
 //! ```
 //!
-//! where d is how much higher the left contact point is: 0 on a plane, else the point is above the mean of both.
+//! where d is the height of the left contact point above the right one. It is 0 on a plane; else zeta is measured from the
+//! mean height of both.
 //!
 //! Equal side forces make the same roll moment at the height track (j_l + j_r)/4, which stays finite.
 
@@ -22,7 +23,7 @@ use crate::mechanism::Ground;
 use crate::model::Side;
 use crate::number::{Real, outlined};
 
-/// Load gained per side force inboard.
+/// Wheel load added per side force inboard, across the vehicle.
 #[inline(always)]
 pub(crate) fn jacking_coefficient<T: Real, W: WheelParts<T>>(
     state: &AxleState<T, W>,
@@ -36,7 +37,7 @@ pub(crate) fn jacking_coefficient<T: Real, W: WheelParts<T>>(
     )
 }
 
-/// The same for a force across the wheel instead of across the vehicle.
+/// Wheel load added per side force across the wheel, not across the vehicle.
 #[inline(always)]
 pub(crate) fn side_force_jacking<T: Real, W: WheelParts<T>>(
     state: &AxleState<T, W>,
@@ -63,7 +64,7 @@ pub(crate) fn track<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     state.track()
 }
 
-/// Track less that of the design position.
+/// Track minus the track of the design position.
 #[inline(always)]
 pub(crate) fn track_change<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let designed = designed_half_track(state, Side::Left) + designed_half_track(state, Side::Right);
@@ -85,7 +86,7 @@ pub(crate) fn roll_angle<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> 
     state.roll
 }
 
-/// Height of the kinematic roll centre above the ground; on pads above the mean of both.
+/// Height of the kinematic roll centre above the ground. On pads it is above the mean height of both.
 #[inline(always)]
 pub(crate) fn roll_centre_height<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     if state.carriers.is_rigid() {
@@ -96,7 +97,7 @@ pub(crate) fn roll_centre_height<T: Real, W: WheelParts<T>>(state: &AxleState<T,
     (state.track() * (left * right) + higher * (right - left)) / (left + right)
 }
 
-/// The kinematic roll centre along the ground, from midway between the contact points.
+/// Lateral position of the kinematic roll centre along the ground, from midway between the contact points.
 #[inline(always)]
 pub(crate) fn roll_centre_lateral<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     if state.carriers.is_rigid() {
@@ -106,7 +107,7 @@ pub(crate) fn roll_centre_lateral<T: Real, W: WheelParts<T>>(state: &AxleState<T
     (state.track().scaled(0.5) * (left - right) + state.mismatch()) / (left + right)
 }
 
-/// Height at which equal side forces roll the body.
+/// Height at which equal side forces make the same roll moment.
 #[inline(always)]
 pub(crate) fn force_roll_centre_height<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     if state.carriers.is_rigid() {
@@ -128,7 +129,7 @@ pub(crate) fn jacking_force_ratio<T: Real, W: WheelParts<T>>(state: &AxleState<T
     (right - left).scaled(0.5)
 }
 
-/// Rise of the kinematic roll centre by the roll angle.
+/// Derivative of the kinematic roll centre's height by the roll angle.
 #[inline(always)]
 pub(crate) fn roll_centre_migration_vertical<T: Real, W: WheelParts<T>>(
     state: &AxleState<T, W>,
@@ -136,7 +137,7 @@ pub(crate) fn roll_centre_migration_vertical<T: Real, W: WheelParts<T>>(
     roll_centre_height(&state.moving(Motion::Roll))[1]
 }
 
-/// Lateral movement of the kinematic roll centre by the roll angle.
+/// Derivative of the kinematic roll centre's lateral position by the roll angle.
 #[inline(always)]
 pub(crate) fn roll_centre_migration_lateral<T: Real, W: WheelParts<T>>(
     state: &AxleState<T, W>,
@@ -144,43 +145,43 @@ pub(crate) fn roll_centre_migration_lateral<T: Real, W: WheelParts<T>>(
     roll_centre_lateral(&state.moving(Motion::Roll))[1]
 }
 
-/// Change of the force-based roll centre height by the roll angle.
+/// Derivative of the force-based roll centre height by the roll angle.
 #[inline(always)]
 pub(crate) fn force_roll_centre_migration<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     force_roll_centre_height(&state.moving(Motion::Roll))[1]
 }
 
-/// Largest lateral distance of the meeting point of the normals through both contact points, in halves of the track.
-/// Beyond a hundred tracks they are so nearly parallel that their meeting point means nothing.
+/// Largest lateral distance of the intersection of the normals through both contact points, in half tracks. Beyond a hundred
+/// tracks they are nearly parallel, and their intersection is meaningless.
 pub(crate) const FARTHEST_MEETING: f64 = 200.0;
 
-/// Sum of the jacking coefficients at which both normals are upright. Rounding of about 1e-15 would then place their
-/// meeting point anywhere along the ground.
+/// Sum of the jacking coefficients below which both normals count as vertical. Rounding of about 1e-15 could then move their
+/// intersection anywhere along the ground.
 pub(crate) const UPRIGHT: f64 = 1e-8;
 
-/// Returns true if the normals are upright or meet beyond the largest distance.
+/// Returns true if the normals are vertical or meet beyond the largest distance.
 pub(crate) fn normals_are_parallel(state: &AxleState<f64>) -> bool {
     if state.carriers.is_rigid() {
         return rigid::rolls_about_infinity(state);
     }
-    // NaN is parallel.
+    // NaN also counts as parallel.
     !meet_near(jacking(state))
 }
 
-/// Returns true if normals with these jacking coefficients meet near enough.
+/// Returns true if normals with these jacking coefficients meet close enough.
 fn meet_near([left, right]: [f64; 2]) -> bool {
     let sum = (left + right).abs();
     sum > UPRIGHT && (left - right).abs() < FARTHEST_MEETING * sum
 }
 
-/// Camber against the normal of the ground.
+/// Camber relative to the normal of the ground.
 #[inline(always)]
 pub(crate) fn camber_to_road<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let wheel = state.wheel(side);
     -wheel.reading.spin_axis().dot(wheel.ground.normal()).asin()
 }
 
-/// Camber by the roll angle.
+/// Derivative of camber by the roll angle.
 #[inline(always)]
 pub(crate) fn roll_camber<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let rolling = state.moving(Motion::Roll);
@@ -188,7 +189,7 @@ pub(crate) fn roll_camber<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, si
     (-a.z.asin())[1]
 }
 
-/// Camber to the road by the roll angle.
+/// Derivative of camber to the road by the roll angle.
 #[inline(always)]
 pub(crate) fn roll_camber_to_road<T: Real, W: WheelParts<T>>(
     state: &AxleState<T, W>,
@@ -201,8 +202,8 @@ pub(crate) fn roll_camber_to_road<T: Real, W: WheelParts<T>>(
 mod tests {
     use super::*;
 
-    /// Normals with coefficients a and b meet at (a - b)/(a + b) halves of the track beside the middle. They meet up to a
-    /// hundred tracks, and where they are not upright.
+    /// Normals with coefficients a and b meet at (a - b)/(a + b) half tracks beside the middle. They count as meeting within
+    /// a hundred tracks, unless they are vertical.
     #[test]
     fn normals_meet_within_a_hundred_tracks() {
         for sign in [1.0, -1.0] {

@@ -1,16 +1,15 @@
 //! Steer angles, Ackermann, turning circle.
 //!
-//! Seen from above, in the body's axes, each spin axis meets the line of the other axle. With i and o the
-//! steer of the inner and outer wheel, positive to the inside, L_i and L_o the distances of their centres
-//! ahead of that line and T that of the centres across the vehicle, the inner axis meets it at L_i cot i
-//! from the inner wheel, and the ideal outer wheel looks there:
+//! Seen from above, in the body's axes, each spin axis meets the line of the other axle. Let i and o be the steer angles of
+//! the inner and outer wheel, positive to the inside. L_i and L_o are the distances of their centres ahead of that line, and
+//! T is the distance of the centres across the vehicle. The inner spin axis meets the line at L_i cot i from the inner
+//! wheel. The ideal outer spin axis passes through the same point:
 //!
 //! ```text
 //! ideal = atan2(L_o sin i, L_i cos i + T sin i)
 //! ```
 //!
-//! A steered rear axle is the front axle of the vehicle driven backwards: forward and the sense of steer
-//! change sign.
+//! A steered rear axle is the front axle of the vehicle driven backwards: forward and the sense of steer change sign.
 
 use crate::axle::reading::WheelParts;
 use crate::axle::state::{AxleState, Motion};
@@ -18,10 +17,10 @@ use crate::model::{AxlePosition, Side};
 use crate::number::{Real, Vector3, outlined};
 use std::f64::consts::PI;
 
-/// Mean steer below which percentages, quotients of two small angles, are left empty (rad).
+/// Mean steer in rad below which percentages have no value. They are quotients of two angles that vanish straight ahead.
 pub(crate) const STRAIGHT_AHEAD: f64 = 0.02;
 
-/// Steer of a wheel to the left.
+/// Steer angle of a wheel, positive to the left.
 #[inline(always)]
 pub(crate) fn steer<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let a = state.wheel(side).reading.spin_axis();
@@ -31,26 +30,26 @@ pub(crate) fn steer<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, side: Si
     }
 }
 
-/// The mean of both.
+/// Mean steer angle of both wheels.
 #[inline(always)]
 pub(crate) fn mean_steer<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     (steer(state, Side::Left) + steer(state, Side::Right)).scaled(0.5)
 }
 
-/// Steer by the roll angle.
+/// Derivative of steer by the roll angle.
 #[inline(always)]
 pub(crate) fn roll_steer<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     steer(&state.moving(Motion::Roll), side)[1]
 }
 
-/// Mean steer by the roll angle.
+/// Derivative of mean steer by the roll angle.
 #[inline(always)]
 pub(crate) fn axle_roll_steer<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     mean_steer(&state.moving(Motion::Roll))[1]
 }
 
-/// Angle of the steering wheel by mean steer: on a plane ground with roll angle and mean travel held, on pads with both
-/// travels held.
+/// Angle of the steering wheel per mean steer. On a plane ground, roll angle and mean travel are constant; on pads, both
+/// travels are constant.
 #[inline(always)]
 pub(crate) fn steering_ratio<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let per_angle = state.setup.c_factor.unwrap_or(f64::NAN) / (2.0 * PI);
@@ -58,24 +57,24 @@ pub(crate) fn steering_ratio<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>)
     by_rack.one() / by_rack.scaled(per_angle)
 }
 
-/// A turn, seen from above; angles are positive to its inside.
+/// A turn, seen from above. Angles are positive to its inside.
 struct Turn<T> {
-    /// Sine and cosine of the inner wheel's steer, times one positive factor.
+    /// Sine and cosine of the inner wheel's steer, times a common positive factor.
     inner: [T; 2],
-    /// Likewise the outer wheel's.
+    /// The same for the outer wheel.
     outer: [T; 2],
-    /// Distance of each wheel centre ahead of the other axle's line: inner, outer.
+    /// Distance of each wheel centre ahead of the other axle's line: [inner, outer].
     ahead: [T; 2],
     /// Distance of the wheel centres across the vehicle.
     across: T,
-    /// The same in the design position.
+    /// The same distance in the design position.
     design_across: T,
-    /// Contact point from wheel centre of the outer wheel: ahead, outboard.
+    /// Contact point of the outer wheel relative to its centre: [ahead, outboard].
     outer_contact: [T; 2],
 }
 
-/// A number of the left wheel and one of the right, as those of the inner and the outer wheel; `side` is 1 where the
-/// left one is the inner one, else -1.
+/// Returns the numbers of the left and right wheel as [inner, outer]. `side` is 1 if the left wheel is the inner one, else
+/// -1.
 #[inline(always)]
 fn inner_and_outer<T: Real>(side: T, left: T, right: T) -> [T; 2] {
     let is_left = (side.one() + side).scaled(0.5);
@@ -87,7 +86,7 @@ fn inner_and_outer<T: Real>(side: T, left: T, right: T) -> [T; 2] {
 }
 
 impl<T: Real> Turn<T> {
-    /// In a function of its own: several formulas are made of it.
+    /// Compiled as a function of its own, because several formulas use it.
     #[inline(always)]
     fn of<W: WheelParts<T>>(state: &AxleState<T, W>) -> Self {
         outlined!(
@@ -109,7 +108,7 @@ impl<T: Real> Turn<T> {
         let [left, right] = state.wheels();
         let [left_design, right_design] =
             [left.reading.design().centre, right.reading.design().centre];
-        // The wheels of the other axle are a wheelbase behind the design positions of these.
+        // The wheels of the other axle are a wheelbase behind the design positions of these wheels.
         let middle = (left_design.x + right_design.x).scaled(0.5);
         let (left_centre, right_centre) = (left.reading.centre(), right.reading.centre());
         let [inner_x, outer_x] = inner_and_outer(side, left_centre.x, right_centre.x);
@@ -120,7 +119,7 @@ impl<T: Real> Turn<T> {
         let [_, lever_x] = inner_and_outer(side, left_lever.x, right_lever.x);
         let [_, lever_y] = inner_and_outer(side, left_lever.y, right_lever.y);
         Turn {
-            // Outboard of the inner wheel is the inside of the turn, of the outer wheel it is not.
+            // Outboard points to the inside of the turn at the inner wheel, and to the outside at the outer wheel.
             inner: [inner_axis_x.scaled(-forward), inner_axis_y],
             outer: [outer_axis_x.scaled(forward), outer_axis_y],
             ahead: [
@@ -153,7 +152,7 @@ impl<T: Real> Turn<T> {
     }
 }
 
-/// Steer of the outer wheel beyond the ideal one.
+/// Steer of the outer wheel minus its ideal steer.
 #[inline(always)]
 pub(crate) fn ackermann_error<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let turn = Turn::of(state);
@@ -169,7 +168,7 @@ pub(crate) fn ackermann<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T
     ((inner - outer) / (inner - turn.ideal_outer())).scaled(100.0)
 }
 
-/// In percent of the difference that is ideal for the outer wheel, as in Simscape.
+/// Difference of the steer angles in percent of the ideal difference for the present outer wheel, as in Simscape.
 #[inline(always)]
 pub(crate) fn ackermann_by_inner<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let turn = Turn::of(state);
@@ -180,7 +179,7 @@ pub(crate) fn ackermann_by_inner<T: Real, W: WheelParts<T>>(state: &AxleState<T,
     ((inner - outer) / (ideal - outer)).scaled(100.0)
 }
 
-/// Difference of the cotangents in percent of the ideal one.
+/// Difference of the cotangents in percent of the ideal difference.
 #[inline(always)]
 pub(crate) fn ackermann_by_cotangents<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let turn = Turn::of(state);
@@ -189,8 +188,8 @@ pub(crate) fn ackermann_by_cotangents<T: Real, W: WheelParts<T>>(state: &AxleSta
     ((outer - inner) * length / turn.design_across).scaled(100.0)
 }
 
-/// Diameter of the circle that the contact point of the outer wheel runs on, about the middle between the
-/// points where the spin axes meet the line of the other axle.
+/// Diameter of the circle of the outer wheel's contact point. Its centre is midway between the points where the spin axes
+/// meet the line of the other axle.
 #[inline(always)]
 pub(crate) fn turning_circle<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let turn = Turn::of(state);
@@ -201,19 +200,19 @@ pub(crate) fn turning_circle<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>)
     (x * x + y * y).sqrt().scaled(2.0)
 }
 
-/// A turn as it looks from above, in the body's axes (x forward, y left).
+/// A turn, seen from above, in the body's axes (x forward, y left).
 pub(crate) struct FromAbove {
     /// Rear and front end of the left and the right wheel.
     pub wheels: [[[f64; 2]; 2]; 2],
-    /// Points where the spin axis of each wheel meets the other axle's line; none straight ahead.
+    /// Points where the spin axis of each wheel meets the other axle's line. `None` straight ahead.
     pub meets: Option<[[f64; 2]; 2]>,
-    /// Midway between both.
+    /// Midpoint of both points.
     pub centre: Option<[f64; 2]>,
     /// Position of the other axle, along x.
     pub other_axle: f64,
 }
 
-/// The turn, where the study gives a wheelbase and the wheels' radius.
+/// The turn, if the study gives a wheelbase and the wheels' radius.
 pub(crate) fn turn(state: &AxleState<f64>) -> Option<FromAbove> {
     let wheelbase = state.setup.wheelbase?;
     let radius = state.setup.wheel_radius?;
@@ -254,7 +253,7 @@ pub(crate) fn turn(state: &AxleState<f64>) -> Option<FromAbove> {
     })
 }
 
-/// Returns true if the wheels are so near straight ahead that percentages of differences mean nothing.
+/// Returns true if the wheels are so close to straight ahead that percentages of differences are meaningless.
 pub(crate) fn is_straight_ahead(state: &AxleState<f64>) -> bool {
     let steer = mean_steer(state);
     steer.is_nan() || steer.abs() < STRAIGHT_AHEAD

@@ -1,30 +1,30 @@
-//! One wheel of the axle while it is solved.
+//! One wheel of the axle during the solution.
 
 use super::*;
 
-/// One corner of the axle, ready to be solved.
+/// Solver for one corner of the axle.
 #[derive(Clone, Debug)]
 pub(super) struct Corner<'a, const N: usize> {
     pub(super) mechanism: &'a Mechanism,
     pub(super) solver: Solver<'a>,
-    /// Series of poses along the travel, for heights of contact points.
+    /// Series of poses by travel, for heights of contact points.
     pub(super) slopes: DesignSeries<TERMS>,
     pub(super) series: DesignSeries<N>,
-    /// 1, or -1 for the right wheel, in whose own frame the rack moves the other way. (The mean travel of a rigid axle takes
-    /// the rack's place and is the same at both wheels.)
+    /// Sign of the rack in the wheel's own frame: 1 for the left wheel, -1 for the right. For a rigid axle the mean travel
+    /// replaces the rack and needs no sign.
     pub(super) rack_sign: f64,
     pub(super) toggles: Toggles,
-    /// Rack displacement, in this wheel's own frame, that `toggles` has begun with; `None` before the first.
+    /// Rack displacement, in this wheel's own frame, at which `toggles` started; `None` before the first start.
     pub(super) begun: Option<f64>,
-    /// Travels at which this design was found to end, per rack position.
+    /// Ends of travel found for this design, by rack position.
     pub(super) ends: Vec<End>,
     pub(super) side: Side,
     /// Points that are read with the wheel.
     pub(super) points: Vec<PointId>,
 }
 
-/// The end of the travel at one rack displacement, both in the wheel's own frame. It is remembered because finding it
-/// takes as long as a hundred poses, and a search for a roll angle that does not exist comes there again and again.
+/// End of the travel at one rack displacement, both in the wheel's own frame. It is kept because a search takes as long as a
+/// hundred poses. A search for a roll angle that does not exist comes here again and again.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct End {
     pub(super) rack: f64,
@@ -32,7 +32,7 @@ pub(super) struct End {
     pub(super) failure: Failure,
 }
 
-/// A wheel in a pose: its rate of motion by travel, and the height of its contact point over the origin.
+/// Pose of a wheel with its derivatives by travel, and the height of its contact point over the origin.
 pub(super) struct WheelSeries {
     pub(super) pose: Pose<Jet<f64, TERMS>>,
     pub(super) height: Jet<f64, TERMS>,
@@ -53,7 +53,7 @@ impl WheelSeries {
         }
     }
 
-    /// The pose a little further in travel.
+    /// Pose after a small step in travel.
     pub(super) fn moved(&self, step: f64) -> Pose<f64> {
         if step == 0.0 {
             return self.pose.map(|c| c[0]);
@@ -67,9 +67,9 @@ impl WheelSeries {
     }
 }
 
-/// The change of half the difference of travels that puts two wheels at one height, by their series.
+/// Change of half the difference of travels that brings both wheels to the same height, by their series.
 pub(super) fn solve_level(left: &Jet<f64, TERMS>, right: &Jet<f64, TERMS>) -> f64 {
-    // The right wheel goes the other way.
+    // The right wheel moves the opposite way.
     let f = [0, 1, 2, 3].map(|k| match k % 2 {
         0 => left[k] - right[k],
         _ => left[k] + right[k],
@@ -120,7 +120,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         Ok(())
     }
 
-    /// The failure of a travel beyond one that is known to be the end.
+    /// Failure at a travel beyond a known end; `None` if the travel is not beyond one.
     pub(super) fn beyond_an_end(&self, travel: f64, rack: f64) -> Option<Failure> {
         let is_beyond =
             |end: &&End| end.rack == rack && (travel - end.travel) * end.travel.signum() > 0.0;
@@ -128,7 +128,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         Some(end.failure)
     }
 
-    /// Makes ready to look for toggles at this rack displacement.
+    /// Prepares the search for toggles at this rack displacement.
     pub(super) fn begin(&mut self, rack: f64) -> Result<(), DesignFault> {
         match self.begun == Some(rack) {
             true => self.toggles.begin_again(),
@@ -140,7 +140,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         Ok(())
     }
 
-    /// The failure of this wheel at a travel; of a rigid axle, whose mean travel is held, at its drive.
+    /// Failure of this wheel at a travel. For a rigid axle, whose mean travel is held, the travel is its drive.
     pub(super) fn fails(&self, travel: f64, failure: Failure) -> NoPose {
         if self.mechanism.rigid_axle.is_some() {
             return NoPose::RigidAxle {
@@ -156,12 +156,12 @@ impl<'a, const N: usize> Corner<'a, N> {
         }
     }
 
-    /// The wheel in a pose, with the rack in the middle.
+    /// Configuration of the wheel in a pose, with the rack centred.
     pub(super) fn configuration(&self, pose: Pose<f64>) -> Configuration<'_, f64> {
         Configuration::new(self.mechanism, self.solver.design(), pose, 0.0)
     }
 
-    /// Solves the pose at a travel and hands it to `read`.
+    /// Solves the pose at a travel and passes it to `read`.
     pub(super) fn at<R>(
         &mut self,
         travel: f64,
@@ -211,7 +211,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         })
     }
 
-    /// The wheel at many travels, each on a ground of its own; `None` for a travel that it cannot reach.
+    /// Solves the wheel at many travels, each on its own ground; `None` for a travel out of reach.
     pub(super) fn heights(
         &mut self,
         travels: &[f64],
@@ -224,7 +224,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         let mut found: Vec<_> = travels.iter().map(|_| None).collect();
         let order = StationOrder::through(travels);
         let Corner { solver, slopes, .. } = self;
-        // Stations that cannot be visited stay `None`.
+        // Stations that cannot be reached stay `None`.
         let _ = solver.for_each_pose(Drive::Travel, &order, rack, |solver, station, pose| {
             let motion = MotionPoint {
                 drive: Drive::Travel,
@@ -276,7 +276,7 @@ pub(super) fn read_wheel<const N: usize>(
     (lines, parts, points): (&[Line], &Parts, &[PointId]),
 ) -> Result<WheelRead, Failure> {
     let mut snapshots = [Snapshot::<N>::unknown(); 4];
-    // For every line, the series of each point along it.
+    // Each line gives the series of every point along it.
     let mut ways = Vec::new();
     let (mut condition, mut toggle) = (0.0_f64, None);
     for (number, line) in lines.iter().enumerate() {

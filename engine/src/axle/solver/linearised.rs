@@ -1,18 +1,18 @@
-//! Wheels of a position, ready for gradients by the hardpoints.
+//! Wheels of a position, prepared for gradients by the hardpoints.
 
 use super::*;
 
-/// Both wheels of a position, ready for gradients of formulas by the hardpoints.
+/// Both wheels of a position, prepared for gradients of formulas by the hardpoints.
 pub(crate) struct LinearisedAxle<'s, const N: usize> {
-    /// For each wheel, the wheel along each line.
+    /// Linearised wheel along each line, for both wheels.
     pub(super) wheels: [Vec<Linearised<'s, N>>; 2],
     pub(super) snapshots: [Vec<Snapshot<N>>; 2],
     pub(super) parts: Parts,
 }
 
 impl<const N: usize> LinearisedAxle<'_, N> {
-    /// Both wheels as inputs on the tape, each with the place of its first input. Series along several lines are combined on
-    /// the tape, so that the inputs of the right wheel do not follow at once.
+    /// Puts both wheels on the tape as inputs, each with the index of its first input. The tape combines series along
+    /// several lines, so other entries can lie between the inputs of the two wheels.
     pub(crate) fn on_tape<'t>(&self, tape: &'t Tape) -> [(Reading<Tracked<'t>>, usize); 2] {
         self.snapshots.each_ref().each(|lines| {
             let first = tape.len();
@@ -20,7 +20,7 @@ impl<const N: usize> LinearisedAxle<'_, N> {
         })
     }
 
-    /// Count of the inputs of each wheel.
+    /// Number of inputs per wheel.
     pub(crate) fn inputs(&self) -> usize {
         inputs_on_tape::<N>(&self.parts, self.wheels[0].len())
     }
@@ -78,7 +78,7 @@ pub(super) fn linearise<'s, const N: usize>(
     })
 }
 
-/// The derivative of a sought number by the mean travel.
+/// Derivative of a requested number by the mean travel.
 pub(super) fn derivative_by_heave<const N: usize>(
     state: &AxleState<'_, f64>,
     linearised: &[Vec<Linearised<'_, N>>; 2],
@@ -89,7 +89,7 @@ pub(super) fn derivative_by_heave<const N: usize>(
         Sought::Point(side, id, axis) => {
             let place = linearised[side as usize][0].at.point(id)[axis];
             let by_travel = place.0.get(1).copied().unwrap_or(f64::NAN);
-            // The second line of a rigid axle belongs to the held travel.
+            // The second line of a rigid axle follows the held travel.
             let by_rack = match (state.carriers.is_rigid(), linearised[side as usize].get(1)) {
                 (false, _) => 0.0,
                 (true, None) => f64::NAN,

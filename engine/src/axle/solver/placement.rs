@@ -1,12 +1,11 @@
-//! Places at which an axle is solved.
+//! Placements at which an axle is solved.
 
 use super::*;
 
-/// The position that an axle is to take. Lengths are in the study's unit; the rack is positive towards the left wheel's
-/// outside.
+/// Required position of an axle. Lengths are in the study's unit. The rack is positive to the outside of the left wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Placement {
-    /// The body rolled on a plane ground.
+    /// The body is rolled on a plane ground.
     Roll {
         /// Mean travel of the wheel centres.
         heave: f64,
@@ -15,8 +14,8 @@ pub enum Placement {
         /// Displacement of the rack.
         rack: f64,
     },
-    /// The body rolled on a plane ground, with a mean travel that follows from the load. The axle carries the same
-    /// load as when it stands level at `heave`, with the rack in the middle.
+    /// The body is rolled on a plane ground, and the mean travel follows from the load. The axle carries the same load as
+    /// when it stands level at `heave`, with the rack centred.
     AtLoad {
         /// Mean travel of the wheel centres at which the level axle carries the same load.
         heave: f64,
@@ -25,9 +24,9 @@ pub enum Placement {
         /// Displacement of the rack.
         rack: f64,
     },
-    /// Given travels of both wheels.
+    /// Both wheels have given travels.
     Travels {
-        /// Travels of left and right wheel.
+        /// Travels of the left and the right wheel.
         travels: [f64; 2],
         /// Displacement of the rack.
         rack: f64,
@@ -37,7 +36,7 @@ pub enum Placement {
 }
 
 impl Placement {
-    /// Travels and rack, if both wheels stand on level pads at given heights; `None` for another placement.
+    /// Travels and rack of wheels on level pads at given heights; `None` for another placement.
     pub fn on_level_pads(&self) -> Option<([f64; 2], f64)> {
         match *self {
             Placement::Travels {

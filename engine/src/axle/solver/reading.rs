@@ -20,8 +20,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         Ok(self.both([&left, &right], placed))
     }
 
-    /// Reads one wheel at many travels and one rack displacement, outward from the design position, as the curves of a
-    /// single wheel are read.
+    /// Reads one wheel at many travels and one rack displacement, outward from the design position. A curve of one wheel is
+    /// read in the same way.
     pub fn wheel_curve(
         &mut self,
         side: Side,
@@ -38,7 +38,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         };
         let unvisited = |travel: &f64| Err(fails(*travel, Failure::Singular));
         let mut found: Vec<_> = travels.iter().map(unvisited).collect();
-        // The design position was checked when the solver was made; stations that cannot be visited keep their failure.
+        // The constructor has checked the design position. Stations that cannot be reached keep their failure.
         if corner.begin(rack).is_err() {
             return found;
         }
@@ -62,7 +62,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         found
     }
 
-    /// The position of two wheels that were read at their travels.
+    /// Position of two wheels that were read at their travels.
     pub fn pair(
         &self,
         wheels: [&WheelRead; 2],
@@ -112,10 +112,10 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    /// The gradients of quantities in a position by every hardpoint coordinate of each side, in the frame of
-    /// that side. `receive` gets the number of the quantity and both gradients, by point.
+    /// Computes gradients of quantities in a position by every hardpoint coordinate of each side, in the frame of that side.
+    /// `receive` gets the index of the quantity and both gradients, by point.
     ///
-    /// A gradient is NaN if its quantity needs terms that the series lack because `N` is too small.
+    /// A gradient is NaN if its quantity needs terms beyond the `N` of the series.
     pub fn gradients(
         &mut self,
         placed: &AxlePose,
@@ -126,7 +126,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.gradients_of(placed, &sought, &mut receive)
     }
 
-    /// The gradients of quantities and of coordinates of points, the latter in the frame of their side.
+    /// Computes gradients of quantities and of coordinates of points. Those of coordinates are in the frame of their side.
     pub(in crate::axle) fn gradients_of(
         &mut self,
         placed: &AxlePose,
@@ -146,7 +146,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         };
         let linearised = linearise(&self.corners, (lines, parts), placed, coordinates)?;
         let inputs = linearised.inputs();
-        // The tape records the wheels once. Every quantity is recorded after them.
+        // The tape records the wheels once, then every quantity.
         self.tape.clear();
         let tape = &self.tape;
         let [(left, of_left), (right, of_right)] = linearised.on_tape(tape);
@@ -154,7 +154,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let state = self.state(readings, placed).settled(slopes);
         let value = |sought: &Sought| match sought {
             Sought::Quantity(quantity) => quantity.evaluate(&state),
-            // A point moves with its wheel's travel, which depends on the design if it follows from the ground.
+            // A point moves with its wheel's travel. That travel depends on the design if it follows from the ground.
             Sought::Point(side, ..) => state.readings[*side as usize].travel(),
         };
         let values: Vec<_> = sought.iter().map(value).collect();
@@ -170,7 +170,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                 let linearised = &linearised.wheels[side as usize][0];
                 let by_travel = linearised.at.point(id)[axis].0.get(1).copied();
                 for by in self.gradients.iter_mut().flatten() {
-                    // On pads no travel follows from the ground.
+                    // On pads, travels do not follow from the ground.
                     *by = *by * by_travel.unwrap_or(0.0);
                 }
                 let zero = Vector3::new(0.0, 0.0, 0.0);

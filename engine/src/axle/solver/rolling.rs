@@ -4,8 +4,8 @@ use super::corner::{WheelSeries, solve_level};
 use super::*;
 
 impl<const N: usize> AxleSolver<'_, N> {
-    /// Finds positions. Those in roll at one rack displacement are found together: each round solves the curves of both
-    /// wheels at the travels where the series of the round before put them.
+    /// Finds positions. Placements in roll at one rack displacement are solved together. Each round solves both wheels at
+    /// the travels that the series of the last round predict.
     pub fn place_all(&mut self, placements: &[Placement]) -> Vec<Result<AxlePose, NoPose>> {
         let mut by_rack: Vec<(f64, Vec<usize>)> = Vec::new();
         for (number, placement) in placements.iter().enumerate() {
@@ -32,8 +32,8 @@ impl<const N: usize> AxleSolver<'_, N> {
         found.swap_remove(0)
     }
 
-    /// First guess for half the difference of the travels. It supposes that independent wheel centres move straight up. The
-    /// wheel centres of a rigid axle move on a circle.
+    /// First estimate of half the difference of the travels. It assumes that independent wheel centres move straight up, and
+    /// that wheel centres of a rigid axle move on a circle.
     pub(super) fn straight_half(&self, roll: f64) -> f64 {
         let level = Ground::level(0.0);
         let half = |side: Side| {
@@ -47,8 +47,8 @@ impl<const N: usize> AxleSolver<'_, N> {
         -0.5 * slope * (half(Side::Left) + half(Side::Right))
     }
 
-    /// Solves the numbered placements together; all are in roll at one rack displacement. Leaves out each placement that
-    /// takes more than a few rounds.
+    /// Solves placements in roll at one rack displacement together; `numbers` are their indices. Placements that need more
+    /// than a few rounds stay unsolved.
     pub(super) fn roll_together(
         &mut self,
         rack: f64,
@@ -59,7 +59,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         struct Open {
             number: usize,
             heave: f64,
-            /// Drive of both wheels at this heave and no roll.
+            /// Drive of both wheels at this heave without roll.
             level: f64,
             roll: f64,
             half: f64,
@@ -98,7 +98,7 @@ impl<const N: usize> AxleSolver<'_, N> {
                 let (Some(left), Some(right)) = wheels else {
                     continue;
                 };
-                // Written so that NaN is left to be solved alone.
+                // This form of the condition also skips NaN, so that placement is solved alone.
                 if !rise(is_rigid, [left.height[1], right.height[1]]) {
                     continue;
                 }
@@ -124,7 +124,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         }
     }
 
-    /// Finds a position by itself.
+    /// Finds one position alone.
     pub(super) fn place_alone(&mut self, placement: &Placement) -> Result<AxlePose, NoPose> {
         checkpoint();
         let rack = placement.rack();
@@ -174,7 +174,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         let size = self.corners[0].solver.size();
         let mut half = self.straight_half(roll);
         let (level, rack) = self.level(heave, rack);
-        // Where both wheels stood last, which a step may go back towards.
+        // Last solution with poses for both wheels. A failed step goes back towards it.
         let mut reached = None;
         let mut smallest = f64::INFINITY;
         for _ in 0..MOST_STEPS {
@@ -183,7 +183,7 @@ impl<const N: usize> AxleSolver<'_, N> {
                 left.height(level + half, rack, ground, radius),
                 right.height(level - half, rack, ground.mirrored(), radius),
             );
-            // Where a wheel falls by its travel, both are beyond the position wanted. NaN falls.
+            // If a wheel falls as its travel grows, both wheels are beyond the wanted position. NaN counts as a fall.
             let rises =
                 |l: &WheelSeries, r: &WheelSeries| rise(is_rigid, [l.height[1], r.height[1]]);
             let found = found.and_then(|[l, r]| match rises(&l, &r) {
@@ -192,7 +192,7 @@ impl<const N: usize> AxleSolver<'_, N> {
             });
             let (left_wheel, right_wheel) = match found {
                 Ok(found) => found,
-                // Half the way back to where both wheels could stand.
+                // Go halfway back to the last travels that both wheels could reach.
                 Err(failure) => {
                     let back = reached.unwrap_or(0.0);
                     if (half - back).abs() <= 1e-9 * size {
@@ -236,9 +236,10 @@ impl<const N: usize> AxleSolver<'_, N> {
         left.dot(ground.outboard()) + right.dot(mirrored.outboard())
     }
 
-    /// The roll angle at which both wheels stand on a plane.
+    /// Roll angle at which both wheels stand on a plane.
     pub(super) fn tilted(&self, [left, right]: &[Pose<f64>; 2]) -> Result<f64, NoPose> {
-        // A rigid axle may stand upright, far from a level ground: it begins at the line through both wheel centres.
+        // A rigid axle can stand upright, far from level ground. Its iteration starts with the line through both wheel
+        // centres.
         let mut roll = match self.is_rigid() {
             false => 0.0_f64,
             true => (right.origin.z - left.origin.z).atan2(left.origin.y + right.origin.y),

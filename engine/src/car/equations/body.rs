@@ -1,4 +1,4 @@
-//! Masses, springs and air of the whole car.
+//! Masses, springs and aerodynamic forces of the whole car.
 
 use super::super::corner::Corner;
 use super::super::parameters::{AxleParameter, BodyParameter, Parameters};
@@ -8,7 +8,7 @@ use super::{Held, LOADS, UNKNOWNS};
 use crate::axle::RockerForces;
 use crate::number::{Each, Scalar, Vector3};
 
-/// Energy of springs, stops and bars, from the design position.
+/// Energy of springs, stops and bars, relative to the design position.
 pub(super) fn energy<T: Scalar>(
     car: &Car,
     parameters: &Parameters<T>,
@@ -35,11 +35,11 @@ pub(super) fn energy<T: Scalar>(
     sum
 }
 
-/// Masses of a car.
+/// Masses of a car and their centres.
 pub(super) struct CarMasses<T> {
-    /// Sprung mass with its centre of gravity.
+    /// Sprung mass, and its centre of gravity.
     pub sprung: (T, Vector3<T>),
-    /// Mass of the whole car with its centre of gravity.
+    /// Mass of the whole car, and its centre of gravity.
     pub whole: (T, Vector3<T>),
     /// Mean contact point in the design position.
     pub design_contact: Vector3<T>,
@@ -47,7 +47,7 @@ pub(super) struct CarMasses<T> {
     design_contacts: [Vector3<T>; 4],
 }
 
-/// Masses of the car and their places.
+/// Computes the masses of the car and their centres.
 pub(super) fn masses<T: Scalar>(
     car: &Car,
     parameters: &Parameters<T>,
@@ -65,7 +65,7 @@ pub(super) fn masses<T: Scalar>(
     let given = (mass, cg * mass);
     let mut sprung = given;
     if car.masses == Masses::Whole {
-        // G moves with the wheels, whose masses are part of the whole.
+        // The total includes the wheels, so its centre of gravity moves with them.
         for (number, corner) in corners.iter().enumerate() {
             sprung = add(sprung, -wheel(number), corner.design_centre);
         }
@@ -90,7 +90,8 @@ pub(super) fn masses<T: Scalar>(
     }
 }
 
-/// Load of each wheel of the axles at rest in the design position, half the axle's: the lever rule.
+/// Load on each wheel of the front and rear axle at rest in the design position, by the lever rule. Both wheels of an axle
+/// share its load equally.
 pub(super) fn static_loads<T: Scalar>(
     car: &Car,
     parameters: &Parameters<T>,
@@ -119,7 +120,7 @@ pub(super) fn static_loads<T: Scalar>(
     [on_front, mass - on_front].each(|carried| carried.scaled(0.5 * GRAVITY))
 }
 
-/// Torque of each axle's bar, by the left lever's angle minus the right one's.
+/// Torque of each axle's bar: its rate times the left lever's angle less the right lever's.
 pub(super) fn bar_torques<T: Scalar>(
     car: &Car,
     parameters: &Parameters<T>,
@@ -134,7 +135,7 @@ pub(super) fn bar_torques<T: Scalar>(
     })
 }
 
-/// Lateral and longitudinal share of each wheel in the force of its axle (3).
+/// Computes the lateral and longitudinal share of each wheel in the force of its axle (3).
 pub(super) fn shares<T: Scalar>(held: &Held<'_>, x: &[T; UNKNOWNS]) -> [[T; 2]; 4] {
     let setting = &held.case.setting;
     let share = |number: usize, is_by_load: bool, of_left: f64| {
@@ -184,7 +185,7 @@ impl Car {
     }
 }
 
-/// Downforces and drag, and the points of the body where they act.
+/// Downforces and drag, each with the point of the body where it acts.
 pub(super) fn air<T: Scalar>(
     car: &Car,
     parameters: &Parameters<T>,
@@ -205,7 +206,7 @@ pub(super) fn air<T: Scalar>(
         let Some(force) = force else { continue };
         points[number] = force.point;
         let mut area = zero.constant(force.area[0]);
-        // Without ride heights, their factors are zero.
+        // Without ride heights, the coefficients that multiply them are zero.
         if force.area[1..].iter().any(|factor| *factor != 0.0) {
             let powers = [front, rear, front.squared(), front * rear, rear.squared()];
             for (power, factor) in powers.into_iter().zip(&force.area[1..]) {

@@ -7,7 +7,7 @@ use super::super::{Car, TyreAxes};
 use super::{Held, WheelState};
 use crate::number::{Each, Scalar, Vector3};
 
-/// Forces on one wheel.
+/// Forces on one wheel, and shares that give them.
 pub(super) struct Forces<T> {
     /// Wheel load.
     pub load: T,
@@ -17,26 +17,26 @@ pub(super) struct Forces<T> {
     pub longitudinal: T,
     /// Share of the axle's lateral force.
     pub share: T,
-    /// Torque of the bar on its lever, in the sense of its angle.
+    /// Torque of the bar on its lever, positive in the sense of the lever's angle.
     pub bar: T,
-    /// Rate of the energy of springs between the rockers by the wheel's own travel.
+    /// Derivative, by the wheel's own travel, of the energy of the springs between the rockers.
     pub rocker: T,
     /// Force that accelerates the wheel's mass.
     pub inertia: Vector3<T>,
-    /// Load at rest, which tells the free radius of the tyre.
+    /// Wheel load at rest, from which the free radius of the tyre follows.
     pub static_load: T,
 }
 
-/// Work by one travel of the axle.
+/// Work per unit of one travel of the axle.
 #[derive(Clone, Copy)]
 struct Work<T> {
-    /// n.C'.
+    /// Rise n.C' of the contact point.
     rise: T,
-    /// Forces that the wheel load balances: elastic, geometric, longitudinal, unsprung.
+    /// Generalised forces that the wheel load balances: elastic, geometric, longitudinal, unsprung.
     parts: [T; 4],
 }
 
-/// A wheel with the residual of its contact, and the work of its forces.
+/// A wheel, the residual of its contact, and the work of its forces.
 #[derive(Clone, Copy)]
 pub(super) struct Pushed<T> {
     pub wheel: WheelState<T>,
@@ -45,14 +45,14 @@ pub(super) struct Pushed<T> {
     other: Option<Work<T>>,
 }
 
-/// Both wheels of an axle, and the residuals of its travels.
+/// Both wheels of an axle, and the residuals of its two travels.
 pub(super) struct TravelRows<T> {
     pub wheels: [WheelState<T>; 2],
     pub residuals: [T; 2],
 }
 
-/// The equations of both travels (7), and the parts of the loads (9). The wheels of a solid axle move with both travels, and
-/// the parts solve two equations.
+/// Equations (7) of both travels, and parts (9) of the loads. Each travel of a solid axle moves both wheels, so its parts
+/// come from two simultaneous equations.
 pub(super) fn travel_rows<T: Scalar>([left, right]: [Pushed<T>; 2]) -> TravelRows<T> {
     let mut wheels = [left.wheel, right.wheel];
     let row = |work: &Work<T>, load: T| {
@@ -84,21 +84,21 @@ pub(super) fn travel_rows<T: Scalar>([left, right]: [Pushed<T>; 2]) -> TravelRow
     TravelRows { wheels, residuals }
 }
 
-/// The tyre at the ground: (2).
+/// Tyre on the ground, by (2).
 struct Tread<T> {
-    /// Length of the upward normal across the spin axis.
+    /// Length s of the upward normal's part across the spin axis.
     tilt: T,
     /// Height of the wheel centre over the ground.
     height: T,
-    /// Radius of the wheel in its study.
+    /// Tyre radius of the wheel in its study.
     radius: T,
-    /// Rate and free radius of an elastic tyre.
+    /// Rate and unloaded radius of an elastic tyre.
     spring: Option<(T, T)>,
-    /// Radius without load.
+    /// Tyre radius without load.
     free: T,
-    /// Radius under load.
+    /// Tyre radius under load.
     loaded: T,
-    /// From the wheel centre to the lowest point.
+    /// Vector from the wheel centre to the lowest point.
     lever: Vector3<T>,
 }
 
@@ -144,7 +144,7 @@ impl<T: Scalar> Tread<T> {
         }
     }
 
-    /// Residual of the contact, or of the load of a lifted wheel.
+    /// Residual of the contact; for a lifted wheel, of its load.
     fn residual(&self, load: T, is_lifted: bool) -> T {
         match (is_lifted, self.spring) {
             (true, _) => load,
@@ -158,8 +158,8 @@ impl<T: Scalar> Tread<T> {
         rates.centre + rates.turn.cross(self.lever)
     }
 
-    /// Velocity of the point at which the longitudinal force acts. If the body takes its torque, rotation about the
-    /// spin axis is left out.
+    /// Velocity of the point at which the longitudinal force acts. If the body takes the torque, rotation about the spin
+    /// axis does not count.
     fn pushed(&self, rates: &WheelRates<T>, spin: Vector3<T>, by_carrier: bool) -> Vector3<T> {
         match by_carrier {
             true => self.carried(rates),
@@ -171,7 +171,7 @@ impl<T: Scalar> Tread<T> {
     }
 }
 
-/// Directions of the longitudinal and the lateral force.
+/// Unit vectors of the longitudinal and the lateral force.
 fn tyre_axes<T: Scalar>(
     axes: TyreAxes,
     corner: &Corner<T>,
@@ -188,7 +188,7 @@ fn tyre_axes<T: Scalar>(
     }
 }
 
-/// Force of the wheel's spring with its stops; zero without a spring.
+/// Force of the wheel's spring and its stops; zero without a spring.
 fn spring_force<T: Scalar>(
     car: &Car,
     parameters: &Parameters<T>,
@@ -205,7 +205,7 @@ fn spring_force<T: Scalar>(
         + parameters.axle(axle, AxleParameter::SpringRate) * shortened
 }
 
-/// A wheel, the residual of its contact, and the work of its forces: (2) to (7).
+/// Computes a wheel, the residual of its contact, and the work of its forces: (2) to (7).
 pub(super) fn wheel_balance<T: Scalar>(
     held: &Held<'_>,
     parameters: &Parameters<T>,

@@ -7,7 +7,7 @@ use crate::number::{Jet, Outlined, SimdReal, outlined};
 use std::hint::black_box;
 
 impl LaneReader<'_> {
-    /// Writes the values of all quantities, each `stride` numbers after the previous one; NaN if a value is not finite.
+    /// Writes the values of all quantities. Each is `stride` numbers after the previous one. NaN if a value is not finite.
     #[inline(always)]
     pub fn values<B: SimdReal>(&self, read: &LaneInputs<B>, to: &mut [f64], stride: usize) {
         read.inputs.turn.x.outlined(Evaluating {
@@ -19,7 +19,7 @@ impl LaneReader<'_> {
     }
 
     /// Writes the derivatives of all quantities by the drive, like [`LaneReader::values`], from inputs with rates. NaN for
-    /// quantities made of velocities, whose derivatives would need accelerations.
+    /// quantities that contain velocities, because their derivatives need accelerations.
     #[inline(always)]
     pub fn slopes<B: SimdReal>(&self, read: &LaneInputs<B>, to: &mut [f64], stride: usize) {
         let inputs = &read.inputs;
@@ -45,7 +45,7 @@ impl LaneReader<'_> {
         if !takes_series {
             return;
         }
-        // All formulas as series in one function would take the compiler too long.
+        // If one function contained all formulas as series, it would take too long to compile.
         for lane in 0..B::LANES {
             let series = series(inputs, lane);
             for (k, quantity) in self.quantities.iter().enumerate() {
@@ -73,8 +73,8 @@ impl<B: SimdReal> Outlined for Evaluating<'_, B> {
     fn work(self) {
         let mut first = 0;
         for rule in self.rules {
-            // Without this the compiler moves work that does not depend on the characteristic out of the loop: the divisions and roots
-            // of all formulas, for each of them.
+            // Otherwise the compiler moves work that does not depend on the characteristic out of the loop. It would then
+            // compute the divisions and roots of all formulas for each of them.
             let read = black_box(self.read);
             let value = match rule {
                 EvaluationRule::Formula(c) => c.evaluate(&read.inputs),

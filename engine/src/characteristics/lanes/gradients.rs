@@ -9,8 +9,8 @@ use crate::model::{Axis, PointId, SteeringAxis};
 use crate::number::{Jet, MOST_LANES, Outlined, SimdReal, Vector3};
 
 impl LaneReader<'_> {
-    /// Returns true if lanes provide the derivatives by the hardpoints. They do not for an instantaneous steering axis, nor for
-    /// quantities made of velocities of springs and rockers.
+    /// Returns true if lanes provide the derivatives by the hardpoints. They do not for an instantaneous steering axis, nor
+    /// for quantities that contain velocities of springs and rockers.
     pub fn has_gradients(&self) -> bool {
         let instantaneous = self.mechanism.steering_axis == Some(SteeringAxis::Instantaneous);
         let can_be_had = |q: &Quantity| {
@@ -21,17 +21,18 @@ impl LaneReader<'_> {
             && !(self.slots.contain_steering_axis() && instantaneous)
     }
 
-    /// Returns true if the quantity of this number is made of velocities, so that [`LaneReader::differentiate_rates`] applies.
+    /// Returns true if the quantity with this index contains velocities, so that [`LaneReader::differentiate_rates`]
+    /// applies.
     #[inline(always)]
     pub fn is_of_rates(&self, number: usize) -> bool {
         self.of_rates[number]
     }
 
-    /// Differentiates a quantity y(u, u') made of velocities, at a configuration along the travel. The gradient by the hardpoints is
-    /// the derivative by the travel (coefficient 1) of the result of the seeds.
+    /// Differentiates a quantity y(u, u') that contains velocities, at a configuration along the travel. The gradient by the
+    /// hardpoints is the derivative by the travel (coefficient 1) of the result of the seeds.
     ///
-    /// With h and g the derivatives of y by u and u', dy/dp = h.u_p + g.u_p' is that coefficient of S.u_p for the seed S = g + h e,
-    /// with g and h as constants.
+    /// With h and g the derivatives of y by u and u', dy/dp = h.u_p + g.u_p' is that coefficient of S.u_p for the seed S = g
+    /// + h e, with constant g and h.
     #[inline(always)]
     pub fn differentiate_rates<B: SimdReal, G: Gradient<Jet<B, 2>> + ?Sized>(
         &self,
@@ -50,8 +51,8 @@ impl LaneReader<'_> {
         });
     }
 
-    /// Adds, times `weight`, how one of the four angles depends on the direction it reads. Whether the quantity of this
-    /// number is one: [`LaneReader::differentiate`] is for the others.
+    /// Adds `weight` times the derivative of one of the four angles by the direction that it reads. Returns false if the
+    /// quantity with this index is no such angle; [`LaneReader::differentiate`] is then the right function.
     #[inline(always)]
     pub fn add_by_directions<B: SimdReal>(
         &self,
@@ -75,7 +76,7 @@ impl LaneReader<'_> {
         true
     }
 
-    /// Adds, times `weight`, how any other quantity depends on the configuration that it has been read in.
+    /// Adds `weight` times the derivatives of any other quantity by the configuration from which it was read.
     #[inline(always)]
     pub fn differentiate<B: SimdReal, G: Gradient<B> + ?Sized>(
         &self,
@@ -99,13 +100,13 @@ impl LaneReader<'_> {
                 weight,
                 seeds,
             }),
-            // An angular velocity has its own seed.
+            // An angular velocity has a separate seed.
             Quantity::AngularVelocity(_) => {}
         }
     }
 }
 
-/// Derivatives by the two directions that the angles read; `None` for a direction that is not read.
+/// Derivatives by the two directions that the angles read. `None` for a direction that no angle reads.
 #[derive(Clone, Copy, Debug)]
 pub struct ByDirections<B> {
     spin_axis: Option<Vector3<B>>,
@@ -122,7 +123,7 @@ impl<B> Default for ByDirections<B> {
 }
 
 impl<B: SimdReal> ByDirections<B> {
-    /// Seeds the configuration from which the inputs were read.
+    /// Adds the seeds to the configuration from which the inputs were read.
     #[inline(always)]
     pub fn seed<G: Gradient<B> + ?Sized>(
         &self,
@@ -143,7 +144,7 @@ impl<B: SimdReal> ByDirections<B> {
     }
 }
 
-/// Seeds an adjoint with the inputs of a characteristic.
+/// Work piece that seeds an adjoint with the inputs of a characteristic.
 struct Seeding<'i, 'c, 's, 'a, B, G: ?Sized> {
     characteristic: Characteristic,
     weight: B,
@@ -163,7 +164,7 @@ impl<B: SimdReal, G: Gradient<B> + ?Sized> Outlined for Seeding<'_, '_, '_, '_, 
     }
 }
 
-/// Seeds an adjoint along the travel with the inputs of a quantity made of velocities.
+/// Work piece that seeds an adjoint along the travel with the inputs of a quantity that contains velocities.
 struct SeedingRates<'i, 'c, 's, 'a, B, G: ?Sized> {
     quantity: Quantity,
     weight: B,
@@ -181,7 +182,7 @@ impl<B: SimdReal, G: Gradient<Jet<B, 2>> + ?Sized> Outlined for SeedingRates<'_,
             && let Some(angle) = angle_of_gain(c)
             && let Some(by) = by_direction_along(angle, self.inputs)
         {
-            // The slope of the angle along the travel, by which the wheel centre rises evenly.
+            // The gain is the slope of the angle along the travel, because the wheel centre rises by one per travel.
             for slot in angle.info().reads {
                 slot.push(by * Jet::constant(self.weight), self.at, self.seeds);
             }
@@ -210,8 +211,8 @@ impl<B: SimdReal, G: Gradient<Jet<B, 2>> + ?Sized> Outlined for SeedingRates<'_,
     }
 }
 
-/// The derivatives of a characteristic by the slots it reads. Lane by lane: all formulas over dual numbers in one function
-/// would take the compiler too long.
+/// Derivatives of a characteristic by the slots that it reads, lane by lane. If one function contained all formulas over
+/// dual numbers, it would take too long to compile.
 #[inline(always)]
 fn gradient<B: SimdReal>(c: Characteristic, inputs: &Inputs<B>) -> [Vector3<B>; Slot::MOST] {
     let mut lanes = [[[0.0; MOST_LANES]; 3]; Slot::MOST];
@@ -237,7 +238,7 @@ fn gradient<B: SimdReal>(c: Characteristic, inputs: &Inputs<B>) -> [Vector3<B>; 
     gradient
 }
 
-/// Seeds an adjoint with a coordinate of a point.
+/// Work piece that seeds an adjoint with a coordinate of a point.
 struct SeedingPoint<'i, 's, 'a, B, G: ?Sized> {
     id: PointId,
     axis: Axis,

@@ -1,7 +1,7 @@
 //! Quantities of many designs at a time, one in each lane.
 //!
-//! Only requested numbers are formed. The reader decides about them when it is made, by the [`Slot`]s of the formulas. A slot
-//! that is not read is NaN, so a formula that reads an undeclared slot has no value.
+//! The reader computes only the [`Slot`]s that the formulas of its quantities need. A slot that is not read is NaN, so a
+//! formula that reads an undeclared slot has no value.
 
 mod evaluating;
 mod gradients;
@@ -19,38 +19,38 @@ use crate::number::{SimdReal, Vector3};
 use crate::solve::{CornerTracker, KnucklePoint, KnuckleVector, LaneDesign};
 use watching::ToggleWatch;
 
-/// Reads quantities off poses in lanes.
+/// Reads quantities from poses in lanes.
 #[derive(Clone, Debug)]
 pub struct LaneReader<'a> {
     mechanism: &'a Mechanism,
     quantities: Vec<Quantity>,
     /// Evaluation rule of each quantity.
     rules: Vec<EvaluationRule>,
-    /// True for each quantity that is made of velocities.
+    /// True for each quantity that contains velocities.
     of_rates: Vec<bool>,
     constants: Constants,
     slots: Slots,
     /// Points whose coordinates are read.
     points: Vec<PointId>,
-    /// `carried`: all points on the knuckle that are read. `place[id]`: index in `carried` of the point `id` of the
-    /// mechanism, or `None` if that point is not among them.
+    /// `carried`: all points on the knuckle that are read. `place[id]`: index in `carried` of point `id` of the mechanism,
+    /// or `None` if it is not read.
     carried: Vec<PointId>,
     place: Vec<Option<usize>>,
-    /// True if a part outside the knuckle is read: another body's point, or a rocker.
+    /// True if the reader needs a part outside the knuckle: another body's point, or a rocker.
     reads_others: bool,
-    /// Rockers that move a part that is read, and the rockers that turn them. Their positions need velocities.
+    /// Rockers that move a part that is read, and the rockers that move them. Their positions need velocities.
     rockers: Vec<RockerId>,
     rates: bool,
-    /// True if derivatives by the rack are read, too.
+    /// True if the reader also reads derivatives by the rack.
     by_rack: bool,
 }
 
 /// Evaluation rule of a quantity.
 #[derive(Clone, Copy, Debug)]
 enum EvaluationRule {
-    /// Own formula.
+    /// The quantity's own formula.
     Formula(Characteristic),
-    /// The slope of this angle by the drive. This is the angle's gain if the travel is the drive.
+    /// Slope of this angle by the drive. If the travel is the drive, it is the angle's gain.
     Slope(Characteristic),
     /// A coordinate of one of the points.
     Coordinate(usize, Axis),
@@ -58,47 +58,47 @@ enum EvaluationRule {
     AngularVelocity(Axis),
 }
 
-/// Inputs read from poses in lanes.
+/// Inputs of formulas, read from poses in lanes.
 #[derive(Clone, Debug)]
 pub struct LaneInputs<B> {
     inputs: Inputs<B>,
     /// Positions of the points, and their velocities.
     points: Vec<[Vector3<B>; 2]>,
-    /// Velocity of the wheel centre and angular velocity by the rack, the travel held.
+    /// Velocity of the wheel centre and angular velocity by the rack, at constant travel.
     by_rack: [Vector3<B>; 2],
     rods: ToggleWatch<B>,
 }
 
 impl<B> LaneInputs<B> {
-    /// Makes ready for the stations at another rack displacement, which are visited outward from the design position.
+    /// Prepares for the stations at another rack displacement, which are visited outward from the design position.
     #[inline(always)]
     pub fn begin(&mut self) {
         self.rods.begin();
     }
 
-    /// The inputs of formulas.
+    /// Inputs of formulas.
     #[inline(always)]
     pub fn inputs(&self) -> &Inputs<B> {
         &self.inputs
     }
 
-    /// Velocity of the wheel centre and angular velocity by the rack, with the travel held; NaN if not requested.
+    /// Velocity of the wheel centre and angular velocity by the rack, at constant travel. NaN if not requested.
     #[inline(always)]
     pub fn by_rack(&self) -> &[Vector3<B>; 2] {
         &self.by_rack
     }
 }
 
-/// Designs whose characteristics are read.
+/// Designs whose characteristics are read, one in each lane.
 pub struct LaneWheels<B: SimdReal> {
     spin_axis: KnuckleVector<B>,
     designed_spin_axis: DesignedSpinAxis<B>,
-    /// The points that the knuckle carries.
+    /// Points on the knuckle.
     carried: Vec<KnucklePoint<B>>,
 }
 
 impl<'a> LaneReader<'a> {
-    /// A reader of these quantities; `None` if one of them cannot be read in lanes.
+    /// Makes a reader of these quantities. `None` if lanes cannot read one of them.
     pub fn new(
         mechanism: &'a Mechanism,
         batch: &CornerTracker<'_>,
@@ -136,7 +136,7 @@ impl<'a> LaneReader<'a> {
         })
     }
 
-    /// A reader of slots, with their velocities if `rates` is true, for formulas that are evaluated elsewhere. `None`
+    /// Makes a reader of slots, with their velocities if `rates` is true, for formulas that are evaluated elsewhere. `None`
     /// if lanes cannot read one of them.
     pub fn of_slots(
         mechanism: &'a Mechanism,
@@ -148,7 +148,7 @@ impl<'a> LaneReader<'a> {
         LaneReader::reading(mechanism, batch, constants, slots, Vec::new(), rates)
     }
 
-    /// A reader of these slots and of the coordinates of these points. `None` if one of them cannot be read in lanes.
+    /// Makes a reader of these slots and of the coordinates of these points. `None` if lanes cannot read one of them.
     fn reading(
         mechanism: &'a Mechanism,
         batch: &CornerTracker<'_>,
@@ -194,8 +194,8 @@ impl<'a> LaneReader<'a> {
         })
     }
 
-    /// The reader with velocities by the rack, too, if `is_wanted`. They are read only if the reader reads velocities
-    /// by the drive and the wheel centre.
+    /// If `is_wanted`, the reader also reads velocities by the rack. It does so only if it reads velocities by the drive and
+    /// the wheel centre.
     #[must_use]
     pub fn with_derivatives_by_rack(mut self, is_wanted: bool) -> Self {
         let knows_centre = self.slots.contain_either(Slot::Centre, Slot::CentreRate);
@@ -203,19 +203,20 @@ impl<'a> LaneReader<'a> {
         self
     }
 
-    /// Returns true if poses must be read in the order of the visit, because rods of rockers are watched from station to station.
+    /// Returns true if poses must be read in the order of the visit, because rods of rockers are watched from station to
+    /// station.
     #[inline]
     pub(crate) fn watches_rods(&self) -> bool {
         !self.rockers.is_empty()
     }
 
-    /// The mechanism that is read.
+    /// Mechanism of the reader.
     #[inline]
     pub(crate) fn mechanism(&self) -> &'a Mechanism {
         self.mechanism
     }
 
-    /// The quantities, in the order of the values.
+    /// Quantities, in the order of the values.
     #[inline]
     pub fn quantities(&self) -> &[Quantity] {
         &self.quantities
@@ -261,7 +262,7 @@ impl<'a> LaneReader<'a> {
         }
     }
 
-    /// Reads the slots that depend on the designs alone, before the first of their poses.
+    /// Reads the slots that depend only on the designs, before the first of their poses.
     #[inline(always)]
     pub fn read_designs<B: SimdReal>(&self, design: &[Vector3<B>], into: &mut LaneInputs<B>) {
         into.inputs.read_design(self.mechanism, design, self.slots);

@@ -7,18 +7,18 @@ use crate::model::{PointId, RockerId};
 use crate::number::{Outlined, SimdReal, Vector3};
 use crate::solve::{LanePose, LaneRates};
 
-/// The least squared leverage of a rocker. A toggle is far then, and the rocker turns no more than four
-/// times as fast as with all of it.
+/// Smallest squared leverage of a rocker. With more, a toggle is far, and the rocker rotates at most four times as fast as
+/// with full leverage.
 const LEAST_LEVERAGE: f64 = 0.0625;
 
-/// The most vertical a spin axis may be, as the sine of its inclination. Beyond, the wheel all but lies on its
-/// side, where neither camber nor toe can be told well.
+/// Largest inclination of a spin axis, as its sine. Beyond it the wheel nearly lies on its side, and neither camber nor toe
+/// is accurate.
 const STEEPEST_SPIN_AXIS: f64 = 0.9;
 
 impl LaneReader<'_> {
-    /// Reads the inputs of formulas from a pose, with their velocities if `rates` is true. Returns the accepted lanes: those in
-    /// which every input is well determined (see [`CornerTracker`](crate::solve::CornerTracker)), and in which no rod can have reached a toggle
-    /// since the previous station.
+    /// Reads the inputs of formulas from a pose, with their velocities if `rates` is true. Returns the accepted lanes. Every
+    /// input of an accepted lane is well determined (see [`CornerTracker`](crate::solve::CornerTracker)), and no rod can
+    /// have reached a toggle since the previous station.
     #[inline(always)]
     pub fn read<B: SimdReal>(
         &self,
@@ -39,7 +39,7 @@ impl LaneReader<'_> {
     }
 }
 
-/// Out of line, so that all visitors of poses share the code.
+/// Work piece for reading a pose, compiled as a separate function, so that all visitors of poses share the code.
 struct ReadingPose<'r, 'm, B: SimdReal, P> {
     reader: &'r LaneReader<'m>,
     wheels: &'r LaneWheels<B>,
@@ -104,11 +104,11 @@ struct PoseInLanes<'r, 'm, 'c, B: SimdReal, P> {
     reader: &'r LaneReader<'m>,
     wheels: &'r LaneWheels<B>,
     at: &'r P,
-    /// Velocities, where they are wanted.
+    /// Velocities, if requested.
     rates: Option<&'r LaneRates<B>>,
-    /// Needed if a part is read that the knuckle does not carry.
+    /// Configuration. Needed if a part is read that is not on the knuckle.
     configuration: Option<&'r Configuration<'c, B>>,
-    /// Lanes in which everything read so far is well known.
+    /// Lanes in which everything read so far is accurate.
     accepted: B::Mask,
 }
 
@@ -121,7 +121,7 @@ impl<B: SimdReal, P: LanePose<B>> PoseInLanes<'_, '_, '_, B, P> {
         }
     }
 
-    /// Lanes are accepted where a rocker is far from its toggle.
+    /// Accepts lanes in which a rocker is far from its toggle.
     #[inline(always)]
     fn require_leverage(&mut self, squared: B) {
         self.accepted = self.accepted & squared.constant(LEAST_LEVERAGE).less(squared);

@@ -4,17 +4,17 @@ use crate::mechanism::{Configuration, RodReach, Twist};
 use crate::model::RockerId;
 use crate::number::{Outlined, SimdReal};
 
-/// The places of the rods of rockers at stations visited before.
+/// Positions of the rods of rockers at earlier stations.
 #[derive(Clone, Debug)]
 pub(super) struct ToggleWatch<B> {
-    /// At the first station and at the last.
+    /// Positions at the first and at the latest station.
     rods: Vec<[RodReach<B>; 2]>,
     /// True if a station at this rack displacement has been visited.
     has_begun: bool,
 }
 
 impl<B> ToggleWatch<B> {
-    /// Makes ready for stations at another rack displacement.
+    /// Prepares for stations at another rack displacement.
     #[inline(always)]
     pub(super) fn begin(&mut self) {
         self.has_begun = false;
@@ -22,7 +22,7 @@ impl<B> ToggleWatch<B> {
 }
 
 impl<B: SimdReal> ToggleWatch<B> {
-    /// A watch over this number of rockers that has seen no rod yet; `nothing` is a NaN.
+    /// Makes a watch over this number of rockers that has not seen a rod yet. `nothing` is NaN.
     #[inline(always)]
     pub(super) fn of(rockers: usize, nothing: B) -> Self {
         ToggleWatch {
@@ -31,8 +31,8 @@ impl<B: SimdReal> ToggleWatch<B> {
         }
     }
 
-    /// Advances to the next pose, given the motion of the knuckle there. Returns the lanes in which no rod can have reached a
-    /// toggle since the previous station.
+    /// Advances to the next pose, given the motion of the knuckle there. Returns the lanes in which no rod can have reached
+    /// a toggle since the previous station.
     #[inline(always)]
     pub(super) fn watch(
         &mut self,
@@ -66,12 +66,13 @@ impl<B: SimdReal> Outlined for Watching<'_, B> {
         for ([first, last], id) in rods.iter_mut().zip(self.rockers) {
             let rod = self.at.moving_rod(*id, self.motion);
             let before = match *has_begun {
-                // The rack has gone to its place in between.
+                // At the start, the rack has moved since the design position, so the path begins with the rod in that
+                // position.
                 false => {
                     *first = rod;
                     self.at.designed_rod(*id)
                 }
-                // The visit may have turned to the other side of where it began.
+                // The visit may have changed to the other side of its start.
                 true => rod.nearer(first, last),
             };
             right = right & before.keeps_leverage_to(&rod);

@@ -1,4 +1,4 @@
-//! The elastic parts of both wheels of an axle.
+//! Elastic parts of both wheels of an axle.
 
 use crate::compliance::definition::{Compliance, Relaxed, Subframe};
 use crate::compliance::inputs::{AxleParameter, Parameter};
@@ -14,12 +14,12 @@ pub struct SteeringColumn<T = f64> {
     pub rack_per_angle: f64,
 }
 
-/// The elastic parts of an axle.
+/// Elastic parts of an axle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleCompliance<T = f64> {
-    /// The parts of left and right wheel, each as a left wheel's.
+    /// Parts of the left and the right wheel, each in the form for a left wheel.
     pub wheels: [Compliance<T>; 2],
-    /// The subframe; `None` if the body holds all inner ends.
+    /// Subframe; `None` if the body holds all inner ends.
     pub subframe: Option<Subframe<T>>,
     /// Stiffness between commanded rack and rack, without the column: force per length. `None` for a rigid one.
     pub rack_rate: Option<T>,
@@ -30,7 +30,7 @@ pub struct AxleCompliance<T = f64> {
 }
 
 impl AxleCompliance {
-    /// The parts over another kind of number.
+    /// Converts the parts to another kind of number.
     pub fn map<U: Copy>(&self, f: impl Fn(f64) -> U + Copy) -> AxleCompliance<U> {
         AxleCompliance {
             wheels: self.wheels.each_ref().map(|wheel| wheel.map(f)),
@@ -65,12 +65,12 @@ impl AxleCompliance {
         }
     }
 
-    /// Returns true if both wheels share the part of a parameter.
+    /// Returns true if the part of this parameter is common to both wheels.
     pub fn is_shared(&self, parameter: Parameter) -> bool {
         self.map(|value| value).shared_number(parameter).is_some()
     }
 
-    /// Returns true if the parameter's part has another law at the right wheel than at the left one.
+    /// Returns true if the part of this parameter has different laws at the two wheels.
     pub fn differs(&self, parameter: Parameter) -> bool {
         let [left, right] = &self.wheels;
         match parameter {
@@ -88,15 +88,15 @@ impl AxleCompliance {
         }
     }
 
-    /// Position in which elastic parts are relaxed.
+    /// Position in which the elastic parts are relaxed.
     pub fn relaxed(&self) -> Relaxed {
         self.wheels[0].relaxed
     }
 }
 
 impl<T> AxleCompliance<T> {
-    /// Value of a parameter of the parts that both wheels share. The mounts of the subframe are numbered after the
-    /// bushings of one wheel.
+    /// Value of a parameter of the parts that both wheels share. Mounts of the subframe have numbers after those of one
+    /// wheel's bushings.
     pub(super) fn shared_number(&mut self, parameter: Parameter) -> Option<&mut T> {
         let (number, axis) = match parameter {
             Parameter::RackRate => return self.rack_rate.as_mut(),

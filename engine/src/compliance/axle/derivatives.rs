@@ -1,4 +1,4 @@
-//! Changes of an axle's equilibrium, as `compliance/derivatives.rs` has them for one wheel.
+//! Changes of an axle's equilibrium. The method is that of `compliance/derivatives.rs` for one wheel.
 
 use super::equations::{AxleEquations, AxleState, AxleStep, AxleTask};
 use super::{AxleEquilibrium, ElasticAxle};
@@ -16,13 +16,13 @@ use crate::number::{Jet, Scalar, Vector3};
 pub enum AxleChange<T = f64> {
     /// Loads on both wheels, in the kernel's frame of each side.
     Loads([WheelLoads<T>; 2]),
-    /// Travels of both wheels; the heights are held.
+    /// Travels of both wheels, where their heights are held.
     Travels([T; 2]),
     /// Commanded displacement of the rack along the left wheel's +y.
     Rack,
 }
 
-/// The equations in an equilibrium, solved, with one quantity held.
+/// Solved equations in an equilibrium, with one quantity held.
 #[derive(Clone, Debug)]
 pub struct AxleTangent<T = f64> {
     state: AxleState<T>,
@@ -31,7 +31,7 @@ pub struct AxleTangent<T = f64> {
 }
 
 impl<T: Scalar> ElasticAxle<T> {
-    /// The tangent in an equilibrium.
+    /// Computes the tangent in an equilibrium.
     pub fn tangent(&self, at: &AxleEquilibrium<T>, held: HeldQuantity) -> Option<AxleTangent<T>> {
         let (state, task) = self.held_as(at, held);
         Some(AxleTangent {
@@ -41,7 +41,7 @@ impl<T: Scalar> ElasticAxle<T> {
         })
     }
 
-    /// An equilibrium of the same design in plain numbers, with the derivatives of these numbers.
+    /// Adds derivatives to an equilibrium of the same design in plain numbers.
     pub(super) fn carried(
         &self,
         at: &AxleState<f64>,
@@ -67,7 +67,7 @@ impl<T: Scalar> ElasticAxle<T> {
         let equations = &tangent.equations;
         let mut wheels = [[zero; MOST]; 2];
         let mut shared = [zero; SHARED];
-        // A rack without stiffness of its own moves as it is commanded.
+        // A rack without elasticity follows its command exactly.
         let mut moved = false;
         match change {
             AxleChange::Loads(loads) => {
@@ -108,7 +108,7 @@ impl<T: Scalar> ElasticAxle<T> {
         equations.step(&self.wheels, &wheels, &shared, true)
     }
 
-    /// Derivatives of angles, positions and vertical force of both wheels along a change of an input.
+    /// Derivatives of angles, positions and vertical force of both wheels as an input changes.
     pub fn figures_along(
         &self,
         tangent: &AxleTangent<T>,
@@ -123,8 +123,8 @@ impl<T: Scalar> ElasticAxle<T> {
         })
     }
 
-    /// Inputs of the catalogue's formulas at both wheels along a change of an input: values and first derivatives. The
-    /// spring's length is unknown.
+    /// Inputs of the catalogue's formulas at both wheels as an input changes: values and first derivatives. The spring's
+    /// length is unknown.
     pub(crate) fn inputs_along(
         &self,
         tangent: &AxleTangent<T>,
@@ -139,7 +139,7 @@ impl<T: Scalar> ElasticAxle<T> {
         })
     }
 
-    /// Shifts of the wheel centres and turns of the carriers by loads, each in the frame of its side.
+    /// Shifts of the wheel centres and rotations of the carriers per change of loads, each in the frame of its side.
     pub fn twists_along(
         &self,
         tangent: &AxleTangent<T>,
@@ -155,7 +155,7 @@ impl<T: Scalar> ElasticAxle<T> {
         })
     }
 
-    /// Number of a side's limbs and rigid joints, for tests of the size of a system.
+    /// Number of a side's limbs and of its rigid joints, for tests of the system's size.
     pub fn parts(&self, side: Side) -> [usize; 2] {
         let system = &self.wheels[side as usize].built.system;
         [system.limbs.len(), system.joints.len()]

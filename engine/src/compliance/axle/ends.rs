@@ -1,4 +1,4 @@
-//! Ends of equilibrium of an axle: `compliance/ends.rs` has the method.
+//! Ends of equilibrium of an axle, with the method of `compliance/ends.rs`.
 
 use super::equations::{AxleState, AxleTask};
 use super::{AxleEquilibrium, ElasticAxle};
@@ -9,16 +9,16 @@ use crate::compliance::solve::Obstacle;
 use crate::compliance::wheel::HeldQuantity;
 use crate::model::Side;
 
-/// A motion of an axle whose ends are sought.
+/// Motion of an axle whose ends are wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxleWay {
-    /// Travel of one wheel, the other one at the design height.
+    /// Travel of one wheel, with the other wheel at the design height.
     Travel(Side),
     /// Equal travels of both wheels.
     Heave,
-    /// Travel of the left wheel less that of the right one, at zero mean travel.
+    /// Travel of the left wheel less that of the right wheel, at zero mean travel.
     TravelDifference,
-    /// The rack, along the left wheel's +y, at the design heights.
+    /// Displacement of the rack along the left wheel's +y, at the design heights.
     Rack,
 }
 
@@ -78,7 +78,7 @@ impl Followable for ElasticAxle {
     }
 }
 
-/// A state that is an equilibrium.
+/// Makes an equilibrium of a state that is in balance.
 fn equilibrium(state: &AxleState<f64>, task: &AxleTask<f64>) -> AxleEquilibrium {
     AxleEquilibrium {
         state: *state,
@@ -88,7 +88,7 @@ fn equilibrium(state: &AxleState<f64>, task: &AxleTask<f64>) -> AxleEquilibrium 
 }
 
 impl ElasticAxle {
-    /// The least and the largest value of a motion with an equilibrium.
+    /// Smallest and largest value of a motion with an equilibrium.
     pub fn motion_ends(&self, way: AxleWay) -> Result<[EquilibriumEnd; 2], NoEquilibrium> {
         let at = self.at([0.0; 2], 0.0)?;
         let force = match way {
@@ -105,7 +105,7 @@ impl ElasticAxle {
         }))
     }
 
-    /// The least and the largest multiple of loads beside those of a station.
+    /// Smallest and largest multiple of the loads `unit`, in addition to the loads of a station.
     pub(in crate::compliance) fn load_ends(
         &self,
         station: &AxleEquilibrium,

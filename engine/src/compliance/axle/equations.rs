@@ -1,13 +1,13 @@
-//! The equations of both wheels and of the bodies that they share.
+//! Equations of both wheels and of the bodies that they share.
 //!
-//! Each wheel has the equations of `system.rs` (matrix A_c, residual r_c) with the shared unknowns q held. With B_c = dr_c/dq,
-//! C_c = ds/dx_c of the forces s on the shared bodies and D = ds/dq, a Newton step solves
+//! Each wheel has the equations of `system.rs` (matrix A_c, residual r_c) with the shared unknowns q held. With B_c =
+//! dr_c/dq, C_c = ds/dx_c of the forces s on the shared bodies and D = ds/dq, a Newton step solves
 //!
 //! ```text
 //! (D - sum C_c A_c^-1 B_c) dq = -(s - sum C_c A_c^-1 r_c),   dx_c = -A_c^-1 (r_c + B_c dq)        (1)
 //! ```
 //!
-//! The right wheel is a left one in a mirror, with the signs [`MIRROR`] of the shared unknowns.
+//! The right wheel is the mirror image of a left wheel, with the signs [`MIRROR`] of the shared unknowns.
 
 #![expect(
     clippy::needless_range_loop,
@@ -24,16 +24,16 @@ use super::super::wheel::ElasticWheel;
 use crate::linear::square::{MOST, SquareLu};
 use crate::number::{Scalar, Vector3, array_of};
 
-/// Parts between body and both wheels, beside the subframe's mounts.
+/// Parts between the body and both wheels, except the subframe's mounts.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct SharedParts<T> {
     pub(in super::super) has_subframe: bool,
-    /// Stiffness between the commanded rack and the rack, with its force in the design position.
+    /// Stiffness between the commanded rack and the rack, and the force there in the design position.
     pub(in super::super) rack: Option<[T; 2]>,
     pub(in super::super) has_bar: bool,
 }
 
-/// A state of both wheels. The shared bodies are in the left wheel's axes.
+/// State of both wheels. The shared bodies are in the left wheel's axes.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct AxleState<T> {
     pub(in super::super) wheels: [State<T>; 2],
@@ -53,7 +53,7 @@ impl<T: Scalar> AxleState<T> {
         }
     }
 
-    /// Shared bodies as the wheel of a side sees them.
+    /// Shared bodies as seen from the wheel of a side.
     pub(in super::super) fn around(&self, side: usize) -> Surroundings<T> {
         match side {
             0 => self.around,
@@ -70,28 +70,28 @@ pub(in super::super) struct AxleTask<T> {
     pub(in super::super) wheels: [Task<T>; 2],
 }
 
-/// A change of all unknowns, or their rate.
+/// Change of all unknowns, or their rate.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct AxleStep<T> {
     pub(in super::super) wheels: [Step<T>; 2],
     pub(in super::super) shared: [T; SHARED],
 }
 
-/// Forces from outside that hold a pose which is no equilibrium.
+/// External forces that hold a pose without equilibrium.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct AxleHeld<T> {
     pub(in super::super) wheels: [Held<T>; 2],
     pub(in super::super) shared: [T; SHARED],
 }
 
-/// Why there is no step: a part of a wheel, or of both.
+/// Reason for no step: a part of one wheel, or a shared part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in super::super) enum AxleSingular {
     Wheel(usize, Singular),
     Shared,
 }
 
-/// The equations of one wheel.
+/// Equations of one wheel.
 #[derive(Clone, Debug)]
 pub(in super::super) struct SideEquations<T> {
     pub(in super::super) equations: Equations<T>,
@@ -103,7 +103,7 @@ pub(in super::super) struct SideEquations<T> {
     responses: Vec<[T; MOST]>,
 }
 
-/// The equations in a state, solved as far as equation (1) needs it.
+/// Equations in a state, solved as far as equation (1) needs them.
 #[derive(Clone, Debug)]
 pub(in super::super) struct AxleEquations<T> {
     pub(in super::super) sides: [SideEquations<T>; 2],
@@ -115,17 +115,17 @@ pub(in super::super) struct AxleEquations<T> {
     factors: Option<SquareLu<T>>,
 }
 
-/// How the equations are formed.
+/// Purpose of the equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in super::super) enum Purpose {
     /// An equilibrium under loads.
     Balance,
-    /// Forces at the design load: elements have their slope and no force.
+    /// Forces at the design load. Elements contribute their slope but no force.
     Preload,
 }
 
 impl<T: Scalar> SideEquations<T> {
-    /// Tangent of the wheel's forces by a shared unknown of the left wheel's axes.
+    /// Tangent of the wheel's forces by a shared unknown in the left wheel's axes.
     pub(in super::super) fn by_shared(&self, side: usize, shared: usize) -> [T; MOST] {
         let mirror = sign(side, shared);
         array_of(|i| self.coupling.corner_by[i][shared].scaled(mirror))
@@ -136,7 +136,7 @@ impl<T: Scalar> SideEquations<T> {
         self.coupling.own[i][j].scaled(sign(side, i) * sign(side, j))
     }
 
-    /// C_c x of one shared force.
+    /// Product C_c x for one shared force.
     fn on_shared(&self, side: usize, shared: usize, x: &[T; MOST]) -> T {
         let by = &self.coupling.by_corner[shared];
         let mut sum = x[0].zero();
@@ -156,19 +156,19 @@ pub(in super::super) fn sign(side: usize, shared: usize) -> f64 {
 }
 
 impl<T: Scalar> SharedParts<T> {
-    /// Shared unknowns that move.
+    /// Indices of the shared unknowns that move.
     pub(in super::super) fn active(&self, purpose: Purpose) -> Vec<usize> {
         let mut active: Vec<usize> = Vec::new();
         if self.has_subframe {
             active.extend(0..RACK);
         }
         active.extend(self.rack.is_some().then_some(RACK));
-        // Without forces the bar holds nothing.
+        // Without forces, the bar holds nothing.
         active.extend((self.has_bar && purpose == Purpose::Balance).then_some(TWIST));
         active
     }
 
-    /// The equations in a state.
+    /// Forms the equations in a state.
     pub(in super::super) fn equations(
         &self,
         wheels: &[ElasticWheel<T>; 2],
@@ -278,7 +278,7 @@ fn side_equations<T: Scalar>(
 }
 
 impl<T: Scalar> AxleEquations<T> {
-    /// Solves the tangent for these forces. Equation (1).
+    /// Solves the tangent for these forces, by equation (1).
     pub(in super::super) fn solve(
         &self,
         wheels: &[[T; MOST]; 2],
@@ -313,20 +313,20 @@ impl<T: Scalar> AxleEquations<T> {
         self.own[i][j]
     }
 
-    /// The residuals with opposite signs, for a Newton step.
+    /// Residuals with opposite signs, for a Newton step.
     pub(in super::super) fn residuals(&self) -> ([[T; MOST]; 2], [T; SHARED]) {
         let wheels = [0, 1].map(|side: usize| self.sides[side].equations.residual.map(|c| -c));
         (wheels, self.force.map(|c| -c))
     }
 
-    /// A Newton step.
+    /// Takes a Newton step.
     pub(in super::super) fn newton_step(&self, axle: &[ElasticWheel<T>; 2]) -> AxleStep<T> {
         let (wheels, shared) = self.residuals();
         let (wheels, shared) = self.solve(&wheels, &shared);
         self.step(axle, &wheels, &shared, false)
     }
 
-    /// All unknowns from those of equation (1).
+    /// Computes all unknowns from those of equation (1).
     pub(in super::super) fn step(
         &self,
         axle: &[ElasticWheel<T>; 2],
@@ -349,7 +349,7 @@ impl<T: Scalar> AxleEquations<T> {
                 let by = part.coupling.beside.iter().find(|(number, _)| *number == k);
                 let beside = by.map(|(_, by)| (*by, beside));
                 let mut step = followers.step(&seen, beside.as_ref(), is_rate);
-                // A link's own shift is against the holder of the rack, not against the rack.
+                // The shift of a link is measured from the holder of the rack, so the rack's own shift is added.
                 if let Limb::Floating(Floating {
                     inner: Some(_),
                     on_rack: true,
@@ -369,7 +369,7 @@ impl<T: Scalar> AxleEquations<T> {
 }
 
 impl<T: Scalar> AxleState<T> {
-    /// The state after a step.
+    /// Returns the state after a step.
     pub(in super::super) fn stepped(
         &self,
         axle: &[ElasticWheel<T>; 2],
@@ -395,10 +395,10 @@ impl<T: Scalar> AxleState<T> {
 }
 
 impl<T: Scalar> AxleStep<T> {
-    /// Largest shift and largest turn.
+    /// Largest shift and largest rotation.
     pub(in super::super) fn sizes(&self, axle: &[ElasticWheel<T>; 2]) -> [f64; 2] {
         let shared = self.shared.each_ref().map(|c| c.value().abs());
-        // Keeps NaN.
+        // A NaN in the second number gives NaN.
         let largest = |m: f64, c: f64| if m >= c { m } else { c };
         let shift = shared[..3].iter().copied().fold(shared[RACK], largest);
         let turn = shared[3..RACK].iter().copied().fold(shared[TWIST], largest);
@@ -412,7 +412,8 @@ impl<T: Scalar> AxleStep<T> {
 }
 
 impl AxleEquations<f64> {
-    /// Refuses a state that is not stable: a wheel with the shared bodies held, or these with the wheels following.
+    /// Refuses a state that is not stable. Each wheel must be stable with the shared bodies held, and these bodies with the
+    /// wheels free to follow.
     pub(in super::super) fn check_stable(
         &self,
         axle: &[ElasticWheel; 2],
@@ -429,8 +430,8 @@ impl AxleEquations<f64> {
         }
     }
 
-    /// Returns true if the symmetric part of equation (1)'s matrix, rows on both sides, is positive definite on the shared
-    /// unknowns.
+    /// Returns true if the matrix of equation (1) has a positive definite symmetric part on the shared unknowns. The rows of
+    /// rigid joints and heights also count as columns.
     fn is_definite(&self) -> bool {
         let count = self.active.len();
         let mut matrix = [[0.0; SHARED]; SHARED];

@@ -1,4 +1,4 @@
-//! An axle of two elastic wheels, coupled by rack, anti-roll bar and subframe.
+//! Axle of two elastic wheels, coupled by rack, anti-roll bar and subframe.
 
 mod definition;
 mod derivatives;
@@ -27,7 +27,7 @@ use crate::model::{Axis, Side, Suspension};
 use crate::number::{Scalar, Vector3};
 use equations::{AxleEquations, AxleSingular, AxleState, AxleTask, Purpose, SharedParts};
 
-/// An equilibrium of both wheels.
+/// Equilibrium of both wheels.
 #[derive(Clone, Copy, Debug)]
 pub struct AxleEquilibrium<T = f64> {
     state: AxleState<T>,
@@ -36,14 +36,14 @@ pub struct AxleEquilibrium<T = f64> {
 }
 
 impl<T: Scalar> AxleEquilibrium<T> {
-    /// Newton steps that led to it.
+    /// Number of Newton steps to this equilibrium.
     pub fn steps(&self) -> usize {
         self.steps
     }
 }
 
-/// An axle of two elastic wheels, in one design. Each wheel is in the kernel's frame of a left wheel; the rack moves along
-/// the left wheel's +y.
+/// Axle of two elastic wheels in one design. Each wheel is in the kernel's frame of a left wheel. The rack moves along the
+/// left wheel's +y.
 #[derive(Clone, Debug)]
 pub struct ElasticAxle<T = f64> {
     wheels: [ElasticWheel<T>; 2],
@@ -53,7 +53,7 @@ pub struct ElasticAxle<T = f64> {
 }
 
 impl<T: Scalar> ElasticAxle<T> {
-    /// The axle of two suspensions with their hardpoints at `designs`.
+    /// Makes the axle of two suspensions with their hardpoints at `designs`.
     pub fn of(
         suspensions: [&Suspension; 2],
         designs: [&[Vector3<T>]; 2],
@@ -91,7 +91,7 @@ impl<T: Scalar> ElasticAxle<T> {
         self.wheels[0].built.system.like()
     }
 
-    /// The design position with the forces at the design load.
+    /// Design position with the forces at the design load.
     fn start(&self) -> AxleState<T> {
         AxleState {
             wheels: [self.wheels[0].start, self.wheels[1].start],
@@ -99,7 +99,7 @@ impl<T: Scalar> ElasticAxle<T> {
         }
     }
 
-    /// Sets the forces at the design load.
+    /// Computes the forces at the design load.
     fn preload(&mut self) -> Result<(), AxleFault> {
         let state = self.start();
         let task = self.level([0.0; 2], 0.0);
@@ -153,7 +153,7 @@ impl<T: Scalar> ElasticAxle<T> {
         }
     }
 
-    /// Refuses a design in which a motion has no stiffness while the heights are held.
+    /// Refuses a design if a motion has no stiffness while the heights are held.
     fn check_held(&self) -> Result<(), AxleFault> {
         let state = self.start();
         let task = self.level([0.0; 2], 0.0);
@@ -189,7 +189,7 @@ impl<T: Scalar> ElasticAxle<T> {
         }
     }
 
-    /// The design position before its equilibrium is sought.
+    /// Design position before the search for its equilibrium.
     pub(super) fn unsolved(&self) -> AxleEquilibrium<T> {
         AxleEquilibrium {
             state: self.start(),
@@ -207,7 +207,7 @@ impl<T: Scalar> ElasticAxle<T> {
         }
     }
 
-    /// The vertical forces at the contact points in the design position, if that is an equilibrium.
+    /// Vertical forces at the contact points in the design position; `None` if it is no equilibrium.
     pub fn design_loads(&self) -> Option<[T; 2]> {
         let loads = self.wheels.each_ref().map(|wheel| wheel.start.vertical);
         (self.relaxed() == Relaxed::AtDesignLoad).then_some(loads)
@@ -238,13 +238,13 @@ impl<T: Scalar> ElasticAxle<T> {
         carrier.displacement(centre).z
     }
 
-    /// All of the vertical force at a contact point.
+    /// Total vertical force at a contact point.
     pub fn wheel_load(&self, at: &AxleEquilibrium<T>, side: Side) -> T {
         let loads = &at.task.wheels[side as usize].loads;
         at.state.wheels[side as usize].vertical + loads.contact.z
     }
 
-    /// State of each bushing of a side, in the order of the definition; mounts of the subframe at the end.
+    /// State of each bushing of a side, in the order of the definition, then of the subframe's mounts.
     pub fn bushings(&self, at: &AxleEquilibrium<T>, side: Side) -> Vec<BushingReading<T>> {
         let around = at.state.around(side as usize);
         let built = &self.wheels[side as usize].built;
@@ -265,7 +265,7 @@ impl<T: Scalar> ElasticAxle<T> {
         built.spring_reading(&at.state.wheels[side as usize], &around)
     }
 
-    /// Force on the rack along the left wheel's +y that holds it.
+    /// Force that holds the rack, positive along the left wheel's +y.
     pub fn rack_force(&self, at: &AxleEquilibrium<T>) -> T {
         let of = |side: usize| {
             let around = at.state.around(side);
@@ -275,7 +275,7 @@ impl<T: Scalar> ElasticAxle<T> {
         of(0) - of(1)
     }
 
-    /// Torque of the anti-roll bar: its rate times the left lever's angle less the right one's.
+    /// Torque of the anti-roll bar: its rate times the left lever's angle less the right lever's.
     pub fn bar_torque(&self, at: &AxleEquilibrium<T>) -> Option<T> {
         let angle = |side: usize| {
             let around = at.state.around(side);
@@ -306,7 +306,7 @@ impl<T: Scalar> ElasticAxle<T> {
 const SHARED_NAME: &str = "the subframe, rack or anti-roll bar";
 
 impl<T: Scalar> ElasticAxle<T> {
-    /// An equilibrium as one in which another quantity is held.
+    /// Same equilibrium, with another quantity held.
     fn held_as(&self, at: &AxleEquilibrium<T>, held: HeldQuantity) -> (AxleState<T>, AxleTask<T>) {
         let (mut state, mut task) = (at.state, at.task);
         for (side, wheel) in self.wheels.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Equilibria of an axle, as `compliance/solve.rs` and `compliance/wheel.rs` have them for one wheel.
+//! Equilibria of an axle. The method is that of `compliance/solve.rs` and `compliance/wheel.rs` for one wheel.
 
 use super::equations::{AxleHeld, AxleSingular, AxleState, AxleStep, AxleTask, Purpose};
 use super::{AxleEquilibrium, ElasticAxle};
@@ -13,11 +13,11 @@ use crate::linear::square::MOST;
 use crate::model::{Axis, Side};
 use crate::number::Vector3;
 
-/// Steps of inverse iteration that find the softest motion.
+/// Number of inverse iterations that find the softest motion.
 const SOFT_STEPS: usize = 8;
 
 impl ElasticAxle {
-    /// The equilibrium with the wheel centres at heights and without horizontal loads.
+    /// Equilibrium with the wheel centres at these heights, without horizontal loads.
     pub fn at(&self, travels: [f64; 2], rack: f64) -> Result<AxleEquilibrium, NoEquilibrium> {
         let (from, to) = (self.level([0.0; 2], 0.0), self.level(travels, rack));
         let has_offset = self.wheels.iter().any(|wheel| wheel.has_offset);
@@ -46,8 +46,8 @@ impl ElasticAxle {
         self.solved(&self.start(), &from, &to, held.as_ref())
     }
 
-    /// The equilibrium under loads beside those of a station, from a neighbour of it. Loads are in the kernel's frame of
-    /// each side. What is held are the station's heights or wheel loads.
+    /// Equilibrium under loads in addition to those of a station, from a neighbouring equilibrium. Loads are in the kernel's
+    /// frame of each side. The station's heights or wheel loads are held.
     pub fn loaded_about(
         &self,
         station: &AxleEquilibrium,
@@ -99,7 +99,7 @@ impl ElasticAxle {
         }
     }
 
-    /// Newton's method from a state. An obstacle of one wheel comes with its number.
+    /// Newton's method from a state. A failure at one wheel comes with the index of its side.
     pub(super) fn newton(
         &self,
         start: &AxleState<f64>,
@@ -155,15 +155,15 @@ impl ElasticAxle {
         }
     }
 
-    /// An eliminated part of a wheel, with the motion that nothing holds.
+    /// Name of an eliminated part of a wheel, with the motion that nothing holds.
     pub(super) fn limb_of(&self, side: usize, limb: usize) -> (String, Motion) {
         let wheel = &self.wheels[side];
         let name = of_side(side, &wheel.built.names[limb]);
         (name, wheel.spin_of(limb))
     }
 
-    /// The motion with the least stiffness, after the size of its displacement by a force of size 1: inverse iteration on
-    /// the tangent.
+    /// Finds the motion with the least stiffness by inverse iteration on the tangent. The first result is its displacement
+    /// per unit force.
     pub(super) fn softest(
         &self,
         state: &AxleState<f64>,
@@ -198,7 +198,7 @@ impl ElasticAxle {
         Some((softness, self.largest_motion(&step?)))
     }
 
-    /// The largest motion of a step, with the name of its part.
+    /// Largest motion of a step, with the name of its part.
     fn largest_motion(&self, step: &AxleStep<f64>) -> (String, Motion) {
         let lever = TURN_LEVER * self.wheels[0].bounds.millimetre;
         let mut found = (-1.0, String::new(), Motion::Turn(Axis::X));
@@ -239,8 +239,8 @@ impl ElasticAxle {
         (found.1, found.2)
     }
 
-    /// The largest force that is out of balance in a state. A moment counts by its force at a lever of 300 mm. Infinite if
-    /// the state has no equations.
+    /// Largest unbalanced force in a state. A moment counts as its force at a lever of 300 mm. Infinite if the state has no
+    /// equations.
     pub fn out_of_balance(&self, at: &AxleEquilibrium) -> f64 {
         let found =
             self.shared
@@ -267,7 +267,7 @@ impl ElasticAxle {
     }
 }
 
-/// A part of a side in words.
+/// Name of a side's part, in words.
 fn of_side(side: usize, name: &str) -> String {
     let name = name.strip_prefix("the ").unwrap_or(name);
     format!("the {} {name}", Side::ALL[side].name())

@@ -1,4 +1,4 @@
-//! An elastic axle over numbers on a tape that has some of its inputs.
+//! Elastic axle over numbers on a tape, which also holds some of its inputs.
 
 use super::equations::AxleTask;
 use super::{AxleCompliance, AxleEquilibrium, ElasticAxle};
@@ -9,16 +9,16 @@ use crate::compliance::system::Hold;
 use crate::model::Suspension;
 use crate::number::{Scalar, Tape, Tracked, Vector3};
 
-/// An elastic axle over numbers on a tape.
+/// Elastic axle over numbers on a tape.
 #[derive(Clone, Debug)]
 pub struct AxleOnTape<'t> {
-    /// The axle.
+    /// Axle over these numbers.
     pub axle: ElasticAxle<Tracked<'t>>,
 }
 
 impl<'t> AxleOnTape<'t> {
-    /// The axle with these inputs, which get the first numbers of the tape in their order. An input that the axle does not
-    /// have changes nothing.
+    /// Makes the axle with these inputs, which are the first numbers on the tape, in this order. Inputs that the axle does
+    /// not have change nothing.
     pub fn new(
         suspensions: [&Suspension; 2],
         designs: [&[Vector3<f64>]; 2],
@@ -29,7 +29,7 @@ impl<'t> AxleOnTape<'t> {
         let constant = |point: &Vector3<f64>| point.map(Tracked::constant);
         let mut tracked = designs.map(|design| design.iter().map(constant).collect::<Vec<_>>());
         let mut parts = parts.map(Tracked::constant);
-        // Inputs come first on the tape, so that they are numbered from 0.
+        // Inputs come first on the tape, so their indices start at 0.
         let changes: Vec<Tracked<'t>> = parameters.iter().map(|_| tape.input(0.0)).collect();
         for (of, change) in parameters.iter().zip(changes) {
             let parameter = &of.parameter;
@@ -65,13 +65,13 @@ impl<'t> AxleOnTape<'t> {
         })
     }
 
-    /// An equilibrium of the axle in plain numbers, with the derivatives by the inputs. What is held there stays.
+    /// Adds derivatives by the inputs to an equilibrium of the axle in plain numbers. The same quantities stay held.
     pub fn carried(&self, at: &AxleEquilibrium) -> Option<AxleEquilibrium<Tracked<'t>>> {
         self.axle.carried(&at.state, &on_tape(at, at.task.rack))
     }
 }
 
-/// The task of an equilibrium, with the rack at a place.
+/// Task of an equilibrium over numbers on a tape, with the rack at `rack`.
 fn on_tape<'t>(at: &AxleEquilibrium, rack: f64) -> AxleTask<Tracked<'t>> {
     let wheels = at.task.wheels.each_ref();
     AxleTask {
@@ -81,8 +81,8 @@ fn on_tape<'t>(at: &AxleEquilibrium, rack: f64) -> AxleTask<Tracked<'t>> {
 }
 
 impl<'t> ElasticAxle<Tracked<'t>> {
-    /// An equilibrium under loads beside those of a station, with the derivatives by the inputs. What is held is the
-    /// station's, whose heights or wheel loads may change with the inputs.
+    /// Equilibrium under loads in addition to those of a station, with derivatives by the inputs. The station's heights or
+    /// wheel loads are held, and these can change with the inputs.
     pub(in crate::compliance) fn carried_about(
         &self,
         station: &AxleEquilibrium<Tracked<'t>>,

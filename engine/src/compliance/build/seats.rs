@@ -12,7 +12,7 @@ use crate::model::{Arm, Body, PointId};
 use crate::number::{Scalar, Vector3};
 
 impl<T: Scalar> Builder<'_, T> {
-    /// The spring, where it has a law: on the part that carries its seat.
+    /// Adds the spring, if it has a law, to the part that carries its seat.
     pub(super) fn spring(&mut self, arms: &[Option<usize>]) {
         let (Some(spring), Some(law)) = (self.mechanism.spring, &self.compliance.spring) else {
             return;
@@ -97,7 +97,7 @@ impl<T: Scalar> Builder<'_, T> {
         }
     }
 
-    /// The anti-roll bar, if it has a rate.
+    /// Adds the anti-roll bar, if it has a rate.
     pub(super) fn bar(&mut self, arms: &[Option<usize>]) {
         let (Some(id), Some(rate)) = (self.mechanism.anti_roll_bar(), self.of_axle.bar_rate) else {
             return;
@@ -141,7 +141,7 @@ impl<T: Scalar> Builder<'_, T> {
         self.system.bar = Some(BarPart { foot, seat });
     }
 
-    /// The wheel's side of the subframe. Returns the places of its mounts.
+    /// Adds the wheel's side of the subframe. Returns the locations of its mounts.
     pub(super) fn subframe(&mut self) -> Vec<BushingPlace> {
         let Some(subframe) = self.of_axle.subframe else {
             return Vec::new();

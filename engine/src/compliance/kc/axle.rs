@@ -1,8 +1,8 @@
-//! Tests of a rig on both wheels of an axle.
+//! Rig tests of both wheels of an axle.
 //!
-//! A wheel's figure is per unit of the load on that wheel, counted positive as for one wheel. Figures of the axle are per
-//! unit of a force to the vehicle's left at each wheel; steer is positive to the left. With track t, wheel loads F and
-//! contact points C, roll is
+//! A wheel's figure is per unit of the load on that wheel, with the sign for a single wheel. A figure of the axle is per
+//! unit of a force to the vehicle's left at each wheel. Steer is positive to the left. With track t, wheel loads F and
+//! contact points C, roll angle and roll moment are
 //!
 //! ```text
 //! phi = atan2(C_r.z - C_l.z, t),   M = t (F_r - F_l)/2                                            (1)
@@ -32,16 +32,16 @@ use crate::compliance::{
 use crate::model::{Axis, AxlePosition, Side, Suspension};
 use crate::number::{Scalar, Vector3};
 
-/// Suspensions and figures of an axle under test.
+/// Suspensions and data of an axle under test.
 #[derive(Clone, Copy, Debug)]
 pub struct AxleVehicle<'a> {
-    /// The left and the right wheel, each in the kernel's frame of a left wheel.
+    /// Left and right wheel, each in the kernel's frame of a left wheel.
     pub suspensions: [&'a Suspension; 2],
-    /// Rate of the tyre, force per length.
+    /// Rate of the tyre: force per length.
     pub tyre_rate: Option<f64>,
 }
 
-/// The tests of an axle.
+/// Tests of an axle.
 #[derive(Clone, Debug)]
 pub struct AxleKcRun<'a> {
     vehicle: AxleVehicle<'a>,
@@ -50,17 +50,17 @@ pub struct AxleKcRun<'a> {
     axle: ElasticAxle,
 }
 
-/// Conditions under which a station is solved: bar connected, rack locked.
+/// Conditions of a station's solution: bar connected, rack locked.
 pub(crate) type Conditions = (bool, bool);
 
-/// A station under some conditions.
+/// State of a station under some conditions.
 pub(crate) struct Here<T = f64> {
     pub(crate) axle: ElasticAxle<T>,
     pub(crate) at: AxleEquilibrium<T>,
     tangents: [Option<Option<AxleTangent<T>>>; 2],
 }
 
-/// A figure of a test, in numbers that may carry derivatives.
+/// Figure of a test, in numbers that can carry derivatives.
 #[derive(Clone, Copy)]
 pub(crate) struct AxleFigure<T> {
     pub(crate) quantity: &'static str,
@@ -79,7 +79,7 @@ impl<T: Scalar> Here<T> {
         }
     }
 
-    /// The axle and its tangent with this quantity held; `None` without a tangent.
+    /// Axle and its tangent with this quantity held; `None` without a tangent.
     pub(crate) fn moving(
         &mut self,
         held: HeldQuantity,
@@ -92,13 +92,13 @@ impl<T: Scalar> Here<T> {
         Some((axle, tangent))
     }
 
-    /// Derivatives of both wheels along a change.
+    /// Derivatives of both wheels as an input changes.
     fn by(&mut self, held: HeldQuantity, change: &AxleChange<T>) -> Option<[WheelFigures<T>; 2]> {
         let (axle, tangent) = self.moving(held)?;
         Some(axle.figures_along(tangent, change))
     }
 
-    /// Loads in the numbers of the station.
+    /// Converts loads to the number type of the station.
     fn loads(&self, loads: &[WheelLoads; 2]) -> AxleChange<T> {
         let like = self.axle.travel(&self.at, Side::Left);
         AxleChange::Loads(loads.map(|load| load.map(|c| like.constant(c))))
@@ -112,7 +112,7 @@ impl<'a> AxleKcRun<'a> {
         AxleKcRun::of(vehicle, designs, parts)
     }
 
-    /// The same with the hardpoints of left and right wheel at `designs`.
+    /// Same as `new`, with the hardpoints of the left and right wheel at `designs`.
     pub fn of(
         vehicle: AxleVehicle<'a>,
         designs: [&[Vector3<f64>]; 2],
@@ -126,23 +126,23 @@ impl<'a> AxleKcRun<'a> {
         })
     }
 
-    /// Hardpoints of left and right wheel.
+    /// Hardpoints of the left and the right wheel.
     fn designs(&self) -> [&[Vector3<f64>]; 2] {
         [&self.designs[0], &self.designs[1]]
     }
 
-    /// The vertical forces at the contact points in the design position, if that is an equilibrium.
+    /// Vertical forces at the contact points in the design position; `None` if it is no equilibrium.
     pub fn design_loads(&self) -> Option<[f64; 2]> {
         self.axle.design_loads()
     }
 
-    /// The equilibrium at the design height with the bar connected.
+    /// Equilibrium at the design height, with the bar connected.
     pub fn at_design(&self) -> Result<KcState, NoEquilibrium> {
         let at = self.axle.at([0.0; 2], 0.0)?;
         Ok(self.state(&self.axle, &at))
     }
 
-    /// The parts under other conditions.
+    /// Parts under other conditions.
     fn parts_of(&self, (has_bar, locks_rack): Conditions) -> AxleCompliance {
         let mut parts = self.parts.clone();
         if !has_bar {
@@ -154,7 +154,7 @@ impl<'a> AxleKcRun<'a> {
         parts
     }
 
-    /// The axle under other conditions.
+    /// Axle under other conditions.
     fn variant(&self, conditions: Conditions) -> Result<ElasticAxle, AxleFault> {
         let (has_bar, locks_rack) = conditions;
         let keeps_bar = has_bar || self.parts.bar_rate.is_none();
@@ -168,8 +168,8 @@ impl<'a> AxleKcRun<'a> {
         }
     }
 
-    /// The tests at every station that has any. A station is travel of left and right wheel, and the rack along the study's
-    /// +y.
+    /// Runs the tests at all stations with tests. A station gives the travels of the left and right wheel, and the rack
+    /// displacement along the study's +y.
     pub fn run(&self, stations: &[([f64; 2], f64)], tests: &[KcTest]) -> Vec<KcStation> {
         let distance =
             |([left, right], rack): &([f64; 2], f64)| left.abs() + right.abs() + rack.abs();
@@ -180,7 +180,7 @@ impl<'a> AxleKcRun<'a> {
         found
     }
 
-    /// The station of these travels and a rack along the study's +y.
+    /// Solves the station at these travels and this rack displacement along the study's +y.
     pub(crate) fn here(
         &self,
         conditions: Conditions,
@@ -234,7 +234,7 @@ impl<'a> AxleKcRun<'a> {
         }
     }
 
-    /// The figures of a wheel. The axes are those of the left wheel: a rack is common to both.
+    /// Inputs for the figures of a wheel. The axes are those of the left wheel, since a rack is common to both.
     fn sheet(&self, side: Side, has_axis: bool) -> Sheet<'_> {
         Sheet {
             suspension: self.vehicle.suspensions[0],
@@ -294,7 +294,7 @@ impl<'a> AxleKcRun<'a> {
         figures.map(|f| (f.quantity, f.unit, f.of)).collect()
     }
 
-    /// Quotients of differences over the window of a test; `None` if an end has no equilibrium.
+    /// Secants over the window of a test; `None` if an end of the window has no equilibrium.
     pub(crate) fn window_secants(&self, here: &Here, test: &KcTest) -> Option<[WheelFigures; 2]> {
         let (low, high) = (self.end(here, test, -1.0)?, self.end(here, test, 1.0)?);
         let axle = &here.axle;
@@ -306,7 +306,7 @@ impl<'a> AxleKcRun<'a> {
         Some(Side::ALL.map(|side| quotient(&figures(&low, side), &figures(&high, side), inverse)))
     }
 
-    /// The equilibrium at an end of the window of a test: at its negative or positive load.
+    /// Equilibrium at the negative or the positive end of a test's window.
     fn end(&self, here: &Here, test: &KcTest, sign: f64) -> Option<AxleEquilibrium> {
         let (load, _) = test.unit_load(&self.vehicle.suspensions[0].vehicle);
         let force = sign * test.window;
@@ -316,7 +316,7 @@ impl<'a> AxleKcRun<'a> {
         axle.loaded_about(at, at, &loads, test.held).ok()
     }
 
-    /// The figures of a test, first those of the wheels.
+    /// Computes the figures of a test, first those of the wheels.
     pub(crate) fn figures<T: Scalar>(
         &self,
         here: &mut Here<T>,
@@ -351,7 +351,7 @@ impl<'a> AxleKcRun<'a> {
         }
     }
 
-    /// Roll angle and roll moment along opposite travels. Equation (1).
+    /// Derivatives of roll angle and roll moment (1) along opposite travels.
     fn roll<T: Scalar>(&self, here: &Here<T>, by: &[WheelFigures<T>; 2]) -> [T; 2] {
         let figures = Side::ALL.map(|side| here.axle.figures(&here.at, side));
         let loads = Side::ALL.map(|side| here.axle.wheel_load(&here.at, side));
@@ -374,7 +374,7 @@ impl<'a> AxleKcRun<'a> {
         secants: Option<[WheelFigures<T>; 2]>,
     ) -> Vec<AxleFigure<T>> {
         let one = here.axle.travel(&here.at, Side::Left).one();
-        // Derivatives by a unit at the wheel itself.
+        // These factors convert derivatives to one unit at the wheel itself.
         let units = match test.load {
             TestLoad::Heave | TestLoad::Steering => [one; 2],
             TestLoad::Roll => match &by {
@@ -415,7 +415,7 @@ impl<'a> AxleKcRun<'a> {
         found
     }
 
-    /// Wheel loads by heights of the contact points that rise together, for ride rates by heave.
+    /// Wheel load per rise of the contact point, with both contact points rising together; for ride rates by heave.
     fn wheel_rates<T: Scalar>(&self, here: &mut Here<T>, test: &KcTest) -> Option<[T; 2]> {
         if test.load != TestLoad::Heave || self.vehicle.tyre_rate.is_none() {
             return None;
@@ -427,7 +427,7 @@ impl<'a> AxleKcRun<'a> {
         Some(by.map(|by| by.contact.z.one() / by.contact.z))
     }
 
-    /// Figures of the axle as a whole.
+    /// Computes the figures of the axle as a whole.
     fn axle_figures<T: Scalar>(
         &self,
         here: &Here<T>,
@@ -448,7 +448,7 @@ impl<'a> AxleKcRun<'a> {
             });
         };
         let steer = |by: &[WheelFigures<T>; 2]| (by[1].toe - by[0].toe).scaled(0.5);
-        // Loads are to the right at the left wheel.
+        // At the left wheel, loads act to the right.
         let to_left = |by: &[WheelFigures<T>; 2]| -steer(by);
         let position = self.vehicle.suspensions[0].vehicle.position;
         let understeer = match position {
@@ -526,7 +526,7 @@ impl<'a> AxleKcRun<'a> {
         }
     }
 
-    /// The matrix of both wheel centres, in the study's axes.
+    /// Compliance matrix of both wheel centres, in the study's axes.
     fn matrix(&self, here: &mut Here) -> Option<Vec<Vec<f64>>> {
         let frame = self.vehicle.suspensions[0].frame;
         let signs = [twist_signs(frame), twist_signs(frame.of_other_side())];

@@ -1,4 +1,4 @@
-//! Largest loads of the tests that a wheel carries, at the design height with the rack straight ahead.
+//! Largest test loads that a wheel carries, at the design height with the rack straight ahead.
 
 use super::{KcRun, KcTest, TestLoad};
 use crate::compliance::NoEquilibrium;
@@ -16,8 +16,8 @@ impl KcTest {
 }
 
 impl KcRun<'_> {
-    /// The least and the largest load of a test that the wheel carries. Tests of motions have no load: their ends are those
-    /// of [`crate::compliance::ElasticWheel::travel_ends`] and `rack_ends`.
+    /// Smallest and largest load of a test that the wheel carries. Tests of motions have no load. For their ends, see
+    /// [`crate::compliance::ElasticWheel::travel_ends`] and `rack_ends`.
     pub fn load_ends(&self, test: &KcTest) -> Result<[EquilibriumEnd; 2], NoEquilibrium> {
         let at = self.wheel.at(0.0, 0.0)?;
         let (unit, _) = test.unit_load(&self.suspension.vehicle);

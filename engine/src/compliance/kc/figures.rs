@@ -1,5 +1,5 @@
-//! The figures of a test, from derivatives or secants by its load or motion. They are in the program's units, over any
-//! number, so that their derivatives by the design come from the same formulas.
+//! Figures of a test, from derivatives or secants by its load or motion. They are in program units. They work over any
+//! number type, so the same formulas give their derivatives by the design.
 
 use super::test::{KcTest, TestLoad};
 use crate::ask::Unit;
@@ -7,10 +7,10 @@ use crate::compliance::{HeldQuantity, WheelFigures};
 use crate::model::{Axis, Side, Suspension};
 use crate::number::Scalar;
 
-/// A displacement per force below this share of a millimetre per kilonewton has no stiffness as its reciprocal.
+/// Displacement per force, in mm/kN, below which the reciprocal gives no stiffness.
 const LEAST_COMPLIANCE: f64 = 1e-9;
 
-/// A figure of a test, by name.
+/// Figure of a test, with its name.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Figure<T> {
     pub(super) quantity: &'static str,
@@ -18,7 +18,7 @@ pub(super) struct Figure<T> {
     pub(super) value: Option<T>,
 }
 
-/// Inputs of the figures, apart from the state.
+/// Inputs of the figures apart from the state.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sheet<'a> {
     pub(super) suspension: &'a Suspension,
@@ -32,18 +32,18 @@ pub(super) struct Sheet<'a> {
     pub(super) side: Side,
 }
 
-/// Values of a state that the figures of a test need.
+/// Values of a state from which the figures of a test follow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Read<T> {
-    /// Derivatives or secants by one newton, one newton times length, or one length.
+    /// Derivatives or secants per newton, per newton times length, or per length.
     pub(super) by: Option<WheelFigures<T>>,
-    /// Force per length of the wheel at the contact point, for the ride rate by heave.
+    /// Wheel rate at the contact point, for the ride rate by heave: force per length.
     pub(super) wheel_rate: Option<T>,
-    /// Force on the rack along the kernel's +y, where a spring loads it.
+    /// Force on the rack along the kernel's +y; `None` without a spring to load the rack.
     pub(super) rack_force: Option<T>,
 }
 
-/// Names of the angles by a load, without caster where there is no steering axis.
+/// Names of the angles by a load. Caster is left out without a steering axis.
 type AngleNames = [&'static str; 4];
 
 const LATERAL: AngleNames = [
@@ -66,7 +66,7 @@ const TRACTION: AngleNames = [
 ];
 
 impl Sheet<'_> {
-    /// The figures of a test.
+    /// Computes the figures of a test.
     pub(super) fn figures<T: Scalar>(&self, test: &KcTest, read: &Read<T>) -> Vec<Figure<T>> {
         match test.load {
             TestLoad::Heave => self.by_heave(read),
@@ -118,7 +118,7 @@ impl Sheet<'_> {
         found
     }
 
-    /// Derivatives by the roll angle, which `read` has.
+    /// Derivatives by the roll angle, which `read` already contains.
     fn by_roll<T: Scalar>(&self, read: &Read<T>) -> Vec<Figure<T>> {
         let to_left = self.left_sign();
         let steer = read.by.map(|by| by.toe.scaled(to_left));
@@ -132,7 +132,7 @@ impl Sheet<'_> {
         ]
     }
 
-    /// Steer to the left per toe: toe-in is a turn to the right at a left wheel.
+    /// Sign of steer to the left per toe. Toe-in turns a left wheel to the right.
     pub(super) fn left_sign(&self) -> f64 {
         match self.side {
             Side::Left => -1.0,
@@ -150,7 +150,7 @@ impl Sheet<'_> {
             let caster = caster.map(|[caster, _]| caster.scaled(along));
             found.push(figure("caster_by_rack", Unit::AnglePerLength, caster));
         }
-        // Without a spring nothing loads the rack.
+        // Without a spring, nothing loads the rack.
         if let Some(force) = read.rack_force {
             found.push(figure("rack_force", Unit::Force, Some(force.scaled(along))));
         }
@@ -230,7 +230,7 @@ impl Sheet<'_> {
             .collect()
     }
 
-    /// Force per length from length per force; `None` for a part that does not move.
+    /// Converts length per force to force per length; `None` for a part that does not move.
     pub(super) fn stiffness<T: Scalar>(&self, displacement: Option<T>) -> Option<T> {
         let millimetre = self.suspension.length_unit.per_metre() / 1000.0;
         let least = LEAST_COMPLIANCE / 1000.0 * millimetre;
@@ -238,7 +238,7 @@ impl Sheet<'_> {
         moving.map(|d| d.one() / d)
     }
 
-    /// The wheel's rate with the tyre's in series.
+    /// Rate of wheel and tyre in series.
     fn ride_rate<T: Scalar>(&self, rate: Option<T>) -> Option<T> {
         let rate = rate?;
         let tyre = rate.constant(self.tyre_rate?);

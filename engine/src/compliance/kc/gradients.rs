@@ -11,31 +11,31 @@ use crate::compliance::{
 use crate::model::Axis;
 use crate::number::{Jet, Scalar, Tape, Tracked};
 
-/// A value that can be asked of a station.
+/// Value that a station can give.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum KcValue {
-    /// A figure of a test.
+    /// Figure of a test.
     Figure {
-        /// The test.
+        /// Test of the figure.
         test: KcTest,
         /// Name of the figure.
         quantity: &'static str,
         /// True for the secant over the window, false for the derivative at the station.
         is_secant: bool,
     },
-    /// A characteristic of the wheel in the equilibrium.
+    /// Characteristic of the wheel in the equilibrium.
     Wheel(Characteristic),
-    /// The derivative of a characteristic by wheel travel along the equilibrium.
+    /// Derivative of a characteristic by wheel travel along the equilibrium.
     WheelRate(Characteristic),
 }
 
-/// Reads values of one state. Tangents are formed once for all of them.
+/// Reader for the values of one state. It forms each tangent once.
 pub(super) struct Station<'s, T> {
     pub(super) wheel: &'s ElasticWheel<T>,
     pub(super) sheet: Sheet<'s>,
     pub(super) at: Equilibrium<T>,
     tangents: [Option<Option<Tangent<T>>>; 2],
-    /// Inputs of characteristics along wheel travel.
+    /// Inputs of characteristics along wheel travel, once computed.
     by_travel: Option<Option<Inputs<Jet<T, 2>>>>,
 }
 
@@ -50,7 +50,7 @@ impl<'s, T: Scalar> Station<'s, T> {
         }
     }
 
-    /// The tangent with a quantity held.
+    /// Tangent with a quantity held.
     pub(super) fn tangent(&mut self, held: HeldQuantity) -> Option<&Tangent<T>> {
         let (wheel, at) = (self.wheel, &self.at);
         let tangent = self.tangents[usize::from(held == HeldQuantity::WheelLoad)]
@@ -58,7 +58,7 @@ impl<'s, T: Scalar> Station<'s, T> {
         tangent.as_ref()
     }
 
-    /// A characteristic, or its derivative by wheel travel.
+    /// Value of a characteristic, or its derivative by wheel travel.
     fn characteristic(&mut self, of: Characteristic, is_rate: bool) -> Option<T> {
         if !is_rate && !of.info().reads_rates() {
             let value = self.wheel.characteristic(&self.at, of);
@@ -74,7 +74,7 @@ impl<'s, T: Scalar> Station<'s, T> {
         ElasticWheel::of_inputs(inputs, of, is_rate)
     }
 
-    /// Values of the station; `None` if it has none. `secant` gives the differences over the window of a test.
+    /// Values of the station; `None` for a value that does not exist. `secant` gives the secants over the window of a test.
     fn values(
         &mut self,
         wanted: &[KcValue],
@@ -117,7 +117,7 @@ impl<'s, T: Scalar> Station<'s, T> {
         wheel.figures_along(self.tangent(test.held)?, &change)
     }
 
-    /// Reads the values that the figures of a test need. A given `by` replaces the derivatives of the state.
+    /// Reads the values from which the figures of a test follow. `by` has the derivatives or secants.
     fn read(&mut self, test: &KcTest, by: Option<WheelFigures<T>>) -> Read<T> {
         let needs_rate = test.load == TestLoad::Heave && self.sheet.tyre_rate.is_some();
         let has_spring = test.load == TestLoad::Steering && self.wheel.spring(&self.at).is_some();
@@ -128,20 +128,20 @@ impl<'s, T: Scalar> Station<'s, T> {
         }
     }
 
-    /// The figures of a test at the station.
+    /// Figures of a test at the station.
     pub(super) fn figures(&mut self, test: &KcTest) -> Vec<Figure<T>> {
         let by = self.by(test);
         let read = self.read(test, by);
         self.sheet.figures(test, &read)
     }
 
-    /// The same figures as secants.
+    /// Same figures, from secants.
     pub(super) fn secants(&mut self, test: &KcTest, by: Option<WheelFigures<T>>) -> Vec<Figure<T>> {
         let read = self.read(test, by);
         self.sheet.figures(test, &read)
     }
 
-    /// Rate of the wheel at the contact point: wheel load by height of the contact point.
+    /// Wheel rate at the contact point: wheel load per height of the contact point.
     fn wheel_rate(&mut self) -> Option<T> {
         let wheel = self.wheel;
         let like = wheel.travel(&self.at);
@@ -153,20 +153,20 @@ impl<'s, T: Scalar> Station<'s, T> {
     }
 }
 
-/// A value at a station, with its derivatives by some inputs.
+/// Value at a station, with its derivatives by some inputs.
 #[derive(Clone, Copy, Debug)]
 pub struct KcGradient<'g> {
-    /// Number of the value among the requested ones.
+    /// Index of the value among the requested ones.
     pub number: usize,
-    /// The value; `None` if there is none.
+    /// Value at the station; `None` if it does not exist.
     pub value: Option<f64>,
-    /// Derivatives, in the order of the inputs.
+    /// Derivatives in the order of the inputs.
     pub by: &'g [f64],
 }
 
 impl KcRun<'_> {
-    /// Values at a station of travel and rack (along the study's +y) with their derivatives by inputs. `tape` is a
-    /// work buffer.
+    /// Values at a station with their derivatives by inputs. The station has a travel, and a rack displacement along the
+    /// study's +y. `tape` is working memory.
     pub fn gradients(
         &self,
         [travel, rack]: [f64; 2],
@@ -209,7 +209,8 @@ impl KcRun<'_> {
         Ok(())
     }
 
-    /// Values at a station of travel and rack (along the study's +y); `None` if it has none.
+    /// Values at a station with a travel, and a rack displacement along the study's +y. `None` for a value that does not
+    /// exist.
     pub fn values(
         &self,
         [travel, rack]: [f64; 2],
@@ -221,7 +222,7 @@ impl KcRun<'_> {
         Ok(station.values(wanted, |test| self.window_secant(&at, test)))
     }
 
-    /// The secant over the window of a test.
+    /// Secant over the window of a test.
     fn window_secant(&self, at: &Equilibrium, test: &KcTest) -> Option<WheelFigures> {
         let (unit, _) = test.unit_load(&self.suspension.vehicle);
         let end = |sign: f64| {
@@ -235,7 +236,7 @@ impl KcRun<'_> {
         Some(super::quotient(&end(-1.0)?, &end(1.0)?, inverse))
     }
 
-    /// The secant over the window of a test, with the derivatives of its ends.
+    /// Secant over the window of a test, with the derivatives of the window's ends.
     fn secant_on_tape<'t>(
         &self,
         at: &Equilibrium,

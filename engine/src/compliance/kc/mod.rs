@@ -1,8 +1,8 @@
 //! Tests of a kinematics and compliance rig on one wheel, and on both wheels of an axle (`axle.rs`).
 //!
-//! At a station (travel, rack) the wheel stands in equilibrium without horizontal loads, its height held. About this
-//! state a test changes a load, or travel or rack, and figures are the derivatives by it. Windows give secants, levels
-//! the equilibria between their ends. All figures are those of a left wheel in ISO 8855 axes.
+//! At a station (travel, rack) the wheel is in equilibrium without horizontal loads, with its height held. From this state,
+//! a test changes a load, or travel or rack, and its figures are derivatives by this change. A window gives secants, and
+//! levels are the equilibria between the ends of the window. All figures are those of a left wheel in ISO 8855 axes.
 
 mod axle;
 mod ends;
@@ -26,111 +26,111 @@ use crate::number::{Scalar, Vector3};
 use figures::{Read, Sheet};
 use gradients::Station;
 
-/// A figure of a test.
+/// Figure of a test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KcFigure {
-    /// Name.
+    /// Name of the figure.
     pub quantity: &'static str,
     /// Unit of value and secant.
     pub unit: Unit,
-    /// Derivative at the station; `None` if it has no value.
+    /// Derivative at the station; `None` if it does not exist.
     pub value: Option<f64>,
-    /// Quotient of differences over the window.
+    /// Secant over the window.
     pub secant: Option<f64>,
-    /// Part of the axle that it is of.
+    /// Part of the axle to which the figure belongs.
     pub of: KcSubject,
 }
 
-/// Part that a figure is of.
+/// Part to which a figure belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KcSubject {
-    /// The only wheel of a study.
+    /// Single wheel of a study.
     OneWheel,
-    /// A wheel of an axle.
+    /// One wheel of an axle.
     Wheel(Side),
-    /// An axle.
+    /// Whole axle.
     Axle,
 }
 
-/// An equilibrium under a level of a test load.
+/// Equilibrium at a level of a test load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KcState {
-    /// The wheel; of an axle the left and the right one.
+    /// State of the wheel; for an axle, of the left and the right wheel.
     pub wheels: Vec<KcWheelState>,
-    /// Values of an axle as a whole.
+    /// Values of the axle as a whole; `None` for a single wheel.
     pub axle: Option<KcAxleState>,
 }
 
 /// Values of an axle in an equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KcAxleState {
-    /// Mean steer of both wheels, to the left.
+    /// Mean steer of both wheels, positive to the left.
     pub mean_steer: f64,
-    /// Force along the study's +y that holds the rack.
+    /// Force that holds the rack, positive along the study's +y.
     pub rack_force: f64,
-    /// Torque of the anti-roll bar, if it acts.
+    /// Torque of the anti-roll bar; `None` if it does not act.
     pub bar_torque: Option<f64>,
 }
 
-/// A wheel in an equilibrium.
+/// State of a wheel in an equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KcWheelState {
-    /// Angles and positions.
+    /// Angles and positions of the wheel.
     pub figures: WheelFigures,
     /// Vertical force at the contact point.
     pub wheel_load: f64,
-    /// The spring.
+    /// State of the spring, if it has a law.
     pub spring: Option<SpringReading>,
-    /// The bushings, in the order of the definition.
+    /// States of the bushings, in the order of the definition.
     pub bushings: Vec<BushingReading>,
     /// Tensions of the links, in the order of the definition.
     pub tensions: Vec<f64>,
 }
 
-/// A level of a test.
+/// Level of a test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KcLevel {
-    /// Number of the level, 0 without load.
+    /// Number of the level: 0 without load, negative on the negative side.
     pub level: i64,
-    /// The load.
+    /// Load at this level.
     pub load: f64,
-    /// The equilibrium, or the reason for its absence.
+    /// Equilibrium, or the reason for its absence.
     pub state: Result<KcState, NoEquilibrium>,
 }
 
 /// Outcome of a test at a station.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KcOutcome {
-    /// The test.
+    /// Test of this outcome.
     pub test: KcTest,
-    /// Place where its load acts.
+    /// Point where the load acts.
     pub place: TestPlace,
-    /// Figures.
+    /// Figures of the test.
     pub figures: Vec<KcFigure>,
     /// Levels, from the lowest load to the highest; empty without levels.
     pub levels: Vec<KcLevel>,
 }
 
-/// Outcome of a station.
+/// Outcome of all tests at a station.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KcStation {
-    /// Wheel travel; of an axle that of the left wheel.
+    /// Wheel travel; for an axle, of the left wheel.
     pub travel: f64,
-    /// Travel of the right wheel of an axle.
+    /// Travel of the right wheel, for an axle.
     pub right_travel: Option<f64>,
     /// Rack displacement along the study's +y.
     pub rack: f64,
-    /// Tests, or why the station has no equilibrium.
+    /// Outcomes of the tests, or the reason for no equilibrium.
     pub outcomes: Result<Vec<KcOutcome>, NoEquilibrium>,
-    /// Tests that belong to a station without equilibrium.
+    /// Tests of the station with the points of their loads. They are present without an equilibrium as well.
     pub tests: Vec<(KcTest, TestPlace)>,
-    /// Displacement and rotation of the wheel centre by forces and moments there, in the study's axes: rows x, y, z,
-    /// rotations, columns forces, moments; of an axle first the left wheel, then the right one. `None` if the wheel load
-    /// cannot be held.
+    /// Compliance matrix of the wheel centre, in the study's axes; `None` if the wheel load cannot be held. Rows are
+    /// displacements x, y, z, then rotations; columns are forces, then moments there. For an axle, the left wheel comes
+    /// first.
     pub matrix: Option<Vec<Vec<f64>>>,
 }
 
-/// The tests of a study.
+/// Tests of a study with one wheel.
 #[derive(Clone, Debug)]
 pub struct KcRun<'a> {
     suspension: &'a Suspension,
@@ -150,7 +150,7 @@ impl<'a> KcRun<'a> {
         KcRun::of(suspension, &suspension.design, compliance, tyre_rate)
     }
 
-    /// The same with its hardpoints at `design`.
+    /// Same as `new`, with the hardpoints at `design`.
     pub fn of(
         suspension: &'a Suspension,
         design: &[Vector3<f64>],
@@ -176,12 +176,12 @@ impl<'a> KcRun<'a> {
         }
     }
 
-    /// The elastic wheel.
+    /// Elastic wheel under test.
     pub fn wheel(&self) -> &ElasticWheel {
         &self.wheel
     }
 
-    /// The tests at every station that has any, in the order of the stations.
+    /// Runs the tests at all stations with tests, in the order of the stations.
     pub fn run(&self, travels: &[f64], racks: &[f64], tests: &[KcTest]) -> Vec<KcStation> {
         let stations = travels
             .iter()
@@ -247,7 +247,7 @@ impl<'a> KcRun<'a> {
         }
     }
 
-    /// Equilibria from the lowest load to the highest. Each starts from its neighbour nearer to no load.
+    /// Equilibria from the lowest load to the highest. Each starts from its neighbour on the side of zero load.
     fn levels(&self, at: &Equilibrium, test: &KcTest, load: &WheelLoads) -> Vec<KcLevel> {
         let next = |from: &Equilibrium, force: f64| {
             let loads = end_loads(load, force);
@@ -272,7 +272,7 @@ impl<'a> KcRun<'a> {
         KcLevel { level, load, state }
     }
 
-    /// The matrix of the wheel centre, in the study's axes.
+    /// Compliance matrix of the wheel centre, in the study's axes.
     fn matrix(&self, station: &mut Station<'_, f64>) -> Option<Vec<Vec<f64>>> {
         let signs = twist_signs(self.suspension.frame);
         let tangent = station.tangent(HeldQuantity::WheelLoad)?;
@@ -290,7 +290,7 @@ impl<'a> KcRun<'a> {
     }
 }
 
-/// The stations that have tests, with these.
+/// Stations with tests, each with its tests.
 fn at_stations<S: Copy>(
     stations: &[S],
     distance: impl Fn(&S) -> f64,
@@ -309,7 +309,7 @@ fn at_stations<S: Copy>(
     all.filter(|(_, tests)| !tests.is_empty()).collect()
 }
 
-/// Signs of shifts and turns from the kernel's frame to the study's axes.
+/// Signs that convert shifts and rotations from the kernel's frame to the study's axes.
 fn twist_signs(frame: Frame) -> [f64; 6] {
     std::array::from_fn(|k| {
         let axis = Axis::ALL[k % 3];
@@ -321,7 +321,7 @@ fn twist_signs(frame: Frame) -> [f64; 6] {
     })
 }
 
-/// A unit force at the wheel centre, or a unit moment.
+/// Unit force at the wheel centre, or unit moment.
 fn unit_at_centre(component: usize) -> WheelLoads {
     let mut unit = Vector3::new(0.0, 0.0, 0.0);
     unit[Axis::ALL[component % 3]] = 1.0;
@@ -334,7 +334,7 @@ fn unit_at_centre(component: usize) -> WheelLoads {
     load
 }
 
-/// The figures of a test of a study, with their units.
+/// Figures of a study's test, with their units.
 pub fn quantities(
     suspension: &Suspension,
     compliance: &Compliance,
@@ -360,7 +360,7 @@ pub fn quantities(
         .collect()
 }
 
-/// Levels of a test from the lowest load to the highest. `next` finds the equilibrium under a load from its neighbour.
+/// Levels of a test from the lowest load to the highest. `next` finds the equilibrium under a load from a neighbour.
 fn levels<E: Copy>(
     at: &E,
     test: &KcTest,
@@ -372,7 +372,7 @@ fn levels<E: Copy>(
     let mut sides = [Vec::new(), Vec::new()];
     for (sign, side) in [-1, 1].into_iter().zip(&mut sides) {
         let mut before = Ok(*at);
-        // Levels that are reached, with the share of the next one.
+        // Sum of the levels reached, with the fraction of the level that failed.
         let mut reached = 0.0;
         for step in 1..=count {
             let level = sign * step;
@@ -397,14 +397,14 @@ fn levels<E: Copy>(
     low
 }
 
-/// A multiple of a unit load.
+/// Multiple of a unit load.
 fn end_loads(unit: &WheelLoads, factor: f64) -> WheelLoads {
     let mut loads = WheelLoads::none(0.0).plus(unit, factor);
     loads.trail = unit.trail;
     loads
 }
 
-/// Quotients of differences between the ends of the window of a wheel; `None` if an end has no equilibrium.
+/// Secant between the ends of a wheel's window; `None` if an end has no equilibrium.
 fn secant(levels: &[KcLevel], wheel: usize) -> Option<WheelFigures> {
     let (low, high) = (levels.first()?, levels.last()?);
     let (a, b) = (low.state.as_ref().ok()?, high.state.as_ref().ok()?);
@@ -417,7 +417,7 @@ fn secant(levels: &[KcLevel], wheel: usize) -> Option<WheelFigures> {
     Some(quotient(&a, &b, inverse))
 }
 
-/// The difference of two states times a factor.
+/// Difference of two states, times a factor.
 fn quotient<T: Scalar>(a: &WheelFigures<T>, b: &WheelFigures<T>, factor: T) -> WheelFigures<T> {
     let of = |a: T, b: T| (b - a) * factor;
     let steering = match (a.steering, b.steering) {

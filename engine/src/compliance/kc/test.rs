@@ -1,4 +1,4 @@
-//! Tests of a rig: loaded or moved quantities, and their ranges.
+//! Rig tests: loads or motions, and their ranges.
 
 use crate::compliance::{Change, HeldQuantity, WheelLoads};
 use crate::model::{LengthUnit, Side, TorquePath, VehicleFigures};
@@ -8,24 +8,24 @@ use crate::model::{LengthUnit, Side, TorquePath, VehicleFigures};
 pub enum TestLoad {
     /// Wheel travel.
     Heave,
-    /// Equal opposite travels of both wheels.
+    /// Equal and opposite travels of both wheels.
     Roll,
     /// Displacement of the rack.
     Steering,
-    /// Side force towards the inside of the car.
+    /// Side force to the inside of the car.
     Lateral,
     /// Rearward force.
     Braking,
     /// Forward force.
     Traction,
-    /// Moment about the vertical.
+    /// Moment about the vertical axis.
     Aligning,
     /// Upward force.
     Vertical,
 }
 
 impl TestLoad {
-    /// Every test, with its name in studies.
+    /// All tests, with their names in studies.
     pub const ALL: [(&'static str, TestLoad); 8] = [
         ("heave", TestLoad::Heave),
         ("roll", TestLoad::Roll),
@@ -43,35 +43,35 @@ impl TestLoad {
         found.map_or("", |(name, _)| name)
     }
 
-    /// Returns true if a motion and no load drives the test.
+    /// Returns true if the test changes a motion instead of a load.
     pub fn is_motion(self) -> bool {
         matches!(self, TestLoad::Heave | TestLoad::Roll | TestLoad::Steering)
     }
 }
 
-/// Place where a test load acts.
+/// Point where a test load acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TestPlace {
-    /// A motion acts nowhere.
+    /// No point, since the test is a motion.
     Nowhere,
-    /// At the contact point, or behind it by the trail.
+    /// Contact point, or a point behind it by the trail.
     ContactPoint,
-    /// At the wheel centre.
+    /// Wheel centre.
     WheelCentre,
-    /// A moment.
+    /// No point, since the load is a moment.
     Moment,
 }
 
-/// Wheels that a load acts on.
+/// Wheels on which a load acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TestMode {
-    /// The only one.
+    /// Single wheel of a study.
     OneWheel,
-    /// Both, in the same direction of the vehicle.
+    /// Both wheels, in the same direction of the vehicle.
     Parallel,
-    /// Both, mirrored or in opposite directions.
+    /// Both wheels, in opposite directions of the vehicle.
     Opposed,
-    /// One of both.
+    /// One wheel of an axle.
     Single(Side),
 }
 
@@ -87,31 +87,31 @@ impl TestMode {
     }
 }
 
-/// One test.
+/// One rig test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KcTest {
-    /// Load or motion.
+    /// Load or motion of the test.
     pub load: TestLoad,
     /// Distance of the side force behind the contact point.
     pub trail: f64,
     /// Quantity that stays fixed while the load changes.
     pub held: HeldQuantity,
-    /// Half-width of the range of the load: force, or force times length.
+    /// Half the width of the load range: force, or force times length.
     pub window: f64,
-    /// Number of equilibria on either side of the station.
+    /// Number of equilibria on each side of the station.
     pub levels: usize,
-    /// True for all stations, false for the one nearest to travel 0 and rack 0.
+    /// True for a test at all stations, false for a test at the station nearest to travel 0 and rack 0.
     pub at_all_stations: bool,
-    /// Wheels that it loads.
+    /// Wheels on which the load acts.
     pub mode: TestMode,
     /// True if the anti-roll bar acts between the wheels.
     pub has_bar: bool,
-    /// True if the rack is held in its housing, false if the steering wheel holds it.
+    /// True if the rack is held in its housing, false if it is held at the steering wheel.
     pub locks_rack: bool,
 }
 
 impl KcTest {
-    /// A test with the defaults of studies.
+    /// Makes a test with the defaults of studies.
     pub fn new(load: TestLoad, length: LengthUnit) -> Self {
         KcTest {
             load,
@@ -132,8 +132,8 @@ impl KcTest {
         }
     }
 
-    /// The tests of a study that names none: motions, and loads if parts are elastic. Without elastic parts, the loads
-    /// whose jacking the mechanism has.
+    /// Tests of a study that names none: motions, and loads if parts are elastic. Without elastic parts, only loads with
+    /// jacking remain.
     pub fn defaults(is_rigid: bool, has_spring: bool, length: LengthUnit) -> Vec<KcTest> {
         let test = |load| KcTest::new(load, length);
         let mut tests = vec![
@@ -155,7 +155,7 @@ impl KcTest {
         tests
     }
 
-    /// The tests of an axle that names none: motions, and loads on both wheels, parallel and opposed.
+    /// Tests of an axle that names none: motions, and loads on both wheels, parallel and opposed.
     pub fn defaults_of_axle(
         is_rigid: bool,
         has_spring: bool,
@@ -192,19 +192,19 @@ impl KcTest {
         (self.has_bar, self.locks_rack)
     }
 
-    /// Multiples of the unit load on left and right wheel, each in the frame of its side.
+    /// Multiples of the unit load on the left and the right wheel, each in the frame of its side.
     pub(super) fn factors(&self) -> [f64; 2] {
         let is_lateral = matches!(self.load, TestLoad::Lateral | TestLoad::Aligning);
         match self.mode {
             TestMode::OneWheel | TestMode::Single(Side::Left) => [1.0, 0.0],
             TestMode::Single(Side::Right) => [0.0, 1.0],
-            // The mirror image of a load to the left is one to the right.
+            // The mirror image of a load to the left is a load to the right.
             TestMode::Parallel => [1.0, if is_lateral { -1.0 } else { 1.0 }],
             TestMode::Opposed => [1.0, if is_lateral { 1.0 } else { -1.0 }],
         }
     }
 
-    /// The unit load of a test, and where it acts.
+    /// Unit load of a test, and the point where it acts.
     pub(super) fn unit_load(&self, vehicle: &VehicleFigures) -> (WheelLoads, TestPlace) {
         let mut load = WheelLoads::none(0.0);
         let place = match self.load {
@@ -241,10 +241,10 @@ impl KcTest {
         (load, place)
     }
 
-    /// The input that the test changes, per unit.
+    /// Input that the test changes, per unit.
     pub(super) fn change(&self, vehicle: &VehicleFigures) -> Change {
         match self.load {
-            // One wheel has no roll: studies refuse it.
+            // A single wheel has no roll, and studies refuse that test.
             TestLoad::Heave | TestLoad::Roll => Change::Travel,
             TestLoad::Steering => Change::Rack,
             _ => Change::Load(self.unit_load(vehicle).0),

@@ -1,7 +1,7 @@
-//! An arm held at an angle.
+//! An arm at a given angle.
 //!
-//! Let a0 and a run from the axis to the outer joint, in the design position and now, let e be the unit axis and r the
-//! radius of the outer joint about it:
+//! a0 and a are the vectors from the axis to the outer joint, in the design position and in the present pose. e is the unit
+//! axis, and r the radius of the outer joint about it:
 //!
 //! ```text
 //! r^2 sin = e.(a0 x a),   r^2 cos = a.a0 - (a.e)(a0.e)                                (1)
@@ -10,7 +10,7 @@
 //!
 //! A positive angle raises the outer joint, whatever the order of the axis points in the study.
 //!
-//! With c = cos(wanted)/r and s = sin(wanted)/r, both held fixed since they only scale the row, the derivatives are
+//! With c = cos(wanted)/r and s = sin(wanted)/r, both constant because they only scale the row, the derivatives are
 //!
 //! ```text
 //! by a:   c (e x a0) - s (a0 - e (a0.e))                                              (3)
@@ -18,7 +18,8 @@
 //! by e:   c (a0 x a) + s (a (a0.e) + a0 (a.e)), its part normal to e                  (5)
 //! ```
 //!
-//! a and a0 start from the rear point of the axis, and e turns with the front point by (5) over the length of the axis.
+//! a and a0 start from the rear point of the axis. A move of the front point rotates e, so its derivative is (5) divided by
+//! the length of the axis.
 
 use crate::mechanism::Configuration;
 use crate::mechanism::DEGENERATE;
@@ -27,14 +28,14 @@ use crate::model::{Arm, PointId};
 use crate::number::Real;
 use crate::number::Vector3;
 
-/// The wanted angle of the mechanism's first arm.
+/// Required angle of the mechanism's first arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ArmAngle<T> {
     pub sine: T,
     pub cosine: T,
 }
 
-/// The two points of an arm's axis in the order about which a positive turn raises the outer joint.
+/// The two points of an arm's axis, in the order for which a positive rotation raises the outer joint.
 #[inline]
 pub(crate) fn axis_ends(arm: Arm, design: &[Vector3<f64>]) -> (PointId, PointId) {
     if sense(arm, design) > 0.0 {
@@ -44,21 +45,21 @@ pub(crate) fn axis_ends(arm: Arm, design: &[Vector3<f64>]) -> (PointId, PointId)
     }
 }
 
-/// 1 if a positive turn about the axis from rear to front raises the outer joint, else -1.
+/// Sign of the rotation: 1 if a positive rotation about the axis from rear to front raises the outer joint, else -1.
 #[inline]
 fn sense<T: Real>(arm: Arm, design: &[Vector3<T>]) -> T {
     way(arm, design).z.sign()
 }
 
-/// Direction in which the outer joint moves when the arm turns about the axis from rear to front.
+/// Direction in which the outer joint moves when the arm rotates about the axis from rear to front.
 #[inline]
 fn way<T: Real>(arm: Arm, design: &[Vector3<T>]) -> Vector3<T> {
     let rear = design[arm.rear.0];
     (design[arm.front.0] - rear).cross(design[arm.outer.0] - rear)
 }
 
-/// Returns true if an arm raises its outer joint in one direction and lowers it in the other. At dead centre the joint
-/// first moves horizontally, so rounding would decide which direction is positive.
+/// Returns true if the arm raises its outer joint in one direction of rotation and lowers it in the other. At dead centre
+/// the joint first moves horizontally, so rounding would decide which direction is positive.
 pub fn raises_its_joint(arm: Arm, design: &[Vector3<f64>]) -> bool {
     let way = way(arm, design);
     way.z.abs() > DEGENERATE * way.norm()
@@ -92,17 +93,17 @@ impl<T: Real> ArmAngle<T> {
     }
 }
 
-/// The first arm in the design and now, about its axis.
+/// The first arm, in the design position and in the present pose, relative to its axis.
 struct Turned<T> {
-    /// e
+    /// Vector e.
     axis: Vector3<T>,
-    /// a0, from the rear point of the axis
+    /// Vector a0, from the rear point of the axis.
     designed: Vector3<T>,
-    /// a, from there as well
+    /// Vector a, from the rear point of the axis.
     now: Vector3<T>,
-    /// 1 over the distance of the two points of the axis, negative if it runs from front to rear.
+    /// Inverse distance of the two points of the axis. Negative if the axis runs from front to rear.
     inverse_base: T,
-    /// 1/r, held fixed: it only scales the row.
+    /// Inverse radius 1/r. Treated as constant, because it only scales the row.
     inverse_radius: T,
 }
 
@@ -125,13 +126,13 @@ impl<T: Real> Turned<T> {
         }
     }
 
-    /// r^2 sin of (1).
+    /// Product r^2 sin of (1).
     #[inline]
     fn sine(&self) -> T {
         self.axis.dot(self.designed.cross(self.now))
     }
 
-    /// r^2 cos of (1).
+    /// Product r^2 cos of (1).
     #[inline]
     fn cosine(&self) -> T {
         self.now.dot(self.designed) - self.now.dot(self.axis) * self.designed.dot(self.axis)

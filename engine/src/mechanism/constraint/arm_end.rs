@@ -1,34 +1,35 @@
-//! A link between an arm and the knuckle, and a second joint of both.
+//! A link between an arm and the knuckle, or a second joint between them.
 //!
-//! The arm turns about the line through its front point f along the unit vector e. Let o be its outer joint, and let r be the
-//! part of o - f normal to e. A point of the arm is at
+//! The arm rotates about the line through its front point f along the unit vector e. Let o be its outer joint, and let r be
+//! the component of o - f normal to e. A point of the arm is at
 //!
 //! ```text
 //! P = f + a e + b r + c e x r                                               (1)
 //! ```
 //!
-//! a, b and c are dimensions of the arm, so P is linear in the pose. With u_n the part of a vector u normal to e,
+//! a, b and c are dimensions of the arm, so P is linear in the pose. With u_n the component of a vector u normal to e,
 //!
 //! ```text
 //! dP = M do + ..,   M u = b u_n + c e x u,   M^T g = b g_n - c e x g        (2)
 //! ```
 //!
-//! For a link, d runs from P to the outer end, and d0 is d in the design position. For a joint, p is the point of the knuckle
-//! that coincides with P, and n is one of two directions normal to the line from o to p in the design position:
+//! For a link, d runs from P to the outer end, and d0 is d in the design position. For a joint, p is the point of the
+//! knuckle that coincides with P, and n is one of two directions normal to the line from o to p in the design position:
 //!
 //! ```text
 //! F = (d.d - d0.d0)/(2 |d0|),   g = d/|d0|          (link)                  (3)
 //! F = n.(p - P),                g = n               (joint)                 (4)
 //! ```
 //!
-//! The outer end p pushes with g, and o with h = -M^T g. With the levers l of p and k of o about the knuckle's origin,
+//! For a multiplier of one, the force g acts at the outer end p, and h = -M^T g acts at o. With the levers l of p and k of o
+//! about the knuckle's origin,
 //!
 //! ```text
 //! dF = g.dp - g.dP + ..,   f = g + h,   m = l x g + k x h                   (5)
 //! ```
 //!
-//! The sum of o's and p's rows and the two legs of the arm leaves o no motion but that about the axis. In a design, (1)
-//! is the position of module `arm` then, which gives the derivatives by hardpoints.
+//! The rows of the joint and the two legs of the arm leave o only the rotation about the axis. For a design, (1) is the
+//! position in module `arm`, which gives the derivatives by hardpoints.
 //!
 //! Rates along the motion (v, w). M is constant, since e is fixed in the body:
 //!
@@ -39,8 +40,9 @@
 //!
 //! with g' = d'/|d0| for a link and g' = 0 for a joint.
 //!
-//! In a built arm, a, b and c follow from the coordinates of the point in the frame of the drawn arm (its outer joint, the
-//! way of the axis, the way from the axis to the joint) and from the lengths of the two built legs (7).
+//! In a built arm, a, b and c follow from the lengths of the two built legs and from the coordinates of the point in the
+//! frame of the nominal arm. This frame has its origin at the outer joint. Its directions are that of the axis, and that
+//! from the axis to the joint (7).
 
 use super::normals;
 use crate::mechanism::pose::Sink;
@@ -48,28 +50,28 @@ use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{Arm, ArmId, Constraint, Mechanism, PointId};
 use crate::number::{Real, Vector3, outlined};
 
-/// The equation of a link or of a joint.
+/// Equation of a link or of a joint.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ArmEnd<T> {
     arm: ArmId,
-    /// The point of the arm; of a joint the point of both.
+    /// Point of the arm. For a joint, the point of both bodies.
     pub inner: PointId,
     pub outer: PointId,
-    /// a, b and c.
+    /// Dimensions a, b and c.
     place: [T; 3],
     kind: Kind<T>,
 }
 
 #[derive(Clone, Copy, Debug)]
 enum Kind<T> {
-    /// d0.d0/2 and 1/|d0|.
+    /// Numbers d0.d0/2 and 1/|d0|.
     Link { half_squared_length: T, scale: T },
-    /// n
+    /// Vector n.
     Joint(Vector3<T>),
 }
 
-/// Dimensions of built parts: the points of the body, every point where the undisplaced knuckle carries it, every point as
-/// drawn, and a length for each constraint.
+/// Dimensions of built parts: points of the body, positions of all points on the undisplaced knuckle, nominal positions of
+/// all points, and a length for each constraint.
 #[derive(Clone, Copy)]
 pub(crate) struct PartDimensions<'a, T> {
     pub body: &'a [Vector3<T>],
@@ -78,7 +80,7 @@ pub(crate) struct PartDimensions<'a, T> {
     pub lengths: &'a [T],
 }
 
-/// The arm's unit axis and the part of the way to its outer joint that is normal to it.
+/// Unit axis of the arm, and the component of the vector to its outer joint that is normal to the axis.
 #[inline(always)]
 fn frame<T: Real>(arm: Arm, design: &[Vector3<T>]) -> [Vector3<T>; 2] {
     let front = design[arm.front.0];
@@ -86,7 +88,7 @@ fn frame<T: Real>(arm: Arm, design: &[Vector3<T>]) -> [Vector3<T>; 2] {
     [axis, (design[arm.outer.0] - front).across(axis)]
 }
 
-/// a, b and c of a design.
+/// Dimensions a, b and c for a design.
 #[inline(always)]
 fn designed<T: Real>(arm: Arm, point: PointId, design: &[Vector3<T>]) -> [T; 3] {
     let [axis, radius] = frame(arm, design);
@@ -99,7 +101,7 @@ fn designed<T: Real>(arm: Arm, point: PointId, design: &[Vector3<T>]) -> [T; 3] 
     ]
 }
 
-/// a, b and c of a built arm (7). `point` is the point in the drawn arm.
+/// Dimensions a, b and c for a built arm (7). `point` is the point in the nominal arm.
 #[inline(always)]
 fn built<T: Real>(
     mechanism: &Mechanism,
@@ -138,7 +140,7 @@ fn across<T: Real>(arm: Arm, at: PointId, points: &[Vector3<T>], number: usize) 
 }
 
 impl<T: Real> ArmEnd<T> {
-    /// The link of a design.
+    /// Makes the link of a design.
     #[inline(always)]
     pub(crate) fn link(
         mechanism: &Mechanism,
@@ -156,7 +158,7 @@ impl<T: Real> ArmEnd<T> {
         }
     }
 
-    /// The link of built parts.
+    /// Makes the link of built parts.
     #[inline(always)]
     pub(crate) fn built_link(
         mechanism: &Mechanism,
@@ -175,7 +177,7 @@ impl<T: Real> ArmEnd<T> {
         }
     }
 
-    /// One of both equations of a joint of a design.
+    /// Makes one of the two equations of a joint, for a design.
     #[inline(always)]
     pub(crate) fn joint(
         mechanism: &Mechanism,
@@ -193,7 +195,7 @@ impl<T: Real> ArmEnd<T> {
         }
     }
 
-    /// One of both equations of a joint of built parts. The arm has the drawn one.
+    /// Makes one of the two equations of a joint, for built parts. The nominal point is a point of the arm.
     #[inline(always)]
     pub(crate) fn built_joint(
         mechanism: &Mechanism,
@@ -211,13 +213,13 @@ impl<T: Real> ArmEnd<T> {
         }
     }
 
-    /// The arm's outer joint.
+    /// Outer joint of the arm.
     #[inline(always)]
     pub(crate) fn joint_of_arm(&self, at: &Configuration<T>) -> PointId {
         at.mechanism.arms[self.arm.0].outer
     }
 
-    /// P of (1). In a function of its own: it is rare.
+    /// Position P of (1). A separate function, because it is rarely used.
     #[inline(always)]
     fn on_arm(&self, at: &Configuration<T>) -> Vector3<T> {
         outlined!(
@@ -237,7 +239,7 @@ impl<T: Real> ArmEnd<T> {
         front + axis * a + radius * b + axis.cross(radius) * c
     }
 
-    /// g of (3) or (4).
+    /// Force g of (3) or (4).
     #[inline(always)]
     fn push(&self, at: &Configuration<T>) -> Vector3<T> {
         match self.kind {
@@ -246,21 +248,21 @@ impl<T: Real> ArmEnd<T> {
         }
     }
 
-    /// M u of (2).
+    /// Vector M u of (2).
     #[inline(always)]
     fn moved(&self, axis: Vector3<T>, u: Vector3<T>) -> Vector3<T> {
         let [_, b, c] = self.place;
         u.across(axis) * b + axis.cross(u) * c
     }
 
-    /// h of (5): -M^T g.
+    /// Force h of (5): -M^T g.
     #[inline(always)]
     fn passed(&self, axis: Vector3<T>, g: Vector3<T>) -> Vector3<T> {
         let [_, b, c] = self.place;
         axis.cross(g) * c - g.across(axis) * b
     }
 
-    /// g and h: the forces on the knuckle at the outer end and at the arm's outer joint for a multiplier of one.
+    /// Forces g and h on the knuckle, at the outer end and at the arm's outer joint, for a multiplier of one.
     #[inline(always)]
     pub(crate) fn forces(&self, at: &Configuration<T>) -> [Vector3<T>; 2] {
         let [axis, _] = frame(at.mechanism.arms[self.arm.0], at.design);

@@ -24,7 +24,7 @@ use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{AxleTravel, Body, PointId};
 use crate::number::{Each, Real, Vector3};
 
-/// A travel of a rigid axle, as a function of the pose.
+/// Travel of a rigid axle, as a function of the pose.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TravelRow {
     /// Both wheel centres, each with its factor in (1).
@@ -32,7 +32,7 @@ pub(crate) struct TravelRow {
 }
 
 impl TravelRow {
-    /// The mean or the difference of the heights of both wheel centres.
+    /// Makes the mean or the difference of the heights of both wheel centres.
     #[inline(always)]
     pub(crate) fn new(near: PointId, far: PointId, travel: AxleTravel) -> Self {
         TravelRow {
@@ -45,7 +45,7 @@ impl TravelRow {
         self.centres[1].0
     }
 
-    /// The travel in a pose: (1) without r.
+    /// Travel in a pose: (1) without r.
     #[inline(always)]
     pub(crate) fn value<T: Real>(&self, at: &Configuration<T>) -> T {
         let [near, far] = self

@@ -1,7 +1,7 @@
 //! A rod between two ball joints.
 //!
-//! Let d run from the inner to the outer joint, d0 in the design position, and let o be the knuckle's origin and
-//! l = outer - o the lever of the outer joint:
+//! d is the vector from the inner to the outer joint, d0 in the design position. o is the knuckle's origin, and l = outer -
+//! o the lever of the outer joint:
 //!
 //! ```text
 //! F  = (d.d - d0.d0)/(2 |d0|)                                               (1)
@@ -9,8 +9,8 @@
 //! f  = d/|d0|,   m = l x d/|d0|,   q = -d_y/|d0| if the rack carries inner  (3)
 //! ```
 //!
-//! F has no square root, so it is quadratic in the pose and smooth everywhere. The factor 1/|d0| only scales the
-//! row to a length. It is held fixed in (2), which is exact where F = 0.
+//! F has no square root, so it is quadratic in the pose and smooth everywhere. The factor 1/|d0| only scales the row to a
+//! length. It is treated as constant in (2), which is exact where F = 0.
 //!
 //! Rates along the motion (v, w), from d' = v + w x l and l' = w x l:
 //!
@@ -18,8 +18,8 @@
 //! f' = d'/|d0|,   m' = (l' x d + l x d')/|d0|,   q' = -d'_y/|d0|            (4)
 //! ```
 //!
-//! An inner joint may move sideways opposite to a point c of the knuckle (the mount of a twist beam). Then d' gains c'_y
-//! along y, and the row gains the wrench of h = d_y/|d0| y at c, whose lever is k:
+//! An inner joint may move sideways in the opposite direction to a point c of the knuckle (the mount of a twist beam). Then
+//! d' has the additional term c'_y along y. The row has the additional wrench of h = d_y/|d0| y at c, whose lever is k:
 //!
 //! ```text
 //! f = h,   m = k x h,   f' = h',   m' = k' x h + k x h'                     (5)
@@ -30,14 +30,14 @@ use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{Body, PointId};
 use crate::number::{Real, Vector3, outlined};
 
-/// The equation of one rod.
+/// Equation of one rod.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Link<T> {
     pub inner: PointId,
     pub outer: PointId,
-    /// d0.d0/2
+    /// Number d0.d0/2.
     half_squared_length: T,
-    /// 1/|d0|
+    /// Inverse length 1/|d0|.
     scale: T,
 }
 
@@ -48,7 +48,7 @@ impl<T: Real> Link<T> {
         Link::of_squared_length(inner, outer, squared)
     }
 
-    /// A rod whose length is an independent dimension.
+    /// Makes a rod whose length is an independent dimension.
     #[inline(always)]
     pub(crate) fn of_squared_length(inner: PointId, outer: PointId, squared: T) -> Self {
         Link {
@@ -99,7 +99,7 @@ impl<T: Real> Link<T> {
         }
     }
 
-    /// Equation (4) with (5). In a function of its own: it is rare.
+    /// Equation (4) with (5). A separate function, because it is rarely used.
     #[inline(always)]
     fn opposite_rate(
         &self,

@@ -7,13 +7,13 @@
 //! dF = f . d(origin) + m . d(rotation) + q d(rack) + sum over hardpoints g . dh    (2)
 //! ```
 //!
-//! The force f and the moment m are a row of the 6x6 Jacobian: the Pluecker coordinates of the line along which
-//! the constraint acts. q is the force on the rack. The gradients g complete the implicit function theorem. Each
-//! row is scaled to a length, so forces are about one and moments about one length.
+//! The force f and the moment m are a row of the 6x6 Jacobian. They are the Pluecker coordinates of the line along which the
+//! constraint acts. q is the force on the rack. With the gradients g, the implicit function theorem gives derivatives by
+//! hardpoints. Each row is scaled to a length, so forces are about one and moments about one length.
 //!
-//! Along a motion of the knuckle with velocity v of its origin and angular velocity w, a vector r that is fixed in
-//! the knuckle changes as in (3). The rates (4) of a wrench follow from (3) by the product rule, with the rack held.
-//! Each file derives its own.
+//! Along a motion of the knuckle with velocity v of its origin and angular velocity w, a vector r that is fixed in the
+//! knuckle changes as in (3). The rates (4) of a wrench follow from (3) by the product rule, with the rack fixed. Each file
+//! derives its own.
 //!
 //! ```text
 //! r' = w x r                                                                       (3)
@@ -53,7 +53,7 @@ pub(crate) enum Row<T> {
     RockerEnd(RockerEnd<T>),
 }
 
-/// Calls a method of whichever equation a row is.
+/// Calls a method of the equation that a row contains.
 macro_rules! row {
     ($row:expr, $equation:ident => $call:expr) => {
         match $row {
@@ -95,7 +95,7 @@ impl<T: Real> Row<T> {
             Constraint::Revolute { first, second } => {
                 Row::Pinned(Pinned::all(first, second, design, design, origin)[number])
             }
-            // Of the three equations of a ball joint those along x and z.
+            // A mount has the equations along x and z of the three equations of a ball joint.
             Constraint::Mount { at } => Row::Pinned(Pinned::point(at, design, origin)[2 * number]),
             Constraint::BallJoint { at } => Row::Pinned(Pinned::point(at, design, origin)[number]),
             Constraint::ArmJoint { arm, at } => {
@@ -107,7 +107,7 @@ impl<T: Real> Row<T> {
         }
     }
 
-    /// Row `number` of the constraint with this place among the mechanism's, for parts with dimensions of their own.
+    /// Row `number` of the constraint with this index in the mechanism, for parts with their own dimensions.
     #[inline(always)]
     pub(crate) fn of_parts(
         mechanism: &Mechanism,
@@ -135,7 +135,7 @@ impl<T: Real> Row<T> {
         }
     }
 
-    /// F of (1), as a length.
+    /// Residual F of (1), as a length.
     #[inline(always)]
     pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
         row!(self, row => row.residual(at))
@@ -147,16 +147,16 @@ impl<T: Real> Row<T> {
         row!(self, row => row.differential(at, weight, sink));
     }
 
-    /// Rates (4) of force, moment and rack force along a motion of the knuckle, with the rack held.
+    /// Rates (4) of force, moment and rack force along a motion of the knuckle, with the rack fixed.
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         row!(self, row => row.wrench_rate(at, along))
     }
 }
 
-/// Two unit vectors that form a right-handed frame with the given one, without a branch (T. Duff et al.,
-/// "Building an Orthonormal Basis, Revisited", Journal of Computer Graphics Techniques 6(1), 2017). `sign` is the sign of
-/// the z of this vector or of a nearby one. The result depends smoothly on the vector while `sign` does not change.
+/// Two unit vectors that form a right-handed frame with the given one, without a branch (T. Duff et al., "Building an
+/// Orthonormal Basis, Revisited", Journal of Computer Graphics Techniques 6(1), 2017). `sign` is the sign of z of this
+/// vector or of a nearby one. The result depends smoothly on the vector while `sign` does not change.
 #[inline(always)]
 fn normals<T: Real>(along: Vector3<T>, sign: T) -> [Vector3<T>; 2] {
     let Vector3 { x, y, z } = along;

@@ -1,6 +1,6 @@
-//! A hinge: the knuckle turns about the line through two chassis points.
+//! A hinge: the knuckle rotates about the line through two chassis points.
 //!
-//! The point p of the knuckle that coincides with a chassis point c in the design position must not leave c along
+//! The point p of the knuckle that coincides with a chassis point c in the design position must not move away from c along
 //! the direction n. With l = p - o the lever of p about the knuckle's origin o:
 //!
 //! ```text
@@ -9,8 +9,8 @@
 //! f  = n,   m = l x n                                              (3)
 //! ```
 //!
-//! For the first point of the axis, n is x, y and z. For the second point, n takes the two directions normal to the
-//! axis. These turn with the axis, but p = c in every pose, so that adds no term to (2).
+//! For the first point of the axis, n is x, y and z. For the second point, n is each of two directions normal to the axis.
+//! These rotate with the axis, but p = c in every pose, so that no term is added to (2).
 //!
 //! Rates along the motion (v, w), from l' = w x l and n fixed in the body:
 //!
@@ -20,7 +20,7 @@
 //!
 //! A ball joint at the body has the three equations of one point, with n along x, y and z.
 //!
-//! The place of p in the knuckle is a dimension of the knuckle. A built arm keeps its bushes where they were made,
+//! The position of p in the knuckle is a dimension of the knuckle. A built arm keeps its bushes where they were made,
 //! wherever the body's points are.
 
 use super::normals;
@@ -34,15 +34,15 @@ use crate::number::{Matrix3, Vector3};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pinned<T> {
     pub point: PointId,
-    /// n
+    /// Direction n.
     pub direction: Vector3<T>,
     /// Vector from the origin of the undisplaced knuckle to p.
     lever: Vector3<T>,
 }
 
 impl<T: Real> Pinned<T> {
-    /// All five equations. `body` holds the points of the body, `knuckle` every point where the undisplaced knuckle
-    /// carries it. For a design, both are its own points. `origin` is the knuckle's.
+    /// Makes all five equations. `body` holds the points of the body, `knuckle` the positions of all points on the
+    /// undisplaced knuckle. For a design, both are its own points. `origin` is the knuckle's origin.
     #[inline(always)]
     pub(crate) fn all(
         first: PointId,
@@ -67,7 +67,7 @@ impl<T: Real> Pinned<T> {
         ]
     }
 
-    /// The three equations of a ball joint. `knuckle` holds every point where the undisplaced knuckle carries it.
+    /// Makes the three equations of a ball joint. `knuckle` holds the positions of all points on the undisplaced knuckle.
     #[inline(always)]
     pub(crate) fn point(point: PointId, knuckle: &[Vector3<T>], origin: PointId) -> [Self; 3] {
         let lever = knuckle[point.0] - knuckle[origin.0];

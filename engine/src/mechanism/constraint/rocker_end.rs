@@ -38,14 +38,14 @@ use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{Body, PointId, Rocker};
 use crate::number::{Real, Vector3, outlined};
 
-/// The equation of the link.
+/// Equation of the link.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RockerEnd<T> {
     pub inner: PointId,
     pub outer: PointId,
-    /// d0.d0/2
+    /// Number d0.d0/2.
     half_squared_length: T,
-    /// 1/|d0|
+    /// Inverse length 1/|d0|.
     scale: T,
 }
 
@@ -89,7 +89,7 @@ impl<T: Real> Moving<T> {
 }
 
 impl<T: Real> RockerEnd<T> {
-    /// The link of a design.
+    /// Makes the link of a design.
     #[inline(always)]
     pub(crate) fn new(inner: PointId, outer: PointId, design: &[Vector3<T>]) -> Self {
         let squared = (design[outer.0] - design[inner.0]).norm_squared();
@@ -120,7 +120,7 @@ impl<T: Real> RockerEnd<T> {
         sink.hardpoint(self.inner, designed);
     }
 
-    /// Rates (4) of the row. In a function of its own: it is rare, and large.
+    /// Rates (4) of the row. A separate function, because it is rarely used, and large.
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         outlined!(
@@ -144,7 +144,7 @@ impl<T: Real> RockerEnd<T> {
         };
         let knuckle = KnuckleMotion { at, along };
         let (place, other_end) = (turned.point(x), knuckle.point(p));
-        // G is along the way from p to x, whichever end is on the rocker.
+        // G has the direction from p to x, whichever end is on the rocker.
         let push = place.minus(other_end).times(self.scale);
         let mut wrench = turned.wrench_rate(place, push);
         knuckle.add(p, other_end, push, -at.rack.one(), &mut wrench);
@@ -152,7 +152,7 @@ impl<T: Real> RockerEnd<T> {
     }
 }
 
-/// The knuckle with its motion.
+/// Knuckle with its motion.
 #[derive(Clone, Copy)]
 struct KnuckleMotion<'a, 'c, T> {
     at: &'a Configuration<'c, T>,
@@ -160,13 +160,13 @@ struct KnuckleMotion<'a, 'c, T> {
 }
 
 impl<T: Real> KnuckleMotion<'_, '_, T> {
-    /// Velocity of the knuckle's point at this place.
+    /// Velocity of the knuckle at this place.
     #[inline(always)]
     fn velocity(&self, place: Vector3<T>) -> Vector3<T> {
         self.along.shift + self.along.turn.cross(place - self.at.pose.origin)
     }
 
-    /// A point that is not on a rocker.
+    /// Point that is not on a rocker, with its rate.
     #[inline(always)]
     fn point(&self, id: PointId) -> Moving<T> {
         let now = self.at.point(id);
@@ -181,7 +181,7 @@ impl<T: Real> KnuckleMotion<'_, '_, T> {
         Moving { now, rate }
     }
 
-    /// Adds the rate of the wrench of a force, times `sign`, on such a point.
+    /// Adds the rate of the wrench of a force, times `sign`, that acts on such a point.
     #[inline(always)]
     fn add(
         &self,
@@ -208,7 +208,7 @@ impl<T: Real> KnuckleMotion<'_, '_, T> {
         }
     }
 
-    /// The same for a place of the knuckle.
+    /// Adds the same for a force at a place of the knuckle.
     #[inline(always)]
     fn add_at(&self, place: Moving<T>, force: Moving<T>, sign: T, wrench: &mut Wrench<T>) {
         let origin = Moving {
@@ -267,7 +267,7 @@ impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
         })
     }
 
-    /// A point of the rocker.
+    /// Point of the rocker, with its rate.
     #[inline(always)]
     fn point(&self, id: PointId) -> Moving<T> {
         let now = self.knuckle.at.point(id);
@@ -305,8 +305,8 @@ impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
     }
 }
 
-/// Rates of the wrench on the knuckle of a force that stays the same, at a point of a rocker: (4) with G' = 0. In a function of
-/// its own: it is rare, and large.
+/// Rates of the wrench on the knuckle of a constant force at a point of a rocker: (4) with G' = 0. A separate function,
+/// because it is rarely used, and large.
 #[inline(always)]
 pub(super) fn constant_push_rate<T: Real>(
     x: PointId,

@@ -1,7 +1,7 @@
 //! A telescopic strut: its mount stays on a line fixed in the knuckle.
 //!
-//! Let n be one of two normals of the line, fixed in the undisplaced knuckle, R the knuckle's rotation, o its origin,
-//! and g = top - o, g0 in the design position:
+//! Let n be one of two normals of the line, fixed in the undisplaced knuckle. R is the knuckle's rotation, o its origin, and
+//! g = top - o, with g0 in the design position:
 //!
 //! ```text
 //! F  = R n . g - n . g0                                                               (1)
@@ -10,17 +10,17 @@
 //! f  = -R n,   m = R n x g                                                            (4)
 //! ```
 //!
-//! u is the direction of the line. It turns its normal with it: dn = -u (n.du). c is the distance that the knuckle
-//! has slid along the line.
+//! u is the direction of the line. Its normal rotates with it: dn = -u (n.du). c is the distance by which the knuckle has
+//! slid along the line.
 //!
-//! Rates along the motion (v, w), from (R n)' = w x R n and g' = -v, the mount being fixed in the body:
+//! Rates along the motion (v, w), from (R n)' = w x R n and g' = -v, since the mount is fixed in the body:
 //!
 //! ```text
 //! f' = -(w x R n),   m' = (w x R n) x g - R n x v                                     (5)
 //! ```
 //!
-//! n . g0 and u are dimensions of the knuckle. A built strut keeps them as its knuckle was made, wherever its mount
-//! is in the body.
+//! n . g0 and u are dimensions of the knuckle. A built strut keeps those of its own knuckle, wherever its mount is in the
+//! body.
 
 use super::normals;
 use crate::mechanism::pose::Sink;
@@ -35,19 +35,19 @@ pub(crate) struct StrutLine<T> {
     pub top: PointId,
     lower: PointId,
     upper: Option<PointId>,
-    /// n
+    /// Normal n.
     pub normal: Vector3<T>,
-    /// n . g0
+    /// Product n . g0.
     offset: T,
-    /// u
+    /// Direction u.
     along: Vector3<T>,
-    /// 1 over the design distance of the two points that give the direction.
+    /// Inverse of the design distance between the two points that give the direction.
     inverse_base: T,
 }
 
 impl<T: Real> StrutLine<T> {
-    /// Both equations. `knuckle` holds every point where the undisplaced knuckle carries it (for a design, its own points).
-    /// `origin` is the knuckle's.
+    /// Makes both equations. `knuckle` holds the positions of all points on the undisplaced knuckle (for a design, its own
+    /// points). `origin` is the knuckle's origin.
     #[inline(always)]
     pub(crate) fn both(
         top: PointId,

@@ -1,16 +1,16 @@
-//! The curvature that squares of linear models leave out, estimated from steps.
+//! Curvature that squares of linear models leave out, estimated from steps.
 
 use super::super::qr::dot;
 
-/// Stiffness of a program with curvature across the rows that it holds, in largest diagonals.
+/// Stiffness that is added across the held rows of a program with curvature, relative to the largest diagonal entry.
 const ACROSS: f64 = 4.0;
-/// The most shifts that make a matrix positive definite, each ten times the one before.
+/// Largest number of shifts tried to make a matrix positive definite. Each is ten times the previous one.
 const SHIFTS: usize = 40;
 
-/// A symmetric rank-one estimate of the curvature that squares of linear models leave out.
+/// Symmetric rank-one estimate S of the curvature that squares of linear models leave out.
 pub(super) struct Curvature {
     variables: usize,
-    /// S, column after column.
+    /// Matrix S, column after column.
     matrix: Vec<f64>,
     /// True if S is in use.
     in_use: bool,
@@ -30,7 +30,7 @@ impl Curvature {
         rows.map(|row| dot(row, d)).collect()
     }
 
-    /// d . S d, where S is in use.
+    /// Returns d . S d, or zero while S is not in use.
     pub(super) fn quadratic(&self, d: &[f64]) -> f64 {
         match self.in_use {
             true => dot(&self.image(d), d),
@@ -38,14 +38,14 @@ impl Curvature {
         }
     }
 
-    /// S d = y from now on, S changed by a matrix of rank one.
+    /// Changes S by a matrix of rank one, so that S d = y.
     pub(super) fn learn(&mut self, d: &[f64], y: &[f64]) {
         let n = self.variables;
         let image = self.image(d);
         let off: Vec<f64> = y.iter().zip(&image).map(|(y, s)| y - s).collect();
         let along = dot(&off, d);
         let size = (dot(&off, &off) * dot(d, d)).sqrt();
-        // Also where something is not a number.
+        // This check also rejects NaN.
         let is_sound = along.is_finite() && along.abs() > 1e-8 * size;
         if !is_sound {
             return;
@@ -59,9 +59,9 @@ impl Curvature {
 
     /// Replaces R and q by those of R^T R + S, made positive definite by a shift, with the same slope.
     ///
-    /// At a minimum under constraints R^T R + S need be positive along the rows that are held alone. Across them the
-    /// square of each, w (a.d + c)^2 / 2, is added: where the row is held it is nothing, and its multiplier stays. A
-    /// shift in its place would slow down every direction.
+    /// At a minimum under constraints, R^T R + S must be positive only along the held rows. Across them, the function adds
+    /// the square of each row, w (a.d + c)^2 / 2. This square is zero where the row is held, so its multiplier does not
+    /// change. A shift alone would slow down every direction.
     pub(super) fn add_to(
         &mut self,
         held: &[(Vec<f64>, f64)],
@@ -99,13 +99,13 @@ impl Curvature {
             by
         });
         let mut shifts = shifts.by_ref().take(SHIFTS);
-        // Not a number never becomes positive: then the curvature is left out.
+        // With NaN no shift makes the matrix positive definite. The curvature is then left out.
         let Some(factor) = shifts.find_map(|by| cholesky(&square, n, by)) else {
             self.in_use = false;
             return;
         };
         triangle.copy_from_slice(&factor);
-        // R^T q = slope.
+        // Solves R^T q = slope.
         for k in 0..n {
             let column = &factor[k * n..];
             offset[k] = (slope[k] - dot(&column[..k], &offset[..k])) / column[k];
@@ -113,7 +113,7 @@ impl Curvature {
     }
 }
 
-/// R with R^T R = `square` + `shift`, column after column; `None` where that is not positive definite.
+/// Factor R with R^T R = `square` + `shift`, column after column. `None` if the sum is not positive definite.
 fn cholesky(square: &[f64], n: usize, shift: f64) -> Option<Vec<f64>> {
     let mut factor = vec![0.0; n * n];
     for j in 0..n {

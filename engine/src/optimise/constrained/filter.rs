@@ -1,18 +1,19 @@
-//! The filter: pairs of goal and violation that a step must improve on.
+//! The filter: earlier pairs of goal and violation that a step must improve on.
 
-/// Pairs of goal and violation that were passed.
+/// Pairs of goal and violation of earlier points.
 #[derive(Clone, Debug)]
 pub(super) struct Filter {
     passed: Vec<[f64; 2]>,
-    /// Violations beyond this are refused whatever the goal.
+    /// Largest violation that is accepted, whatever the goal.
     most: f64,
 }
 
-/// A pair must be better than each that was passed by this share of the violation.
+/// Share of the violation by which a pair must be better than each stored pair.
 const MARGIN: f64 = 1e-5;
 
 impl Filter {
-    /// An empty filter, which bears violations up to a hundred times that of the start, and up to `most` beyond it.
+    /// Makes an empty filter. It accepts violations up to a hundred times that of the start (at least 100), and at most
+    /// `most` above it.
     pub(super) fn new(violation: f64, most: f64) -> Self {
         Filter {
             passed: Vec::new(),
@@ -20,7 +21,7 @@ impl Filter {
         }
     }
 
-    /// Returns true if a pair is better than every one passed, in its goal or in its violation.
+    /// Returns true if a pair is better than every stored one, in its goal or in its violation.
     pub(super) fn accepts(&self, goal: f64, violation: f64) -> bool {
         let better = |[passed_goal, passed_violation]: &[f64; 2]| {
             violation <= (1.0 - MARGIN) * passed_violation
@@ -29,7 +30,7 @@ impl Filter {
         violation <= self.most && self.passed.iter().all(better)
     }
 
-    /// Notes a pair as passed.
+    /// Stores a pair.
     pub(super) fn pass(&mut self, goal: f64, violation: f64) {
         self.passed.retain(|[g, v]| *g < goal || *v < violation);
         self.passed.push([goal, violation]);

@@ -8,30 +8,31 @@
 //! |b_k(x)| <= level_k
 //! ```
 //!
-//! where a is the *goal*, c are the *rows* and each b is something held to a *level*: the residuals of a
-//! tuning that is to move as little as can be while it stays good enough, or those of some targets on the
-//! way along a front. At x a step d (in half ranges of the variables) is the minimum of
+//! where a is the *goal*, c are the *rows*, and the norm of each b may not exceed a *level*. For the smallest change of a
+//! design, b are the residuals of the tuning, which must stay good enough. For a front, b are the residuals of some of the
+//! targets. At x a step d (in half ranges of the variables) is the minimum of
 //!
 //! ```text
 //! |A d + a|^2 / 2 + d . S d / 2    with  C d + c <= 0 (= 0),  |B d + b| <= level,  |d_j| <= radius   (1)
 //! ```
 //!
-//! A, B, C being the Jacobians ([`ConvexModel`](model)). What is squared stays squared: linearised, the
-//! level would have a multiplier that runs away wherever b vanishes. The multiplier of a level is found by a
-//! secant over the same programs with the level's squares weighed in; of several levels, one within the
-//! other, as a level's excess falls with its own weight whatever the others do to keep theirs. S is nothing in the first
-//! iterations. Where a run takes more than those, residuals are large or constraints are curved, and
-//! Gauss and Newton's method converges slowly; from then on S is a symmetric rank-one estimate of the
-//! curvature that A^T A leaves out (J. E. Dennis, D. M. Gay, R. E. Welsch, An adaptive nonlinear
-//! least-squares algorithm, ACM Trans. Math. Softw. 7, 1981). Earlier it would do harm.
+//! with the Jacobians A, B, C ([`ConvexModel`](model)). The levels stay quadratic. If they were linearised, their
+//! multipliers would grow without bound wherever b vanishes. A secant method finds the multiplier of a level: it solves the
+//! same program with the level's squares added under a weight. Several levels use nested secants, because the excess of a
+//! level falls as its own weight rises, even while the other levels are met anew.
 //!
-//! A filter accepts steps: no earlier pair of goal and violation may be better in both (R. Fletcher, S. Leyffer,
-//! Nonlinear programming without a penalty function, Mathematical Programming 91, 2002). If curvature of the
-//! constraints is the reason for a rejection, one second-order correction is tried before the step is shortened. If
-//! the rows of (1) exclude one another, they are relaxed by the least possible value of the largest violation. If
-//! that is no less than the present violation, no small move reduces it. The run then ends with the rows to blame.
+//! S is zero in the first iterations. If a run takes longer, residuals are large or constraints are curved, and the
+//! Gauss-Newton method converges slowly. From then on S is a symmetric rank-one estimate of the curvature that A^T A leaves
+//! out (J. E. Dennis, D. M. Gay, R. E. Welsch, An adaptive nonlinear least-squares algorithm, ACM Trans. Math. Softw. 7,
+//! 1981). Earlier use would do harm.
 //!
-//! Rows that no variable moves are left out ([`movable`]). A run has converged where its multipliers balance the slope
+//! A filter accepts steps: no earlier pair of goal and violation may be better in both (R. Fletcher, S. Leyffer, Nonlinear
+//! programming without a penalty function, Mathematical Programming 91, 2002). If curvature of the constraints is the reason
+//! for a rejection, the method tries one second-order correction before it shortens the step. If the rows of (1) exclude one
+//! another, the method relaxes them by the least possible value of the largest violation. If that value is not below the
+//! present violation, no small move reduces it. The run then ends and names the rows to blame.
+//!
+//! Rows that no variable moves are left out ([`movable`]). A run has converged if its multipliers balance the slope
 //! ([`stationarity`](super::stationarity)).
 
 mod curvature;
@@ -53,43 +54,44 @@ pub trait Constrained {
     /// Size of the problem.
     fn shape(&self) -> Shape;
 
-    /// Sizes of the limits that the rows are measured from, in the rows' unit; they tell the rounding of a row.
+    /// Absolute values of the limits that the rows are measured from, in the rows' unit. They determine the rounding of a
+    /// row.
     fn row_limits(&self) -> Vec<f64> {
         vec![0.0; self.shape().rows]
     }
 
-    /// Writes everything at `x`, with its exact derivatives. It must depend on `x` alone.
+    /// Evaluates the problem at `x`, with its exact derivatives. The result must depend on `x` alone.
     fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible>;
 }
 
 /// Numbers of variables, residuals and rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape {
-    /// Variables, at least one.
+    /// Number of variables, at least one.
     pub variables: usize,
-    /// Residuals of the goal, at least one.
+    /// Number of residuals of the goal, at least one.
     pub goal: usize,
-    /// Residuals held to each level, and the limit of their norm.
+    /// Number of residuals of each level, and the limit of their norm.
     pub levels: Vec<(usize, f64)>,
-    /// Rows, all.
+    /// Number of all rows.
     pub rows: usize,
-    /// Number of leading rows that must vanish.
+    /// Number of leading rows that must be zero.
     pub equalities: usize,
 }
 
-/// A problem at a point.
+/// Values and derivatives of a problem at a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assessment {
-    /// a and A.
+    /// Goal a and its Jacobian A.
     pub goal: Linearisation,
-    /// b and B, level by level.
+    /// Residuals b and Jacobian B of each level.
     pub levels: Vec<Linearisation>,
-    /// c and C. A violation of 1 is one that anybody would see: a millimetre, a degree.
+    /// Rows c and their Jacobian C. The unit is a visible violation: 1 mm or 1 degree.
     pub rows: Linearisation,
 }
 
 impl Assessment {
-    /// Room for a problem.
+    /// Allocates for a problem of this size.
     pub fn new(shape: &Shape) -> Self {
         let room = |residuals: usize| Linearisation::new(residuals, shape.variables);
         Assessment {
@@ -106,12 +108,12 @@ impl Assessment {
         self.rows.check()
     }
 
-    /// The largest violation of a row, and of a level as a mean over its residuals.
+    /// Returns the largest violation. A level counts with its excess as a root mean square over its residuals.
     pub fn violation(&self, equalities: usize, levels: &[f64]) -> f64 {
         self.violation_of(equalities, levels, |_| true)
     }
 
-    /// The same, of some of the rows.
+    /// Returns the largest violation among selected rows and the levels.
     pub fn violation_of(
         &self,
         equalities: usize,

@@ -1,4 +1,4 @@
-//! The convex model of a problem about a point, and the step it proposes.
+//! Convex model of a problem about a point, and the step that it proposes.
 
 mod multipliers;
 mod relaxed;
@@ -13,16 +13,16 @@ use super::movable::Movable;
 use super::{Assessment, KEPT, Shape};
 use nalgebra::DVector;
 
-/// Damping relative to the largest pivot: directions that neither goal nor rows see stay put.
+/// Damping relative to the largest pivot. It keeps variables still in directions that change neither goal nor rows.
 const DAMPING: f64 = 1e-7;
-/// A level is met to this share of itself, and in any case to a tenth of the violation that counts as kept.
+/// Relative accuracy to which a level is met. A tenth of the violation that counts as kept is accurate enough in any case.
 const LEVEL_MET: f64 = 1e-7;
-/// The most programs that a multiplier of the level is searched with.
+/// Largest number of programs in the search for the multiplier of a level.
 const SECANTS: usize = 30;
-/// Factor by which the damping rises if a quadratic program with a solution was not solved, and the most increases.
+/// Factor of the damping if a solvable quadratic program was not solved, and the largest number of such increases.
 const MORE_DAMPING: f64 = 100.0;
 const DAMPINGS: usize = 3;
-/// The most programs of one step, over all levels.
+/// Largest number of programs for one step, over all levels.
 const PROGRAMS: usize = 300;
 /// Agreement of duplicate rows: a hundredth of the violation that counts as kept.
 const SLACK: f64 = 1e-9;
@@ -32,17 +32,16 @@ const SLACK: f64 = 1e-9;
 pub(super) enum Proposal {
     /// The minimum of the model.
     Optimal,
-    /// The rows exclude one another within the radius. The largest violation that must remain, and the
-    /// rows to blame.
+    /// The rows exclude one another within the radius. Holds the smallest possible largest violation, and the rows to blame.
     Relaxed { remaining: f64, culprits: Vec<Held> },
 }
 
 /// Multipliers at the end of a run.
 #[derive(Clone, Debug)]
 pub(super) struct Settled {
-    /// Residual of the optimality conditions.
+    /// Imbalance left in the optimality conditions.
     pub residual: f64,
-    /// Other multipliers of the rows, if they balance the slope as well.
+    /// Other multipliers of the rows that also balance the slope, if there are any.
     pub alternatives: Option<Vec<f64>>,
 }
 
@@ -52,25 +51,25 @@ pub(super) struct ConvexModel<'a> {
     half: Vec<f64>,
     equalities: usize,
     levels: Vec<f64>,
-    /// Logarithms of the ratios to the levels up to which these count as met.
+    /// Tolerance for each level: logarithm of the ratio of norm to level up to which the level counts as met.
     met: Vec<f64>,
     goal: Squares,
-    /// Numbers of residuals of the goal, and the norm of its residuals.
+    /// Number of residuals of the goal, and their norm.
     residuals: usize,
     norm: f64,
-    /// Level by level.
+    /// Squares of each level.
     held: Vec<Squares>,
-    /// Rows as they are, their gradients scaled.
+    /// Rows as given, with scaled gradients.
     normals: Vec<f64>,
     offsets: Vec<f64>,
     /// True for each row that restricts steps.
     speaks: Vec<bool>,
-    /// Equalities among the rows kept.
+    /// Number of equalities among the kept rows.
     kept_equalities: usize,
-    /// Programs left for this step, and their damping relative to the largest pivot.
+    /// Number of programs left for this step, and their damping relative to the largest pivot.
     programs: usize,
     damping: f64,
-    /// The rows that can be violated, by number, and their entries.
+    /// Indices and entries of the rows that a step can violate.
     kept: Vec<usize>,
     kept_normals: Vec<f64>,
     kept_offsets: Vec<f64>,
@@ -80,19 +79,19 @@ pub(super) struct ConvexModel<'a> {
     room_above: Vec<f64>,
     method: ActiveSet,
     elastic: ActiveSet,
-    /// Point that the rows were relaxed to.
+    /// Point at which the relaxed rows are met.
     relaxed: Vec<f64>,
     step: Vec<f64>,
-    /// Multipliers of rows, and of bounds (negative at a lower one), of the last program.
+    /// Multipliers of rows, bounds (negative at a lower bound) and levels, from the last program.
     row_multipliers: Vec<f64>,
     bound_multipliers: Vec<f64>,
     level_multipliers: Vec<f64>,
-    /// Weights of the squares of each level in the next program.
+    /// Weight of each level's squares in the next program.
     weights: Vec<f64>,
-    /// The multipliers of the levels found last: the start of the next search.
+    /// Last multipliers of the levels. The next search starts from them.
     last_weights: Vec<Option<f64>>,
     curvature: Curvature,
-    /// Normals and offsets of the rows held last. The curvature is made stiff across them.
+    /// Normals and offsets of the rows that the previous step held. The curvature is made stiff across them.
     across: Vec<(Vec<f64>, f64)>,
     matrix: Vec<f64>,
     vector: Vec<f64>,
@@ -100,7 +99,7 @@ pub(super) struct ConvexModel<'a> {
 }
 
 impl<'a> ConvexModel<'a> {
-    /// Room for a problem.
+    /// Allocates for a problem.
     pub(super) fn new(bounds: &'a Bounds, shape: &Shape) -> Self {
         let (n, rows) = (bounds.variables(), shape.rows);
         let levels: Vec<f64> = shape.levels.iter().map(|level| level.1).collect();
@@ -150,7 +149,7 @@ impl<'a> ConvexModel<'a> {
         }
     }
 
-    /// Makes this the model about `x`, without the rows that stand still.
+    /// Makes this the model about `x`. Rows that stand still are left out.
     pub(super) fn build(&mut self, x: &DVector<f64>, at: &Assessment, movable: Option<&Movable>) {
         let n = x.len();
         self.norm = at.goal.residuals.norm();
@@ -160,7 +159,7 @@ impl<'a> ConvexModel<'a> {
                 true => value.abs() > KEPT,
                 false => value > KEPT,
             };
-            // A row that moves elsewhere, stands still here and is violated keeps the step from mending it.
+            // A violated row can stand still here and move elsewhere. Such a row does not restrict the step.
             *speaks = movable.is_none_or(|movable| {
                 movable.takes_part(row) && (missed || movable.moves_at(row, &at.rows, self.bounds))
             });
@@ -180,7 +179,7 @@ impl<'a> ConvexModel<'a> {
         self.offsets.copy_from_slice(at.rows.residuals.as_slice());
     }
 
-    /// Finds the step within a radius; with `curved`, under the estimate of the curvature.
+    /// Finds the step within a radius. With `curved`, the estimate of the curvature is included.
     pub(super) fn solve(&mut self, radius: f64, curved: bool) -> Proposal {
         for j in 0..self.half.len() {
             self.lower[j] = self.room_below[j].max(-radius);
@@ -190,7 +189,7 @@ impl<'a> ConvexModel<'a> {
         self.propose(curved)
     }
 
-    /// Finds the step that also corrects the excess of the rows at the trial over their model.
+    /// Finds the second-order corrected step: it subtracts the difference between the rows at the trial and their model.
     pub(super) fn solve_corrected(&mut self, trial: &Assessment, curved: bool) -> Proposal {
         let n = self.half.len();
         self.kept_offsets.clear();
@@ -199,7 +198,7 @@ impl<'a> ConvexModel<'a> {
             self.kept_offsets
                 .push(trial.rows.residuals[row] - dot(normal, &self.step));
         }
-        // Levels are curved, too: what one exceeds its model by is taken off it.
+        // Levels are curved, too. The difference between a level and its model is subtracted from the level.
         let levels = self.levels.clone();
         for (k, level) in self.levels.iter_mut().enumerate() {
             let promised = self.held[k].norm_after(&self.step, &mut self.scratch);
@@ -211,7 +210,7 @@ impl<'a> ConvexModel<'a> {
         proposal
     }
 
-    /// The rows that a step within the bounds can violate.
+    /// Selects the rows that a step within the bounds can violate.
     fn keep_rows(&mut self) {
         let n = self.half.len();
         self.kept.clear();
@@ -244,7 +243,7 @@ impl<'a> ConvexModel<'a> {
         self.programs = PROGRAMS;
         self.damping = DAMPING;
         let mut outcome = self.program(curved);
-        // The point itself keeps the rows: where no step is found, rounding is in the way.
+        // The point itself satisfies the rows. If no step is found, rounding is the reason.
         let is_kept = self.worst() <= KEPT;
         for _ in 0..DAMPINGS {
             if outcome == Outcome::Solved || !is_kept {
@@ -260,7 +259,7 @@ impl<'a> ConvexModel<'a> {
                 culprits,
             };
             if self.program(curved) != Outcome::Solved {
-                // The relaxed rows are kept there, though it is no minimum.
+                // The point satisfies the relaxed rows, but it is not a minimum.
                 self.step.copy_from_slice(&self.relaxed);
                 self.clear_multipliers();
                 return proposal;
@@ -272,7 +271,8 @@ impl<'a> ConvexModel<'a> {
         proposal
     }
 
-    /// The rows and bounds that the step before held, as normals and offsets: the same for every weight of the levels.
+    /// Normals and offsets of the rows and bounds that the previous step held. They are the same for every weight of the
+    /// levels.
     fn held_rows(&self) -> Vec<(Vec<f64>, f64)> {
         let n = self.half.len();
         let rows = self.kept.iter().enumerate();
@@ -286,7 +286,7 @@ impl<'a> ConvexModel<'a> {
                 )
             })
             .collect();
-        // On a bound itself, not at the end of a radius.
+        // Counts only the variable's own bounds, not the radius.
         for (j, multiplier) in self.bound_multipliers.iter().enumerate() {
             let on_bound = self.room_below[j] == 0.0 || self.room_above[j] == 0.0;
             if on_bound && *multiplier != 0.0 {
@@ -298,7 +298,7 @@ impl<'a> ConvexModel<'a> {
         held
     }
 
-    /// Solves the program with the levels' squares weighed in.
+    /// Solves the program with the weighted squares of the levels added.
     fn program(&mut self, curved: bool) -> Outcome {
         let n = self.half.len();
         let weighed = || {
@@ -317,7 +317,7 @@ impl<'a> ConvexModel<'a> {
         } else {
             1.0
         };
-        // Row by row, the triangles' rows one after the other's: columns stay short.
+        // Rows of the triangles alternate, so that columns stay short.
         self.matrix.clear();
         self.matrix.resize(n * rows, 0.0);
         self.vector.clear();
@@ -381,17 +381,17 @@ impl<'a> ConvexModel<'a> {
         self.level_multipliers.fill(0.0);
     }
 
-    /// Ratio by which the step exceeds a level, as a logarithm.
+    /// Logarithm of the ratio between the norm after the step and the level.
     fn excess(&mut self, k: usize) -> f64 {
-        // A level of zero could only be neared for ever.
+        // A level of zero could be approached but never reached.
         let goal = self.levels[k].max(1e-12);
         let norm = self.held[k].norm_after(&self.step, &mut self.scratch);
         (norm / goal).ln()
     }
 
-    /// Searches the weights under which the levels from the k-th on are just met, or slack; the step is that of
-    /// the program without them. A norm falls as its weight grows: the search is a secant over their
-    /// logarithms, kept between weights on either side, the levels after this one met anew for each.
+    /// Finds the weights that just meet the levels from the k-th on; a slack level gets weight zero. A norm falls as its
+    /// weight grows. So the search is a secant over the logarithms of norm and weight, kept between weights on either side.
+    /// The later levels are met anew for each trial weight.
     fn meet_levels(&mut self, k: usize, curved: bool) {
         if k == self.levels.len() {
             return;
@@ -410,7 +410,7 @@ impl<'a> ConvexModel<'a> {
         let mut high: Option<(f64, f64)> = None;
         let mut weight = self.last_weights[k].unwrap_or(scale);
         for _ in 0..SECANTS {
-            // Levels within levels multiply: together they have a budget of their own.
+            // Nested levels multiply the number of programs. So all levels of a step share a budget.
             if self.programs == 0 {
                 break;
             }
@@ -430,7 +430,7 @@ impl<'a> ConvexModel<'a> {
                 false => high = Some(at),
             }
             weight = match (low, high) {
-                // Beyond this the level cannot be met by the model: the step nears it as it can.
+                // Beyond this weight the model cannot meet the level. The step comes as near as it can.
                 (Some(low), None) if low.0 > (1e14 * scale).ln() => break,
                 (Some(low), None) => low.0.exp() * 30.0,
                 (None, Some(high)) if high.0 < (1e-14 * scale).ln() => break,
@@ -466,7 +466,7 @@ impl<'a> ConvexModel<'a> {
         -0.5 * (goal.change(step, scratch) + curvature.quadratic(step))
     }
 
-    /// Learns the curvature from an accepted step to `after`, under the multipliers of the last program.
+    /// Updates the curvature from an accepted step to `after`, with the multipliers of the last program.
     pub(super) fn learn(&mut self, before: &Assessment, after: &Assessment) {
         let n = self.half.len();
         let mut y = vec![0.0; n];
@@ -492,7 +492,7 @@ impl<'a> ConvexModel<'a> {
         self.curvature.learn(&self.step, &y);
     }
 
-    /// Writes into `to` where the step leads from `x`: onto a bound exactly where it ends there.
+    /// Writes the end of the step from `x` into `to`. A step that ends on a bound lands on it exactly.
     pub(super) fn step_from(&self, x: &DVector<f64>, to: &mut DVector<f64>) {
         for j in 0..x.len() {
             let (lower, upper) = (self.bounds.lower()[j], self.bounds.upper()[j]);

@@ -1,22 +1,21 @@
-//! Rows that some variable moves, and rows that none does.
+//! Separates rows that variables can move from rows that stand still.
 //!
-//! A row without a slope does not restrict steps. If it is kept, every step keeps it; if it is violated, no step mends
-//! it. Its computed gradient is not zero but rounding, and a program that takes rounding for a gradient divides by it.
-//! A row *stands still* at a point if a move of all variables across their ranges changes it, to first order, by no
-//! more than its rounding:
+//! A row without a slope does not restrict steps. If it is satisfied, every step keeps it; if it is violated, no step can
+//! mend it. Its computed gradient is rounding instead of zero, and a program that uses this gradient divides by rounding. A
+//! row *stands still* at a point if a move of all variables across their ranges changes it, to first order, by no more than
+//! its rounding:
 //!
 //! ```text
 //! sum_j |a_j| width_j <= max(1e-9, 256 e (|value| + 2 |limit|)),     e: the machine precision            (1)
 //! ```
 //!
-//! Rows are in visible units, a millimetre or a degree. Some hundreds of operations compute them from coordinates of
-//! up to ten thousand units, so that their rounding is about 1e-9. That is a hundredth of the violation that counts
-//! as kept. The second term is the rounding of larger values.
+//! Rows are in visible units, 1 mm or 1 degree. Some hundreds of operations compute them from coordinates of up to ten
+//! thousand units, so that their rounding is about 1e-9. That is a hundredth of the violation that counts as kept. The
+//! second term is the rounding of larger values.
 //!
-//! A row that stands still at the start may move elsewhere. So every evaluation examines it again, also the evaluations
-//! of refused steps. The row takes part from the first evaluation at which it moves, or at which its value differs by
-//! more than (1). The violation of a run is that of the rows that take part. The caller names violated rows that never
-//! take part.
+//! A row that stands still at the start may move elsewhere. So every evaluation examines it again, also the evaluations of
+//! refused steps. The row takes part from the first evaluation at which it moves, or at which its value differs by more than
+//! (1). The violation of a run is that of the rows that take part. The caller names violated rows that never take part.
 
 use super::super::{Bounds, Linearisation};
 
@@ -37,7 +36,7 @@ pub(super) struct Movable {
 }
 
 impl Movable {
-    /// The rows of a problem with these limits, looked at where a run begins.
+    /// Examines the rows of a problem with these limits at the start of a run.
     pub(super) fn new(limits: &[f64], start: &Linearisation, bounds: &Bounds) -> Self {
         let values = start.residuals.iter().zip(limits);
         let rounding = values.map(|(value, limit)| {
@@ -53,7 +52,7 @@ impl Movable {
         movable
     }
 
-    /// Evaluates the rows at another point. Returns true if more of them take part than before.
+    /// Examines the rows at another point. Returns true if more of them take part than before.
     pub(super) fn look(&mut self, at: &Linearisation, bounds: &Bounds) -> bool {
         if self.standing == 0 {
             return false;
@@ -84,7 +83,7 @@ impl Movable {
         slopes.map(|(a, width)| (a * width).abs()).sum::<f64>() > self.rounding[row]
     }
 
-    /// The rows that take part, one by one.
+    /// Returns for each row whether it takes part.
     pub(super) fn into_taking_part(self) -> Vec<bool> {
         self.takes_part
     }

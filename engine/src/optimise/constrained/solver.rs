@@ -16,58 +16,56 @@ use argmin::core::{Error, KV, Problem, Solver, TerminationStatus};
 use nalgebra::DVector;
 use steps::{Trial, Trials};
 
-/// Rows violated by no more than this are kept. It is a millionth of a visible difference.
+/// Largest violation that counts as kept. It is a tenth of a millionth of a visible difference.
 pub(in crate::optimise) const KEPT: f64 = 1e-7;
 /// Share of [`Options::reduction_below`] at which a run ends. The relative error of the multipliers is about its square
 /// root.
 const NEGLIGIBLE: f64 = 1e-2;
-/// Multipliers that balance to this are those of a minimum: its goal is right to the square of it.
+/// Imbalance up to which multipliers count as those of a minimum. The error of the goal is about its square.
 const BALANCED: f64 = 1e-8;
 /// First radius, in half ranges.
 const FIRST_RADIUS: f64 = 1.0;
-/// A radius that holds the whole box.
+/// Radius that contains the whole box.
 const WHOLE: f64 = 4.0;
-/// A step is accepted from this ratio of the reduction found to the one predicted.
+/// Smallest accepted ratio of actual to predicted reduction.
 const ACCEPTABLE: f64 = 1e-4;
 const POOR: f64 = 0.25;
 const GOOD: f64 = 0.75;
-/// A refused trial this near, in half ranges, tells the slopes on the other side of a kink.
+/// Distance, in half ranges, up to which a refused trial shows the slopes on the other side of a kink.
 const BESIDE: f64 = 1e-6;
-/// The most refused trials that are kept for that.
+/// Largest number of such trials that are kept.
 const SIDES: usize = 4;
-/// Iterations after which the estimate of the curvature is put to use.
+/// Number of iterations before the estimate of the curvature is used.
 const CURVED_FROM: u64 = 7;
-/// A step this short, in half ranges, counts as zero: programs are solved to no more digits.
+/// Step length, in half ranges, that counts as zero. Programs are solved to no more digits.
 pub(super) const RESOLUTION: f64 = 1e-12;
-/// The most trials of an iteration. Each is at most half as long as the one before.
+/// Largest number of trials in an iteration. Each is at most half as long as the one before.
 const TRIALS: usize = 60;
-/// A violation that the model cannot lower by more than this share of it does not shrink.
+/// Smallest relative decrease of a violation. If the model predicts less, the violation counts as stuck.
 const STUCK: f64 = 1e-4;
 
 /// End of a run under constraints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConstrainedFit {
-    /// The variables, within their bounds.
+    /// Values of the variables, within their bounds.
     pub x: DVector<f64>,
-    /// Goal, levels and rows there.
+    /// Goal, levels and rows at `x`.
     pub at: Assessment,
-    /// The largest violation there, of the rows that some variable moves.
+    /// Largest violation at `x` among the rows that some variable moves.
     pub violation: f64,
-    /// Rows that some variable moves, wherever the run looked.
+    /// True for each row that some variable moved at any point of the run.
     pub movable: Vec<bool>,
-    /// The derivative of half the squared goal by each row's limit, negated: not negative but for rows
-    /// that must vanish.
+    /// Derivative of half the squared goal by each row's limit, negated. Not negative except for equalities.
     pub multipliers: Vec<f64>,
-    /// Likewise by half the square of each level.
+    /// The same derivative by half the square of each level.
     pub level_multipliers: Vec<f64>,
-    /// Other multipliers of the rows that are as good: gradients that depend on one another share the push out in any
-    /// way.
+    /// Other multipliers of the rows that balance as well. They exist if gradients are linearly dependent.
     pub alternatives: Option<Vec<f64>>,
-    /// Residual of the optimality conditions: imbalance of slopes and multipliers, relative to their sizes.
+    /// Imbalance of slopes and multipliers in the optimality conditions, relative to their sizes.
     pub imbalance: f64,
-    /// Rows that exclude one another about x, where there are such.
+    /// Rows that exclude one another near `x`, if there are any.
     pub culprits: Vec<Held>,
-    /// Why it ended.
+    /// Reason for the end.
     pub termination: Termination,
     /// The start and every iteration after it.
     pub history: Vec<Iteration>,
@@ -79,12 +77,12 @@ impl ConstrainedFit {
         evaluations(&self.history)
     }
 
-    /// Returns true if rows and levels are kept.
+    /// Returns true if rows and levels are satisfied.
     pub fn is_feasible(&self) -> bool {
         self.violation <= KEPT
     }
 
-    /// The end as that of any fit. `at_minimum` says whether multipliers mean something.
+    /// Converts the end into a `Fit`. `at_minimum` says whether the multipliers are meaningful.
     pub(in crate::optimise) fn into_fit(self, bounds: &Bounds, at_minimum: bool) -> Fit {
         let is_minimum = at_minimum && self.termination.at_minimum();
         Fit {
@@ -106,8 +104,7 @@ impl ConstrainedFit {
     }
 }
 
-/// Minimises from the point of the box nearest to `start`; an error says why there are no residuals
-/// even there.
+/// Minimises from the point of the box nearest to `start`. An error says why there are no residuals at this point.
 pub fn constrained_fit(
     index: usize,
     problem: impl Constrained,
@@ -143,16 +140,16 @@ struct SequentialConvex<'a> {
     record: FitRecord<'a>,
     equalities: usize,
     levels: Vec<f64>,
-    /// Limits of the rows, and which rows take part once a run has begun.
+    /// Limits of the rows, and the rows that take part. The second is `None` before the run has begun.
     limits: Vec<f64>,
     movable: Option<Movable>,
     model: ConvexModel<'a>,
     current: Assessment,
     trial: Assessment,
     trial_x: DVector<f64>,
-    /// Rows at the latest refused trials near the current point: on other sides of a kink, if there is one.
+    /// Rows at the latest refused trials near the current point. They show the slopes on other sides of a kink.
     beside: Vec<Linearisation>,
-    /// Way gone since the first of them, in half ranges.
+    /// Distance moved since the first of these trials, in half ranges.
     gone: f64,
     filter: Filter,
     radius: f64,
@@ -162,13 +159,13 @@ struct SequentialConvex<'a> {
 impl SequentialConvex<'_> {
     fn into_fit(mut self, state: ArgminState) -> ConstrainedFit {
         let x = state.param.expect("the state was given its start");
-        // Multipliers of the end itself, not of the step that led there.
+        // Multipliers of the end point itself, not of the step to it.
         self.model.solve(WHOLE, false);
         let settled = self.model.settle_multipliers(&self.beside);
         let imbalance = settled.residual;
         let [rows, levels] = self.model.multipliers().map(<[f64]>::to_vec);
         let violation = self.pair(&self.current)[1];
-        // Where rows are violated there is no minimum, however well multipliers balance.
+        // A point with violated rows is no minimum, even if the multipliers balance.
         let checked = if violation <= KEPT {
             imbalance
         } else {
@@ -190,7 +187,7 @@ impl SequentialConvex<'_> {
         }
     }
 
-    /// The residuals that a run reports: those held to a level, if there are any.
+    /// Residuals that a run reports: those of the first level if there are levels, else the goal.
     fn reported(&self) -> &Linearisation {
         self.current.levels.first().unwrap_or(&self.current.goal)
     }
@@ -207,7 +204,7 @@ impl SequentialConvex<'_> {
         self.movable.as_ref().is_none_or(|m| m.takes_part(row))
     }
 
-    /// Evaluates the trial, and looks there for rows that move. Returns true if there are new ones.
+    /// Evaluates the trial and examines its rows. Returns true if rows move that did not move before.
     fn evaluate_trial(&mut self, problem: &mut impl Constrained) -> Result<bool, Infeasible> {
         problem.assess(&self.trial_x, &mut self.trial)?;
         self.trial.check()?;
@@ -215,14 +212,14 @@ impl SequentialConvex<'_> {
         Ok(self.movable.as_mut().is_some_and(|m| m.look(rows, bounds)))
     }
 
-    /// Takes rows into account that were not known to move: the filter begins anew, as violations are others now.
+    /// Includes rows that were not known to move. The filter starts again, because violations now include these rows.
     fn count_new_rows(&mut self, x: &DVector<f64>) {
         self.rebuild_model(x);
         let [_, violation] = self.pair(&self.current);
         self.filter = Filter::new(violation, self.record.options.violation_below);
     }
 
-    /// Keeps the rows of the refused trial if it is near; the oldest make room.
+    /// Keeps the rows of the refused trial if it is near. Drops the oldest if the store is full.
     fn keep_beside(&mut self, length: f64) {
         if length <= BESIDE {
             if self.beside.len() == SIDES {
@@ -251,7 +248,7 @@ impl SequentialConvex<'_> {
         }
     }
 
-    /// Returns true if the trial is better than the current point; `predicted` is the model's reduction of the goal.
+    /// Returns true if the trial is better than the current point. `predicted` is the model's reduction of the goal.
     fn is_better(&mut self, from: [f64; 2], predicted: f64) -> bool {
         let [goal, violation] = self.pair(&self.trial);
         let [from_goal, from_violation] = from;

@@ -24,7 +24,7 @@ fn near(found: &DVector<f64>, wanted: &[f64], bound: f64) {
     assert!(off < bound, "{found} {wanted:?}");
 }
 
-/// Rosenbrock's valley within a disc: the minimum on the circle is where the gradient points outward.
+/// Rosenbrock's valley within a disc. The minimum lies on the circle, where the gradient points outward.
 #[test]
 fn rosenbrock_in_a_disc_ends_on_its_edge() {
     let at = |x: &[f64]| {
@@ -37,7 +37,7 @@ fn rosenbrock_in_a_disc_ends_on_its_edge() {
     };
     for start in [[-1.2, 1.0], [0.0, 0.0], [1.5, -1.5], [2.0, 2.0]] {
         let fit = solve(&start, &[[-3.0, 3.0]; 2], 0, f64::INFINITY, at);
-        // The root of the conditions of first order on the circle, by Newton's method to all digits.
+        // Solution of the first-order conditions on the circle, by Newton's method to all digits.
         near(&fit.x, &[0.786_415_154_172, 0.617_698_316_529], 1e-8);
         assert!(fit.is_feasible() && fit.multipliers[0] > 0.0);
         assert!(fit.imbalance < 1e-6, "{}", fit.imbalance);
@@ -45,7 +45,7 @@ fn rosenbrock_in_a_disc_ends_on_its_edge() {
     }
 }
 
-/// A projection onto the intersection of a plane and a half-space, as far as the box lets it.
+/// Projects a point onto the intersection of a plane and a half-space, within the box.
 #[test]
 fn projections_are_exact_and_multipliers_are_prices() {
     let at = |limit: f64| {
@@ -65,7 +65,7 @@ fn projections_are_exact_and_multipliers_are_prices() {
     near(&fit.x, &[1.0, 1.0, -2.0], 1e-9);
     let fit = run(0.5);
     near(&fit.x, &[0.5, 1.25, -1.75], 1e-9);
-    // The price of the limit: the derivative of the goal by it, negated.
+    // Multiplier of the limit: the derivative of the goal by the limit, negated.
     let step = 1e-3;
     let goal = |limit| run(limit).at.goal.cost();
     let slope = (goal(0.5 + step) - goal(0.5 - step)) / (2.0 * step);
@@ -76,7 +76,7 @@ fn projections_are_exact_and_multipliers_are_prices() {
     );
 }
 
-/// Two circles that do not meet: the run says so, and where it ends no small move helps.
+/// With two circles that do not meet, the run names both, and no small move from its end helps.
 #[test]
 fn a_planted_contradiction_ends_with_its_rows() {
     let at = |x: &[f64]| {
@@ -99,10 +99,11 @@ fn a_planted_contradiction_ends_with_its_rows() {
     assert!(fit.history.len() < 40);
 }
 
-/// The shortest way to a level of residuals that vanish on a curve: the point of the tube's wall.
+/// Finds the shortest move to a level of residuals that vanish on a circle. It ends on the boundary of the band around the
+/// circle.
 #[test]
 fn a_level_is_met_exactly_even_about_a_zero_of_its_residuals() {
-    // |b| = |x0^2 + x1^2 - 1| <= level from (2, 1): on the ray from the origin.
+    // The constraint is |b| = |x0^2 + x1^2 - 1| <= level, the start (2, 1). The solution lies on the ray from the origin.
     for level in [0.5, 0.1, 1e-3, 1e-6] {
         let at = |x: &[f64]| {
             let goal = vec![(x[0] - 2.0, vec![1.0, 0.0]), (x[1] - 1.0, vec![0.0, 1.0])];
@@ -124,7 +125,7 @@ fn a_level_is_met_exactly_even_about_a_zero_of_its_residuals() {
     }
 }
 
-/// Random problems of curved residuals and curved rows end where multipliers balance.
+/// Random problems with curved residuals and curved rows end at points with balanced multipliers.
 #[test]
 fn random_constrained_problems_end_at_kuhn_tucker_points() {
     let (mut balanced, mut evaluations) = (0, Vec::new());
@@ -184,7 +185,7 @@ fn random_constrained_problems_end_at_kuhn_tucker_points() {
     assert!(evaluations[30] <= 12, "{evaluations:?}");
 }
 
-/// Large residuals: Gauss and Newton's method alone would take hundreds of iterations.
+/// Large residuals, for which the Gauss-Newton method alone would take hundreds of iterations.
 #[test]
 fn curvature_is_learnt_where_residuals_are_large() {
     let at = |x: &[f64]| {
@@ -206,7 +207,7 @@ fn curvature_is_learnt_where_residuals_are_large() {
             vec![(x[0] - 20.0, vec![1.0, 0.0, 0.0, 0.0])],
         ]
     };
-    // Brown and Dennis: least sum of squares 85822.2 (16 of Moré, Garbow and Hillstrom).
+    // Brown and Dennis: least sum of squares 85822.2 (problem 16 of Moré, Garbow and Hillstrom).
     let fit = solve(
         &[25.0, 5.0, -5.0, -1.0],
         &[[-50.0, 50.0]; 4],
@@ -219,7 +220,8 @@ fn curvature_is_learnt_where_residuals_are_large() {
     assert!(fit.evaluations() < 60, "{}", fit.evaluations());
 }
 
-/// Rosenbrock's valley in a disc, with rows that nothing moves, at their limits and beyond, as rounding leaves them.
+/// Rosenbrock's valley in a disc, with added rows that no variable moves. Their values are at the limit or beyond, with
+/// rounding as their only slope.
 fn beside_still_rows(noise: f64, missed: f64, equalities: usize) -> ConstrainedFit {
     let at = move |x: &[f64]| {
         let goal = vec![
@@ -241,7 +243,7 @@ fn beside_still_rows(noise: f64, missed: f64, equalities: usize) -> ConstrainedF
     solve(&[-1.2, 1.0], &ranges, equalities, f64::INFINITY, at)
 }
 
-/// Rows that nothing moves change neither the minimum nor its multipliers, whatever rounding makes of them.
+/// Rows that no variable moves change neither the minimum nor its multipliers, whatever their rounding.
 #[test]
 fn rows_that_stand_still_change_nothing() {
     for noise in [0.0, 1e-300, 1e-17, -1e-17, 1e-13] {
@@ -264,10 +266,10 @@ fn rows_that_stand_still_change_nothing() {
     }
 }
 
-/// A row whose slope vanishes where the run begins, and that binds elsewhere, is not lost.
+/// Counts a row whose slope vanishes at the start and that binds elsewhere.
 #[test]
 fn a_row_that_begins_to_move_is_counted() {
-    // x1^2 <= 1/4 from x1 = 0; the goal wants x = (1, 2).
+    // The constraint is x1^2 <= 1/4, the start x1 = 0. The goal has its minimum at x = (1, 2).
     let at = |x: &[f64]| {
         let goal = vec![(x[0] - 1.0, vec![1.0, 0.0]), (x[1] - 2.0, vec![0.0, 1.0])];
         let row = (x[1] * x[1] - 0.25, vec![0.0, 2.0 * x[1]]);
@@ -287,7 +289,7 @@ fn a_row_that_begins_to_move_is_counted() {
     );
 }
 
-/// The same row three times: the minimum is found, and other multipliers are as good.
+/// With the same row three times, the run finds the minimum and reports that the multipliers are not unique.
 #[test]
 fn multipliers_of_equal_rows_are_known_to_be_open() {
     for wobble in [0.0, 1e-16, 1e-13] {
@@ -317,7 +319,7 @@ fn multipliers_of_equal_rows_are_known_to_be_open() {
     }
 }
 
-/// A request to stop is heard at the next evaluation, and a budget is kept, in trials that are refused, too.
+/// A run stops at the next evaluation after a request. It also stops at its budget, even among refused trials.
 #[test]
 fn evaluations_end_at_a_request_and_at_their_budget() {
     use std::cell::Cell;
@@ -327,7 +329,7 @@ fn evaluations_end_at_a_request_and_at_their_budget() {
             let (flag, count) = (AtomicBool::new(false), Cell::new(0_u64));
             let at = |x: &[f64]| {
                 count.set(count.get() + 1);
-                // One look for the shape.
+                // The first evaluation only determines the shape.
                 if by_flag && count.get() == stop_at + 1 {
                     flag.store(true, Ordering::Relaxed);
                 }

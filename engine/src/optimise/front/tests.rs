@@ -1,4 +1,4 @@
-//! Fronts that are known.
+//! Fronts with known shapes.
 
 use super::super::test_problems::{Values, stated};
 use super::super::trade::{Criterion, Distance};
@@ -6,7 +6,7 @@ use super::super::{Bounds, Control, Options};
 use super::{Found, Traced, Tracer};
 use nalgebra::DVector;
 
-/// The front of so many aims, each of so many residuals.
+/// Traces a front of this number of criteria, with this number of residuals each.
 fn traced(
     ranges: &[[f64; 2]],
     [aims, each]: [usize; 2],
@@ -39,7 +39,7 @@ fn traced(
     tracer.front(&starts.iter().collect::<Vec<_>>(), 0.0)
 }
 
-/// The widest step between neighbours, as a share of the front's extent.
+/// Widest step between neighbours, as a share of the front's extent.
 fn widest_step(points: &[Found]) -> f64 {
     let (first, last) = (&points[0].amounts, &points[points.len() - 1].amounts);
     let extent = [last[0] - first[0], first[1] - last[1]];
@@ -50,7 +50,7 @@ fn widest_step(points: &[Found]) -> f64 {
     steps.fold(0.0, f64::max)
 }
 
-/// The way from a point, whose norm is the distance.
+/// Vector from a point, whose norm is the distance.
 fn way_from(x: &[f64], from: [f64; 2]) -> Values {
     vec![
         (x[0] - from[0], vec![1.0, 0.0]),
@@ -58,8 +58,8 @@ fn way_from(x: &[f64], from: [f64; 2]) -> Values {
     ]
 }
 
-/// Exponentials of distances (C. M. Fonseca, P. J. Fleming, 1995): with d the distance of the two peaks,
-/// 1 - f_2 = exp(-(d - sqrt(-ln(1 - f_1)))^2). No weighted sum has a minimum but at the ends.
+/// Exponentials of distances (C. M. Fonseca, P. J. Fleming, 1995). With the distance d of the two peaks, 1 - f_2 = exp(-(d -
+/// sqrt(-ln(1 - f_1)))^2). Weighted sums have their minima only at the ends.
 #[test]
 fn a_concave_front_is_traced_evenly() {
     let traced = traced(
@@ -101,8 +101,8 @@ fn a_concave_front_is_traced_evenly() {
     }
 }
 
-/// f_2 = 2 - sqrt(f_1 + 0.02) - f_1 sin(10 pi f_1), and a variable that f_2 alone feels: much as ZDT3 (E. Zitzler, K. Deb, L. Thiele, 2000): pieces, known from a fine
-/// grid.
+/// Criterion f_2 = 2 - sqrt(f_1 + 0.02) - f_1 sin(10 pi f_1), with a variable that only f_2 depends on. It is similar to
+/// ZDT3 (E. Zitzler, K. Deb, L. Thiele, 2000). Its front has pieces, which a fine grid gives.
 #[test]
 fn a_broken_front_is_found_piece_by_piece() {
     let curve = |x: f64| 2.0 - (x + 0.02).sqrt() - x * (10.0 * std::f64::consts::PI * x).sin();
@@ -115,7 +115,7 @@ fn a_broken_front_is_found_piece_by_piece() {
             let (u, v) = (x[0], x[1]);
             let slope = -0.5 / (u + 0.02).sqrt() - (turn * u).sin() - u * turn * (turn * u).cos();
             let second = 2.0 - (u + 0.02).sqrt() - u * (turn * u).sin();
-            // The second aim has a variable of its own, which is best at 0.
+            // Only the second criterion depends on this variable. Its best value is 0.
             let idle = (0.0, vec![0.0; 2]);
             vec![
                 (u, vec![1.0, 0.0]),
@@ -126,7 +126,7 @@ fn a_broken_front_is_found_piece_by_piece() {
         },
     );
     let places: Vec<_> = traced.points.iter().map(|p| &p.amounts).collect();
-    // The least so far, along a fine grid.
+    // Running minimum along a fine grid.
     let grid = 200_000;
     let mut least = f64::INFINITY;
     let mut best: Vec<[f64; 2]> = Vec::new();
@@ -162,7 +162,7 @@ fn a_broken_front_is_found_piece_by_piece() {
     assert_eq!(traced.breaks.len(), jumps.count(), "{:?}", traced.breaks);
 }
 
-/// Distances from two points of a plane: the front is the way between them, and both aims weigh the same.
+/// Distances from two points of a plane. The front is the segment between them, and both criteria have equal weights.
 #[test]
 fn a_straight_front_has_its_slope_everywhere() {
     let traced = traced(&[[-5.0, 5.0]; 2], [2, 2], &[&[0.4, 1.1]], |x| {
@@ -178,7 +178,7 @@ fn a_straight_front_has_its_slope_everywhere() {
     assert!(widest_step(&traced.points) < 0.045);
 }
 
-/// A design that is best in all aims is the whole front.
+/// A design that is best in all criteria is the whole front.
 #[test]
 fn without_a_trade_there_is_one_point() {
     let traced = traced(&[[-5.0, 5.0]; 2], [2, 1], &[&[0.4, 1.1]], |x| {
@@ -188,7 +188,7 @@ fn without_a_trade_there_is_one_point() {
     assert!(traced.points[0].amounts.iter().all(|amount| *amount < 1e-5));
 }
 
-/// Distances from three points: the front is the triangle, and every part of it is near some point.
+/// Distances from three points. The front is the triangle, and every part of it has a computed point nearby.
 #[test]
 fn a_front_of_three_covers_the_triangle() {
     let corners = [[-1.0, 0.0], [2.0, 0.5], [0.3, 2.0]];

@@ -1,4 +1,4 @@
-//! Legs while their stations are collected.
+//! Draft of a leg, to which stations are still added.
 
 use super::rows::RowNumbers;
 use super::{Extremes, Leg, TargetSample};
@@ -7,34 +7,34 @@ use crate::model::{Axis, Drive, Frame};
 use crate::solve::StationOrder;
 use crate::study::{Motion, Sample, Site};
 
-/// Place of a target of one wheel among the measures, and its scale.
+/// Index of the measure of a target of one wheel, and its scale.
 pub(super) struct TargetPlace {
-    /// Number of the measure.
+    /// Index of the measure.
     pub of: usize,
     /// Residual per deviation in the unit of the measure.
     pub scale: f64,
 }
 
-/// A leg while its stations are collected.
+/// A leg to which stations are still added.
 pub(super) struct Draft {
     drive: Drive,
     rack: f64,
     pub values: Vec<f64>,
-    /// Row, target, station and wanted value.
+    /// Row, target, station and target value.
     pub targets: Vec<(usize, usize, usize, Sample)>,
-    /// Part and station.
+    /// Part and station of each check.
     pub checks: Vec<(usize, usize)>,
     /// Parts whose extremes between the stations count.
     pub extremes: Vec<usize>,
 }
 
 impl Draft {
-    /// Number of the station with this drive value; a missing one is added.
+    /// Returns the index of the station with this drive value, and adds it if it is missing.
     pub(super) fn station(&mut self, drive: f64) -> usize {
         index_or_push(&mut self.values, drive)
     }
 
-    /// Leaves out the stations that no target or constraint uses; they are not visited.
+    /// Removes the stations that no target or constraint uses.
     pub(super) fn leave_out_unused(&mut self) {
         let of_targets = self.targets.iter_mut().map(|(_, _, station, _)| station);
         let of_checks = self.checks.iter_mut().map(|(_, station)| station);
@@ -47,7 +47,7 @@ impl Draft {
         self.values = used.iter().map(|station| self.values[*station]).collect();
     }
 
-    /// The leg of this number, with its rows.
+    /// Makes the leg with this index, with its rows.
     pub(super) fn into_leg(
         self,
         number: usize,
@@ -85,8 +85,8 @@ impl Draft {
     }
 }
 
-/// Number of the draft with this drive, this rack displacement and stations that begin with these; a missing draft is
-/// added.
+/// Returns the index of the draft with this drive, this rack displacement, and stations that begin with `values`. Adds it if
+/// it is missing.
 pub(super) fn draft_of(drafts: &mut Vec<Draft>, drive: Drive, rack: f64, values: &[f64]) -> usize {
     let same = |d: &Draft| d.drive == drive && d.rack == rack && d.values.starts_with(values);
     drafts.iter().position(same).unwrap_or_else(|| {
@@ -102,7 +102,7 @@ pub(super) fn draft_of(drafts: &mut Vec<Draft>, drive: Drive, rack: f64, values:
     })
 }
 
-/// The motion of a site and the numbers of its drafts, one for each rack displacement.
+/// Returns the motion of a site and the indices of its drafts, one for each rack displacement.
 pub(super) fn legs_of<'m>(
     site: &'m Site,
     motion: &'m Motion,

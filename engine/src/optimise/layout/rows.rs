@@ -4,11 +4,11 @@ use super::super::Linearisation;
 use super::{Extremes, Part, RowLabel};
 use crate::study::Limited;
 
-/// A part of a constraint at one station, and the rows it makes.
+/// A part of a constraint at one station, and its rows.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::optimise) struct Check {
     pub part: usize,
-    /// Row of the lower limit and row of the upper one; an equality has a row in `equal` alone.
+    /// Row of the lower limit and row of the upper limit. An equality has only a row in `equal`.
     pub lower: Option<usize>,
     pub upper: Option<usize>,
     pub equal: Option<usize>,
@@ -38,21 +38,21 @@ impl Check {
     }
 }
 
-/// A limit on a value of elastic parts at a station.
+/// Limit of a value of elastic parts at a station.
 #[derive(Clone, Debug)]
 pub(in crate::optimise) struct LimitedValue {
-    /// The part of a constraint.
+    /// Index of the part of a constraint.
     pub part: usize,
-    /// Number among the values.
+    /// Index among the values.
     pub of: usize,
-    /// The limits.
+    /// Limits of the value.
     pub limited: Limited,
-    /// Rows.
+    /// Rows of the limits.
     pub check: Check,
 }
 
 impl LimitedValue {
-    /// A limit without rows yet.
+    /// Makes a limit whose rows are not numbered yet.
     pub(in crate::optimise) fn new(part: usize, of: usize, limited: &Limited) -> Self {
         LimitedValue {
             part,
@@ -69,7 +69,7 @@ impl LimitedValue {
 }
 
 impl Extremes {
-    /// The extremes of one sign, from the checks of all stations; `None` if no station has such a limit.
+    /// Collects the extremes of one sign from the checks of all stations. `None` if no station has such a limit.
     pub(super) fn of(
         part: usize,
         sign: f64,
@@ -94,7 +94,7 @@ pub(super) struct RowNumbers<'p> {
 }
 
 impl<'p> RowNumbers<'p> {
-    /// Numbers the equalities among these checks: part, leg and station of each.
+    /// Numbers the equalities among these checks. A check is part, leg and station.
     pub(super) fn of(
         parts: &'p [Part],
         checks: impl Iterator<Item = (usize, usize, usize)>,
@@ -125,7 +125,7 @@ impl<'p> RowNumbers<'p> {
         }
     }
 
-    /// The rows of a part at a station: that of its equality, else a new one for each limit.
+    /// Rows of a part at a station: the row of its equality, or a new row for each limit.
     pub(super) fn check(&mut self, part: usize, leg: usize, station: usize) -> Check {
         let equal = self.label(part, true, leg, station);
         let mut equalities = self.labels[..self.equalities].iter();
@@ -144,7 +144,7 @@ impl<'p> RowNumbers<'p> {
         }
     }
 
-    /// The meaning of each row, and the number of equalities.
+    /// Returns the meaning of each row, and the number of equalities.
     pub(super) fn into_labels(self) -> (Vec<RowLabel>, usize) {
         (self.labels, self.equalities)
     }

@@ -1,10 +1,10 @@
 //! Gradients by the hardpoints in a pose of the closed form.
 //!
-//! As everywhere (module `sensitivity`), an output with derivative y_x by the pose has
-//! dy/dp = y_p - mu . F_p with J^T mu = y_x: constraint forces that balance the wrench y_x, a force f at the
-//! lower ball joint and a moment m about it. Here they can be told one by one. With the velocity v of the ball
-//! joint and the turn w by the travel, levers from the ball joint (d to the upper end, t to the tie rod's
-//! outer end, q to the wheel centre) and l = t - g along the tie rod,
+//! As everywhere (module `sensitivity`), an output with derivative y_x by the pose has dy/dp = y_p - mu . F_p with J^T mu =
+//! y_x. The mu are constraint forces that balance the wrench y_x, a force f at the lower ball joint and a moment m about it.
+//! Here each of them has an explicit formula. v is the velocity of the ball joint and w the angular velocity, both by the
+//! travel. Levers start at the ball joint: d to the upper end, t to the tie rod's outer end, q to the wheel centre. l = t -
+//! g is along the tie rod.
 //!
 //! ```text
 //! travel      mu6 = f.v + m.w                                   virtual work
@@ -13,10 +13,10 @@
 //! lower arm   b   = f - nu - mu3 l - mu6 z
 //! ```
 //!
-//! d.(t x l) = ga |n|^2. nu is the force at the upper end: it has the moment M, d x nu = M, and does no work
-//! along e, the direction in which the upper end is free (along the strut, or the tangent of its circle). An
-//! arm takes a force by its two legs, b = mu1 (r - p1) + mu2 (r - p2); with the axis a of the arm, s1 the
-//! joint's place along it and rho the radius,
+//! d.(t x l) = ga |n|^2. nu is the force at the upper end. It has the moment M, d x nu = M, and does no work along e, the
+//! free direction of the upper end (along the strut, or the tangent of its circle). The two legs of an arm carry a force
+//! together, b = mu1 (r - p1) + mu2 (r - p2). With the axis a of the arm, s1 the joint's position along it and rho the
+//! radius,
 //!
 //! ```text
 //! mu1 + mu2 = b.rho/rho^2      mu2 = ((mu1 + mu2) s1 - b.a)/|p2 - p1|
@@ -34,15 +34,15 @@ use crate::model::{Arm, PointId};
 use crate::number::Real;
 use crate::number::Vector3;
 
-/// The members that bear the forces, as they are in all poses of a design.
+/// Members that carry the forces, with the values that are the same in all poses of a design.
 pub(crate) struct Members<T> {
     lower_arm: Legs<T>,
     upper: UpperEnd<T>,
-    /// l in the design position
+    /// Vector l in the design position.
     tie_rod: Vector3<T>,
 }
 
-/// Terms that the gradients of all outputs in a pose share.
+/// Terms shared by the gradients of all outputs in a pose.
 pub(crate) struct Adjoint<'a, T> {
     roles: &'a Roles,
     members: &'a Members<T>,
@@ -50,29 +50,29 @@ pub(crate) struct Adjoint<'a, T> {
     ball_joint_velocity: Vector3<T>,
     turn: Vector3<T>,
     d: Vector3<T>,
-    /// l, and below it l carried back to the design position
+    /// Vector l, and the same vector rotated back to the design position.
     tie_rod: Vector3<T>,
     tie_rod_in_knuckle: Vector3<T>,
-    /// t x l
+    /// Cross product t x l.
     tie_rod_moment: Vector3<T>,
     inverse_tie_rod_lever: T,
-    /// q x z
+    /// Cross product q x z.
     travel_moment: Vector3<T>,
     up_in_knuckle: Vector3<T>,
-    /// e/(d.e)
+    /// Vector e/(d.e).
     free: Vector3<T>,
     lower_arm: Joint<T>,
     upper: UpperJoint<T>,
 }
 
-/// The member that bears the force at the upper end.
+/// Member that carries the force at the upper end.
 enum UpperEnd<T> {
     Strut {
         top: PointId,
-        /// The two points that give the line its direction.
+        /// The two points that give the direction of the line.
         lower: PointId,
         upper: PointId,
-        /// `inverse_base`: one over their distance. `designed`: place of the mount along the line. Both in the design
+        /// `inverse_base`: inverse of their distance. `designed`: position of the mount along the line. Both in the design
         /// position.
         inverse_base: T,
         designed: T,
@@ -80,7 +80,7 @@ enum UpperEnd<T> {
     Arm(Legs<T>),
 }
 
-/// The legs of an arm, from its axis to its outer joint, in the design position.
+/// Legs of an arm, from its axis to its outer joint, in the design position.
 struct Legs<T> {
     arm: Arm,
     front: Vector3<T>,
@@ -89,21 +89,21 @@ struct Legs<T> {
     /// Centre of the joint's circle, and 1/rho^2.
     centre: Vector3<T>,
     inverse_square: T,
-    /// Unit vector along the axis, front to rear, over the length of the axis.
+    /// Unit vector along the axis, front to rear, divided by the length of the axis.
     axis: Vector3<T>,
-    /// s1 over the length of the axis.
+    /// Position s1, divided by the length of the axis.
     along: T,
 }
 
-/// The outer joint of an arm in a pose.
+/// Outer joint of an arm in a pose.
 struct Joint<T> {
     /// Displacement from the design position.
     moved: Vector3<T>,
-    /// rho/rho^2
+    /// Vector rho/rho^2.
     radius: Vector3<T>,
 }
 
-/// The upper end in a pose.
+/// Upper end in a pose.
 enum UpperJoint<T> {
     /// Distance that the knuckle has slid along the strut line, divided by the distance of the points that give the line's
     /// direction.
@@ -131,7 +131,7 @@ impl<T: Real> Legs<T> {
         }
     }
 
-    /// The outer joint at this position.
+    /// Outer joint at this position.
     #[inline(always)]
     fn at(&self, joint: Vector3<T>) -> Joint<T> {
         Joint {
@@ -140,10 +140,11 @@ impl<T: Real> Legs<T> {
         }
     }
 
-    /// Adds the part of the legs that carry `force` to a gradient. `rest` is the remaining part of the outer joint.
+    /// Adds the contribution of legs that carry `force` to a gradient. `rest` is the further contribution of the outer
+    /// joint.
     #[inline(always)]
     fn add(&self, at: &Joint<T>, force: Vector3<T>, rest: Vector3<T>, sink: &mut impl Sink<T>) {
-        // The forces in the two legs add up to `force`; each is taken over the length of its leg.
+        // The forces in the two legs add up to `force`. Each is divided by the length of its leg.
         let both = force.dot(at.radius);
         let rear = (both * self.along) - force.dot(self.axis);
         let front = both - rear;
@@ -186,8 +187,8 @@ impl<T: Real> Members<T> {
 }
 
 impl<'a, T: Real> Adjoint<'a, T> {
-    /// Prepares gradients in a state, which is the same pose as the configuration `at`. `ball_joint_velocity` and
-    /// `turn` are the velocity of the lower ball joint and the angular velocity of the knuckle by the travel.
+    /// Prepares gradients in a state, which is the same pose as the configuration `at`. `ball_joint_velocity` and `turn` are
+    /// the velocity of the lower ball joint and the angular velocity of the knuckle, both by the travel.
     #[inline(always)]
     pub(crate) fn of(
         roles: &'a Roles,

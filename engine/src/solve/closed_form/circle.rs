@@ -1,10 +1,10 @@
-//! The circle on which an arm's outer joint moves.
+//! Circle of an arm's outer joint.
 
 use crate::model::Arm;
 use crate::number::Real;
 use crate::number::Vector3;
 
-/// Centre, radius vector in the design position, and that turned forward by a right angle.
+/// Centre, radius vector in the design position, and the radius vector rotated forward by a right angle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Circle<T> {
     pub centre: Vector3<T>,
@@ -16,7 +16,7 @@ impl<T: Real> Circle<T> {
     #[inline(always)]
     pub(crate) fn of(arm: Arm, design: &[Vector3<T>]) -> Self {
         let [front, rear, outer] = [design[arm.front.0], design[arm.rear.0], design[arm.outer.0]];
-        // A positive turn about this axis raises the joint (as in `axis_ends` for one number).
+        // A positive rotation about this axis raises the joint (as in `axis_ends` for plain numbers).
         let lift = (front - rear).cross(outer - rear).z;
         let axis = (front - rear).normalised() * lift.sign();
         let centre = rear + axis * (outer - rear).dot(axis);
@@ -37,7 +37,7 @@ impl<T: Real> Circle<T> {
         }
     }
 
-    /// The joint at an angle.
+    /// Position of the joint at an angle.
     #[inline(always)]
     pub(crate) fn at(&self, cosine: T, sine: T) -> Vector3<T> {
         self.centre
@@ -47,7 +47,7 @@ impl<T: Real> Circle<T> {
 }
 
 impl Circle<f64> {
-    /// The angle of a point on the circle.
+    /// Angle of a point on the circle.
     pub(crate) fn angle(&self, point: Vector3<f64>) -> f64 {
         let from_centre = point - self.centre;
         let (cosine, sine) = (from_centre.dot(self.radius), from_centre.dot(self.turned));

@@ -7,16 +7,15 @@
 //! d, g, n = d x g                        to the upper end of the steering axis, to the tie rod's inner end
 //! ```
 //!
-//! *Upper end.* [`Upper`] gives d and the knuckle vector v that is carried onto it. The only remaining
-//! freedom is a turn about d, the steering axis.
+//! *Upper end.* [`Upper`] gives d and the knuckle vector v, whose image is d. The only remaining freedom is a rotation about
+//! d, the steering axis.
 //!
-//! *Tie rod.* Its outer end t obeys t.d = t0.v, t.t = t0.t0 and |t - g| = L, so that
-//! t = al d + be g + ga n with al, be from the 2x2 Gram system and
-//! ga^2 |n|^2 = t.t - al t.d - be t.g. The plane through steering axis and rack joint has two sides. The
-//! sign of ga tells the side of the rod's outer end. It changes only at ga = 0 (toggle).
+//! *Tie rod.* Its outer end t satisfies t.d = t0.v, t.t = t0.t0 and |t - g| = L. So t = al d + be g + ga n, with al, be from
+//! the 2x2 Gram system and ga^2 |n|^2 = t.t - al t.d - be t.g. The sign of ga tells on which side of the plane through
+//! steering axis and rack joint the rod's outer end lies. It changes only at ga = 0 (toggle).
 //!
-//! *Any knuckle vector* x0: with v carried onto d and t0 onto t,
-//! x = a d + b t + k (d x t), a, b from x0.v, x0.t0 and k from x0.(v x t0).
+//! *Any knuckle vector* x0: the rotation takes v to d and t0 to t, so its image is x = a d + b t + k (d x t), with a, b from
+//! x0.v, x0.t0 and k from x0.(v x t0).
 //!
 //! These numbers can vanish:
 //!
@@ -46,7 +45,7 @@ use crate::number::Jet;
 use crate::number::{Matrix3, Vector3};
 use crate::number::{Real, SimdReal};
 
-/// Products of a knuckle vector x0 that its image needs, for v = m + s u: with m, u, t0, m x t0 and u x t0.
+/// Products of a knuckle vector x0 that determine its image, for v = m + s u: products with m, u, t0, m x t0 and u x t0.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Carried<T> {
     by_m: T,
@@ -56,7 +55,7 @@ pub(crate) struct Carried<T> {
     by_ut: T,
 }
 
-/// Makes [`Carried`] vectors of one design.
+/// Makes the [`Carried`] vectors of one design.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Carrier<T> {
     m: Vector3<T>,
@@ -67,7 +66,7 @@ pub(crate) struct Carrier<T> {
 }
 
 impl<T: Real> Carrier<T> {
-    /// A vector of the knuckle in the design position.
+    /// Products of a knuckle vector, given in the design position.
     #[inline(always)]
     pub(crate) fn carried(&self, x: Vector3<T>) -> Carried<T> {
         Carried {
@@ -89,12 +88,12 @@ pub struct ClosedForm<T> {
     tie_squared: T,
     tie_by_m: T,
     tie_by_u: T,
-    /// (t0.t0 - L^2)/2
+    /// Number (t0.t0 - L^2)/2.
     tie_difference: T,
-    /// The sign of ga in the design, +1 or -1: which assembly it is.
+    /// Sign of ga in the design, +1 or -1. It identifies the assembly.
     side: T,
     wheel_centre: Carried<T>,
-    /// u
+    /// Vector u.
     line: Carried<T>,
     basis: [Carried<T>; 3],
     /// Design height of the wheel centre.
@@ -111,19 +110,19 @@ pub struct ArmState<T> {
     dd: T,
     gg: T,
     dg: T,
-    /// s of v = m + s u
+    /// Number s of v = m + s u.
     slide: T,
     tau: T,
     al: T,
     be: T,
     ga: T,
     tie_squared: T,
-    /// G
+    /// Number G.
     gram: T,
-    /// E
+    /// Number E.
     e: T,
     inverse_e: T,
-    /// ga^2 G
+    /// Product ga^2 G.
     toggle_square: T,
     upper_margin: T,
 }
@@ -142,20 +141,20 @@ impl ClosedForm<f64> {
         Ok(Some(form))
     }
 
-    /// Tangent of half the arm angle of a pose.
+    /// Tangent of half the arm's angle in a pose.
     pub(crate) fn half_tangent(&self, pose: &Pose<f64>) -> f64 {
         self.ball_joint.half_tangent(pose.origin)
     }
 }
 
 impl<T: Real> ClosedForm<T> {
-    /// The constants of a design.
+    /// Makes the constants of a design.
     #[inline(always)]
     pub fn new(roles: &Roles, design: &[Vector3<T>]) -> Self {
         ClosedForm::with_carrier(roles, design).0
     }
 
-    /// The constants of a design, and the carrier for further vectors of its knuckle.
+    /// Makes the constants of a design, and the carrier for further vectors of its knuckle.
     #[inline(always)]
     pub(crate) fn with_carrier(roles: &Roles, design: &[Vector3<T>]) -> (Self, Carrier<T>) {
         let ball_joint = design[roles.lower_arm.outer.0];
@@ -190,7 +189,7 @@ impl<T: Real> ClosedForm<T> {
         (form, carrier)
     }
 
-    /// The constants over another kind of number.
+    /// Converts the constants to another number type.
     #[inline]
     pub fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> ClosedForm<U> {
         let [x, y, z] = &self.basis;
@@ -210,8 +209,8 @@ impl<T: Real> ClosedForm<T> {
         }
     }
 
-    /// The mechanism at an arm angle given by cosine and sine, the rack displaced by `rack`. Where the
-    /// mechanism cannot be assembled the state holds NaN.
+    /// State at an arm angle given by cosine and sine, with the rack displaced by `rack`. If the mechanism cannot be
+    /// assembled there, the state contains NaN.
     #[inline(always)]
     pub(crate) fn at(&self, cosine: T, sine: T, rack: T) -> ArmState<T> {
         self.at_knowing(cosine, sine, rack, None)
@@ -260,7 +259,7 @@ impl<T: Real> ClosedForm<T> {
         }
     }
 
-    /// The same as [`ClosedForm::at`], for an angle given by the tangent of its half; needs no trigonometry.
+    /// The same as [`ClosedForm::at`], for an angle given by the tangent of its half. It needs no trigonometric functions.
     #[inline(always)]
     pub fn at_half_tangent(&self, tangent: T, rack: T) -> ArmState<T> {
         let inverse = tangent.one() / (tangent.one() + tangent.squared());
@@ -268,7 +267,7 @@ impl<T: Real> ClosedForm<T> {
         self.at(cosine, (tangent + tangent) * inverse, rack)
     }
 
-    /// A number in the shape of the constants.
+    /// Any number of the constants, as a model for further constants.
     #[inline(always)]
     pub(crate) fn like(&self) -> T {
         self.wheel_height
@@ -284,7 +283,7 @@ impl<T: Real> ClosedForm<T> {
         state.ball_joint.z - self.wheel_height + rise
     }
 
-    /// The pose of the knuckle, two of its axes carried and the third across them.
+    /// Pose of the knuckle. Two of its axes are images of knuckle vectors; the third is their cross product.
     #[inline(always)]
     pub(crate) fn pose_by_two(&self, state: &ArmState<T>) -> Pose<T> {
         let (x, y) = (state.carry(&self.basis[0]), state.carry(&self.basis[1]));
@@ -296,7 +295,7 @@ impl<T: Real> ClosedForm<T> {
         }
     }
 
-    /// The pose of the knuckle.
+    /// Pose of the knuckle.
     #[inline]
     pub fn pose(&self, state: &ArmState<T>) -> Pose<T> {
         Pose {
@@ -313,8 +312,8 @@ impl<T: Real> ClosedForm<T> {
 }
 
 impl<T: Real> ClosedForm<T> {
-    /// Another assembly of the same lengths. `upper_across` puts the upper end on the other side: a strut then hangs with its
-    /// mount below the foot, an upper arm takes the other sign of w. `tie_rod_across` puts the tie rod's end on the other side
+    /// Another assembly with the same lengths. `upper_across` puts the upper end on the other side. For a strut, the mount
+    /// is then below the foot; for an upper arm, w changes sign. `tie_rod_across` puts the tie rod's end on the other side
     /// of its plane.
     pub(crate) fn assembled(&self, upper_across: bool, tie_rod_across: bool) -> Self {
         let mut form = *self;
@@ -334,7 +333,7 @@ impl<T: Real> ClosedForm<T> {
         form
     }
 
-    /// The state with a better value of ga^2 G than it was formed with.
+    /// The state, improved with a more accurate value of ga^2 G.
     pub(crate) fn with_toggle_square(&self, state: ArmState<T>, square: T) -> ArmState<T> {
         ArmState {
             ga: self.side * (square / state.gram).sqrt(),
@@ -343,7 +342,7 @@ impl<T: Real> ClosedForm<T> {
         }
     }
 
-    /// Square under the root for the upper end, at the arm angle with this cosine and sine. It is negative where the mechanism
+    /// Square under the root for the upper end, at the arm angle with this cosine and sine. It is negative if the mechanism
     /// cannot be assembled.
     pub(crate) fn upper_square(&self, cosine: T, sine: T) -> T {
         self.upper.square(self.ball_joint.at(cosine, sine))
@@ -351,7 +350,7 @@ impl<T: Real> ClosedForm<T> {
 }
 
 impl ArmState<f64> {
-    /// Moves the tie rod's end into its plane if it has no real place. For a state that is at a toggle up to rounding.
+    /// Moves the tie rod's end into its plane if it has no real position. For states that are at a toggle within rounding.
     pub(crate) fn at_toggle_if_beyond(&mut self) {
         if self.ga.is_nan() {
             self.ga = 0.0;
@@ -359,13 +358,13 @@ impl ArmState<f64> {
     }
 }
 
-/// The least squared sine of an angle that the closed form divides by.
+/// Smallest squared sine of an angle by which the closed form may divide.
 const LEAST: f64 = 0.0625;
-/// The least margin of the upper end, a sine as well.
+/// Smallest margin of the upper end, also a sine.
 const LEAST_UPPER: f64 = 0.25;
 
 impl<B: SimdReal> ArmState<B> {
-    /// Lanes in which the closed form is well conditioned, because no divisor is small. False for NaN.
+    /// Lanes in which the closed form is well conditioned, because no divisor is small. NaN counts as ill conditioned.
     #[inline(always)]
     pub(crate) fn is_well_conditioned(&self) -> B::Mask {
         let least = self.ga.constant(LEAST);
@@ -406,9 +405,9 @@ impl<const N: usize> ArmState<Jet<f64, N>> {
 }
 
 impl<T: Real> ArmState<T> {
-    /// Squares that the closed form divides by or takes the root of. Each comes with the factor that makes it the squared sine
-    /// of an angle: steering arm to the plane through steering axis and rack joint, rack joint to steering axis, steering arm
-    /// to steering axis.
+    /// Squares by which the closed form divides, or whose root it takes. Each comes with the factor that makes it the
+    /// squared sine of an angle. The angles are those of the steering arm to the plane through steering axis and rack joint,
+    /// the rack joint to the steering axis, and the steering arm to the steering axis.
     #[inline(always)]
     pub(crate) fn squares(&self) -> [(T, T); 3] {
         [
@@ -418,19 +417,19 @@ impl<T: Real> ArmState<T> {
         ]
     }
 
-    /// ga^2 G
+    /// Product ga^2 G.
     pub(crate) fn toggle_square(&self) -> T {
         self.toggle_square
     }
 
-    /// Margin of the upper end before it can no longer be reached: the length of a strut from the foot of the ball joint's
+    /// Margin of the upper end, which is zero at its limit. It is the length of a strut from the foot of the ball joint's
     /// perpendicular to the mount, or a lever of the upper arm.
     #[inline(always)]
     pub(crate) fn upper_margin(&self) -> T {
         self.upper_margin
     }
 
-    /// The lower end of the steering axis.
+    /// Lower end of the steering axis.
     #[inline(always)]
     pub(crate) fn ball_joint(&self) -> Vector3<T> {
         self.ball_joint
@@ -450,7 +449,7 @@ impl<T: Real> ArmState<T> {
             .plus_scaled(self.n, self.ga)
     }
 
-    /// The image of a knuckle vector.
+    /// Image of a knuckle vector.
     #[inline(always)]
     pub(crate) fn carry(&self, x: &Carried<T>) -> Vector3<T> {
         let (by_d, by_g, by_n) = self.image(x);
@@ -459,7 +458,7 @@ impl<T: Real> ArmState<T> {
             .plus_scaled(self.n, by_n)
     }
 
-    /// The image of a knuckle vector, in d, g and n.
+    /// Image of a knuckle vector, as components along d, g and n.
     #[inline(always)]
     fn image(&self, x: &Carried<T>) -> (T, T, T) {
         let by_v = x.by_m.plus_product(self.slide, x.by_u);
@@ -497,7 +496,8 @@ mod tests {
     use crate::study::Study;
     use std::path::Path;
 
-    /// At each arm angle the assemblies have the lengths of the design, and differ. The first one is the design's.
+    /// At each arm angle all assemblies have the lengths of the design, and they differ from each other. The first one is
+    /// the design's.
     #[test]
     fn assemblies_keep_every_length() {
         let mut seen = 0;
@@ -518,7 +518,7 @@ mod tests {
                         form.pose(&form.at(cosine, sine, 0.0))
                     },
                 );
-                // Some of the others cannot be assembled.
+                // Some of the other assemblies do not exist.
                 let is_real = |pose: &&Pose<f64>| !pose.rotation.columns[0].x.is_nan();
                 assert!(is_real(&&poses[0]));
                 let poses: Vec<_> = poses.iter().filter(is_real).collect();
@@ -543,7 +543,7 @@ mod tests {
         assert!(seen >= 2);
     }
 
-    /// A state beyond a toggle by rounding has its tie rod's end in the plane. Any other state stays.
+    /// In a state beyond a toggle by rounding, the tie rod's end moves into the plane. Any other state does not change.
     #[test]
     fn a_state_beyond_a_toggle_is_put_at_it() {
         let study = Topology::ALL.iter().find_map(|topology| {

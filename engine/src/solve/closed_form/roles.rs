@@ -1,4 +1,4 @@
-//! Roles of the hardpoints in the closed form, and the degenerate designs.
+//! Roles of the hardpoints in the closed form, and checks for degenerate designs.
 
 use super::ClosedForm;
 use super::upper::Upper;
@@ -8,7 +8,7 @@ use crate::model;
 use crate::model::{Arm, Constraint, Mechanism, PointId};
 use crate::number::Vector3;
 
-/// The hardpoints the closed form speaks of.
+/// Hardpoints of the closed form.
 #[derive(Clone, Copy, Debug)]
 pub struct Roles {
     pub(crate) lower_arm: Arm,
@@ -18,7 +18,7 @@ pub struct Roles {
     pub(crate) wheel_centre: PointId,
 }
 
-/// The member that holds the upper end of the steering axis.
+/// Member that holds the upper end of the steering axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum UpperRoles {
     Strut {
@@ -30,7 +30,7 @@ pub(crate) enum UpperRoles {
 }
 
 impl Roles {
-    /// Reads the parts off the constraints; `None` for a mechanism without a closed form.
+    /// Reads the roles from the constraints. `None` for a mechanism without a closed form.
     pub fn of(mechanism: &Mechanism) -> Option<Self> {
         let upper = match mechanism.closed_form? {
             model::ClosedForm::Strut => mechanism.constraints.iter().find_map(|c| match *c {
@@ -57,12 +57,12 @@ impl Roles {
         })
     }
 
-    /// The lower end of the steering axis.
+    /// Lower end of the steering axis.
     pub(crate) fn ball_joint(&self) -> PointId {
         self.lower_arm.outer
     }
 
-    /// The upper end of the steering axis.
+    /// Upper end of the steering axis.
     pub(crate) fn upper_end(&self) -> PointId {
         match self.upper {
             UpperRoles::Strut { top, .. } => top,
@@ -70,12 +70,12 @@ impl Roles {
         }
     }
 
-    /// The tie rod's inner and outer end.
+    /// Inner and outer end of the tie rod.
     pub(crate) fn tie_rod(&self) -> [PointId; 2] {
         [self.tie_rod_inner, self.tie_rod_outer]
     }
 
-    /// The line of a strut in the design position, in the direction its points give it.
+    /// Direction of a strut's line in the design position.
     pub(crate) fn strut_line(&self, design: &[Vector3<f64>]) -> Option<Vector3<f64>> {
         match self.upper {
             UpperRoles::Strut { top, lower, upper } => {
@@ -92,7 +92,7 @@ impl Roles {
 }
 
 impl ClosedForm<f64> {
-    /// Reports a degenerate design by its cause.
+    /// Refuses a degenerate design, with the cause.
     pub(crate) fn check(&self, roles: &Roles, design: &[Vector3<f64>]) -> Result<(), DesignFault> {
         let ball_joint = design[roles.lower_arm.outer.0];
         let to_upper = design[roles.upper_end().0] - ball_joint;
@@ -101,7 +101,7 @@ impl ClosedForm<f64> {
         let (dd, gg) = (to_upper.norm_squared(), to_rack.norm_squared());
         let normal = to_upper.cross(to_rack);
         let small = DEGENERATE * DEGENERATE;
-        // False for NaN.
+        // NaN does not exceed the bound.
         let exceeds = |value: f64, bound: f64| value > bound;
         match &self.upper {
             Upper::Strut { foot_squared, .. } => {
@@ -129,7 +129,7 @@ impl ClosedForm<f64> {
                 end: roles.tie_rod_outer,
             });
         }
-        // In the design position the tie rod's end is known directly: no root need be taken.
+        // In the design position the height of the tie rod's end is known without a square root.
         let height = tie.dot(normal).abs();
         let longest = (self.tie_squared * normal.norm_squared()).sqrt();
         if !exceeds(height, DEGENERATE * longest) {

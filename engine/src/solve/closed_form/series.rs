@@ -18,8 +18,8 @@ use crate::number::Jet;
 use crate::number::Real;
 
 impl ClosedForm<f64> {
-    /// The pose as a series along a motion with the rack held, from the tangent of half the arm's angle, and its first state.
-    /// `None` if the series does not exist.
+    /// Pose as a series along a motion with the rack fixed, from the tangent of half the arm's angle. Also returns its first
+    /// state. `None` if the series does not exist.
     pub(crate) fn pose_series<const N: usize>(
         &self,
         tangent: f64,
@@ -57,7 +57,7 @@ impl ClosedForm<f64> {
     }
 }
 
-/// Composes two series; the constant of the inner one is zero.
+/// Composes two series. The constant of the inner one must be zero.
 #[inline]
 fn composed<const N: usize>(outer: Jet<f64, N>, inner: Jet<f64, N>) -> Jet<f64, N> {
     let mut sum = Jet::constant(outer[N - 1]);

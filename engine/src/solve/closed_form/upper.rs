@@ -1,12 +1,11 @@
-//! The upper end of the steering axis: a strut's mount or an upper arm's ball joint.
+//! Upper end of the steering axis: a strut's mount or an upper arm's ball joint.
 //!
-//! Given the lower ball joint r, it yields d from there to the upper end, and the knuckle vector
-//! v = m + s u that is carried onto d.
+//! From the lower ball joint r it gives the vector d to the upper end, and the knuckle vector v = m + s u, whose image is d.
 //!
-//! *Strut.* u is the direction of the strut line in the knuckle and m leads from the ball joint to the
-//! foot of its perpendicular on the line. The mount p is fixed: d = p - r, and |m + s u| = |d| gives the
-//! strut length s = sqrt(d.d - m.m). Nothing divides by |m|: a ball joint on the strut axis is an
-//! ordinary case. s = 0 is the mount at the foot.
+//! *Strut.* u is the direction of the strut line in the knuckle. m is the vector from the ball joint to the foot of its
+//! perpendicular on the line. The mount p is fixed: d = p - r, and |m + s u| = |d| gives the strut length s = sqrt(d.d -
+//! m.m). No formula divides by |m|, so a ball joint on the strut axis is an ordinary case. At s = 0 the mount is at the
+//! foot.
 //!
 //! *Upper arm.* v = m is the design value of d. The upper joint moves on a circle, c + a cos + b sin with
 //! |a| = |b|, and keeps its distance from r. With q = c - r:
@@ -16,42 +15,41 @@
 //! cos = (A C - B w)/H, sin = (B C + A w)/H,   H = A^2 + B^2, w^2 = H - C^2
 //! ```
 //!
-//! w, which is B cos - A sin up to its sign, is the lever by which the upper arm holds the knuckle;
-//! w = 0 is arm and steering axis in line, seen along the axis of the arm. The design, with cos = 1 and
-//! sin = 0, has w = -B.
+//! w is B cos - A sin up to its sign. It is the lever by which the upper arm holds the knuckle. At w = 0, arm and steering
+//! axis are in line, seen along the axis of the arm. The design, with cos = 1 and sin = 0, has w = -B.
 
 use super::circle::Circle;
 use super::roles::{Roles, UpperRoles};
 use crate::number::Real;
 use crate::number::Vector3;
 
-/// The constants of the upper end.
+/// Constants of the upper end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Upper<T> {
     Strut {
         top: Vector3<T>,
-        /// m
+        /// Vector m.
         foot: Vector3<T>,
-        /// u
+        /// Vector u.
         line: Vector3<T>,
-        /// m.m
+        /// Product m.m.
         foot_squared: T,
-        /// 1/|d0|
+        /// Inverse length 1/|d0|.
         scale: T,
     },
     Arm {
         circle: Circle<T>,
-        /// (m.m - a.a)/2
+        /// Number (m.m - a.a)/2.
         half_difference: T,
-        /// The sign of w.
+        /// Sign of w.
         side: T,
-        /// 1/(|m| |a|)
+        /// Scale 1/(|m| |a|).
         scale: T,
     },
 }
 
 impl<T: Real> Upper<T> {
-    /// The constants of a design, and d in the design position.
+    /// Constants of a design, and d in the design position.
     #[inline(always)]
     pub(crate) fn new(roles: &Roles, design: &[Vector3<T>]) -> (Self, Vector3<T>) {
         let ball_joint = design[roles.lower_arm.outer.0];
@@ -88,7 +86,7 @@ impl<T: Real> Upper<T> {
         }
     }
 
-    /// m and u of v = m + s u.
+    /// Vectors m and u of v = m + s u.
     #[inline(always)]
     pub(crate) fn knuckle_vector(&self, designed: Vector3<T>) -> (Vector3<T>, Vector3<T>) {
         match *self {
@@ -97,8 +95,8 @@ impl<T: Real> Upper<T> {
         }
     }
 
-    /// Returns d, s and a margin. The margin vanishes where d ceases to exist; beyond, all are NaN. `square` is a
-    /// better value of [`Upper::square`] than the one that follows from the joint, if there is one.
+    /// Returns d, s and a margin. At margin zero d is at its limit; beyond it, all values are NaN. `square` is, if given, a
+    /// more accurate value of [`Upper::square`] than the one computed from the joint.
     #[inline(always)]
     pub(crate) fn at(&self, ball_joint: Vector3<T>, square: Option<T>) -> (Vector3<T>, T, T) {
         let known = |own: T| square.map_or(own, |square| own.intersected_with(square));
@@ -135,7 +133,7 @@ impl<T: Real> Upper<T> {
         }
     }
 
-    /// d.d, which an arm's joint keeps. (m.m - a.a)/2 and a.a contain it, too.
+    /// Product d.d. An arm's joint keeps it constant, and (m.m - a.a)/2 and a.a contain it.
     #[inline(always)]
     pub(crate) fn length_squared(&self, d: Vector3<T>) -> T {
         match self {
@@ -150,8 +148,8 @@ impl<T: Real> Upper<T> {
         }
     }
 
-    /// The lever by which the upper end holds the knuckle against turning about the lower one: s of a
-    /// strut, |d| w/(|m| |a|) of an arm.
+    /// Lever by which the upper end prevents the knuckle from rotating about the lower end: s for a strut, |d| w/(|m| |a|)
+    /// for an arm.
     #[inline]
     pub(crate) fn lever(&self, state: &crate::solve::closed_form::ArmState<T>) -> T {
         match self {

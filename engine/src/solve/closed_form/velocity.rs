@@ -1,27 +1,27 @@
 //! Velocities in a pose of the closed form.
 //!
-//! All velocities share one factor, which depends on the variable of the derivatives. The division by it comes
-//! last. As the arm turns, the ball joint moves along its circle with r' and the upper end moves with d' + r'.
-//! The knuckle vector v = m + s u is carried onto d, so
+//! All velocities share one factor, which depends on the variable of the derivatives. The division by it comes last. As the
+//! arm rotates, the ball joint moves along its circle with r' and the upper end moves with d' + r'. The image of the knuckle
+//! vector v = m + s u is d, so
 //!
 //! ```text
 //! d' = w x d + s' u        w = (d x (d' - s' u))/|d|^2 + k d
 //! ```
 //!
-//! up to a turn k about the steering axis, which the tie rod fixes: with t its outer end and l = t - g,
+//! where k is a rotation about the steering axis. The tie rod determines it. With t its outer end and l = t - g,
 //!
 //! ```text
 //! l.(w x t) + l.r' = 0     k = -(l.r' + l.((w - k d) x t))/(l.(d x t)),   l.(d x t) = ga |n|^2
 //! ```
 //!
-//! The part of d' that turns d is normal to d. It is -r' plus the free motion of the upper end, along a vector f:
+//! The part of d' that rotates d is normal to d. It is -r' plus the free motion of the upper end, along a vector f:
 //!
 //! ```text
 //! d' - s' u = f (d.r')/(d.f) - r'
 //! ```
 //!
-//! *Strut.* The mount is fixed, d' = -r', and the knuckle slides along its line: f = u, d.u = s.
-//! *Upper arm.* s' = 0, and the joint moves along its own circle: f is the tangent there.
+//! *Strut.* The mount is fixed, d' = -r', and the knuckle slides along its line: f = u, d.u = s. *Upper arm.* s' = 0, and
+//! the joint moves along its own circle: f is the tangent there.
 
 use super::circle::Circle;
 use super::upper::Upper;
@@ -29,7 +29,7 @@ use super::{ArmState, Carried, ClosedForm};
 use crate::number::Real;
 use crate::number::Vector3;
 
-/// Rates of a pose, all up to one common factor.
+/// Rates of a pose, all multiplied by the same unknown factor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Velocity<T> {
     /// Velocity of the lower ball joint.
@@ -59,7 +59,7 @@ impl<T: Real> Velocity<T> {
 }
 
 impl<T: Real> ClosedForm<T> {
-    /// The rates of a state in which the tangent of half the arm's angle is `tangent`.
+    /// Rates of a state. `tangent` is the tangent of half the arm's angle in it.
     #[inline(always)]
     pub(crate) fn velocity(&self, state: &ArmState<T>, tangent: T) -> Velocity<T> {
         let (d, g) = (state.d, state.g);
@@ -67,7 +67,7 @@ impl<T: Real> ClosedForm<T> {
         let tie_rod_lever = state.ga * state.gram;
         let joint = self.ball_joint.velocity(tangent);
 
-        // Times the lever, times d.d as well, and in the end times that of the tie rod.
+        // These vectors are multiplied by the lever, then also by d.d, and finally by the lever of the tie rod.
         let across = free * d.dot(joint) - joint * lever;
         let twofold = state.dd * lever;
         let joint_twofold = joint * twofold;
@@ -93,8 +93,8 @@ impl<T: Real> ClosedForm<T> {
         }
     }
 
-    /// Angular velocity of the knuckle by the displacement of the rack, with the arm at rest, and vertical velocity of
-    /// the wheel centre. The knuckle turns by k about d, with l.(k d x t) = l.y.
+    /// Angular velocity of the knuckle and vertical velocity of the wheel centre by the displacement of the rack, with the
+    /// arm fixed. The knuckle rotates by k about d, with l.(k d x t) = l.y.
     #[inline(always)]
     pub(crate) fn steered(&self, state: &ArmState<T>) -> (Vector3<T>, T) {
         let rod = state.tie_rod_outer() - state.g;
@@ -114,7 +114,7 @@ impl<T: Real> Circle<T> {
 }
 
 impl<T: Real> Upper<T> {
-    /// f and d.f
+    /// Vector f and the product d.f.
     #[inline(always)]
     pub(crate) fn free(&self, state: &ArmState<T>, line: &Carried<T>) -> (Vector3<T>, T) {
         match self {

@@ -1,4 +1,4 @@
-//! Following the closure equations with steps small enough that Newton's method cannot leave the branch.
+//! Follows the closure equations with steps small enough that Newton's method cannot leave the branch.
 
 use super::{Solver, Station};
 use crate::derive::MotionPoint;
@@ -12,15 +12,15 @@ use crate::mechanism::{GOOD_PREDICTION, ROUNDING};
 use crate::number::Jet;
 use crate::solve::continuation::{Moving, PathEnd};
 
-/// The longest turn of an arm, and the longest move relative to the size, in one step (rad).
+/// Largest rotation of an arm (rad), and largest move relative to the size, in one step.
 pub(crate) const LONGEST_TURN: f64 = 0.2;
-/// The shortest step in the drive, as a part of the whole way to the next station. Where it would be
-/// shorter the path turns sharply, and is followed by its arc length.
+/// Shortest step in the drive, as a share of the distance to the next station. If a step would be shorter, the path turns
+/// sharply, and is followed by its arc length.
 const SHORTEST_STEP: f64 = 1.0 / 16.0;
 impl Solver<'_> {
-    /// Follows the closure equations from one place to a motion point: in steps of the drive, accepted
-    /// only where a second-order prediction was good and the determinant has not changed much; where
-    /// that takes many, by the arc length of the path, which passes folds and finds them.
+    /// Follows the closure equations from one place to a motion point. It takes steps of the drive, and accepts one only if
+    /// the second-order prediction was good and the determinant has not changed much. If that needs many steps, it follows
+    /// the arc length of the path, which passes folds and finds them.
     pub(crate) fn follow(
         &mut self,
         from: &Station,
@@ -73,7 +73,7 @@ impl Solver<'_> {
         Ok(pose)
     }
 
-    /// Follows the path by its arc length; drive or rack move, not both.
+    /// Follows the path by its arc length. Either the drive or the rack moves.
     pub(crate) fn follow_arc(
         &mut self,
         pose: &Pose<f64>,
@@ -105,13 +105,13 @@ impl Solver<'_> {
     pub(crate) fn closes(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> bool {
         let at = self.configuration(pose, point.rack);
         let residuals = self.closure.residuals(&at, point.driver());
-        // Each is formed of a dozen products and sums of lengths within the reach.
+        // Each residual consists of a dozen products and sums of lengths up to this scale.
         residuals
             .iter()
             .all(|r| r.abs() <= 16.0 * ROUNDING * self.coordinate_scale)
     }
 
-    /// Newton's method from a pose that is close already; `None` where it does not settle.
+    /// Applies Newton's method to a pose that is already close. `None` if it does not settle.
     pub(crate) fn polished(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Option<Pose<f64>> {
         let (mut pose, mut last) = (*pose, f64::INFINITY);
         for _ in 0..60 {
@@ -119,7 +119,7 @@ impl Solver<'_> {
             self.work.note(Work::note_newton);
             let (next, correction, _) = self.closure.newton_step(&at, point.driver(), self.size)?;
             if correction >= last || correction.is_nan() {
-                // Corrections that no longer shrink are rounding, amplified by the condition.
+                // Corrections that no longer shrink are rounding, amplified by the condition number.
                 return (last <= 1e-6 * self.size).then_some(pose);
             }
             pose = next;
@@ -129,8 +129,8 @@ impl Solver<'_> {
         None
     }
 
-    /// Newton's method from a predicted pose; `None` if the prediction was poor, the determinant
-    /// changed much (or changed sign) or the iteration did not settle.
+    /// Applies Newton's method to a predicted pose. `None` if the prediction was poor, the determinant changed much (or
+    /// changed sign), or the iteration did not settle.
     pub(crate) fn correct(
         &self,
         before: &Pose<f64>,
@@ -153,7 +153,7 @@ impl Solver<'_> {
             if iteration == 0 && correction > GOOD_PREDICTION * moved + rounding {
                 return None;
             }
-            // Rounding level: the corrections no longer shrink.
+            // The corrections no longer shrink, so they are rounding.
             if correction <= rounding
                 || (correction >= 0.5 * last && last <= (1e-9 * self.size).max(100.0 * rounding))
             {
@@ -175,11 +175,11 @@ impl Solver<'_> {
     }
 }
 
-/// The pose at `step` of its series.
+/// Pose at `step` of its series.
 pub(crate) fn predict(series: &Pose<Jet<f64, 3>>, step: f64) -> Pose<f64> {
     let along = |c: Jet<f64, 3>| c[0] + step * (c[1] + step * c[2]);
     let pose = series.map(along);
-    // The truncated series is a rotation to second order only.
+    // The truncated series is a rotation only to second order.
     let rotation = pose.rotation.orthonormalised().orthonormalised();
     Pose {
         origin: pose.origin,
@@ -187,7 +187,7 @@ pub(crate) fn predict(series: &Pose<Jet<f64, 3>>, step: f64) -> Pose<f64> {
     }
 }
 
-/// Distance of two poses; a rotation counts at the distance `size`.
+/// Distance of two poses. A rotation counts as its angle times `size`.
 pub(crate) fn distance(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
     let turned = a
         .rotation

@@ -1,9 +1,9 @@
 //! Poses that are connected to the design position.
 //!
-//! A mechanism has many assemblies. The wanted one is reached from the design position by moving the mechanism. So every
-//! pose is found by following a path: the rack first, at zero travel, then the drive, station by station outward. The
-//! tracker goes as far as its guards allow. From the last station that it accepts, the closure equations are followed
-//! with steps small enough that Newton's method cannot leave the branch.
+//! A mechanism has many assemblies. The required one is reached from the design position by moving the mechanism. So every
+//! pose is found by following a path: first the rack moves at zero travel, then the drive moves outward, station by station.
+//! The tracker goes as far as its guards allow. From the last station that it accepts, the solver follows the closure
+//! equations with steps small enough that Newton's method cannot leave the branch.
 
 mod follow;
 mod series;
@@ -27,10 +27,10 @@ use crate::number::{Matrix3, Vector3};
 use crate::threads::checkpoint;
 use std::ops::ControlFlow;
 
-/// Sizes whose eighth powers, and their inverses, are ordinary doubles.
+/// Range of sizes whose eighth powers, and their inverses, are ordinary doubles.
 const SIZES: std::ops::Range<f64> = 1e-30..1e30;
 
-/// Finds the poses of one design after another.
+/// Finds the poses of a design. Its `prepare` takes the next design.
 #[derive(Clone, Debug)]
 pub struct Solver<'m> {
     mechanism: &'m Mechanism,
@@ -38,27 +38,27 @@ pub struct Solver<'m> {
     pub(crate) closure: Closure<f64>,
     form: Option<ClosedForm<f64>>,
     tracker: Option<PoseTracker<'m>>,
-    /// Poses that the tracker found at the last visit.
+    /// Poses of the tracker from the last visit.
     tracked: TrackedPoses,
-    /// Series of the design, for predictions of the continuation; made when first needed.
+    /// Series of the design, for predictions of the continuation. Made when first needed.
     design_series: Option<DesignSeries<3>>,
     series_is_current: bool,
     size: f64,
-    /// The largest coordinate, but at least the size: rounding of positions is relative to it.
+    /// Largest coordinate, or the size if that is larger. Rounding of positions is relative to it.
     coordinate_scale: f64,
     pub(crate) work: WorkCounter,
 }
 
-/// Callback with the number of a station and its pose, or the reason why it has none. It may end the visit.
+/// Callback with the index of a station and its pose, or the reason why it has none. It may end the visit.
 type Visitor<'v, 'm> =
     dyn FnMut(&Solver<'m>, usize, Result<&Pose<f64>, Failure>) -> ControlFlow<()> + 'v;
 
-/// A place on the path: a pose with the motion point it was found at.
+/// A point on the path: a pose with its motion point.
 pub(crate) type Station = (Pose<f64>, MotionPoint<f64>);
 
 impl<'m> Solver<'m> {
-    /// A solver for this mechanism, at first for this design. Designs far from it are solved as well, but more slowly.
-    /// Errors if the design cannot be solved.
+    /// Makes a solver for this mechanism, at first with this design. Designs far from it are also solved, but more slowly.
+    /// An error says why the design cannot be solved.
     pub fn new(mechanism: &'m Mechanism, design: &[Vector3<f64>]) -> Result<Self, DesignFault> {
         let mut solver = Solver {
             mechanism,
@@ -77,7 +77,7 @@ impl<'m> Solver<'m> {
         Ok(solver)
     }
 
-    /// Takes another design of the same mechanism. Errors if it cannot be solved.
+    /// Takes another design of the same mechanism. An error says why it cannot be solved.
     pub fn prepare(&mut self, design: &[Vector3<f64>]) -> Result<(), DesignFault> {
         self.design.copy_from_slice(design);
         for (i, p) in design.iter().enumerate() {
@@ -88,8 +88,8 @@ impl<'m> Solver<'m> {
         self.size = self.mechanism.size(design);
         self.coordinate_scale = self.mechanism.coordinate_scale(design);
         self.series_is_current = false;
-        // Products of up to eight lengths must neither overflow nor underflow, and coordinates must
-        // leave six digits of the size. Written so that NaN, from an overflow, is refused.
+        // Products of up to eight lengths must neither overflow nor underflow, and coordinates must leave six digits of the
+        // size. With this form of the test, NaN from an overflow is refused.
         if !(self.coordinate_scale * DEGENERATE < self.size && SIZES.contains(&self.size)) {
             return Err(DesignFault::OutOfScale);
         }
@@ -107,8 +107,8 @@ impl<'m> Solver<'m> {
         Ok(())
     }
 
-    /// Refuses rods and axes without a length, or so short that rounding of the coordinates leaves fewer
-    /// than six digits of their direction.
+    /// Refuses rods and axes without length. Also refuses those so short that the rounding of coordinates leaves fewer than
+    /// six digits of their direction.
     fn check_distinct(&self) -> Result<(), DesignFault> {
         let shortest = (DEGENERATE * self.size).max(1e6 * f64::EPSILON * self.coordinate_scale);
         let distinct = |first: PointId, second: PointId| {
@@ -128,7 +128,7 @@ impl<'m> Solver<'m> {
         self.mechanism
     }
 
-    /// A solver that leaves every pose to the continuation, which finds the same poses more slowly: for comparison.
+    /// Returns a solver that finds every pose by continuation. It finds the same poses more slowly, for comparison.
     pub fn by_continuation(mut self) -> Self {
         self.tracker = None;
         self
@@ -139,7 +139,7 @@ impl<'m> Solver<'m> {
         self.work.work()
     }
 
-    /// The design being solved.
+    /// Present design.
     pub fn design(&self) -> &[Vector3<f64>] {
         &self.design
     }
@@ -152,13 +152,13 @@ impl<'m> Solver<'m> {
         }
     }
 
-    /// The size of the mechanism: the largest distance of a point from the knuckle's origin.
+    /// Size of the mechanism: the largest distance of a point from the knuckle's origin.
     pub fn size(&self) -> f64 {
         self.size
     }
 
-    /// Visits every station of the order with the rack at `rack` (towards the kernel's +y), outward from the design position.
-    /// `visit` receives the station's number and its pose, or the reason why it has none. It may end the visit.
+    /// Visits every station of the order with the rack at `rack` (towards the kernel's +y), outward from the design
+    /// position. `visit` receives the station's index and its pose, or the reason why it has none. It may end the visit.
     pub fn for_each_pose(
         &mut self,
         drive: Drive,
@@ -195,7 +195,7 @@ impl<'m> Solver<'m> {
                     rack,
                 };
                 let here = match tracked.poses[station] {
-                    // The design pose is known exactly. The tracker's differs by rounding, which matters next to a
+                    // The design pose is known exactly. The tracker's pose differs by rounding, which matters near a
                     // rocker's toggle.
                     _ if point == design.1 => Ok(design),
                     Ok(pose) => Ok((pose, point)),
@@ -217,7 +217,7 @@ impl<'m> Solver<'m> {
         Ok(())
     }
 
-    /// Reason why the tracker left a station of the last visit to the continuation; `None` if it did not.
+    /// Reason why the tracker rejected a station of the last visit. `None` if it accepted the station.
     pub fn rejection(&self, station: usize) -> Option<Rejection> {
         self.tracked.poses.get(station)?.err()
     }
@@ -265,7 +265,7 @@ impl<'m> Solver<'m> {
         (pose, point)
     }
 
-    /// The curve on which `moving` moves and everything else is held as at `held`.
+    /// Curve on which `moving` moves, and everything else is fixed at `held`.
     pub(crate) fn curve(&mut self, moving: Moving, held: MotionPoint<f64>) -> Curve<'_> {
         self.prepare_series();
         Curve {
@@ -281,7 +281,7 @@ impl<'m> Solver<'m> {
         }
     }
 
-    /// Makes the series of the current design, unless they are up to date.
+    /// Makes the series of the present design, unless they are up to date.
     fn prepare_series(&mut self) {
         if !self.series_is_current {
             match &mut self.design_series {
@@ -300,7 +300,7 @@ impl<'m> Solver<'m> {
         self.start(drive).map(drop)
     }
 
-    /// The design position, if the drive can move the mechanism from there.
+    /// Design position, if the drive can move the mechanism from there.
     fn start(&self, drive: Drive) -> Result<Station, DesignFault> {
         let (pose, point) = self.design_place(drive);
         let lu = self
@@ -323,7 +323,7 @@ impl<'m> Solver<'m> {
         self.factorised(pose, point).map(|(_, lu)| lu)
     }
 
-    /// The Jacobian and its factors.
+    /// Jacobian and its factors.
     pub(crate) fn factorised(
         &self,
         pose: &Pose<f64>,
@@ -335,7 +335,7 @@ impl<'m> Solver<'m> {
         Some((jacobian, Lu6::new(jacobian, self.size)?))
     }
 
-    /// Follows the path from a place to the motion point `to`.
+    /// Follows the path to the motion point `to`.
     fn advance(&mut self, from: &Station, to: MotionPoint<f64>) -> Result<Station, Failure> {
         if to == from.1 {
             return Ok(*from);

@@ -1,4 +1,4 @@
-//! Quantities that follow from a pose: its derivatives and its condition.
+//! Derivatives and condition number of a pose.
 //!
 //! They depend only on the pose and the motion, not on the solver or on earlier stations.
 
@@ -14,12 +14,12 @@ use crate::solve::tracker::{FARTHEST, STEEPEST};
 
 /// Distance from the origin, in sizes, up to which the closed form keeps its accuracy.
 const FAR: f64 = 1e3;
-/// Poses this close together, in sizes, are one; assemblies that are closer are near a toggle, where the
-/// closed form is not used.
+/// Distance, in sizes, below which poses count as equal. Assemblies closer than this are near a toggle, where the closed
+/// form is not used.
 const SAME: f64 = 1e-9;
 
 impl Solver<'_> {
-    /// The configuration in a pose found by this solver, as a power series along the motion.
+    /// Configuration in a pose found by this solver, as a power series along the motion.
     pub fn configuration_series<'a, const N: usize>(
         &'a self,
         design_series: &'a DesignSeries<N>,
@@ -36,8 +36,8 @@ impl Solver<'_> {
         Ok(configuration)
     }
 
-    /// The configuration in a pose as a power series along the motion, with the factors of its Jacobian if the series
-    /// needs them or `linearise` is true.
+    /// Configuration in a pose as a power series along the motion. Includes the factors of its Jacobian if the series needs
+    /// them or `linearise` is true.
     pub(crate) fn factorised_series<'a, const N: usize>(
         &'a self,
         design_series: &'a DesignSeries<N>,
@@ -56,8 +56,8 @@ impl Solver<'_> {
         Ok((configuration, factors))
     }
 
-    /// The series of a pose by the closed form, with an estimate of its condition number. `None` if there is no closed
-    /// form, if it does not give this pose, or if the pose is one that the tracker would reject.
+    /// Series of a pose by the closed form, with an estimate of its condition number. `None` if there is no closed form, if
+    /// it does not give this pose, or if the tracker would reject the pose.
     pub(crate) fn closed_form_series<const N: usize>(
         &self,
         pose: &Pose<f64>,
@@ -68,7 +68,7 @@ impl Solver<'_> {
             return None;
         }
         let tangent = form.half_tangent(pose);
-        // False for NaN.
+        // This test is false for NaN.
         let is_near = tangent.abs() < FARTHEST;
         let (series, state) = is_near.then(|| form.pose_series(tangent, motion))??;
         self.work.note(|w| {
@@ -92,14 +92,14 @@ impl Solver<'_> {
             Drive::Travel => {
                 let tangent_rate = 0.5 * (1.0 + tangent * tangent) * velocity.arm_angle;
                 let rise = velocity.rise.abs();
-                // False for NaN.
+                // This test is false for NaN.
                 let is_steady = tangent_rate.abs() * size <= STEEPEST * rise;
                 let rate = velocity.ball_joint.norm() + velocity.turn.norm() * size;
                 Some(is_steady.then_some(rate / rise)?)
             }
         };
         let condition = form.condition(&state, size, rate);
-        // The value is the pose for every order of the series.
+        // For every order of the series, the value is exactly the given pose.
         let mut with_pose = pose.map(Jet::constant);
         with_pose.origin = with_constant(series.origin, pose.origin);
         for (k, column) in with_pose.rotation.columns.iter_mut().enumerate() {
@@ -121,7 +121,7 @@ impl Solver<'_> {
     }
 }
 
-/// The series with its constant part replaced.
+/// Replaces the constant part of the series.
 #[inline]
 fn with_constant<const N: usize>(
     series: Vector3<Jet<f64, N>>,

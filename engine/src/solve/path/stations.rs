@@ -1,19 +1,18 @@
-//! The order in which stations are visited.
+//! Order in which the solver visits stations.
 
-/// The order in which stations are visited: outward from the design position, so that every step
-/// starts at a neighbour.
+/// Order in which the solver visits stations: outward from the design position, so that every step starts at a neighbour.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StationOrder {
-    /// Drive values by station.
+    /// Drive value of each station.
     pub(crate) values: Vec<f64>,
-    /// Stations at and above the design position, upward.
+    /// Stations at and above the design position, in upward order.
     pub(crate) up: Vec<usize>,
-    /// Stations below it, downward.
+    /// Stations below it, in downward order.
     pub(crate) down: Vec<usize>,
 }
 
 impl StationOrder {
-    /// The order for these drive values, one for each station.
+    /// Makes the order for these drive values, one for each station.
     pub fn through(values: &[f64]) -> Self {
         let (mut up, mut down): (Vec<_>, Vec<_>) =
             (0..values.len()).partition(|i| values[*i] >= 0.0);
@@ -26,12 +25,12 @@ impl StationOrder {
         }
     }
 
-    /// The stations of each side, outward.
+    /// Stations of each side, in outward order.
     pub fn sides(&self) -> [&[usize]; 2] {
         [&self.up, &self.down]
     }
 
-    /// Drive values by station.
+    /// Drive value of each station.
     pub fn values(&self) -> &[f64] {
         &self.values
     }

@@ -1,31 +1,31 @@
-//! Lanes that the tracker accepts, and the reasons for rejecting the others.
+//! Acceptance of lanes by the tracker, and the reasons for rejections.
 
 use crate::number::SimdReal;
 
-/// Reason why the tracker rejects a pose. The continuation then continues from the last accepted pose.
+/// Reason why the tracker rejects a pose. The continuation then starts from the last accepted pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Rejection {
     /// A rod or an axis is too short to have a direction.
     NoLength,
     /// Newton's method did not settle.
     NotSettled,
-    /// A number that the equations are divided by is too small.
+    /// A divisor of the equations is too small.
     IllConditioned,
-    /// The slope of the path, or a number that may not vanish, fell below half of its value or more than doubled in one
+    /// The slope of the path, or a number that must not vanish, fell below half of its value or more than doubled in one
     /// step.
     ChangedTooMuch,
-    /// The mechanism turned too far in one step, or from the design position.
+    /// The mechanism rotated too far in one step, or from the design position.
     TurnedFar,
-    /// The path is as steep as beside a fold.
+    /// The path is as steep as near a fold.
     FoldNear,
-    /// The pose is right, but something that is read off it is not well known there.
+    /// The pose is correct, but a result that is computed from it is not accurate there.
     ReadingUncertain,
-    /// The route does not visit the station: it is out of all reach, or has the same value as another one.
+    /// The route does not visit the station: it is out of reach, or has the same value as another one.
     NotOnTheWay,
 }
 
 impl Rejection {
-    /// Every reason.
+    /// All reasons.
     pub const ALL: [Rejection; 8] = [
         Rejection::NoLength,
         Rejection::NotSettled,
@@ -51,7 +51,7 @@ impl Rejection {
         }
     }
 
-    /// The number that stands for this reason in a lane; 0 stands for no rejection.
+    /// Number for this reason in a lane. 0 means no rejection.
     #[inline(always)]
     fn code(self) -> f64 {
         f64::from(self as u8 + 1)
@@ -62,7 +62,7 @@ impl Rejection {
     }
 }
 
-/// Lanes that have passed every guard so far, and the first guard that each other lane failed.
+/// Lanes that have passed every guard so far, and the first failed guard of each other lane.
 #[derive(Clone, Copy)]
 pub struct Acceptance<B: SimdReal> {
     accepted: B::Mask,
@@ -79,7 +79,7 @@ impl<B: SimdReal> Acceptance<B> {
         }
     }
 
-    /// Rejects the lanes where the mask is not set, for this reason.
+    /// Rejects the lanes in which the mask is not set, for this reason.
     #[inline(always)]
     pub fn require(&mut self, mask: B::Mask, otherwise: Rejection) {
         let failing = self.accepted & !mask;
@@ -87,7 +87,7 @@ impl<B: SimdReal> Acceptance<B> {
         self.accepted = self.accepted & mask;
     }
 
-    /// The lanes that are accepted.
+    /// Accepted lanes.
     #[inline(always)]
     pub fn lanes(&self) -> B::Mask {
         self.accepted

@@ -26,7 +26,7 @@ pub(crate) struct ByArm {
     roles: Roles,
     /// Slope of the half tangent by the drive, in the base design.
     slope: f64,
-    /// The steepest slope that is accepted.
+    /// Largest slope that is accepted.
     steepest: f64,
 }
 
@@ -45,12 +45,12 @@ impl<B: SimdReal> ArmDesign<'_, B> {
     fn slope(&self, state: &ArmState<B>, tangent: B) -> B {
         let velocity = self.form.velocity(state, tangent);
         let half = tangent.constant(0.5);
-        // The tangent of half an angle by the angle is (1 + tangent^2)/2.
+        // The derivative of tan(angle/2) by the angle is (1 + tangent^2)/2.
         velocity.arm_angle * half.plus_product(half, tangent * tangent) / velocity.rise
     }
 }
 
-/// A pose, given by a state of the closed form.
+/// A pose as a state of the closed form.
 pub(crate) struct ArmPose<'f, B> {
     roles: &'f Roles,
     design: &'f ArmDesign<'f, B>,
@@ -95,7 +95,7 @@ impl<B: SimdReal> LanePose<B> for ArmPose<'_, B> {
         }
     }
 
-    /// Turning about the steering axis lifts the wheel; a motion by the travel takes that back.
+    /// A rotation about the steering axis lifts the wheel. A motion along the travel cancels this lift.
     #[inline(always)]
     fn by_rack(&self, rates: &LaneRates<B>) -> Twist<B> {
         let (turn, rise) = self.design.form.steered(&self.state);
@@ -107,7 +107,7 @@ impl<B: SimdReal> LanePose<B> for ArmPose<'_, B> {
     }
 
     /// True in every lane. If travel is the drive, the guards have checked the slope of the arm. If the arm's angle is the
-    /// drive, nothing turns fast.
+    /// drive, nothing rotates fast.
     #[inline(always)]
     fn velocity_is_reliable(&self, _: &LaneRates<B>) -> B::Mask {
         self.tangent.everywhere()
@@ -159,14 +159,14 @@ impl<B: SimdReal> LaneAdjoint<B> for Adjoint<'_, B> {
     }
 }
 
-/// Steepest slope of the half tangent by travel, in 1/size; an arm as long as the size has a slope of one half. A steeper
-/// slope means that a fold is near: rounding errors grow with the slope, those of rates with its cube.
+/// Largest slope of the half tangent by travel, in 1/size. An arm as long as the size has a slope of one half. A larger
+/// slope means that a fold is near. Rounding errors of the pose grow with the slope, those of rates with its cube.
 pub(crate) const STEEPEST: f64 = 3.0;
-/// The farthest the arm may be turned, as the tangent of half the angle.
+/// Largest rotation of the arm, as the tangent of half the angle.
 pub(crate) const FARTHEST: f64 = 0.7;
-/// The farthest the arm may turn in one step, as a change of that tangent.
+/// Largest rotation of the arm in one step, as a change of that tangent.
 const LONGEST: f64 = 0.1;
-/// Pairs of corrections a lane may take to settle.
+/// Largest number of correction pairs for a lane to settle.
 const MOST_ROUNDS: usize = 4;
 
 impl ByArm {
@@ -193,7 +193,7 @@ impl ByArm {
         })
     }
 
-    /// The steering axis, which runs through the two joints.
+    /// Steering axis, which runs through the two joints.
     pub(crate) fn steering_axis(&self) -> SteeringAxis {
         let (lower, upper) = (self.roles.ball_joint(), self.roles.upper_end());
         SteeringAxis::Through { lower, upper }
@@ -214,13 +214,13 @@ impl ByArm {
         }
     }
 
-    /// The members of a design that bear forces.
+    /// Members of a design that carry forces.
     #[inline(always)]
     pub(crate) fn members<B: SimdReal>(&self, design: &ArmDesign<'_, B>) -> Members<B> {
         Members::of(&self.roles, &design.form, design.design)
     }
 
-    /// Hands over the poses at these half tangents.
+    /// Passes the poses at these half tangents to a visitor.
     #[inline(always)]
     pub(crate) fn visit_stations_in_lanes<B: SimdReal>(
         &self,
@@ -240,7 +240,7 @@ impl ByArm {
         });
     }
 
-    /// The equations of a single wheel, for a design of this tracker.
+    /// Equations of a single wheel, for a design of this tracker.
     #[inline(always)]
     pub(super) fn corner<'w, 'd, B: SimdReal, V: Visit<B>>(
         &'w self,
@@ -263,8 +263,8 @@ impl ByArm {
         }
     }
 
-    /// Accepts lanes where the closed form is well conditioned and the arm is on its branch. `inverse_step` is one over
-    /// the change of the drive since the guard before; it is given on the legs of stations.
+    /// Accepts lanes in which the closed form is well conditioned and the arm is on its branch. `inverse_step` is the
+    /// inverse of the change of the drive since the previous guard. It is given only on the legs of stations.
     #[inline(always)]
     fn guard<B: SimdReal>(
         &self,
@@ -295,14 +295,14 @@ impl ByArm {
     }
 }
 
-/// The equations of a single wheel.
+/// Equations of a single wheel.
 pub(super) struct ArmCorner<'w, 'd, B, V> {
     method: &'w ByArm,
     design: &'w ArmDesign<'d, B>,
     drive: Drive,
     tolerance: B,
     visitor: &'w mut V,
-    /// Derivative of the tangent by the drive, with which corrections are made.
+    /// Derivative of the half tangent by the drive, which the corrections use.
     slope: B,
     /// Result of the last correction: new state, step taken, and travel error before and after it.
     state: ArmState<B>,
@@ -317,7 +317,7 @@ impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, 1> for ArmCorner<'_, '_, B, V> 
     #[inline(always)]
     fn predict(&mut self, place: &RouteStep, history: &[B]) -> [B; 1] {
         let like = history[0];
-        // Values of the previous place need not stay in registers.
+        // The values of the previous place need not stay in registers.
         (self.step, self.missed) = (like.zero(), [like.zero(); 2]);
         if self.drive == Drive::ArmAngle {
             return [like.constant((0.5 * place.value).tan())];
@@ -329,8 +329,8 @@ impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, 1> for ArmCorner<'_, '_, B, V> 
         predicted(place, history, [self.method.slope * place.along_slope])
     }
 
-    /// Makes two corrections at a time. One is always needed, and an unpredictable branch would cost more than the second. If
-    /// the arm's angle is the drive, there is nothing to solve.
+    /// Makes two corrections at a time. One is always needed, and an unpredictable branch would cost more than the second.
+    /// If the arm's angle is the drive, there is nothing to solve.
     #[inline(always)]
     fn correct(
         &mut self,
@@ -395,19 +395,19 @@ impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, 1> for ArmCorner<'_, '_, B, V> 
     }
 }
 
-/// Numbers whose change from place to place is guarded along the path.
+/// Numbers whose change along the path is guarded.
 #[derive(Clone, Copy)]
 pub(super) struct BranchGuard<B> {
     tangent: B,
-    /// Slope of the tangent by the drive over the last step.
+    /// Slope of the half tangent by the drive over the last step.
     rate: B,
-    /// The product of all that the closed form divides by or takes the root of.
+    /// Product of all numbers by which the closed form divides or whose root it takes.
     margin: B,
 }
 
 impl<B: SimdReal> BranchGuard<B> {
-    /// The guard of a place at zero drive. `rate` is the design's own slope: beside a fold it is far from that of the
-    /// base design.
+    /// Guard of a place at zero drive. `rate` is the design's own slope. Near a fold it differs much from that of the base
+    /// design.
     #[inline(always)]
     fn start(state: &ArmState<B>, tangent: B, rate: B) -> Self {
         let [a, b, c] = state.squares();
@@ -418,13 +418,13 @@ impl<B: SimdReal> BranchGuard<B> {
         }
     }
 
-    /// Guard of the next place on the leg, with the slope divided by the step between the two places.
+    /// Guard of the next place on the leg. Its slope is the change of the tangent divided by the step.
     #[inline(always)]
     fn next(&self, state: &ArmState<B>, tangent: B, inverse_step: B) -> Self {
         BranchGuard::start(state, tangent, (tangent - self.tangent) * inverse_step)
     }
 
-    /// Accepts lanes where the closed form is well conditioned. Rejects NaN.
+    /// Accepts lanes in which the closed form is well conditioned. Rejects NaN.
     #[inline(always)]
     fn check(state: &ArmState<B>, tangent: B, accepted: &mut Acceptance<B>) {
         accepted.require(state.is_well_conditioned(), Rejection::IllConditioned);
@@ -432,7 +432,7 @@ impl<B: SimdReal> BranchGuard<B> {
         accepted.require(is_near, Rejection::TurnedFar);
     }
 
-    /// Accepts lanes where the slope of the arm, extrapolated to the next place, is not steep.
+    /// Accepts lanes in which the slope of the arm, extrapolated to the next place, is not too large.
     #[inline(always)]
     fn check_slope(&self, before: &Self, steepest: f64, accepted: &mut Acceptance<B>) {
         let ahead = self.rate + (self.rate - before.rate);
@@ -440,8 +440,8 @@ impl<B: SimdReal> BranchGuard<B> {
         accepted.require(is_flat, Rejection::FoldNear);
     }
 
-    /// Accepts lanes where slope and margin have not changed so much since the place before that one could have
-    /// vanished between the two.
+    /// Accepts lanes in which slope and margin have changed so little since the previous place that neither could have
+    /// vanished in between.
     #[inline(always)]
     fn check_step(&self, before: &Self, accepted: &mut Acceptance<B>) {
         let is_steady =
@@ -453,22 +453,22 @@ impl<B: SimdReal> BranchGuard<B> {
     }
 }
 
-/// The equations of one wheel of a pair.
+/// Equations of one wheel of a pair.
 pub(super) struct ArmWheel<'w, 'd, B> {
     method: &'w ByArm,
     design: &'w ArmDesign<'d, B>,
     on_knuckle: WheelOnKnuckle<B>,
     tolerance: f64,
-    /// The state of the last linearisation or correction.
+    /// State of the last linearisation or correction.
     state: ArmState<B>,
-    /// From the last linearisation: the remaining error of travel, and the derivative of the unknown (the half-angle tangent)
-    /// by travel.
+    /// Results of the last linearisation: the remaining error of travel, and the derivative of the unknown (the half-angle
+    /// tangent) by travel.
     missed: B,
     by_travel: B,
 }
 
 impl ByArm {
-    /// The equations of one wheel of a pair, for a design of this tracker.
+    /// Equations of one wheel of a pair, for a design of this tracker.
     #[inline(always)]
     pub(super) fn wheel<'w, 'd, B: SimdReal>(
         &'w self,
@@ -490,7 +490,7 @@ impl ByArm {
 }
 
 impl<B: SimdReal> ArmWheel<'_, '_, B> {
-    /// Centre and spin axis in the state.
+    /// Wheel centre and spin axis in the state.
     #[inline(always)]
     fn carried(&self) -> (Vector3<B>, Vector3<B>) {
         let WheelOnKnuckle { centre, axis } = &self.on_knuckle;
@@ -518,7 +518,7 @@ impl<B: SimdReal> Wheel<B, 1> for ArmWheel<'_, '_, B> {
         let velocity = form.velocity(&self.state, tangent);
         let per_travel = tangent.one() / velocity.rise;
         let half = tangent.constant(0.5);
-        // The tangent of half an angle by the angle is (1 + tangent^2)/2.
+        // The derivative of tan(angle/2) by the angle is (1 + tangent^2)/2.
         self.by_travel =
             velocity.arm_angle * half.plus_product(half, tangent * tangent) * per_travel;
         let (centre, axis) = self.carried();

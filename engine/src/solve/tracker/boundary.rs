@@ -30,7 +30,7 @@ pub(super) fn rejection(
     tracked.legs.iter().find_map(|leg| leg.reason(0))
 }
 
-/// Numbers in [-1, 1).
+/// Pseudorandom numbers in [-1, 1).
 pub(super) struct Noise(pub u64);
 
 impl Noise {
@@ -57,12 +57,12 @@ pub(super) struct Judgement {
     pub slack: f64,
 }
 
-/// Slack that counts as none. It exceeds the rounding errors of a design and is far below the slack of other guards.
+/// Slack that counts as zero. It exceeds the rounding errors of a design and is far below the slack of other guards.
 const NONE: f64 = 1e-6;
 
 /// Searches for boundaries on lines from the study's own design. The rack is alternately in the middle and displaced.
-/// `judge` returns the judgements at all places of an accepted design. Exactly one of them must be without slack. Its
-/// reason must be that of the rejected neighbour. Returns the number of boundaries of each guard.
+/// `judge` returns the judgements at all places of an accepted design. Exactly one of them must have zero slack. Its reason
+/// must be that of the rejected neighbour. Returns the number of boundaries of each guard.
 pub(super) fn boundaries(
     suspension: &Suspension,
     drive: Drive,
@@ -93,7 +93,7 @@ pub(super) fn boundaries(
         };
         let mut history = tracker.history(0.0_f64);
         let mut reject = |t: f64| rejection(&tracker, number, &at(t), &mut history);
-        // The nearest rejected design among a few, so that the boundary is one of ordinary designs.
+        // The nearest rejected design among a few, so that the boundary lies between ordinary designs.
         let Some(mut high) = (1..=24)
             .map(|k| f64::from(k) / 24.0)
             .find(|t| reject(*t).is_some())
@@ -120,14 +120,14 @@ pub(super) fn boundaries(
         let mut without: Vec<_> = judged.iter().filter(|j| j.slack < NONE).collect();
         without.dedup_by_key(|j| j.guard);
         let guard = match without[..] {
-            // Corrections are counted, and nothing has a slack.
+            // This guard counts corrections, so it has no slack.
             _ if reason == Rejection::NotSettled => "settles",
             [only] => {
                 assert_eq!(only.reason, reason, "{}", only.guard);
                 only.guard
             }
             [] => panic!("line {line}: no guard is at its threshold, but {reason:?}"),
-            // Two of one moment: which one rejects is open.
+            // Two guards reach their thresholds together, so either may reject.
             _ => continue,
         };
         *counts.entry(guard).or_insert(0) += 1;
@@ -139,17 +139,17 @@ pub(super) fn boundaries(
     counts
 }
 
-/// Slack below a threshold.
+/// Slack of a value below a threshold.
 pub(super) fn below(value: f64, threshold: f64) -> f64 {
     1.0 - value / threshold
 }
 
-/// Slack above a threshold.
+/// Slack of a value above a threshold.
 pub(super) fn above(value: f64, threshold: f64) -> f64 {
     value / threshold - 1.0
 }
 
-/// Slacks of a number that may neither halve nor double.
+/// Slacks of a number that may neither fall below half nor more than double.
 pub(super) fn steady(now: f64, before: f64) -> [f64; 2] {
     [above(now / before, 0.5), below(now / before, 2.0)]
 }

@@ -1,14 +1,14 @@
-//! Six unknowns: the pose of the knuckle, by the closure equations themselves.
+//! Six unknowns: the pose of the knuckle, solved from the closure equations.
 //!
-//! The unknowns are the displacement of the knuckle's origin and its rotation from the design position, as
-//! tan(angle/2) times the axis. At a prediction, Newton's method on five constraints and the travel
+//! The unknowns are the displacement of the knuckle's origin, and its rotation from the design position as tan(angle/2)
+//! times the axis. At a prediction, a step of Newton's method on five constraints and the travel
 //!
 //! ```text
 //! J (v, w) = -F        x + v,  r + h + h x r + r (r.h),  h = w/2
 //! ```
 //!
-//! leaves an error of second order. The residuals at the result show if that is accurate enough. If so, one more step
-//! with J removes the remaining residuals, because they would disturb rates near a fold.
+//! leaves an error of second order. The residuals at the result show if that is accurate enough. If so, one more step with J
+//! removes the remaining residuals, because they would disturb rates near a fold.
 //!
 //! J, its moments divided by the size of the mechanism, is split into four blocks of three by three,
 //!
@@ -17,13 +17,13 @@
 //!     | C  D |
 //! ```
 //!
-//! in an order of rows and columns that a factorisation with complete pivoting finds for the base design. Two
-//! determinants are then all that may not vanish. A lane where one of them is less than a fourth of the base
-//! design's, or changes by more than half (or doubles) from one place to the next, is lost. Each lane's are those
+//! in an order of rows and columns that a factorisation with complete pivoting finds for the base design. Then only two
+//! determinants must not vanish. A lane is rejected if one of them is less than a fourth of the base design's. It is also
+//! rejected if one changes by more than half, or doubles, from one place to the next. The determinants of a lane are those
 //! of the step with which it settled.
 //!
-//! The steering axis, where it is the instantaneous one, is that of the screw J t = -F_r (module `steering`).
-//! Along the motion t' follows from J t' = -(F_r' + J' t).
+//! An instantaneous steering axis is that of the screw J t = -F_r (module `steering`). Along the motion t' follows from J t'
+//! = -(F_r' + J' t).
 
 #![allow(
     clippy::needless_range_loop,
@@ -54,27 +54,26 @@ use crate::number::{Outlined, SimdReal};
 use std::array::from_fn;
 use std::cell::{Cell, Ref, RefCell};
 
-/// Unknowns of a pose: three of the displacement of the knuckle's origin, three of its rotation (a Rodrigues vector).
+/// Number of unknowns of a pose: three for the displacement of the knuckle's origin, three for its rotation (a Rodrigues
+/// vector).
 pub(crate) const UNKNOWNS: usize = 6;
-/// The least determinant of a block, as a share of the base design's.
+/// Smallest determinant of a block, as a share of the base design's.
 const LEAST: f64 = 0.25;
-/// The least pivot of the base design.
+/// Smallest pivot of the base design.
 const LEAST_PIVOT: f64 = 1e-3;
-/// The largest correction of a prediction, in sizes.
+/// Largest correction of a prediction, in sizes.
 const LARGEST_CORRECTION: f64 = 0.02;
-/// The farthest the knuckle may turn in one step, as a tangent of half the angle. Together with the bounds on
-/// the determinants this keeps Newton's method on the branch it is on: see `tests/it/lanes.rs`, where every lane is
-/// compared with the continuation.
+/// Largest rotation of the knuckle in one step, as the tangent of half the angle. Together with the limits of the
+/// determinants this keeps Newton's method on its branch. `tests/it/lanes.rs` compares every lane with the continuation.
 const LONGEST: f64 = 0.1;
-/// The least square of the turn of the knuckle per size of rack displacement: the steering axis is the axis of this
-/// turn.
+/// Smallest square of the knuckle's rotation per size of rack displacement. The steering axis is the axis of this rotation.
 const LEAST_STEERING: f64 = 0.25;
-/// The least squared sine of the steering axis's angle to the level: neither inclination of an axis that lies flat is
-/// well known.
+/// Smallest squared sine of the angle between the steering axis and the horizontal. The inclinations of a nearly horizontal
+/// axis are not accurate.
 const LEAST_UPRIGHT: f64 = 0.04;
-/// The fastest turn of the knuckle by a travel of one size, squared.
+/// Largest square of the knuckle's rotation per size of travel.
 const FASTEST_TURN: f64 = 100.0;
-/// Corrections a lane may take to settle.
+/// Largest number of corrections for a lane to settle.
 const MOST_ROUNDS: usize = 5;
 
 /// Equations of a mechanism without a closed form.
@@ -84,7 +83,7 @@ pub(crate) struct ByLinkage {
     size: f64,
     /// Determinants of A and S in the base design.
     determinants: [f64; 2],
-    /// Derivatives of the unknowns in the base design by travel and by the rack.
+    /// Derivatives of the unknowns by travel and by the rack, in the base design.
     by_travel: [f64; UNKNOWNS],
     by_rack: [f64; UNKNOWNS],
 }
@@ -94,7 +93,7 @@ pub(crate) struct ByLinkage {
 struct Order {
     rows: [usize; 6],
     columns: [usize; 6],
-    /// The place of each row in this order.
+    /// Position of each row in this order.
     places: [usize; 6],
 }
 
@@ -116,7 +115,7 @@ impl<'d, B: Real> LinkageDesign<'d, B> {
         }
     }
 
-    /// The mechanism with these unknowns.
+    /// Configuration of the mechanism with these unknowns.
     #[inline(always)]
     fn configuration(&self, [x, y, z, a, b, c]: [B; UNKNOWNS], rack: B) -> Configuration<'d, B> {
         let shift = Vector3::new(x, y, z);
@@ -133,7 +132,7 @@ impl<'d, B: Real> LinkageDesign<'d, B> {
     }
 }
 
-/// The blocks of a Jacobian. They are filled in place: moving them about would take a quarter of the time.
+/// Blocks of a Jacobian. They are filled in place, because moving them would take a quarter of the time.
 struct Blocks<B> {
     order: Order,
     inverse_size: B,
@@ -147,7 +146,7 @@ struct Blocks<B> {
     inverse_s: Inverse<B>,
 }
 
-/// The inverse of a matrix of three rows, and the matrix's determinant.
+/// Inverse of a matrix of three rows, and the determinant of the matrix.
 #[derive(Clone, Copy)]
 struct Inverse<B> {
     matrix: Matrix3<B>,
@@ -179,14 +178,14 @@ fn three<B: Copy>(row: &[B; 6], columns: &[usize; 6], first: usize) -> Vector3<B
     )
 }
 
-/// x a + y b + z c
+/// Sum x a + y b + z c.
 #[inline(always)]
 fn combined<B: Real>([a, b, c]: [Vector3<B>; 3], x: B, y: B, z: B) -> Vector3<B> {
     (a * x).plus_scaled(b, y).plus_scaled(c, z)
 }
 
 impl<B: Real> Blocks<B> {
-    /// Blocks of zeros, to be filled in before they are used.
+    /// Blocks of zeros. They must be filled before use.
     #[inline(always)]
     fn unformed(order: Order, inverse_size: B) -> Self {
         let zero = inverse_size.zero();
@@ -206,7 +205,7 @@ impl<B: Real> Blocks<B> {
         }
     }
 
-    /// Converts the square of a turn per size to the square of a turn per length.
+    /// Converts the square of a rotation per size to the square of a rotation per length.
     #[inline(always)]
     fn per_size(&self, square: f64) -> B {
         self.inverse_size * self.inverse_size * self.inverse_size.constant(square)
@@ -223,7 +222,7 @@ impl<B: Real> Blocks<B> {
         self.right[place] = three(&row, &self.order.columns, 3);
     }
 
-    /// Forms inverses and determinants, once all rows are stored.
+    /// Computes inverses and determinants after all rows are stored.
     #[inline(always)]
     fn eliminate(&mut self) {
         let [a0, a1, a2, ..] = self.left;
@@ -252,7 +251,7 @@ impl<B: Real> Blocks<B> {
         [c0, c1, c2]
     }
 
-    /// The twist (v, w) with J (v, w) = f.
+    /// Solves J (v, w) = f for the twist (v, w).
     #[inline(always)]
     fn solve(&self, f: [B; 6]) -> Twist<B> {
         outlined!(
@@ -291,7 +290,7 @@ impl<B: Real> Blocks<B> {
         }
     }
 
-    /// The multipliers m with J^T m = wrench.
+    /// Solves J^T m = wrench for the multipliers m.
     #[inline(always)]
     fn solve_transposed(&self, wrench: &Wrench<B>) -> [B; 6] {
         let (force, moment) = (wrench.force, wrench.moment * self.inverse_size);
@@ -350,15 +349,15 @@ pub(crate) struct LinkagePose<'p, 'd, B> {
     is_linear: Cell<bool>,
 }
 
-/// The closure equations about a configuration.
+/// Closure equations linearised about a configuration.
 struct Linear<B> {
     residuals: [B; 6],
-    /// Derivatives by the rack's displacement.
+    /// Derivatives by the displacement of the rack.
     by_rack: [B; 6],
     blocks: Blocks<B>,
 }
 
-/// Fills in [`Linear`].
+/// Work piece that computes [`Linear`].
 struct Linearising<'p, 'd, B> {
     linkage: &'p LinkageDesign<'d, B>,
     at: &'p Configuration<'d, B>,
@@ -384,7 +383,7 @@ impl<B: SimdReal> Outlined for Linearising<'_, '_, B> {
 }
 
 impl<B: SimdReal> Linear<B> {
-    /// Equations of zeros, to be formed before they are used.
+    /// Equations of zeros. They must be computed before use.
     #[inline(always)]
     fn unformed(method: &ByLinkage, like: B) -> Self {
         let zero = like.zero();
@@ -403,7 +402,7 @@ impl<B: SimdReal> Linear<B> {
 }
 
 impl<B: SimdReal> LinkagePose<'_, '_, B> {
-    /// The equations linearised about the pose, formed at the first request.
+    /// Equations linearised about the pose, computed at the first request.
     #[inline(always)]
     fn linear(&self) -> Ref<'_, Linear<B>> {
         if !self.is_linear.replace(true) {
@@ -514,7 +513,7 @@ impl<B: SimdReal> LanePose<B> for LinkagePose<'_, '_, B> {
     }
 }
 
-/// Forms gradients from the closure equations in a pose.
+/// Computes gradients from the closure equations in a pose.
 struct LinkageAdjoint<'p, B> {
     closure: &'p Closure<B>,
     at: &'p Configuration<'p, B>,
@@ -536,7 +535,7 @@ impl<B: SimdReal> LaneAdjoint<B> for LinkageAdjoint<'_, B> {
     }
 }
 
-/// Fills in the equations along the travel.
+/// Work piece that computes the equations along the travel.
 struct FormingSeries<'p, B> {
     closure: &'p Closure<Jet<B, 2>>,
     at: &'p Configuration<'p, Jet<B, 2>>,
@@ -558,14 +557,14 @@ impl<B: SimdReal> Outlined for FormingSeries<'_, B> {
     }
 }
 
-/// Forms gradients as series along the travel from the closure equations as series.
+/// Computes gradients as series along the travel, from the closure equations as series.
 pub(crate) struct SeriesAdjoint<'p, B> {
     closure: &'p Closure<Jet<B, 2>>,
     at: &'p Configuration<'p, Jet<B, 2>>,
     blocks: Blocks<Jet<B, 2>>,
 }
 
-/// Subtracts the part of the closure equations in a derivative by the pose from a gradient.
+/// Work piece that subtracts the closure equations' part of a derivative by the pose from a gradient.
 struct SubtractingSeries<'p, B> {
     adjoint: &'p SeriesAdjoint<'p, B>,
     wrench: &'p Wrench<Jet<B, 2>>,
@@ -605,7 +604,7 @@ impl<B: SimdReal> SeriesAdjoint<'_, B> {
 }
 
 impl ByLinkage {
-    /// The adjoint at a configuration along the travel.
+    /// Adjoint at a configuration along the travel.
     #[inline(always)]
     pub(crate) fn series_adjoint<'p, B: SimdReal>(
         &self,
@@ -653,7 +652,7 @@ impl ByLinkage {
         })
     }
 
-    /// Hands over the poses with these unknowns.
+    /// Passes the poses with these unknowns to a visitor.
     #[inline(always)]
     pub(crate) fn visit_stations_in_lanes<B: SimdReal>(
         &self,
@@ -673,7 +672,7 @@ impl ByLinkage {
         });
     }
 
-    /// The equations of a single wheel, for a design of this tracker.
+    /// Equations of a single wheel, for a design of this tracker.
     #[inline(always)]
     pub(super) fn corner<'w, 'd, B: SimdReal, V: Visit<B>>(
         &'w self,
@@ -689,7 +688,7 @@ impl ByLinkage {
         }
     }
 
-    /// The equations of one wheel of a pair, for a design of this tracker.
+    /// Equations of one wheel of a pair, for a design of this tracker.
     #[inline(always)]
     pub(super) fn wheel<'w, 'd, B: SimdReal>(
         &'w self,
@@ -718,7 +717,7 @@ struct NewtonSteps<'w, 'd, B> {
     method: &'w ByLinkage,
     linkage: &'w LinkageDesign<'d, B>,
     tolerance: f64,
-    /// The equations about the unknowns at which they were last formed.
+    /// Equations linearised about the latest unknowns.
     linear: RefCell<Linear<B>>,
     /// Determinants of A and S in the linearisation with which each lane converged.
     determinants: [B; 2],
@@ -737,7 +736,7 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         }
     }
 
-    /// Linearises about unknowns. Determinants of lanes that have settled are kept. Returns the configuration there,
+    /// Linearises the equations about unknowns. Determinants of settled lanes do not change. Returns the configuration there
     /// and the Newton step.
     #[inline(always)]
     fn linearise(
@@ -764,7 +763,7 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         (at, step)
     }
 
-    /// Lanes in which a step is no larger than a prediction may be wrong.
+    /// Lanes in which a step is within the permitted error of a prediction.
     #[inline(always)]
     fn is_near(&self, step: &Twist<B>) -> B::Mask {
         let like = step.shift.x;
@@ -823,15 +822,15 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
     }
 }
 
-/// The equations of a single wheel.
+/// Equations of a single wheel.
 pub(super) struct LinkageCorner<'w, 'd, B: SimdReal, V> {
     steps: NewtonSteps<'w, 'd, B>,
     visitor: &'w mut V,
-    /// Lanes in which the prediction of this place was near.
+    /// Lanes in which the prediction of this place was within its permitted error.
     is_near: B::Mask,
 }
 
-/// Rack and travel at a place.
+/// Rack displacement and travel at a place.
 #[inline(always)]
 fn at_place<B: Real>(place: &RouteStep, like: B) -> [B; 2] {
     [like.constant(place.rack), like.constant(place.value)]
@@ -897,17 +896,18 @@ impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, UNKNOWNS> for LinkageCorner<'_,
     }
 }
 
-/// The equations of one wheel of a pair.
+/// Equations of one wheel of a pair.
 pub(super) struct LinkageWheel<'w, 'd, B> {
     steps: NewtonSteps<'w, 'd, B>,
     on_knuckle: WheelOnKnuckle<B>,
-    /// From the last linearisation: the remaining step to the wanted travel, and the derivative of the pose by travel.
+    /// Results of the last linearisation: the remaining step to the required travel, and the derivative of the pose by
+    /// travel.
     rest: Twist<B>,
     by_travel: Twist<B>,
 }
 
 impl<B: SimdReal> LinkageWheel<'_, '_, B> {
-    /// The wheel centre relative to the origin of the knuckle, and the spin axis.
+    /// Wheel centre relative to the origin of the knuckle, and the spin axis.
     #[inline(always)]
     fn carried(&self, rotation: &Matrix3<B>) -> (Vector3<B>, Vector3<B>) {
         let WheelOnKnuckle { centre, axis } = &self.on_knuckle;
@@ -997,8 +997,7 @@ impl<B: SimdReal> Wheel<B, UNKNOWNS> for LinkageWheel<'_, '_, B> {
 }
 
 impl Order {
-    /// The order found by complete pivoting, with moments divided by the size. `None` if the matrix is singular in double
-    /// precision.
+    /// Order from complete pivoting, with moments divided by the size. `None` if the matrix is singular in double precision.
     fn of(wrenches: &[Wrench<f64>; 6], size: f64) -> Option<Order> {
         let mut a = wrenches.map(|row| {
             let mut row = row.to_row();
@@ -1017,7 +1016,7 @@ impl Order {
             order.rows.swap(k, i);
             a.iter_mut().for_each(|row| row.swap(k, j));
             order.columns.swap(k, j);
-            // Written so that NaN is refused.
+            // With this form of the test, NaN is refused.
             (a[k][k].abs() > LEAST_PIVOT).then_some(())?;
             let pivot_row = a[k];
             for row in &mut a[k + 1..] {
@@ -1034,16 +1033,16 @@ impl Order {
     }
 }
 
-/// Numbers whose change from place to place is guarded along the path.
+/// Numbers whose change along the path is guarded.
 #[derive(Clone, Copy)]
 pub(super) struct BranchGuard<B> {
-    /// The knuckle's turn, as tan(angle/2) times the axis.
+    /// Rotation of the knuckle, as tan(angle/2) times the axis.
     turned: Vector3<B>,
     determinants: [B; 2],
 }
 
 impl<B: SimdReal> BranchGuard<B> {
-    /// Accepts lanes where the Jacobian is about as well conditioned as in the base design. Rejects NaN.
+    /// Accepts lanes in which the Jacobian is about as well conditioned as in the base design. Rejects NaN.
     #[inline(always)]
     fn check(&self, base: &[f64; 2], accepted: &mut Acceptance<B>) {
         let [a, s] = self.determinants;
@@ -1052,8 +1051,8 @@ impl<B: SimdReal> BranchGuard<B> {
         accepted.require(is_conditioned, Rejection::IllConditioned);
     }
 
-    /// Accepts lanes in which no determinant could have vanished since the previous place and the knuckle has not turned far.
-    /// A determinant could have vanished if it changed too much.
+    /// Accepts lanes in which no determinant could have vanished since the previous place and the knuckle has not rotated
+    /// far. A determinant could have vanished if it changed too much.
     #[inline(always)]
     fn check_step(&self, before: &Self, accepted: &mut Acceptance<B>) {
         let [a, s] = self.determinants;
@@ -1065,7 +1064,7 @@ impl<B: SimdReal> BranchGuard<B> {
     }
 }
 
-/// Returns the lanes in which the absolute value of every component is below a bound.
+/// Lanes in which the absolute value of every component is below a bound.
 #[inline(always)]
 fn is_less<B: SimdReal>(vector: Vector3<B>, bound: B) -> B::Mask {
     vector.x.abs().less(bound) & vector.y.abs().less(bound) & vector.z.abs().less(bound)

@@ -1,27 +1,27 @@
 //! Tracks many designs at a time, one in each lane.
 //!
-//! All ordinary poses come from here: those of a sweep, with a design in each lane, and those of a single design, one
-//! number at a time ([`poses`]). A mechanism with a closed form has one unknown ([`arm`]), any other one has six
-//! ([`linkage`]). Both wheels of an axle have the unknowns of each wheel and the difference of their travels ([`pair`]).
-//! One loop solves all of them ([`track`](mod@track)). Along the travel, the unknowns are predicted from the visited
-//! places. Almost always one correction reaches rounding; elsewhere more steps follow. A converged lane is frozen, so its
-//! neighbours do not affect it.
+//! All ordinary poses come from here. A sweep has a design in each lane. A single design takes one number at a time
+//! ([`poses`]). A mechanism with a closed form has one unknown ([`arm`]), any other one has six ([`linkage`]). For both
+//! wheels of an axle, the unknowns are those of each wheel and the difference of their travels ([`pair`]). One loop solves
+//! all of them ([`track`](mod@track)). Along the travel, the unknowns are predicted from the visited places. Almost always
+//! one correction reaches rounding; otherwise more steps follow. A converged lane is frozen, so its neighbours do not affect
+//! it.
 //!
 //! Guards decide at every place which lanes are accepted. A rejected lane gets a reason ([`Rejection`]) and stays rejected
-//! to the end of its leg, up or down. The continuation ([`Solver`](crate::solve::Solver)) then continues from the last
-//! accepted station. The tracker rejects a lane if
+//! to the end of its leg, up or down. The continuation ([`Solver`](crate::solve::Solver)) then starts from the last accepted
+//! station. The tracker rejects a lane if
 //!
 //! - a rod has no length, or the iteration does not settle;
 //! - the mechanism is not well conditioned;
-//! - a number that must not vanish, or the slope of the path, changes by more than half (or doubles) from one place to
-//!   the next, because it could vanish in between. If there are several such factors, their product is guarded;
-//! - the mechanism turns far, in one step or from the design position;
-//! - a fold is near: an arm is steep, or a knuckle in six unknowns turns fast by the travel.
+//! - a number that must not vanish, or the slope of the path, changes by more than half (or doubles) from one place to the
+//!   next, because it could vanish in between. If there are several such factors, their product is guarded;
+//! - the mechanism rotates far, in one step or from the design position;
+//! - a fold is near: the slope of an arm is large, or a knuckle in six unknowns rotates fast by the travel.
 //!
-//! Readers of poses reject quantities that are poorly determined: the axis of a knuckle that the rack hardly turns or
-//! that turns about a horizontal axis, the angles of a wheel on its side, a rocker close to its toggle.
+//! Readers of poses reject quantities that are poorly determined. Examples are the axis of a knuckle that the rack hardly
+//! rotates or that rotates about a horizontal axis, the angles of a wheel on its side, and a rocker close to its toggle.
 //!
-//! So a lane is either right or rejected. Its own design alone decides which.
+//! So a lane is either correct or rejected. Its own design alone decides which.
 
 mod acceptance;
 mod arm;
@@ -50,19 +50,19 @@ use route::Route;
 pub use track::Tracked;
 use track::track;
 
-/// A way to solve designs of one mechanism in lanes.
+/// Solves designs of one mechanism in lanes.
 #[derive(Clone, Debug)]
 pub struct CornerTracker<'a> {
     mechanism: &'a Mechanism,
     method: Method,
     drive: Drive,
-    /// A route for each displacement of the rack.
+    /// One route for each displacement of the rack.
     routes: Vec<Route>,
-    /// Pairs of points whose distance must be a length.
+    /// Pairs of points that must have a distance.
     distinct: Vec<(PointId, PointId)>,
-    /// The square of the shortest length.
+    /// Square of the shortest permitted distance.
     shortest: f64,
-    /// The largest residual that counts as rounding, as a length.
+    /// Largest residual that counts as rounding, as a length.
     tolerance: f64,
 }
 
@@ -74,16 +74,16 @@ enum Method {
 
 /// Receives the poses that the tracker solves.
 pub trait Visit<B: SimdReal> {
-    /// Receives a pose. Lanes that are not accepted may hold anything, NaN included. A station is left out if no lane
-    /// was accepted at the place before it on its leg.
+    /// Receives a pose. Lanes that are not accepted may hold any numbers, including NaN. A station is left out if no lane
+    /// was accepted at the previous place of its leg.
     fn pose(&mut self, station: usize, at: &impl LanePose<B>, accepted: Acceptance<B>);
 }
 
-/// The constants of a design in each lane.
+/// Constants of a design in each lane.
 #[derive(Clone)]
 pub struct LaneDesign<'d, B: SimdReal> {
     form: Form<'d, B>,
-    /// The origin of the knuckle in the design position; poses give its position.
+    /// Origin of the knuckle in the design position. Poses give its position.
     origin: Vector3<B>,
     /// Lanes in which all rods have a length.
     distinct: B::Mask,
@@ -109,11 +109,11 @@ enum InKnuckle<B> {
 #[derive(Clone, Copy, Debug)]
 pub struct KnucklePoint<B>(KnuckleVector<B>);
 
-/// Terms that the gradients in all poses of a design share; `None` for a mechanism without a closed form.
+/// Terms shared by the gradients in all poses of a design. `None` for a mechanism without a closed form.
 pub struct AdjointConstants<B>(Option<Members<B>>);
 
 impl<B: SimdReal> LaneDesign<'_, B> {
-    /// A vector of the knuckle in the design position.
+    /// Vector of the knuckle, given in the design position.
     #[inline(always)]
     pub fn vector(&self, designed: Vector3<B>) -> KnuckleVector<B> {
         KnuckleVector(match &self.form {
@@ -122,7 +122,7 @@ impl<B: SimdReal> LaneDesign<'_, B> {
         })
     }
 
-    /// A point of the knuckle in the design position.
+    /// Point of the knuckle, given in the design position.
     #[inline(always)]
     pub fn point(&self, designed: Vector3<B>) -> KnucklePoint<B> {
         KnucklePoint(self.vector(designed - self.origin))
@@ -135,18 +135,17 @@ pub trait LanePose<B: SimdReal> {
     fn vector(&self, vector: &KnuckleVector<B>) -> Vector3<B>;
     /// Position of the knuckle's origin.
     fn origin(&self) -> Vector3<B>;
-    /// A point of the steering axis, the vector along it, and the lanes in which both are well known. An instantaneous
-    /// axis is well known if the rack turns the knuckle enough, and about an axis that does not lie flat.
+    /// A point of the steering axis, the vector along it, and the lanes in which both are accurate. An instantaneous axis is
+    /// accurate if the rack rotates the knuckle enough, and about an axis that is not horizontal.
     fn steering_axis(&self) -> (Vector3<B>, Vector3<B>, B::Mask);
-    /// The derivatives by the drive.
+    /// Derivatives by the drive.
     fn rates(&self) -> LaneRates<B>;
-    /// Velocity of the knuckle's origin and angular velocity by the rack's displacement, the travel held, from the
-    /// rates of this pose.
+    /// Velocity of the knuckle's origin and angular velocity by the rack's displacement at constant travel, from the rates
+    /// of this pose.
     fn by_rack(&self, rates: &LaneRates<B>) -> Twist<B>;
-    /// Lanes in which velocities are well known: those in which the knuckle does not turn fast, as it does beside a
-    /// fold.
+    /// Lanes in which velocities are accurate: those in which the knuckle does not rotate fast, as it does near a fold.
     fn velocity_is_reliable(&self, rates: &LaneRates<B>) -> B::Mask;
-    /// The derivatives of the steering axis by the drive.
+    /// Derivatives of the steering axis by the drive.
     fn steering_axis_rates(&self, rates: &LaneRates<B>) -> (Vector3<B>, Vector3<B>);
 
     /// The pose as a configuration with this rack displacement.
@@ -168,8 +167,8 @@ pub trait LanePose<B: SimdReal> {
 
 /// Makes gradients by the hardpoints in a pose (see [`Seeds`](crate::derive::Seeds)).
 pub trait LaneAdjoint<B: SimdReal> {
-    /// Subtracts the effect of the closure equations from the gradient of an output that was taken at a fixed pose. `wrench` is
-    /// the output's derivative by the pose.
+    /// Subtracts the effect of the closure equations from the gradient of an output that was computed at a fixed pose.
+    /// `wrench` is the output's derivative by the pose.
     fn subtract(&self, wrench: &Wrench<B>, gradient: &mut (impl Gradient<B> + ?Sized));
 }
 
@@ -178,7 +177,7 @@ pub trait LaneAdjoint<B: SimdReal> {
 pub struct LaneRates<B> {
     origin: Vector3<B>,
     turn: Vector3<B>,
-    /// Rate of the vector along the steering axis; it has a meaning only where the axis runs through two joints.
+    /// Rate of the vector along the steering axis. It is meaningful only if the axis runs through two joints.
     steering_axis: Vector3<B>,
 }
 
@@ -201,7 +200,7 @@ impl<B: SimdReal> LaneRates<B> {
         self.turn
     }
 
-    /// The velocities of the knuckle.
+    /// Velocity of the knuckle's origin and angular velocity.
     #[inline(always)]
     pub fn twist(&self) -> Twist<B> {
         Twist {
@@ -211,14 +210,14 @@ impl<B: SimdReal> LaneRates<B> {
     }
 }
 
-/// Steps longer than this part of the size are broken up.
+/// Longest step as a share of the size. Longer steps are divided.
 const LONGEST_STEP: f64 = 0.02;
-/// The largest residual that counts as rounding, as a part of the largest coordinate: a few roundings. What is left
-/// disturbs rates beside a fold a thousandfold.
+/// Largest residual that counts as rounding, as a share of the largest coordinate. It allows a few roundings. Near a fold,
+/// rates amplify the remaining residual a thousandfold.
 const TOLERANCE: f64 = 1e-15;
-/// Designs with rods shorter than this part of the largest coordinate are left to the continuation.
+/// Shortest rod as a share of the largest coordinate. Designs with shorter rods are left to the continuation.
 const SHORTEST_LENGTH: f64 = 1e-6;
-/// Mechanisms farther from the origin than this, in sizes, are not tracked, since accuracy would be lost.
+/// Largest distance from the origin, in sizes. Mechanisms farther away are not tracked, since accuracy would be lost.
 const FAR: f64 = 100.0;
 
 impl<'a> CornerTracker<'a> {
@@ -262,7 +261,7 @@ impl<'a> CornerTracker<'a> {
         self.routes.iter().all(|route| route.is_complete)
     }
 
-    /// The drive.
+    /// Drive of the tracker.
     pub fn drive(&self) -> Drive {
         self.drive
     }
@@ -275,7 +274,7 @@ impl<'a> CornerTracker<'a> {
         }
     }
 
-    /// Room for the history of [`CornerTracker::solve`].
+    /// Allocates the history for [`CornerTracker::solve`].
     pub fn history<B: SimdReal>(&self, like: B) -> Vec<B> {
         let places = self.routes.iter().map(|route| route.places.len());
         vec![like.zero(); self.unknowns() * places.max().unwrap_or(0)]
@@ -295,7 +294,7 @@ impl<'a> CornerTracker<'a> {
         }
     }
 
-    /// The constants of designs, given as their points, each with all lanes.
+    /// Makes the constants of designs from their points, each with all lanes.
     #[inline(always)]
     pub fn design<'d, B: SimdReal>(&'d self, design: &'d [Vector3<B>]) -> LaneDesign<'d, B> {
         outlined!(
@@ -325,7 +324,7 @@ impl<'a> CornerTracker<'a> {
         }
     }
 
-    /// Terms that the gradients in all poses of designs share. The design must be of this tracker.
+    /// Terms shared by the gradients in all poses of designs. The design must be of this tracker.
     #[inline(always)]
     pub fn members<B: SimdReal>(&self, design: &LaneDesign<'_, B>) -> AdjointConstants<B> {
         AdjointConstants(match (&self.method, &design.form) {
@@ -377,11 +376,11 @@ impl<'a> CornerTracker<'a> {
     }
 }
 
-/// Forms gradients of quantities made of velocities, by the closure equations as series along the travel.
+/// Computes gradients of quantities that contain velocities, with the closure equations as series along the travel.
 #[derive(Clone, Debug)]
 pub(crate) struct AlongTravel(ByLinkage);
 
-/// Designs in lanes as series along the travel, which are constant.
+/// Designs in lanes as series along the travel. The series are constant.
 pub(crate) struct SeriesDesign<B> {
     design: Vec<Vector3<Jet<B, 2>>>,
     closure: Closure<Jet<B, 2>>,
@@ -393,7 +392,7 @@ impl AlongTravel {
         ByLinkage::of(mechanism, base, Drive::Travel, mechanism.size(base)).map(AlongTravel)
     }
 
-    /// Designs as series.
+    /// Makes the designs as series.
     #[inline(always)]
     pub(crate) fn design<B: SimdReal>(
         &self,
@@ -451,16 +450,16 @@ impl<B: SimdReal> SeriesDesign<B> {
     }
 }
 
-/// Stations of one design side by side, a station in each lane.
+/// Stations of one design side by side, one station in each lane.
 impl CornerTracker<'_> {
-    /// The stations in the order in which [`CornerTracker::visit_stations_in_lanes`] puts them into the lanes.
+    /// Stations in the order in which [`CornerTracker::visit_stations_in_lanes`] assigns them to lanes.
     pub fn stations_in_lanes(&self, rack: usize) -> impl Iterator<Item = usize> {
         self.routes[rack].places.iter().filter_map(|p| p.station)
     }
 
-    /// Visits the stations of a design that all lanes hold, a station in each lane. `history` is that of
-    /// [`CornerTracker::track_one`], which must have accepted every station. The visitor receives the number of a group of stations
-    /// instead of a station number. Lanes beyond the last station repeat it.
+    /// Visits the stations of one design, which is in all lanes, with one station in each lane. `history` is that of
+    /// [`CornerTracker::track_one`], which must have accepted every station. The visitor receives the index of a group of
+    /// stations instead of a station. Lanes beyond the last station repeat it.
     #[inline(always)]
     pub fn visit_stations_in_lanes<B: SimdReal>(
         &self,
@@ -523,7 +522,7 @@ impl CornerTracker<'_> {
     }
 }
 
-/// Returns the lanes in which the size of `now` is between half and twice that of `before`.
+/// Lanes in which the absolute value of `now` is between half and twice that of `before`.
 #[inline(always)]
 fn within_half<B: SimdReal>(now: B, before: B) -> B::Mask {
     ((now - (before + before)) * now.minus_product(before, before.constant(0.5)))

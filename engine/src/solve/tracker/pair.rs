@@ -1,4 +1,4 @@
-//! Both wheels of an axle at a time, an axle in each lane.
+//! Both wheels of an axle at a time, with an axle in each lane.
 //!
 //! In heave both wheels have the same travel, and each is solved as a single wheel. In roll by the angle phi on a plane
 //! ground with normal n, both contact points C have the same height above it. The travels z = heave +- s follow from
@@ -8,12 +8,13 @@
 //! f_s  = h_l' + h_r'                                                                   (2)
 //! ```
 //!
-//! The poses of both wheels and s are predicted along the roll angle, as the pose of one wheel is along its travel, and
+//! The poses of both wheels and s are predicted along the roll angle, like the pose of one wheel along its travel, and
 //! corrected together. One step of Newton's method, with the closure equations and f linearised at the prediction, almost
-//! always reaches rounding. C is the lowest point of the wheel, so h' is n.C' with the wheel locked.
+//! always reaches rounding. C is the lowest point of the wheel, so h' is n.C' for a wheel that does not rotate in its
+//! carrier.
 //!
-//! In addition to the conditions for each wheel, a lane is rejected if a contact point rises less than half as fast as
-//! its wheel.
+//! In addition to the conditions for each wheel, a lane is rejected if a contact point rises less than half as fast as its
+//! wheel.
 
 #[cfg(test)]
 mod guards;
@@ -31,15 +32,15 @@ use crate::model::{AxleTravel, Drive, Mechanism};
 use crate::number::{SimdReal, Vector3, outlined};
 use crate::solve::StationOrder;
 
-/// Corrections a lane may take to settle.
+/// Largest number of corrections for a lane to settle.
 const MOST_ROUNDS: usize = 5;
-/// The least rise of a contact point by the travel of its wheel.
+/// Smallest rise of a contact point per travel of its wheel.
 const LEAST_RISE: f64 = 0.5;
-/// Largest difference of the heights of both contact points, in tolerances of a length. A height is a sum of more
-/// roundings than a length.
+/// Largest difference of the heights of both contact points, in tolerances of a length. A height contains more roundings
+/// than a length.
 const OF_HEIGHTS: f64 = 4.0;
 
-/// The quantity whose values are the stations of a route.
+/// Coordinate whose values are the stations of a route.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PairDrive {
     /// Equal travels of both wheels, each on a level pad.
@@ -53,33 +54,33 @@ pub enum PairDrive {
     },
 }
 
-/// Stations that are visited together. The mean travel of a rigid axle takes the place of its rack, and the difference of
-/// its travels that of travel.
+/// Stations that are visited together. For a rigid axle, the mean travel takes the place of the rack, and the difference of
+/// its travels the place of travel.
 #[derive(Clone, Debug)]
 pub struct PairStations {
-    /// Mean travel in roll; 0 in heave.
+    /// Mean travel in roll. 0 in heave.
     pub heave: f64,
-    /// Displacement of the rack towards the left wheel's outside; the mean travel of a rigid axle.
+    /// Displacement of the rack towards the left wheel's outside. For a rigid axle, the mean travel.
     pub rack: f64,
     /// Travels or roll angles.
     pub order: StationOrder,
 }
 
-/// A way to solve axles of one kind in lanes.
+/// Solves axles of one kind in lanes.
 #[derive(Clone, Debug)]
 pub struct AxleTracker<'a> {
     wheels: [CornerTracker<'a>; 2],
     drive: PairDrive,
     routes: Vec<Route>,
-    /// Displacement of the right wheel's rack by the left one's, each in its own frame: -1, or 1 if both share the mean travel
-    /// of a rigid axle.
+    /// Ratio of the right wheel's rack displacement to the left one's, each in its own frame: -1, or 1 if both are the mean
+    /// travel of a rigid axle.
     right_rack: f64,
 }
 
-/// The position of an axle, in each lane.
+/// Travels, ground and roll angle of an axle, in each lane.
 #[derive(Clone, Copy)]
 pub struct GroundContact<B> {
-    /// Travels of left and right wheel.
+    /// Travels of the left and right wheel.
     pub travels: [B; 2],
     /// The ground in the left wheel's frame.
     pub ground: Ground<B>,
@@ -89,7 +90,7 @@ pub struct GroundContact<B> {
 
 /// Receives the poses of both wheels.
 pub trait VisitPair<B: SimdReal> {
-    /// Receives the poses of left and right wheel, each in its own frame, as [`Visit::pose`](super::Visit::pose) does.
+    /// Receives the poses of the left and right wheel, each in its own frame, like [`Visit::pose`](super::Visit::pose).
     fn pair<P: LanePose<B>>(
         &mut self,
         station: usize,
@@ -99,47 +100,47 @@ pub trait VisitPair<B: SimdReal> {
     );
 }
 
-/// A wheel linearised about unknowns that are near a pose.
+/// A wheel, linearised about unknowns near a pose.
 pub(super) struct Linear<B: SimdReal> {
-    /// The wheel centre.
+    /// Wheel centre.
     pub centre: Vector3<B>,
     /// Unit vector along the spin axis.
     pub axis: Vector3<B>,
-    /// Displacement of the wheel centre and turn from the unknowns to the pose at the wanted travel.
+    /// Displacement of the wheel centre and rotation, from the unknowns to the pose at the required travel.
     pub rest: [Vector3<B>; 2],
     /// Velocity of the wheel centre and angular velocity by the travel.
     pub rate: [Vector3<B>; 2],
-    /// Lanes in which that pose is near.
+    /// Lanes in which this pose is near.
     pub is_near: B::Mask,
 }
 
 /// A wheel after a correction of its unknowns.
 pub(super) struct Corrected<B: SimdReal, const N: usize> {
-    /// Lanes whose residuals are rounding.
+    /// Lanes whose residuals are at rounding level.
     pub is_settled: B::Mask,
-    /// The unknowns, corrected once more for the residuals that are left.
+    /// Unknowns, corrected once more for the remaining residuals.
     pub unknowns: [B; N],
-    /// The wheel centre.
+    /// Wheel centre.
     pub centre: Vector3<B>,
     /// Unit vector along the spin axis.
     pub axis: Vector3<B>,
 }
 
-/// One wheel of a pair, of `N` unknowns.
+/// One wheel of a pair, with `N` unknowns.
 pub(super) trait Wheel<B: SimdReal, const N: usize> {
-    /// Numbers whose change from place to place is guarded along the path.
+    /// Numbers whose change along the path is guarded.
     type Guard: Copy;
 
     /// Derivatives of the unknowns by travel and by the rack in the base design.
     fn slopes(&self) -> [[f64; N]; 2];
-    /// Linearises about unknowns near the pose at a travel. Lanes that have settled keep what the guard needs.
+    /// Linearises about unknowns near the pose at a travel. Settled lanes keep the numbers of their guard.
     fn linear(&mut self, unknowns: &[B; N], rack: B, travel: B, settled: B::Mask) -> Linear<B>;
     /// The unknowns at the travel of the linearisation plus `further`.
     fn moved(&self, unknowns: &[B; N], further: B) -> [B; N];
-    /// Checks unknowns that should be those at a travel.
+    /// Checks and corrects unknowns that should be those at a travel.
     fn corrected(&mut self, unknowns: &[B; N], rack: B, travel: B) -> Corrected<B, N>;
-    /// Accepts lanes that are well conditioned and on their branch. `step` is the change of travel since the guard
-    /// before; it is given on the legs of stations.
+    /// Accepts lanes that are well conditioned and on their branch. `step` is the change of travel since the previous guard.
+    /// It is given only on the legs of stations.
     fn check(
         &self,
         unknowns: &[B; N],
@@ -147,11 +148,11 @@ pub(super) trait Wheel<B: SimdReal, const N: usize> {
         step: Option<B>,
         accepted: &mut Acceptance<B>,
     ) -> Self::Guard;
-    /// The pose of these unknowns.
+    /// Pose with these unknowns.
     fn pose<'p>(&'p self, unknowns: &[B; N], rack: B, travel: B) -> impl LanePose<B> + 'p;
 }
 
-/// The centre and the spin axis of a wheel, fixed to its knuckle.
+/// Centre and spin axis of a wheel, fixed to its knuckle.
 pub(super) struct WheelOnKnuckle<B> {
     pub centre: KnucklePoint<B>,
     pub axis: KnuckleVector<B>,
@@ -167,8 +168,8 @@ impl<B: SimdReal> WheelOnKnuckle<B> {
     }
 }
 
-/// Height of the contact point over the ground's origin at the wanted travel, and its derivative by travel, both to
-/// first order.
+/// Height of the contact point above the ground's origin at the required travel, and its derivative by travel, both to first
+/// order.
 #[inline(always)]
 fn height<B: SimdReal>(ground: Ground<B>, radius: f64, wheel: &Linear<B>) -> [B; 2] {
     let lever = ground.contact_lever(wheel.axis, radius);
@@ -214,30 +215,30 @@ impl<'a> AxleTracker<'a> {
         })
     }
 
-    /// Displacement of the right wheel's rack by the left one's, each in its own frame.
+    /// Ratio of the right wheel's rack displacement to the left one's, each in its own frame.
     pub fn right_rack(&self) -> f64 {
         self.right_rack
     }
 
-    /// Returns true if every station is visited. Stations that coincide or are far out of reach are left out.
+    /// Returns true if the tracker visits every station. It leaves out stations that coincide or are far out of reach.
     pub fn is_complete(&self) -> bool {
         self.routes.iter().all(|route| route.is_complete)
     }
 
-    /// The tracker of a wheel, for the constants of its designs.
+    /// Tracker of a wheel. It makes the constants of the wheel's designs.
     pub fn wheel(&self, side: usize) -> &CornerTracker<'a> {
         &self.wheels[side]
     }
 
-    /// Room for the history of [`AxleTracker::solve`].
+    /// Allocates the history for [`AxleTracker::solve`].
     pub fn history<B: SimdReal>(&self, like: B) -> Vec<B> {
         let places = self.routes.iter().map(|route| route.places.len());
         let unknowns = self.wheels[0].unknowns();
         vec![like.zero(); (2 * unknowns + 1) * places.max().unwrap_or(0)]
     }
 
-    /// Visits the stations of entry `stations` of those given to [`AxleTracker::new`]. The designs, left and right, must
-    /// be of [`AxleTracker::wheel`], and `points` must be the points they were made of.
+    /// Visits the stations of entry `stations` in the list given to [`AxleTracker::new`]. The designs, left and right, must
+    /// be made by [`AxleTracker::wheel`], and `points` must be their points.
     #[inline(always)]
     pub fn solve<B: SimdReal>(
         &self,
@@ -286,7 +287,7 @@ impl<'a> AxleTracker<'a> {
         }
     }
 
-    /// The equations of both wheels, for designs of this tracker.
+    /// Equations of both wheels, for designs of this tracker.
     #[inline(always)]
     fn pair<'w, B, W, V, const N: usize>(
         &'w self,
@@ -315,8 +316,8 @@ impl<'a> AxleTracker<'a> {
     }
 }
 
-/// The equations of both wheels of an axle, each with `N` unknowns. The unknowns are those of the left wheel, those of
-/// the right one, and half the difference of their travels.
+/// Equations of both wheels of an axle, each with `N` unknowns. The unknowns are those of the left wheel, those of the right
+/// one, and half the difference of their travels.
 struct BothWheels<'w, B: SimdReal, W, V, const N: usize> {
     tracker: &'w AxleTracker<'w>,
     wheels: [W; 2],
@@ -325,16 +326,16 @@ struct BothWheels<'w, B: SimdReal, W, V, const N: usize> {
     /// Loaded radius of the wheels, if both stand on one ground.
     radius: Option<f64>,
     visitor: &'w mut V,
-    /// The ground at this place, in the left wheel's frame.
+    /// Ground at this place, in the left wheel's frame.
     ground: Ground<B>,
-    /// Lanes in which the prediction of this place was near.
+    /// Lanes in which the prediction of this place was within its permitted error.
     is_near: B::Mask,
-    /// Lanes in which both contact points rise as their wheels do.
+    /// Lanes in which both contact points rise fast enough with their wheels.
     rises: B::Mask,
 }
 
 impl<B: SimdReal, W, V, const N: usize> BothWheels<'_, B, W, V, N> {
-    /// Rack and travel of left and right wheel at a place.
+    /// [rack displacement, travel] of the left and right wheel at a place. `half` is half the difference of the travels.
     #[inline(always)]
     fn motions(&self, place: &RouteStep, half: B) -> [[B; 2]; 2] {
         let (mean, _) = self.tracker.at(place);
@@ -382,7 +383,7 @@ where
             sine: history[0].constant(roll.sin()),
             cosine: history[0].constant(roll.cos()),
         };
-        // The first steps go by the slopes of the base design.
+        // The first steps use the slopes of the base design.
         let (along_left, along_right) = match self.tracker.drive {
             PairDrive::Heave => (place.along_slope, place.along_slope),
             PairDrive::Roll { half_track, .. } => (
@@ -436,7 +437,7 @@ where
         if round == 1 {
             self.is_near = one.is_near & two.is_near;
         }
-        // A lane that has settled stays where it is.
+        // A settled lane does not change.
         half = B::select(settled, half, half + step);
         left_unknowns = kept(settled, left_unknowns, left.moved(&left_unknowns, step));
         right_unknowns = kept(settled, right_unknowns, right.moved(&right_unknowns, -step));
@@ -481,7 +482,7 @@ where
                 },
             ),
         };
-        // A loop, for the compiler: the guards are the longest piece of the method.
+        // A loop, so that the compiler compiles the guards, the longest piece of the method, only once.
         let mut guards = known;
         let mut wheel = 0;
         while wheel < 2 {
@@ -515,7 +516,7 @@ where
     }
 }
 
-/// [`Wheel::linear`], out of line, for both wheels.
+/// Calls [`Wheel::linear`] as a separate function, for both wheels.
 #[inline(always)]
 fn linear<B: SimdReal, const N: usize, W: Wheel<B, N>>(
     wheel: &mut W,
@@ -530,7 +531,7 @@ fn linear<B: SimdReal, const N: usize, W: Wheel<B, N>>(
     )
 }
 
-/// [`Wheel::corrected`], out of line, for both wheels.
+/// Calls [`Wheel::corrected`] as a separate function, for both wheels.
 #[inline(always)]
 fn corrected<B: SimdReal, const N: usize, W: Wheel<B, N>>(
     wheel: &mut W,

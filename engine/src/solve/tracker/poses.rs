@@ -1,4 +1,4 @@
-//! Tracks a single design, one number at a time; lanes that all hold the same number would gain nothing.
+//! Tracks a single design, one number at a time. Lanes that all hold the same number would be no faster.
 
 use super::{Acceptance, CornerTracker, LanePose, Rejection, Visit};
 use crate::mechanism::Pose;
@@ -6,32 +6,32 @@ use crate::model::{Drive, Mechanism};
 use crate::number::{Matrix3, SimdReal, SimdTask, Vector3, Width};
 use crate::solve::StationOrder;
 
-/// The most ways that are kept, each for a drive, a rack displacement and an order of stations.
+/// Largest number of routes that are kept, each for a drive, a rack displacement and an order of stations.
 const MOST_KEPT: usize = 32;
 
 /// Tracks one design after another of a mechanism.
 #[derive(Clone, Debug)]
 pub(crate) struct PoseTracker<'m> {
     mechanism: &'m Mechanism,
-    /// The design near which others are expected to be.
+    /// Design near which the others are expected.
     base: Vec<Vector3<f64>>,
     width: Width,
     prepared: Vec<PreparedBatch<'m>>,
-    /// Room for the unknowns at the places of a route.
+    /// Buffer for the unknowns at the places of a route.
     history: Vec<f64>,
 }
 
-/// A way through stations, prepared for one drive, rack displacement and list of values.
+/// A route through stations, prepared for one drive, rack displacement and list of values.
 #[derive(Clone, Debug)]
 struct PreparedBatch<'m> {
     drive: Drive,
     rack: f64,
     values: Vec<f64>,
-    /// `None` if the mechanism cannot be tracked.
+    /// Tracker of the route. `None` if the mechanism cannot be tracked.
     tracker: Option<CornerTracker<'m>>,
 }
 
-/// The poses of a design that the tracker found.
+/// Poses of a design that the tracker found.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TrackedPoses {
     /// Pose of each station, or the reason why the tracker has none.
@@ -41,7 +41,7 @@ pub(crate) struct TrackedPoses {
 }
 
 impl TrackedPoses {
-    /// Forgets all poses: until they are tracked, the stations count as not visited.
+    /// Deletes all poses. Until they are tracked, the stations count as not visited.
     pub(crate) fn clear(&mut self, station_order: &StationOrder) {
         self.poses.clear();
         let nowhere = Err(Rejection::NotOnTheWay);
@@ -104,7 +104,7 @@ impl<'m> PoseTracker<'m> {
                 history: &mut self.history,
                 rounds: &mut found.rounds,
             });
-            // Stations that a leg did not reach have the leg's reason.
+            // Stations that a leg did not reach get the leg's reason.
             for (side, rejection) in station_order.sides().into_iter().zip(legs) {
                 if let Some(reason) = rejection {
                     for station in side {
@@ -148,7 +148,7 @@ struct Tracking<'t, 'm> {
     /// Index of the rack displacement, and the displacement.
     number: usize,
     rack: f64,
-    /// Receives the poses by station; empty if poses are not wanted.
+    /// Receives the poses by station. Empty if poses are not requested.
     into: &'t mut [Result<Pose<f64>, Rejection>],
     /// Receives the unknowns, place by place.
     history: &'t mut Vec<f64>,

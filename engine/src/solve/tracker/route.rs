@@ -1,9 +1,9 @@
-//! The route through the stations, and the weights that predict each place from earlier ones.
+//! Route through the stations, and the weights that predict each place from earlier ones.
 //!
-//! Places are visited outward from the design position, up and down in turn, so that a prediction has neighbours on both
+//! Places are visited outward from the design position, alternately up and down, so that a prediction has neighbours on both
 //! sides of the origin. The prediction is the value at the new place of the polynomial through the nearest visited places
-//! (Lagrange's form). The slope is predicted likewise, through fewer places. The weights depend only on the travels and
-//! are the same for every design.
+//! (Lagrange's form). The slope is predicted in the same way, through fewer places. The weights depend only on the travels
+//! and are the same for every design.
 
 use crate::number::Jet;
 use crate::solve::StationOrder;
@@ -13,15 +13,15 @@ const NEIGHBOURS: usize = 8;
 /// Number of places from which slopes are predicted. A slope only corrects the error of a prediction, so fewer places
 /// suffice.
 const NEIGHBOURS_OF_SLOPE: usize = 4;
-/// A value that takes more steps is taken to be out of all reach, and left to the continuation.
+/// Largest number of steps to a value. Values beyond count as out of reach and are left to the continuation.
 const MOST_STEPS: f64 = 1e3;
-/// Weights of places visited before, with their numbers. If there are fewer places, the other entries have weight 0.
+/// Visited places with their weights. If there are fewer places, the other entries have weight 0.
 pub(crate) type Stencil<const PLACES: usize> = [(usize, f64); PLACES];
 
-/// The part of the route that a place belongs to.
+/// Part of the route that a place belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Leg {
-    /// At zero drive, while the rack moves to its displacement and, for wheels that roll, the heave to its value.
+    /// Part at zero drive. The rack moves to its displacement and, for wheels in roll, the heave to its value.
     Rack,
     /// Above the design position.
     Up,
@@ -30,7 +30,7 @@ pub(crate) enum Leg {
 }
 
 impl Leg {
-    /// The side of the design position: 0 up, 1 down.
+    /// Side of the design position: 0 up, 1 down.
     #[inline(always)]
     pub(crate) fn side(self) -> usize {
         usize::from(self == Leg::Down)
@@ -44,27 +44,26 @@ pub(crate) struct RouteStep {
     pub value: f64,
     /// Displacement of the rack.
     pub rack: f64,
-    /// Mean travel of both wheels if these roll; else 0.
+    /// Mean travel of both wheels in roll, else 0.
     pub heave: f64,
-    /// The station at this place; `None` for a place that breaks up a long step.
+    /// Station at this place. `None` for a place that divides a long step.
     pub station: Option<usize>,
     pub leg: Leg,
-    /// Change of the drive from the place before on this leg.
+    /// Change of the drive since the previous place on this leg.
     pub step: f64,
-    /// Predicts the unknowns here, together with the three steps along slopes of the base design that follow.
+    /// Stencil that predicts the unknowns here, together with the three following steps along slopes of the base design.
     pub prediction: Stencil<NEIGHBOURS>,
-    /// Step of the drive along the slope by the drive. The first step has no other prediction.
+    /// Step of the drive, to be multiplied by the slope by the drive. Only the first step uses it.
     pub along_slope: f64,
-    /// Step of the rack along the slope by the rack.
+    /// Step of the rack, to be multiplied by the slope by the rack.
     pub along_rack: f64,
-    /// Step of the heave along the slope by the travel.
+    /// Step of the heave, to be multiplied by the slope by the travel.
     pub along_heave: f64,
-    /// Predicts the slope by the drive here; `None` if there is only one place to predict it from.
+    /// Stencil that predicts the slope by the drive here. `None` if there is only one earlier place.
     pub slope: Option<Stencil<NEIGHBOURS_OF_SLOPE>>,
 }
 
-/// The places in the order in which they are visited: the design position, those on the way of the rack to its
-/// displacement, the stations.
+/// Places in the order of the visit: the design position, those while the rack moves to its displacement, the stations.
 #[derive(Clone, Debug)]
 pub(crate) struct Route {
     pub places: Vec<RouteStep>,
@@ -125,7 +124,7 @@ impl Route {
         };
         let mut places = vec![at_zero(0.0, 0.0, 0)];
         if rack != 0.0 || heave != 0.0 {
-            // Along the longer of both ways.
+            // Uses the larger of both distances.
             let method = rack.abs().max(heave.abs());
             let Some(steps) = steps(0.0, method, longest_of_lead) else {
                 return Route {
@@ -172,7 +171,7 @@ impl Route {
     }
 }
 
-/// The ends of equal steps from one value to another; `None` for too many.
+/// End points of equal steps from one value to another. `None` if there are too many.
 fn steps(from: f64, to: f64, longest: f64) -> Option<Vec<f64>> {
     let count = ((to - from).abs() / longest).ceil().max(1.0);
     (count <= MOST_STEPS).then_some(())?;
@@ -186,7 +185,7 @@ fn steps(from: f64, to: f64, longest: f64) -> Option<Vec<f64>> {
     Some(steps)
 }
 
-/// Extrapolates the line through the two places before, all three being equally far apart.
+/// Extrapolates linearly from the two previous places. All three are equally spaced.
 fn straight_on(number: usize) -> Stencil<NEIGHBOURS> {
     let mut stencil = [(0, 0.0); NEIGHBOURS];
     match number {
@@ -197,10 +196,10 @@ fn straight_on(number: usize) -> Stencil<NEIGHBOURS> {
     stencil
 }
 
-/// Values of the drive in the order of the visit, from zero outward on both sides.
+/// Values of the drive in the order of the visit, outward from zero on both sides.
 struct Visited {
     values: Vec<f64>,
-    /// Indices of the values above zero and of those below.
+    /// Indices of the values above zero, and of those below.
     sides: [Vec<usize>; 2],
 }
 
@@ -214,7 +213,7 @@ impl Visited {
         self.values.push(value);
     }
 
-    /// The indices of the places nearest to a value that is farther out than all places on its side.
+    /// Indices of the places nearest to a value that is farther out than all places on its side.
     fn nearest(&self, value: f64, count: usize) -> Vec<usize> {
         let own = &self.sides[Self::side(value)];
         let across = &self.sides[1 - Self::side(value)];
@@ -229,8 +228,8 @@ impl Visited {
         numbers
     }
 
-    /// For each neighbour j: `part` of the Lagrange weight prod (x - x_m)/(x_j - x_m) and its derivative by x. `first`
-    /// is the index of the place at zero.
+    /// Calls `part` for each neighbour j with the Lagrange weight prod (x - x_m)/(x_j - x_m) and its derivative by x.
+    /// `first` is the index of the place at zero.
     fn stencil<const PLACES: usize>(
         &self,
         value: f64,
@@ -307,7 +306,7 @@ mod tests {
             !Route::through(&order, [rack, 0.0], 0.5, 1.0).is_complete
         };
         assert!(incomplete(&[1.0, 1.0], 0.0));
-        // A value takes up to a thousand steps; beyond it is out of all reach.
+        // A value takes up to a thousand steps. Values beyond are out of reach.
         assert!(!incomplete(&[499.9, -499.9], 999.0));
         assert!(incomplete(&[500.1], 0.0));
         assert!(incomplete(&[1.0], 1000.1));

@@ -1,38 +1,38 @@
-//! The loop from place to place, for any unknowns. It predicts them from earlier places, corrects them by Newton's method
-//! until the residuals are rounding, and guards them.
+//! The loop from place to place, for any number of unknowns. It predicts them from earlier places, corrects them by Newton's
+//! method until the residuals are at rounding level, and guards them.
 
 use super::route::{Leg, RouteStep, Stencil};
 use super::{Acceptance, Rejection};
 use crate::number::SimdReal;
 
-/// The result of tracking a route.
+/// Result of tracking a route.
 #[derive(Clone, Copy)]
 pub struct Tracked<B: SimdReal> {
-    /// Lanes that are accepted to the end, above the design position and below.
+    /// Lanes that are accepted to the end of each leg: [above the design position, below it].
     pub legs: [Acceptance<B>; 2],
-    /// Rounds of corrections, of all lanes together.
+    /// Number of rounds of corrections, for all lanes together.
     pub rounds: u64,
 }
 
 impl<B: SimdReal> Tracked<B> {
-    /// The lanes that are accepted at every station.
+    /// Lanes that are accepted at every station.
     #[inline(always)]
     pub fn everywhere(&self) -> B::Mask {
         self.legs[0].lanes() & self.legs[1].lanes()
     }
 }
 
-/// The equations for the `N` unknowns of a place, and the visitor of the poses that solve them.
+/// Equations for the `N` unknowns of a place, and the visitor of the solved poses.
 pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
-    /// Corrections a lane may take to settle.
+    /// Largest number of corrections for a lane to settle.
     const MOST_ROUNDS: usize;
-    /// Numbers whose change from place to place is guarded along the path.
+    /// Numbers whose change along the path is guarded.
     type Guard: Copy;
 
-    /// The unknowns as predicted from the places before.
+    /// Predicts the unknowns from the previous places.
     fn predict(&mut self, place: &RouteStep, history: &[B]) -> [B; N];
-    /// Makes one correction; the first of a place is round 1. Returns the lanes whose residuals are rounding. Lanes
-    /// that have settled keep their unknowns.
+    /// Makes one correction. The first one of a place is round 1. Returns the lanes whose residuals are at rounding level.
+    /// Settled lanes keep their unknowns.
     fn correct(
         &mut self,
         place: &RouteStep,
@@ -40,8 +40,8 @@ pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
         settled: B::Mask,
         round: usize,
     ) -> B::Mask;
-    /// Accepts lanes that are well conditioned and on their branch, which is judged from the guard of the place before,
-    /// if there is one. Returns the guard of this place.
+    /// Accepts lanes that are well conditioned and on their branch. The guard of the previous place, if there is one,
+    /// determines the branch. Returns the guard of this place.
     fn check(
         &mut self,
         place: &RouteStep,
@@ -49,7 +49,7 @@ pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
         before: &Option<Self::Guard>,
         accepted: &mut Acceptance<B>,
     ) -> Self::Guard;
-    /// Hands over the pose at a station.
+    /// Passes the pose at a station to the visitor.
     fn visit(
         &mut self,
         place: &RouteStep,
@@ -73,14 +73,14 @@ pub(super) fn track<B: SimdReal, const N: usize, E: PlaceEquations<B, N>>(
         rounds: 0,
     };
     let mut last = [None; 2];
-    // Unused stencil entries point at place 0 with weight 0; place 0 is cleared, since 0 times NaN is NaN.
+    // Unused stencil entries refer to place 0 with weight 0. Place 0 is cleared, since 0 times NaN is NaN.
     history[..N].fill(zero);
     for (number, place) in places.iter().enumerate() {
         let side = place.leg.side();
         let mut accepted = tracked.legs[side];
         let predicted = equations.predict(place, history);
         let here = &mut history[N * number..N * (number + 1)];
-        // Later places are predicted from this one, so it must hold numbers even if no lane was accepted.
+        // Later places are predicted from this one, so it must not contain NaN even if no lane was accepted.
         if !B::any(accepted.lanes()) {
             here.copy_from_slice(&predicted);
             continue;
@@ -116,8 +116,8 @@ pub(super) fn track<B: SimdReal, const N: usize, E: PlaceEquations<B, N>>(
     tracked
 }
 
-/// The unknowns predicted from earlier places, plus `along_slopes`: a step along the slopes of the base design, which
-/// predicts the first steps.
+/// Predicts unknowns from earlier places, plus `along_slopes`: a step along the slopes of the base design, which predicts
+/// the first steps.
 #[inline(always)]
 pub(super) fn predicted<B: SimdReal, const N: usize>(
     place: &RouteStep,
@@ -132,8 +132,7 @@ pub(super) fn predicted<B: SimdReal, const N: usize>(
     unknowns
 }
 
-/// The weighted sum of number `unknown` of the `N` numbers of places visited. The nearest place, which is known last,
-/// is added last.
+/// Weighted sum of unknown number `unknown` over the visited places. The nearest place, which is known last, is added last.
 #[inline(always)]
 pub(super) fn weighted<const N: usize, const PLACES: usize, B: SimdReal>(
     weights: &Stencil<PLACES>,
@@ -150,7 +149,7 @@ pub(super) fn weighted<const N: usize, const PLACES: usize, B: SimdReal>(
     sum
 }
 
-/// `yes` where the mask is set, else `no`.
+/// Selects `yes` where the mask is set, else `no`.
 #[inline(always)]
 pub(super) fn kept<B: SimdReal, const N: usize>(mask: B::Mask, yes: [B; N], no: [B; N]) -> [B; N] {
     let mut kept = yes;

@@ -11,7 +11,7 @@ use crate::axle::{Axle, AxleMotion, AxleTime, Coordinate, Motion, WheelMotion};
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Returns true if roll holds the load instead of the mean travel.
+/// Returns true if the roll motion keeps the load constant, not the mean travel.
 fn at_load(
     file: &File,
     section: &file::Motion,
@@ -38,7 +38,8 @@ fn at_load(
     problems.refuse(text.span(), message)
 }
 
-/// The law of the coordinate that moves over time, and its values as the study would write them; `Some(None)` without one.
+/// Time law of the coordinate that moves over time, and its values in units of the study. `Some(None)` if there is no time
+/// law.
 fn over_time(
     section: &file::Motion,
     axle: &Axle,
@@ -85,7 +86,7 @@ struct MotionKeys<'a> {
 type Given = Option<Vec<f64>>;
 
 impl MotionKeys<'_> {
-    /// Refuses a key, or the section if it does not have it.
+    /// Reports an error at a key, or at the section if the key is missing.
     fn refuse<T>(
         &self,
         given: &Option<Spanned<Values>>,
@@ -103,7 +104,7 @@ impl MotionKeys<'_> {
             .collect()
     }
 
-    /// The positions of the wheels, from roll, heave and both travels.
+    /// Positions of the wheels, from roll, heave and both travels.
     fn wheels(
         &self,
         given: (Given, Given, Given, Given),
@@ -154,7 +155,7 @@ impl MotionKeys<'_> {
         })
     }
 
-    /// Rack displacements, with the angles of the steering wheel if these give them.
+    /// Rack displacements, and the angles of the steering wheel if the motion gives angles.
     fn racks(&self, given: (Given, Given), problems: &mut Problems) -> Option<(Vec<f64>, Given)> {
         let by_angle = &self.section.steering_wheel_angle;
         match given {
@@ -182,7 +183,7 @@ impl MotionKeys<'_> {
     }
 }
 
-/// The stations of a motion.
+/// Stations of a motion.
 pub(super) fn motion(
     file: &File,
     section: &Spanned<file::Motion>,

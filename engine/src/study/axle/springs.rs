@@ -9,7 +9,7 @@ use crate::axle::{BumpStop, ForceCurve, Law, SpringLaw};
 use crate::model::Suspension;
 use toml::Spanned;
 
-/// The laws of both springs; the inner `None` without springs.
+/// Laws of both springs. The inner `None` means no springs.
 pub(in crate::study) fn springs(
     file: &File,
     left: &Suspension,
@@ -66,7 +66,7 @@ pub(in crate::study) fn springs(
             let (own_rate, own_force) = (own.rate.as_ref(), own.force.as_ref());
             let given = match &own.force_curve {
                 Some(curve) => (own_rate, own_force, Some(curve)),
-                // Rate or force alone differs from what both have.
+                // The wheel's own rate or force replaces the common one.
                 None => (own_rate.or(rate), own_force.or(force), None),
             };
             spring(given, newtons, section.span(), problems)
@@ -80,7 +80,7 @@ pub(in crate::study) fn springs(
     Some(Some([law(left?), law(right?)]))
 }
 
-/// Rate, force and curve as they are written.
+/// Rate, force and curve as written.
 type GivenSpring<'a> = (
     Option<&'a Number>,
     Option<&'a Number>,
@@ -111,7 +111,7 @@ fn spring(
     }
 }
 
-/// The curve through pairs of length and force; `newtons` is the unit of its forces.
+/// Curve through pairs of length and force. `newtons` is the unit of its forces in N.
 pub(in crate::study) fn force_curve(
     written: &Spanned<Vec<Spanned<Vec<Number>>>>,
     newtons: f64,

@@ -14,10 +14,10 @@ use hardpoint_study_file::value::{Number, Text};
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// The most builds: their values are held in memory.
+/// Largest number of builds. Their values are in memory.
 const MOST_BUILDS: i64 = 100_000;
 
-/// Distance of the seeds of both axles and of the figures.
+/// Difference between the seeds of front axle, rear axle and figures.
 const STREAM: u32 = 0x9e37_79b9;
 
 /// `between`, `at_least` and `at_most` of an entry.
@@ -66,7 +66,7 @@ impl Resolver<'_> {
         Some(met)
     }
 
-    /// The case of this name, in which the results have values.
+    /// Index of the case with this name, in which the results have values.
     pub(super) fn case_of(
         &mut self,
         quantities: &[CarQuantity],
@@ -88,7 +88,7 @@ impl Resolver<'_> {
         Some(case)
     }
 
-    /// The lower and the upper limit of an entry at `place`.
+    /// Lower and upper limit of an entry at `place`.
     pub(super) fn limits(
         &mut self,
         (between, at_least, at_most): Limits<'_>,
@@ -191,7 +191,7 @@ impl Resolver<'_> {
         let seed = u32::try_from(seed).ok()?;
         let of_axle = |number: u32| Tolerance {
             builds: builds as u64,
-            // Streams of their own for both axles and the figures.
+            // Both axles and the figures have separate random streams.
             seed: seed.wrapping_add(number.wrapping_mul(STREAM)),
             aligned: false,
             scatter: Vec::new(),
@@ -218,7 +218,7 @@ impl Resolver<'_> {
         sound.then_some(Some(tolerance))
     }
 
-    /// Adds the contributors that an entry of `scatter` names.
+    /// Adds the sources of scatter that an entry of `scatter` names.
     fn scatter(
         &mut self,
         car: &Car,
@@ -276,7 +276,7 @@ impl Resolver<'_> {
         Some(())
     }
 
-    /// Adds the parts of one axle that scatter, as a study of the axle has them.
+    /// Adds the scattering parts of one axle, as in a study of the axle.
     fn scattered_parts(
         &mut self,
         written: &Spanned<car_file::Scatter>,

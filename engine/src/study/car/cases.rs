@@ -66,7 +66,7 @@ impl Resolver<'_> {
         Some(case)
     }
 
-    /// Choices of a case with this longitudinal acceleration.
+    /// Setting of a case with this longitudinal acceleration.
     fn setting(&mut self, car: &Car, written: &car_file::Case, ax: f64) -> Option<Setting> {
         let mut setting = Case::at_rest("").setting;
         let kinds = [
@@ -126,7 +126,7 @@ impl Resolver<'_> {
         Some(setting)
     }
 
-    /// Refuses a case whose longitudinal forces have no share. A car at rest needs none.
+    /// Refuses a case with longitudinal forces but without their distribution on the axles. A car at rest needs none.
     fn share_is_given(
         &mut self,
         car: &Car,

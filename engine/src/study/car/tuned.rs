@@ -8,9 +8,9 @@ use crate::optimise::{Control, Fit};
 /// A tuned car.
 #[derive(Clone, Debug)]
 pub struct TunedCar {
-    /// End of the best start.
+    /// Result of the best start.
     pub fit: Fit,
-    /// The study with the tuned car.
+    /// Study with the tuned car.
     pub study: CarStudy,
 }
 
@@ -25,7 +25,8 @@ impl CarStudy {
         Ok(TunedCar { fit, study })
     }
 
-    /// The study with other designs of the front and of the rear axle. A wheelbase that the study gives stays.
+    /// Returns the study with other designs of the axles, [front, rear]. If the study gives the wheelbase, it does not
+    /// change.
     pub fn at_design(&self, designs: [Vec<Vector3<f64>>; 2]) -> CarStudy {
         let mut study = self.clone();
         for (end, design) in designs.into_iter().enumerate() {
@@ -42,7 +43,7 @@ impl CarStudy {
 }
 
 impl CarOptimise {
-    /// Keeps these variables, also among those of the axles by themselves.
+    /// Keeps only these variables, also in the lists of the axles alone.
     pub fn retain(&mut self, keeps: impl Fn(&CarVariable) -> bool) {
         let kept: Vec<bool> = self.variables.iter().map(&keeps).collect();
         self.variables.retain(&keeps);

@@ -1,4 +1,4 @@
-//! `[optimise]` of a car: variables, and targets and constraints of load cases and of the axles by themselves.
+//! `[optimise]` of a car: variables; targets and constraints of load cases and of the axles alone.
 
 use super::super::constraints::{each_constraint, visible_change};
 use super::super::names::choose;
@@ -20,14 +20,14 @@ use std::path::Path;
 use std::sync::Arc;
 use toml::Spanned;
 
-/// The most starts of a tuning.
+/// Largest number of starts.
 const MOST_STARTS: i64 = 10_000;
 
-/// What an entry is about.
+/// Subject of an entry.
 enum Place {
-    /// The case of this number is to be found in the study.
+    /// A case, by its name. The index is looked up later.
     Case(Text),
-    /// An axle by itself.
+    /// An axle alone.
     Axle(usize),
 }
 
@@ -123,7 +123,7 @@ impl Resolver<'_> {
         })
     }
 
-    /// The case or the axle that an entry names.
+    /// Finds the case or the axle that an entry names.
     fn place(&mut self, [case, axle]: [&Option<Text>; 2], place: Span<usize>) -> Option<Place> {
         match (case, axle) {
             (Some(case), None) => Some(Place::Case(case.clone())),
@@ -157,7 +157,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// The targets of a case that an entry names.
+    /// Targets of a case from an entry.
     fn target(
         &mut self,
         car: &Car,
@@ -231,7 +231,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// The band of a target of a case.
+    /// Band of a target of a case.
     fn band_of(&mut self, written: &file::Target, place: Span<usize>) -> Option<[f64; 2]> {
         let mut number = |limit: &LimitText, place: Span<usize>| match limit {
             OneOr::One(value) => Some(Number {
@@ -260,7 +260,7 @@ impl Resolver<'_> {
         self.limits((between.as_ref(), low.as_ref(), high.as_ref()), place)
     }
 
-    /// The constraints of a case that an entry names.
+    /// Constraints of a case from an entry.
     fn constraint(
         &mut self,
         car: &Car,
@@ -315,7 +315,7 @@ impl Resolver<'_> {
         Some(quantities.into_iter().map(constraint).collect())
     }
 
-    /// The goals of an axle by itself, read as in a study of the axle.
+    /// Goals of an axle alone, read like those of a study of the axle.
     fn rig(
         &mut self,
         end: usize,
@@ -338,7 +338,7 @@ impl Resolver<'_> {
             name: study.name.clone(),
             text: study.text.clone(),
         });
-        // It was read before.
+        // The file was read before, so errors are already reported.
         let file = parse::parse(&source).ok()?;
         let still = Motion::still();
         let context = Context {
@@ -369,8 +369,8 @@ impl Resolver<'_> {
         }))
     }
 
-    /// Refuses quantities of an axle by itself that depend on rates, where a variable moves one of them: the rig keeps the
-    /// rates of the axle's study.
+    /// Refuses quantities of an axle alone that depend on a rate that a variable moves. The rig keeps the rates of the
+    /// axle's study.
     fn refuse_moved_rates(
         &mut self,
         end: usize,
@@ -406,7 +406,7 @@ impl Resolver<'_> {
 }
 
 impl CarOptimise {
-    /// The part of the tuning that a study of one axle could have.
+    /// Part of the tuning that could be in a study of one axle.
     pub(crate) fn of_axle(&self, end: usize) -> Optimise {
         Optimise {
             side_effects: self.side_effects,
@@ -418,7 +418,7 @@ impl CarOptimise {
     }
 }
 
-/// The tuning of an axle by itself, with these variables and without targets.
+/// Tuning of an axle alone, with these variables and without targets.
 fn without_goals(variables: Vec<Variable>) -> Optimise {
     Optimise {
         starts: 1,
@@ -435,7 +435,7 @@ fn without_goals(variables: Vec<Variable>) -> Optimise {
     }
 }
 
-/// Variables that move hardpoints of an axle, as a study of the axle has them, with their numbers.
+/// Variables that move hardpoints of an axle, in the form of a study of the axle, with their indices.
 fn variables_of(end: usize, variables: &[CarVariable]) -> (Vec<usize>, Vec<Variable>) {
     let own = variables
         .iter()

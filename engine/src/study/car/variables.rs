@@ -11,7 +11,7 @@ use hardpoint_study_file::value::{Number, OneOrMore, Text};
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// The keys that name a part of the car and its move.
+/// Keys that name a part of the car and its move.
 pub(super) struct Written<'a> {
     place: Span<usize>,
     axle: Option<(Span<usize>, Vec<&'a str>)>,
@@ -26,7 +26,7 @@ pub(super) struct Written<'a> {
     percent: Option<&'a Number>,
 }
 
-/// These keys of an entry that may have all of them.
+/// Reads these keys from an entry that has all of them.
 macro_rules! moved_by {
     ($written:expr) => {{
         let own = $written.get_ref();
@@ -62,7 +62,7 @@ impl<'a> Written<'a> {
         moved_by!(written)
     }
 
-    /// A rate or a figure that scatters.
+    /// Keys of a rate or figure that scatters.
     pub(super) fn of_scatter(written: &'a Spanned<car_file::Scatter>) -> Self {
         let own = written.get_ref();
         let axle = own.axle.as_ref();
@@ -83,7 +83,7 @@ impl<'a> Written<'a> {
 }
 
 impl Resolver<'_> {
-    /// Axles that an entry names.
+    /// Indices of the axles that an entry names.
     fn ends(&mut self, own: &Written<'_>) -> Option<Vec<usize>> {
         let Some((place, names)) = &own.axle else {
             return Some(Vec::new());
@@ -101,7 +101,7 @@ impl Resolver<'_> {
         Some(ends)
     }
 
-    /// Part of the car that an entry names: hardpoints with their direction, a rate or a figure of the car.
+    /// Moving part of the car that an entry names: hardpoints with their direction, a rate, or a figure of the car.
     pub(super) fn moves(&mut self, car: &Car, own: &Written<'_>) -> Option<Moves> {
         let ends = self.ends(own)?;
         let has_points = own.hardpoint.is_some() || own.hardpoints.is_some();
@@ -130,8 +130,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// Coordinates of hardpoints. Two axles each have points of these names; the factors are those of the first axle's
-    /// points, then those of the second one's.
+    /// Coordinates of hardpoints. If two axles are named, both have points with these names. The factors are those of the
+    /// first axle's points, then those of the second axle's.
     fn points(&mut self, car: &Car, ends: &[usize], own: &Written<'_>) -> Option<Moves> {
         if own.axis.is_none() && own.direction.is_none() {
             let message = "a hardpoint needs axis = \"x\", \"y\" or \"z\", or a direction";
@@ -154,7 +154,7 @@ impl Resolver<'_> {
             };
             let suspension = &car.axles[*end].left;
             let own = moves::moves(&written, suspension, self.problems)?;
-            // Along a direction each point has several coordinates, one after the other.
+            // With a direction, each point has several consecutive coordinates.
             let per_point = own.len() / named.max(1);
             found.extend(own.iter().enumerate().map(|(place, at)| PointMove {
                 axle: *end,
@@ -166,7 +166,7 @@ impl Resolver<'_> {
         Some(Moves::Hardpoints(found))
     }
 
-    /// Displacement of each hardpoint of each axle per unit of the variable.
+    /// Displacement of each hardpoint of each axle, per unit of the variable.
     fn factors(&mut self, own: &Written<'_>, named: usize, ends: usize) -> Option<Vec<f64>> {
         let count = named * ends;
         let Some(list) = own.factors else {

@@ -19,18 +19,18 @@ use std::ops::Range as Span;
 use std::path::Path;
 use toml::Spanned;
 
-/// The elastic parts of an axle and their tests.
+/// Elastic parts of an axle and their tests.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleComplianceStudy {
-    /// The parts.
+    /// Elastic parts.
     pub parts: AxleCompliance,
     /// Names of the links of a wheel, in the order of [`crate::compliance::Compliance::links`].
     pub link_names: Vec<String>,
-    /// The tests.
+    /// Tests of the parts.
     pub tests: Vec<KcTest>,
-    /// The figures of the tests.
+    /// Figures of the tests.
     pub figures: Vec<TestFigure>,
-    /// Rate of the tyre, force per length.
+    /// Rate of the tyre, in force per length unit.
     pub tyre_rate: Option<f64>,
 }
 
@@ -43,8 +43,8 @@ impl AxleComplianceStudy {
     }
 }
 
-/// The elastic parts of an axle, if they have no error; the inner `None` without elastic parts. `motions` are those of the
-/// study, each with its place in the file.
+/// Elastic parts of an axle. `None` if they have an error, `Some(None)` if there are none. `motions` are those of the study,
+/// each with its place in the file.
 pub(in super::super) fn axle_compliance<'m>(
     file: &File,
     axle: &Axle,
@@ -136,7 +136,7 @@ pub(in super::super) fn axle_compliance<'m>(
     }
 }
 
-/// Parts of the right wheel. They equal those of the left wheel, except where the study gives other rates.
+/// Parts of the right wheel. They equal those of the left wheel, except for rates that the study gives.
 fn right_parts(
     file: &File,
     left: &WheelParts,
@@ -203,7 +203,7 @@ fn right_parts(
     sound.then_some(right)
 }
 
-/// The figures of tests. A motion has no window, and so no secants.
+/// Figures of the tests. A test with a motion has no window, and so no secants.
 fn figures(run: &AxleKcRun<'_>, tests: &[KcTest]) -> Vec<TestFigure> {
     let of_test = |test: &KcTest| {
         let kinds = match test.load.is_motion() {
@@ -234,7 +234,7 @@ fn figures(run: &AxleKcRun<'_>, tests: &[KcTest]) -> Vec<TestFigure> {
     });
     let mut figures: Vec<TestFigure> = Vec::new();
     for figure in named {
-        // If tests differ in their window alone, the first one keeps the name.
+        // If tests differ only in their window, the first one gets the name.
         if !figures.iter().any(|known| known.name() == figure.name()) {
             figures.push(figure);
         }
@@ -283,7 +283,7 @@ fn steering(
     Some((rack, Some(column)))
 }
 
-/// Elastic axles are driven by travels on level pads and the rack.
+/// Refuses motions of elastic axles other than travels on level pads, and the rack.
 fn refuse_motion(place: Span<usize>, motion: &AxleMotion, problems: &mut Problems) -> Option<()> {
     let on_plane = matches!(motion.wheels, WheelMotion::Travels { on_plane: true, .. });
     let message = if motion.time.is_some() {

@@ -16,13 +16,13 @@ use std::path::Path;
 use std::sync::Arc;
 use toml::Spanned;
 
-/// Sine of the angle between an x axis and the vertical below which the z axis must be given: 1 degree.
+/// Sine of the smallest angle, 1 degree, between an x axis and the vertical. Below it the study must give the z axis.
 const UPRIGHT: f64 = 0.01745;
 
-/// Keys of the curves of a bushing.
+/// Keys of the force and torque curves of a bushing.
 const CURVES: [&str; 6] = ["fx", "fy", "fz", "tx", "ty", "tz"];
 
-/// Six numbers, of which `is_right` holds; `default` where the key is missing.
+/// Six numbers that satisfy `is_right`. `default` is used if the key is missing.
 fn six(
     written: &Option<Spanned<Vec<Number>>>,
     default: f64,
@@ -49,7 +49,7 @@ fn six(
     Some(numbers.each_ref().each(|number| number.value))
 }
 
-/// A bushing as written.
+/// Reads a bushing.
 pub(super) fn bushing(
     name: &Text,
     written: &Spanned<file::Bushing>,
@@ -75,7 +75,7 @@ pub(super) fn bushing(
     Some(part)
 }
 
-/// Laws and axes of a bushing, wherever it is.
+/// Laws and axes of a bushing, without its position.
 pub(super) struct Rubber {
     pub(super) shapes: [Shape; 6],
     pub(super) preload: [f64; 6],
@@ -83,7 +83,7 @@ pub(super) struct Rubber {
     pub(super) z_axis: Option<Vector3<f64>>,
 }
 
-/// Laws and axes as written.
+/// Reads laws and axes.
 pub(super) fn rubber(
     name: &Text,
     written: &Spanned<file::Bushing>,
@@ -143,7 +143,7 @@ fn bushing_point(name: &Text, suspension: &Suspension, problems: &mut Problems) 
     found.copied()
 }
 
-/// The laws of a bushing along and about its axes.
+/// Laws of a bushing along and about its axes.
 fn shapes(
     name: &Text,
     written: &Spanned<file::Bushing>,
@@ -213,7 +213,7 @@ fn rising(
     Some(curve)
 }
 
-/// The axes of a bushing must be given by two directions that differ.
+/// Checks that two different directions give the axes of a bushing.
 fn check_axes(
     name: &Text,
     written: &Spanned<file::Bushing>,
@@ -236,7 +236,7 @@ fn check_axes(
     };
     let default = mechanism.constraints.iter().find_map(of);
     let up = Vector3::new(0.0, 0.0, 1.0);
-    // The mount of a strut has z along the strut and x forward.
+    // The mount of a strut has z along the strut, and x forward.
     let (x, z) = match default {
         Some(default) => (part.x_axis.unwrap_or(default), part.z_axis.unwrap_or(up)),
         None => (
@@ -247,7 +247,7 @@ fn check_axes(
     check_directions(name, written, [x, z], part.z_axis.is_some(), problems)
 }
 
-/// The axes of a bushing must be given by two directions that differ.
+/// Checks that two different directions give the axes of a bushing.
 pub(super) fn check_directions(
     name: &Text,
     written: &Spanned<file::Bushing>,
@@ -269,7 +269,7 @@ pub(super) fn check_directions(
     problems.refuse(written.span(), &message)
 }
 
-/// The laws of a bushing in a property file.
+/// Laws of a bushing from a property file.
 fn shapes_of_file(
     name: &Text,
     path: &Text,
@@ -333,7 +333,7 @@ fn shapes_of_file(
     }
 }
 
-/// The law through the points of a property file. A curve that is 0 everywhere is no stiffness.
+/// Law through the points of a property file. A curve that is 0 everywhere means no stiffness.
 fn shape_of_points(
     axis: usize,
     points: &[CurvePoint],
@@ -370,17 +370,17 @@ fn shape_of_points(
     Ok(Shape::Curve { curve, scale })
 }
 
-/// A bushing whose laws came from a file, to be written out in the study's text.
+/// Laws of a bushing from a file, in a form that can be written into the study's text.
 #[derive(Clone, Debug)]
 pub(in super::super) struct BushingText {
     /// Name.
     pub name: String,
-    /// The key of each curve with its points; axes without stiffness have none.
+    /// Key of each curve with its points. Axes without stiffness are left out.
     pub curves: Vec<(&'static str, Vec<[f64; 2]>)>,
 }
 
 impl BushingText {
-    /// The laws of a bushing that a file gave.
+    /// Converts the laws of a bushing that came from a file.
     pub(in super::super) fn of(name: &str, shapes: &[Shape; 6]) -> Self {
         let curves = CURVES.into_iter().zip(shapes);
         let given = curves.filter_map(|(key, shape)| match shape {

@@ -1,4 +1,4 @@
-//! `[links.NAME]`: members that stretch.
+//! `[links.NAME]`: elastic members.
 
 use super::super::error::Problems;
 use super::super::file::{self, File};
@@ -9,7 +9,7 @@ use crate::compliance::{AxialStiffness, Compliance, LinkMember, LinkPart, link_m
 use crate::model::{Constraint, PointId, Suspension};
 use toml::Spanned;
 
-/// A link as written, with its name.
+/// Reads a link with its name.
 pub(super) fn link(
     name: &Text,
     written: &Spanned<file::LinkStiffness>,
@@ -50,7 +50,7 @@ pub(super) fn link(
     Some((known.clone(), part))
 }
 
-/// Refuses members that are elastic twice, and arms of which one leg stretches.
+/// Refuses members with two elastic entries, and arms with only one elastic leg.
 pub(super) fn check_members(
     file: &File,
     suspension: &Suspension,

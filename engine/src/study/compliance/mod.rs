@@ -1,4 +1,4 @@
-//! `[compliance]`, `[bushings.NAME]` and `[links.NAME]`: the elastic parts of one wheel and their tests. `axle.rs` has those
+//! `[compliance]`, `[bushings.NAME]` and `[links.NAME]`: elastic parts of one wheel and their tests. `axle.rs` reads those
 //! of both wheels.
 
 mod axle;
@@ -26,20 +26,20 @@ use crate::model::{Body, Constraint, Suspension};
 use std::path::Path;
 use toml::Spanned;
 
-/// The elastic parts of a study and their tests.
+/// Elastic parts of a study and their tests.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ComplianceStudy {
-    /// The parts.
+    /// Elastic parts.
     pub parts: Compliance,
     /// Names of the links, in the order of [`Compliance::links`].
     pub link_names: Vec<String>,
-    /// The tests.
+    /// Tests of the parts.
     pub tests: Vec<KcTest>,
-    /// Rate of the tyre, force per length.
+    /// Rate of the tyre, in force per length unit.
     pub tyre_rate: Option<f64>,
 }
 
-/// The section `[compliance]`, if it is there and has elastic parts; the inner `None` without both.
+/// Section `[compliance]`. `None` if it has an error, `Some(None)` if it is missing or has no elastic parts.
 fn section<'f>(
     file: &'f File,
     suspension: &Suspension,
@@ -98,7 +98,7 @@ fn section<'f>(
     Some(Some(section))
 }
 
-/// Parts of one wheel as they are read.
+/// Parts of one wheel while they are being read.
 #[derive(Clone)]
 struct WheelParts {
     bushings: Vec<BushingPart>,
@@ -106,7 +106,7 @@ struct WheelParts {
     relaxed: Relaxed,
 }
 
-/// Bushings, except those of these mounts, and links.
+/// Bushings, except those at these mounts, and links.
 fn wheel_parts(
     file: &File,
     section: &Spanned<file::Compliance>,
@@ -138,7 +138,7 @@ impl WheelParts {
         self.links.iter().map(|(name, _)| name.clone()).collect()
     }
 
-    /// The parts with a spring.
+    /// Returns the parts with a spring.
     fn with(self, spring: Option<SpringLaw>) -> Compliance {
         Compliance {
             relaxed: self.relaxed,
@@ -163,13 +163,13 @@ fn check_design_load(
     Some(())
 }
 
-/// Rate of the tyre.
+/// Rate of the tyre. The inner `None` means that the study gives none.
 fn tyre_rate(file: &File, problems: &mut Problems) -> Option<Option<f64>> {
     let rate = file.tyre.as_ref().map(|tyre| tyre.get_ref().rate.clone());
     positive(&rate, problems)
 }
 
-/// The elastic parts of one wheel, if they have no error; the inner `None` without elastic parts.
+/// Elastic parts of one wheel. `None` if they have an error, `Some(None)` if there are none.
 pub(super) fn compliance(
     file: &File,
     suspension: &Suspension,
@@ -217,7 +217,7 @@ pub(super) fn compliance(
     }
 }
 
-/// The remedy where `relaxed` is missing.
+/// Hint for a missing `relaxed`.
 const RELAXED: &str = "relaxed = \"at_design_load\" if the hardpoints describe the loaded car, \"free\" if no bushing has a force there";
 
 fn relaxed(section: &Spanned<file::Compliance>, problems: &mut Problems) -> Option<Relaxed> {
@@ -233,7 +233,7 @@ fn relaxed(section: &Spanned<file::Compliance>, problems: &mut Problems) -> Opti
     choose(text, "value of relaxed", &options, problems)
 }
 
-/// Elastic wheels are driven by travel and rack.
+/// Refuses motions of elastic wheels other than travel and rack.
 fn refuse_motions(file: &File, problems: &mut Problems) -> Option<()> {
     let named = file.motions.values().map(Spanned::get_ref);
     std::iter::once(file.motion.get_ref())
@@ -263,7 +263,7 @@ fn refuse_motion(motion: &file::Motion, problems: &mut Problems) -> Option<()> {
     problems.refuse(span, &message)
 }
 
-/// Refuses a spring that the elastic wheel does not have.
+/// Refuses a spring that the elastic wheel cannot have.
 fn check_spring(
     suspension: &Suspension,
     section: &Spanned<file::Compliance>,

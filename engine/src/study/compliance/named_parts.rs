@@ -1,4 +1,4 @@
-//! The elastic parts of a study by their names.
+//! Elastic parts of a study with their names.
 
 use super::{AxleComplianceStudy, ComplianceStudy};
 use crate::compliance::{AxialStiffness, Parameter, Relaxed, Shape};
@@ -10,18 +10,18 @@ use crate::study::Study;
 pub struct NamedBushing<'s> {
     /// Name.
     pub name: &'s str,
-    /// Laws along and about its axes.
+    /// Laws along and about the axes of the bushing.
     pub shapes: &'s [Shape; 6],
     /// Constant forces and torques.
     pub preload: [f64; 6],
 }
 
-/// The elastic parts of a wheel; of an axle those of the left wheel and the mounts of the subframe.
+/// Elastic parts of a wheel. For an axle: those of the left wheel, and the mounts of the subframe.
 #[derive(Clone, Debug)]
 pub struct NamedParts<'s> {
-    /// The bushings, then the mounts: in the order in which [`crate::compliance::Parameter`] counts them.
+    /// Bushings, then mounts, in the order of the indices in [`crate::compliance::Parameter`].
     pub bushings: Vec<NamedBushing<'s>>,
-    /// The links.
+    /// Links with their stiffness.
     pub links: Vec<(&'s str, AxialStiffness)>,
     /// Rates that are no bushing's or link's, by the names that variables use: spring, anti-roll bar, rack and column.
     pub rates: Vec<NamedRate>,
@@ -43,7 +43,7 @@ pub struct NamedRate {
 }
 
 impl<'s> NamedParts<'s> {
-    /// The parts of a wheel, or else of an axle; `None` without either.
+    /// Parts of a wheel, or else of an axle. `None` if both are missing.
     pub(in super::super) fn of(
         suspension: &'s Suspension,
         of_wheel: Option<&'s ComplianceStudy>,
@@ -115,7 +115,7 @@ impl<'s> NamedParts<'s> {
 }
 
 impl Study {
-    /// The elastic parts by their names; `None` without any.
+    /// Elastic parts with their names. `None` if the study has none.
     pub fn elastic_parts(&self) -> Option<NamedParts<'_>> {
         let of_axle = self.axle().and_then(|both| both.axle.elastic.as_deref());
         NamedParts::of(self.wheel(), self.compliance(), of_axle)

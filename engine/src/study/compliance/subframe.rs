@@ -1,4 +1,4 @@
-//! `[subframe]`: the hardpoints that it holds and its mounts.
+//! `[subframe]`: hardpoints on the subframe, and its mounts.
 
 use super::super::error::Problems;
 use super::super::file::{self, File};
@@ -12,7 +12,7 @@ use crate::number::Vector3;
 use std::path::Path;
 use toml::Spanned;
 
-/// The subframe as written; the inner `None` without one.
+/// Reads the subframe. The inner `None` means that there is none.
 pub(super) fn subframe(
     file: &File,
     suspension: &Suspension,
@@ -79,7 +79,7 @@ pub(super) fn subframe(
     Some(Some(found))
 }
 
-/// Refuses a subframe that holds a part of an arm, of a hinge, of the bar, or the top of a strut.
+/// Refuses a subframe that holds only a part of an arm, a hinge or the anti-roll bar, or that holds the top of a strut.
 fn check_held(
     section: &Spanned<file::Subframe>,
     subframe: &Subframe,
@@ -126,7 +126,7 @@ fn check_held(
     Some(())
 }
 
-/// Refuses springs and anti-roll bars that reach from one body to another in a way that the elastic axle does not have.
+/// Refuses springs and anti-roll bars between bodies that the elastic axle cannot connect.
 pub(super) fn check_reach(
     section: &Spanned<file::Compliance>,
     subframe: Option<&Subframe>,
@@ -137,7 +137,7 @@ pub(super) fn check_reach(
 ) -> Option<()> {
     let mechanism = &suspension.mechanism;
     let is_held = |id: PointId| subframe.is_some_and(|own| own.carries.contains(&id));
-    // The body that holds the arm on which a point stands.
+    // Whether the subframe carries the arm of this point. `None` if the point is not on an arm.
     let under = |id: PointId| match mechanism.body(id) {
         Body::Arm(arm) => Some(is_held(mechanism.arms[arm.0].front)),
         _ => None,

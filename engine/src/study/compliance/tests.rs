@@ -10,10 +10,10 @@ use crate::compliance::{HeldQuantity, KcTest, TestLoad, TestMode};
 use crate::model::{Side, Suspension};
 use toml::Spanned;
 
-/// The most levels of a test.
+/// Largest number of levels in a test.
 const MOST_LEVELS: i64 = 1001;
 
-/// The tests of `[compliance]` of one wheel, or the default ones.
+/// Tests of `[compliance]` for one wheel, or the default tests.
 pub(super) fn tests(
     section: &Spanned<file::Compliance>,
     suspension: &Suspension,
@@ -31,7 +31,7 @@ pub(super) fn tests(
     Some(tests)
 }
 
-/// Refuses the loads and keys of both wheels in a study of one.
+/// Refuses loads and keys of both wheels in a study of one wheel.
 fn refuse_of_axles(written: &file::ComplianceTest, problems: &mut Problems) -> Option<()> {
     let is_roll = written.load.get_ref() == TestLoad::Roll.name();
     let keys = [
@@ -49,10 +49,10 @@ fn refuse_of_axles(written: &file::ComplianceTest, problems: &mut Problems) -> O
     Some(())
 }
 
-/// Words for the anti-roll bar of tests.
+/// Names for the state of the anti-roll bar in a test.
 const BAR: [(&str, bool); 2] = [("connected", true), ("disconnected", false)];
 
-/// The tests of `[compliance]` of an axle, or the default ones.
+/// Tests of `[compliance]` for an axle, or the default tests.
 pub(super) fn tests_of_axle(
     section: &Spanned<file::Compliance>,
     suspension: &Suspension,
@@ -90,7 +90,7 @@ pub(super) fn tests_of_axle(
     Some(tests)
 }
 
-/// A test in the mode that it is written in: of a single wheel, one for each.
+/// Returns a test in its mode. A test of single wheels becomes one test for each wheel.
 fn in_modes(
     written: &file::ComplianceTest,
     test: KcTest,

@@ -1,4 +1,4 @@
-//! Angles of joints, and the drive shaft's plunge.
+//! Constraints on angles of joints, and on the drive shaft's plunge.
 
 use super::super::Limited;
 use super::super::error::Problems;
@@ -36,8 +36,9 @@ impl Reader<'_> {
                 most.value
             )
         };
-        // The versine 1 - cos a = 2 sin^2(a/2) is smooth where the angle itself has a kink, at 0. Its row changes by 1 per
-        // degree at the limit, so that the price of a limit is per degree; `Limited::margin` converts the rest of the way.
+        // The versine 1 - cos a = 2 sin^2(a/2) is smooth at a = 0, where the angle itself has a kink. At the limit its row
+        // changes by 1 per degree, so that the price of a limit is per degree. Elsewhere `Limited::margin` converts to
+        // degrees.
         let versine = |of| Limited {
             of,
             lower: None,
@@ -85,7 +86,7 @@ impl Reader<'_> {
         Some((title(), vec![part]))
     }
 
-    /// The angle of a drive shaft's joint, if it is one.
+    /// Angle of a drive shaft's joint, if `name` is such a joint.
     fn shaft_joint(
         &self,
         name: &Text,
@@ -121,7 +122,7 @@ impl Reader<'_> {
         let (name, ends) = length(written, self.suspension(), problems)?;
         let limits = self.needed_limits(problems)?;
         let [lower, upper] = limits;
-        // In the design position it is nothing.
+        // The plunge is zero in the design position.
         if lower.is_some_and(|low| low > 0.0) || upper.is_some_and(|high| high < 0.0) {
             let message =
                 "a plunge is counted from the design position; expected limits with 0 between them";
@@ -131,8 +132,8 @@ impl Reader<'_> {
         Some((format!("plunge of {name} {}", words(limits)), vec![of]))
     }
 
-    /// The stud of a joint, fixed in the wheel carrier: in the design position it has the direction of
-    /// `[suspension.studs]`, or that of the steering axis.
+    /// Stud of a joint, fixed in the wheel carrier. In the design position it has the direction of `[suspension.studs]`, or
+    /// of the steering axis.
     fn stud(&self, name: &Text, joint: PointId, problems: &mut Problems) -> Option<Stud> {
         let mechanism = &self.suspension().mechanism;
         let studs = &self.context.file.suspension.studs;

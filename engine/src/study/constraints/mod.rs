@@ -1,4 +1,4 @@
-//! `constraints` of `[optimise]`: limits that a design must keep.
+//! `constraints` of `[optimise]`: limits that a design must satisfy.
 
 mod joints;
 mod regions;
@@ -24,7 +24,7 @@ use crate::number::Vector3;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// The constraints, if nothing is wrong with them.
+/// Reads the constraints. `None` if one has an error.
 pub(super) fn constraints(
     section: &file::Optimise,
     context: &Context,
@@ -36,7 +36,7 @@ pub(super) fn constraints(
     each_constraint(&section.constraints, context, problems)
 }
 
-/// The constraints of a list.
+/// Reads the constraints of a list.
 pub(super) fn each_constraint<'w>(
     written: impl IntoIterator<Item = &'w Spanned<Written>>,
     context: &Context,
@@ -60,14 +60,14 @@ struct Reader<'a> {
     context: &'a Context<'a>,
 }
 
-/// The keys of limits.
+/// Keys of limits.
 const LIMITS: [&str; 3] = ["between", "at_least", "at_most"];
 
 /// Lower and upper limit, in the units of the file.
 type Limits = [Option<f64>; 2];
 
 impl Reader<'_> {
-    /// The constraint; through a motion of an axle one for each wheel.
+    /// Reads the constraint. With a motion of an axle there is one for each wheel.
     fn constraint(&self, problems: &mut Problems) -> Option<Vec<Constraint>> {
         let written = self.written;
         if let (Some(both), Some(name)) = (self.context.axle, &written.characteristic)
@@ -142,7 +142,7 @@ impl Reader<'_> {
                            rack (the left wheel), heave, or travel_left and travel_right in [motions.NAME]; or at = \"design\"";
             return problems.refuse(self.place.clone(), message);
         }
-        // Without a named motion, a figure is limited at the design height.
+        // Without a named motion, a test figure is limited at the design height.
         let of_figure =
             |part: &Limited| matches!(part.of, Measure::Elastic(KcValue::Figure { .. }));
         let is_design = is_design || parts.iter().any(of_figure) && written.motion.is_none();
@@ -159,7 +159,7 @@ impl Reader<'_> {
         Some(sites.into_iter().map(of_wheel).collect())
     }
 
-    /// Limits of a quantity of an axle with elastic parts in the design position, one for each wheel that has it.
+    /// Limits of a quantity of an elastic axle in the design position, one for each wheel that has it.
     fn of_elastic_axle(
         &self,
         both: &AxleStudy,
@@ -201,8 +201,8 @@ impl Reader<'_> {
         Some(quantities.iter().map(constraint).collect())
     }
 
-    /// The motion and the rack displacements at which the constraint holds. A motion of an axle is a motion of each wheel,
-    /// in the axes of a left wheel.
+    /// Motion and rack displacements of the constraint. A motion of an axle becomes a motion of each wheel, in the axes of a
+    /// left wheel.
     fn sites(&self, problems: &mut Problems) -> Option<Vec<(Option<Side>, Site)>> {
         let written = self.written;
         let of_axle = written.motion.as_ref().zip(self.context.axle);
@@ -248,7 +248,7 @@ impl Reader<'_> {
         }
         let sign = self.suspension().frame.sign(Axis::Y);
         let of_side = |side: Side| {
-            // As a left wheel, the right one has the rack on the other side.
+            // The right wheel is treated as a left wheel, so its rack moves with the opposite sign.
             let outwards = if side == Side::Left { sign } else { -sign };
             let racks: Vec<f64> = motion.racks.iter().map(|r| outwards * r + 0.0).collect();
             let motion = Motion {
@@ -273,12 +273,12 @@ impl Reader<'_> {
         self.context.suspension
     }
 
-    /// A millimetre in the study's unit: the smallest length that everyone sees.
+    /// Length of 1 mm in the study's unit: the smallest visible length.
     fn length_scale(&self) -> f64 {
         self.suspension().length_unit.per_metre() / 1000.0
     }
 
-    /// `between`, `at_least` and `at_most`.
+    /// Reads `between`, `at_least` and `at_most`.
     fn limits(&self, problems: &mut Problems) -> Option<Limits> {
         let written = self.written;
         let value = |number: &Option<Number>| number.as_ref().map(|n| n.value);
@@ -309,7 +309,7 @@ impl Reader<'_> {
         Some(limits)
     }
 
-    /// Limits, of which at least one is required.
+    /// Reads limits. At least one is required.
     fn needed_limits(&self, problems: &mut Problems) -> Option<Limits> {
         let limits = self.limits(problems)?;
         if limits == [None, None] {
@@ -319,7 +319,7 @@ impl Reader<'_> {
         Some(limits)
     }
 
-    /// Refuses every other key of a kind of constraint that takes these.
+    /// Refuses all keys that are not in `keys`.
     fn takes(&self, keys: &[&str], problems: &mut Problems) {
         self.refuse(|key| !keys.contains(&key), problems);
     }
@@ -458,7 +458,7 @@ impl Reader<'_> {
         Some((name, vec![of]))
     }
 
-    /// The radii of `count` members; zeros if none are given.
+    /// Radii of `count` members. All zero if none are given.
     fn radii(&self, count: usize, problems: &mut Problems) -> Option<Vec<f64>> {
         let Some(radii) = &self.written.radii else {
             return Some(vec![0.0; count]);
@@ -487,7 +487,7 @@ impl Reader<'_> {
         Some(self.suspension().frame.vector(v))
     }
 
-    /// A length within limits.
+    /// A length with limits.
     fn limited(&self, of: Measure, lower: Option<f64>, upper: Option<f64>) -> Limited {
         Limited {
             of,
@@ -499,7 +499,7 @@ impl Reader<'_> {
         }
     }
 
-    /// `coplanar` and `line`.
+    /// Reads `coplanar` and `line`.
     fn aligned(&self, problems: &mut Problems) -> Option<(String, Vec<Limited>)> {
         self.takes(&[], problems);
         let written = self.written;
@@ -548,7 +548,7 @@ impl Reader<'_> {
             let along = (design[ids[1].0] - design[ids[0].0])
                 .to_array()
                 .map(f64::abs);
-            // The two axes that are least along the line: the others follow.
+            // The line has its largest component along `most`. Conditions in the two other axes are sufficient.
             let most = (0..3).max_by(|a, b| along[*a].total_cmp(&along[*b]))?;
             for id in &ids[2..] {
                 for axis in (0..3).filter(|axis| *axis != most) {
@@ -562,7 +562,7 @@ impl Reader<'_> {
     }
 }
 
-/// Returns true if two points define a line, or three a plane, in double precision.
+/// Returns true if two points define a line, or if three define a plane, in double precision.
 fn span_a_flat(points: &[Vector3<f64>]) -> bool {
     let along = points[1] - points[0];
     let farthest = points.iter().map(|p| p.norm()).fold(0.0, f64::max);
@@ -574,7 +574,7 @@ fn span_a_flat(points: &[Vector3<f64>]) -> bool {
         })
 }
 
-/// Limits in words.
+/// Describes limits in words.
 fn words(limits: Limits) -> String {
     match limits {
         [Some(low), Some(high)] if low == high => format!("equal to {low}"),
@@ -585,7 +585,7 @@ fn words(limits: Limits) -> String {
     }
 }
 
-/// The change of a printed value that counts as 1 in the rows of a tuning, a visible one, and the unit in words.
+/// Change of a printed value that counts as 1 in the rows of a tuning: a visible change. Also returns its unit in words.
 pub(super) fn visible_change(unit: Unit, length: LengthUnit) -> (f64, String) {
     let millimetre = length.per_metre() / 1000.0;
     let symbol = length.symbol();

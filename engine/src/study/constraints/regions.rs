@@ -1,4 +1,4 @@
-//! Regions that a point stays in or out of, and rims that members stay inside of.
+//! Regions that a point must stay inside or outside, and rims that members must stay inside.
 
 use super::super::Limited;
 use super::super::error::Problems;
@@ -65,7 +65,7 @@ impl Reader<'_> {
         Some((format!("{} {word} the {what}", name.get_ref()), parts))
     }
 
-    /// A box as its middle and half its edges.
+    /// A box, as its centre and half its edges.
     fn corners(
         &self,
         corners: &Spanned<Vec<Coordinates>>,
@@ -86,7 +86,7 @@ impl Reader<'_> {
         Some([(a + b) * 0.5, half])
     }
 
-    /// A tube: the middle of its axis, the direction and half its length.
+    /// A tube: centre of its axis, direction of the axis, and half its length.
     fn tube(
         &self,
         tube: &file::Cylinder,
@@ -228,8 +228,8 @@ impl Reader<'_> {
         Some((what, vec![self.limited(of, Some(lower), None)]))
     }
 
-    /// Returns true if a point lies on the spin axis in the design position, so that its distance from the axis has
-    /// no derivative.
+    /// Returns true if a point lies on the spin axis in the design position. Its distance from the axis then has no
+    /// derivative.
     fn is_on_spin_axis(&self, PointId(point): PointId) -> bool {
         let suspension = self.suspension();
         let (mechanism, design) = (&suspension.mechanism, &suspension.design);
@@ -242,8 +242,8 @@ impl Reader<'_> {
         away.cross(axis).norm() <= 1e-9 * suspension.size() * axis.norm()
     }
 
-    /// Members that stay inside of the rim as far as they reach into it: of a straight member inside of a round rim the
-    /// ends are nearest to it, or an end and the place where it enters.
+    /// Members that must stay inside the rim over the length that reaches into it. For a straight member inside a round rim,
+    /// the nearest points are its ends, or one end and the point where it enters the rim.
     pub(super) fn members_inside(
         &self,
         names: &Spanned<Vec<Text>>,
@@ -265,7 +265,7 @@ impl Reader<'_> {
         let mut parts = Vec::new();
         for (name, thick) in list.iter().zip(radii) {
             let mut ends = member(name, self.suspension(), problems)?;
-            // The outer end first.
+            // Sorts the outer end first.
             if design[ends[0].0].y < design[ends[1].0].y {
                 ends.reverse();
             }
@@ -276,7 +276,7 @@ impl Reader<'_> {
                 Some(from) => self.limited(Measure::FromSpinAxisAt(ends, from), None, upper),
                 None => self.limited(Measure::FromSpinAxis(inner), None, upper),
             };
-            // What ends on the axis, as a drive shaft does, has a place to enter at only.
+            // A member that ends on the axis, like a drive shaft, is limited only where it enters the rim.
             if !self.is_on_spin_axis(outer) {
                 parts.push(self.limited(Measure::FromSpinAxis(outer), None, upper));
             }
@@ -290,7 +290,7 @@ impl Reader<'_> {
     }
 }
 
-/// The ends of a rim, so far outboard of the wheel centre.
+/// Ends of a rim, as distances outboard of the wheel centre.
 fn rim_ends(
     shape: &file::Region,
     place: Span<usize>,
@@ -306,7 +306,7 @@ fn rim_ends(
     Some(ends)
 }
 
-/// The part of `room` that a gap leaves.
+/// Remainder of `room` after a gap is subtracted.
 fn room_beside(room: f64, gap: f64, place: Span<usize>, problems: &mut Problems) -> Option<f64> {
     if room > gap {
         return Some(room - gap);

@@ -3,19 +3,19 @@
 use std::borrow::Cow;
 use std::io::Write;
 
-/// Appends a number; nothing for NaN, which marks a missing value.
+/// Appends a number. Appends nothing for NaN, which marks a missing value.
 pub fn append_number(value: f64, to: &mut Vec<u8>) {
     if !value.is_nan() {
         to.extend_from_slice(zmij::Buffer::new().format(value).as_bytes());
     }
 }
 
-/// Adds a whole number.
+/// Appends a whole number.
 pub fn append_whole(value: u64, to: &mut Vec<u8>) {
     write!(to, "{value}").expect("memory takes everything");
 }
 
-/// Adds a text, in quotes where it needs them.
+/// Appends a text, in quotes if necessary.
 pub fn append_text(text: &str, to: &mut Vec<u8>) {
     if text.contains([',', '"', '\n']) {
         to.push(b'"');
@@ -26,7 +26,7 @@ pub fn append_text(text: &str, to: &mut Vec<u8>) {
     }
 }
 
-/// Takes a cell off the front of a line, with the comma after it.
+/// Takes a cell from the front of a line, with the comma after it.
 pub(super) fn next_cell<'l>(rest: &mut &'l str) -> Option<Cow<'l, str>> {
     let Some(mut inside) = rest.strip_prefix('"') else {
         let (cell, after) = rest.split_once(',').unwrap_or((rest, ""));

@@ -5,19 +5,19 @@ use crate::curves::Status;
 use crate::evaluate::Block;
 use crate::sweep::SweepPlan;
 
-/// The part of each row that is the same for all designs, and the names of the rest.
+/// Cells of each row that are the same for all designs, and names of the other columns.
 #[derive(Clone, Debug)]
 pub struct CurvesCsv {
-    /// The first line.
+    /// First line.
     pub header: Vec<u8>,
-    /// For each station of the motion, its number in a block and its cells.
+    /// For each station of the motion, its index in a block and its cells.
     stations: Vec<(usize, Vec<u8>)>,
     factors: Vec<f64>,
     stations_of_block: usize,
 }
 
 impl CurvesCsv {
-    /// Curves of a sweep. `places` names the columns that give a place of the motion. `stations` holds the number of each
+    /// Curves of a sweep. `places` names the columns for the coordinates of the motion. `stations` holds the index of each
     /// station in a block and the values of these columns.
     pub fn of(plan: &SweepPlan, places: Vec<String>, stations: Vec<(usize, Vec<f64>)>) -> Self {
         let mut names = vec!["design".to_owned()];
@@ -40,7 +40,7 @@ impl CurvesCsv {
         }
     }
 
-    /// Appends the curves of a block whose first design has this number.
+    /// Appends the curves of a block. `first` is the number of its first design.
     pub fn append(&self, first: u64, block: &Block, to: &mut Vec<u8>) {
         let mut words: Vec<&'static str> = Vec::new();
         for design in 0..block.designs() {

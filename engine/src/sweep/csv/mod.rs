@@ -1,5 +1,5 @@
-//! Finished blocks as CSV, and rows read back. Written in the workers, so that it is done on all threads, while the sweep
-//! runs: so it is here, where everything is optimised, and not beside the other files that a run leaves.
+//! Writes finished blocks as CSV, and reads rows back. The workers write while the sweep runs, on all threads. So this code
+//! is in the engine, where everything is optimised, and not next to the code for other result files.
 
 mod cells;
 mod curves;

@@ -1,17 +1,17 @@
-//! Rows of designs as CSV, both ways.
+//! Writes and reads rows of designs as CSV.
 
 use super::cells::{append_number, append_text, append_whole, next_cell};
 use crate::sweep::{Candidate, Failing, Rows, SweepRecord};
 use std::io::{self, BufRead, ErrorKind};
 
-/// The first line of the rows of a sweep, with its end.
+/// First line of the rows of a sweep, with its line end.
 pub fn rows_header(record: &SweepRecord) -> Vec<u8> {
     let mut line = record.columns().join(",").into_bytes();
     line.push(b'\n');
     line
 }
 
-/// Adds the rows of a block.
+/// Appends the rows of a block.
 pub fn append_rows(rows: &Rows, to: &mut Vec<u8>) {
     for place in 0..rows.designs() {
         append_row(
@@ -24,7 +24,7 @@ pub fn append_rows(rows: &Rows, to: &mut Vec<u8>) {
     }
 }
 
-/// Adds the row of a design that was kept.
+/// Appends the row of a stored design.
 pub fn append_candidate(candidate: &Candidate, to: &mut Vec<u8>) {
     let Candidate {
         design,
@@ -71,7 +71,7 @@ pub struct RowsReader<'r> {
 }
 
 impl<'r> RowsReader<'r> {
-    /// Reads the header, which must be the one of this sweep.
+    /// Reads the header, which must be that of this sweep.
     pub fn new(record: &'r SweepRecord, mut lines: Box<dyn BufRead>) -> io::Result<Self> {
         let mut line = String::new();
         lines.read_line(&mut line)?;
@@ -85,7 +85,7 @@ impl<'r> RowsReader<'r> {
         })
     }
 
-    /// The rows of a block; `None` where the file ends before they do.
+    /// Rows of a block. `None` if the file ends before them.
     pub fn block(&mut self, block: u64) -> io::Result<Option<Rows>> {
         let range = self.record.designs_of(block);
         let mut rows = Rows {

@@ -1,11 +1,11 @@
-//! Requests to the evaluators: for one wheel, elastic parts and an axle.
+//! Requests to the evaluators: for one wheel, for elastic parts and for an axle.
 
 use super::*;
 
-/// Request of a sweep, the derivatives of each column in the design position, and the wanted values of each target.
+/// Request of a sweep, the derivatives of each column in the design position, and the target values of each target.
 pub(super) type Planned<'s> = (Request<'s>, Vec<Vec<Gain>>, Vec<Vec<SweptWish>>);
 
-/// Plans the sweep of a corner with the targets' wanted values.
+/// Plans the sweep of one wheel with the target values.
 pub(super) fn of_corner<'s>(
     suspension: &'s Suspension,
     plan: &Plan,
@@ -48,7 +48,7 @@ pub(super) fn of_corner<'s>(
     (request.with_slopes(|k| !gains[k].is_empty()), gains, wishes)
 }
 
-/// Plans the sweep of a wheel with elastic parts: characteristics over the motion, figures in the design position.
+/// Plans the sweep of a wheel with elastic parts: characteristics over the motion, test figures in the design position.
 pub(super) fn of_elastic<'s>(
     own: &WheelStudy,
     elastic: &ComplianceStudy,
@@ -120,19 +120,19 @@ pub(super) fn of_elastic<'s>(
     )
 }
 
-/// Returns true if a quantity of an axle is a figure of a test.
+/// Returns true if a quantity of an axle is a test figure.
 pub(super) fn is_figure(quantity: &crate::axle::Quantity) -> bool {
     matches!(quantity, crate::axle::Quantity::Figure(_))
 }
 
-/// Plans the sweep of an axle with the targets' wanted values.
+/// Plans the sweep of an axle with the target values.
 pub(super) fn of_axle<'s>(
     both: &'s AxleStudy,
     mut plan: AxlePlan,
     samples: &[Vec<AxleSample>],
     rates: Vec<AxleParameter>,
 ) -> Planned<'s> {
-    // Figures of tests follow, since they are of the design position alone.
+    // Test figures come last, because they apply only to the design position.
     plan.quantities.sort_by_key(is_figure);
     let further = samples.iter().flatten().map(|sample| sample.placement);
     let mut stations = AxleStations::of(Cow::Borrowed(&both.axle), &plan, further);
@@ -165,7 +165,7 @@ pub(super) fn of_axle<'s>(
     (Request::of_axle(stations), gains, wishes)
 }
 
-/// The outputs of a study and its targets, each with its first derivative by the drive.
+/// Outputs of a study and its targets, each with its first derivative by the drive.
 pub(super) fn with_gains(own: &WheelStudy, optimise: Option<&Optimise>) -> Plan {
     let plan = Plan::with_targets(own, optimise);
     let outputs = plan.outputs.iter().filter(|o| !o.quantity.is_rate());

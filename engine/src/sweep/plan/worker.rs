@@ -2,19 +2,19 @@
 
 use super::*;
 
-/// Turns blocks of designs into rows. One for each thread.
+/// Converts blocks of designs to rows. Each thread has one.
 pub struct Worker<'p> {
     pub(super) plan: &'p SweepPlan<'p>,
     pub(super) evaluator: Evaluator<'p>,
     pub(super) block: Block,
     pub(super) designs: Vec<Vector3<f64>>,
-    /// Varied rates of elastic parts, design after design.
+    /// Varying rates of elastic parts, design after design.
     pub(super) rates: Vec<f64>,
     pub(super) rows: Rows,
 }
 
 impl Worker<'_> {
-    /// The rows of a block of the sweep.
+    /// Rows of a block of the sweep.
     pub fn rows(&mut self, block: u64) -> &Rows {
         let SweepPlan {
             record,
@@ -46,22 +46,22 @@ impl Worker<'_> {
         &self.rows
     }
 
-    /// The designs of the last block that were left to be solved one by one, by rising number.
+    /// Indices of the designs of the last block that were solved one by one, in order.
     pub fn one_by_one(&self) -> &[usize] {
         self.evaluator.one_by_one()
     }
 
-    /// Reason why no design is solved in SIMD lanes; `None` if lanes are in use.
+    /// Reason why no design is solved in SIMD lanes. `None` if lanes are in use.
     pub fn not_in_lanes(&self) -> Option<NotInLanes> {
         self.evaluator.not_in_lanes()
     }
 
-    /// Values behind the most recent rows.
+    /// Values from which the latest rows were made.
     pub fn block(&self) -> &Block {
         &self.block
     }
 
-    /// Evaluates the designs and fills in their rows.
+    /// Evaluates the designs and writes their rows.
     fn evaluate(&mut self) {
         let (plan, rows) = (self.plan, &mut self.rows);
         self.evaluator.set_rates(&self.rates);
@@ -74,7 +74,7 @@ impl Worker<'_> {
         plan.failing(&self.block, &mut rows.failing);
     }
 
-    /// The outputs of one design.
+    /// Outputs of one design.
     pub(super) fn row_of(&mut self, design: &[Vector3<f64>]) -> Vec<f64> {
         self.designs.clear();
         self.designs.extend_from_slice(design);

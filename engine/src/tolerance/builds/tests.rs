@@ -1,4 +1,4 @@
-//! Builds in lanes against builds one by one.
+//! Compares builds in lanes with builds one by one.
 
 use super::*;
 use crate::study::Study;
@@ -12,7 +12,7 @@ fn study(name: &str, overrides: &[&str]) -> Study {
     Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// A study of each topology, with rocker and anti-roll bar too, and the adjustments of its toe and camber.
+/// Studies of several topologies, some with rocker and anti-roll bar, and the adjustments of their toe and camber.
 const STUDIES: [(&str, &str); 5] = [
     (
         "macpherson_solve",
@@ -36,7 +36,7 @@ const STUDIES: [(&str, &str); 5] = [
     ),
 ];
 
-/// Every coordinate of every hardpoint off by up to 2 mm, and the length of every member.
+/// Every coordinate of every hardpoint scatters by up to 2 mm, and so does the length of every member.
 fn everything_scattered(name: &str, adjust: &str, aligned: bool) -> Study {
     let plain = study(name, &[]);
     let mechanism = &plain.wheel().mechanism;
@@ -61,8 +61,8 @@ fn everything_scattered(name: &str, adjust: &str, aligned: bool) -> Study {
     )
 }
 
-/// Drawn, put together and solved in lanes, builds of every topology are those that go one by one, aligned or not; and
-/// the same to the bit at any width and whatever their neighbours.
+/// Builds that are drawn, assembled and solved in lanes equal builds one by one, for every topology, aligned or not. They
+/// have the same bits at any width, whatever their neighbours.
 #[test]
 fn builds_in_lanes_are_those_one_by_one() {
     for (name, adjust) in STUDIES {
@@ -110,8 +110,8 @@ fn builds_in_lanes_are_those_one_by_one() {
     }
 }
 
-/// Builds far from the drawing, many of which do not go together: the same rejects, and none that is in lanes but not
-/// one by one.
+/// Builds far from the nominal design, of which many cannot be assembled. Both ways reject the same builds, and no build
+/// succeeds in lanes but not one by one.
 #[test]
 fn builds_that_lanes_refuse_go_one_by_one() {
     for aligned in [false, true] {
@@ -147,7 +147,7 @@ fn builds_that_lanes_refuse_go_one_by_one() {
     }
 }
 
-/// A block of draws is the draws of its builds.
+/// A block of random numbers equals the numbers of its builds.
 #[test]
 fn draws_by_the_block_are_those_by_the_build() {
     let study = study("double_wishbone_tolerance", &[]);

@@ -1,11 +1,11 @@
-//! Largest loads of the tests that an axle carries, and ends of its motions, about the design position.
+//! Largest test loads that an axle carries, and ends of its motions from the design position.
 
 use super::{AxleKcRun, KcTest, end_loads};
 use crate::compliance::ends::EquilibriumEnd;
 use crate::compliance::{AxleWay, NoEquilibrium};
 
 impl AxleKcRun<'_> {
-    /// The least and the largest load of a test that the axle carries, under the conditions of the test.
+    /// Smallest and largest load of a test that the axle carries, under the conditions of the test.
     pub fn load_ends(&self, test: &KcTest) -> Result<[EquilibriumEnd; 2], NoEquilibrium> {
         let here = self.here(test.conditions(), [0.0; 2], 0.0)?;
         let suspension = self.vehicle.suspensions[0];
@@ -15,7 +15,7 @@ impl AxleKcRun<'_> {
         Ok(here.axle.load_ends(&here.at, &unit, test.held, ways))
     }
 
-    /// The least and the largest value of a motion, bar connected and steering wheel held.
+    /// Smallest and largest value of a motion, with the bar connected and the steering wheel held.
     pub fn motion_ends(&self, way: AxleWay) -> Result<[EquilibriumEnd; 2], NoEquilibrium> {
         self.axle.motion_ends(way)
     }

@@ -6,12 +6,12 @@ use crate::compliance::{AxleOnTape, AxleParameter, Parameter, WheelFigures};
 use crate::model::Side;
 use crate::number::{Tape, Tracked};
 
-/// Derivatives of a figure, and those of its secant; `None` where it has no value.
+/// Derivatives of a figure, and those of its secant; `None` without a value.
 pub type FigureGradients = [Option<Vec<f64>>; 2];
 
 impl AxleKcRun<'_> {
-    /// Derivatives of the figures of a test at a station by inputs, in the order of its outcome. Hardpoints and parts of
-    /// both wheels change together. `None` if the station has no equilibrium. `tape` is a work buffer.
+    /// Derivatives of the figures of a test at a station by inputs, in the order of the test's outcome. Hardpoints and parts
+    /// of both wheels change together. `None` if the station has no equilibrium. `tape` is working memory.
     pub fn gradients(
         &self,
         travels: [f64; 2],
@@ -46,7 +46,7 @@ impl AxleKcRun<'_> {
         Some(gradients)
     }
 
-    /// A station over numbers on a tape. The inputs have the first numbers of the tape.
+    /// Station over numbers on a tape. The inputs are the first numbers on the tape.
     pub(crate) fn on_tape<'t>(
         &self,
         conditions: Conditions,
@@ -61,7 +61,7 @@ impl AxleKcRun<'_> {
         Some(Here::of(varied.axle, at))
     }
 
-    /// Secants over the window of a test, with the derivatives of its ends.
+    /// Secants over the window of a test, with the derivatives of the window's ends.
     pub(crate) fn secants_on_tape<'t>(
         &self,
         plain: &Here,

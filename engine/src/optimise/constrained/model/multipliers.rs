@@ -6,9 +6,9 @@ use super::super::KEPT;
 use super::super::solver::RESOLUTION;
 use super::{ConvexModel, Settled};
 
-/// A level binds where it is met to this share of itself.
+/// Relative distance from a level up to which the level binds.
 const BINDING_LEVEL: f64 = 1e-6;
-/// A variable this near to its bound, in half ranges, is at it.
+/// Distance from a bound, in half ranges, up to which a variable counts as at the bound.
 const ON_BOUND: f64 = 1e-12;
 
 /// A constraint that binds.
@@ -50,7 +50,7 @@ impl ConvexModel<'_> {
         self.scale().residual(left, size)
     }
 
-    /// The scale of the goal.
+    /// Scale of the goal.
     fn scale(&self) -> Scale {
         Scale::new(Sizes {
             residuals: self.residuals,
@@ -62,8 +62,8 @@ impl ConvexModel<'_> {
         })
     }
 
-    /// Improves the multipliers of the end of a run: where those of the last program do not balance the slope, those
-    /// that balance it best, over the gradients here and `beside`, are taken.
+    /// Improves the multipliers at the end of a run. If those of the last program do not balance the slope, the function
+    /// takes the multipliers that balance it best. It uses the gradients at this point and those in `beside`.
     pub(in super::super) fn settle_multipliers(&mut self, beside: &[Linearisation]) -> Settled {
         let n = self.half.len();
         let slope: Vec<f64> = (0..n).map(|j| self.goal.gradient(j)).collect();

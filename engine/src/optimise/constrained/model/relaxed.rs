@@ -1,4 +1,4 @@
-//! Rows that exclude one another, relaxed to the least largest violation.
+//! Rows that exclude one another, relaxed by the smallest possible largest violation.
 
 use super::super::super::active_set::{Held, Outcome, Rows};
 use super::super::super::qr::dot;
@@ -6,7 +6,7 @@ use super::super::KEPT;
 use super::ConvexModel;
 
 impl ConvexModel<'_> {
-    /// The largest violation of the kept rows at the point itself.
+    /// Largest violation of the kept rows at the point itself.
     pub(super) fn worst(&self) -> f64 {
         let rows = self.kept_offsets.iter().enumerate();
         rows.fold(0.0_f64, |worst, (k, c)| {
@@ -18,17 +18,17 @@ impl ConvexModel<'_> {
         })
     }
 
-    /// The least largest violation of the kept rows within the bounds, and the rows that keep it from being less.
+    /// Returns the smallest possible largest violation of the kept rows within the bounds, and the rows that limit it.
     /// Relaxes the rows to their values at the point found.
     pub(super) fn relax(&mut self) -> (f64, Vec<Held>) {
         let n = self.half.len();
         let worst = self.worst();
         if worst <= KEPT {
-            // Rounding is in the way: the point itself is as good as any.
+            // Rounding prevented a solution. The point itself is as good as any other.
             self.relaxed.fill(0.0);
             return (self.relax_rows(), Vec::new());
         }
-        // Variables d and t, violations at most t times the worst there is: |t|^2 + (small |d|)^2.
+        // The variables are d and t. Violations are at most t times the worst here. Minimise |t|^2 + (small |d|)^2.
         let small = 1e-5;
         let mut triangle = vec![0.0; (n + 1) * (n + 1)];
         for k in 0..n {
@@ -73,7 +73,7 @@ impl ConvexModel<'_> {
             }
             match held {
                 Held::Row(row) => culprits.push(Held::Row(self.kept[of[row]])),
-                // A bound of the variable itself, not of the radius.
+                // A bound of the variable itself, not the radius.
                 Held::Lower(j) if j < n && self.lower[j] == self.room_below[j] => {
                     culprits.push(held);
                 }

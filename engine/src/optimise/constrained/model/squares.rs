@@ -3,7 +3,7 @@
 use super::super::super::Linearisation;
 use super::super::super::qr::{dot, scale_columns, triangularise};
 
-/// |A d + a|^2 as |R d + q|^2 + rest.
+/// Sum of squares |A d + a|^2, stored as |R d + q|^2 + rest.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Squares {
     pub(super) triangle: Vec<f64>,
@@ -20,7 +20,7 @@ impl Squares {
         }
     }
 
-    /// Reduces residuals, the columns scaled by `width`.
+    /// Reduces residuals and their Jacobian, whose columns are scaled by `width`.
     pub(super) fn reduce(&mut self, of: &Linearisation, width: &[f64], matrix: &mut Vec<f64>) {
         let n = self.offset.len();
         let rows = of.residuals.len().max(n);
@@ -48,7 +48,7 @@ impl Squares {
         columns.fold(0.0, |most, column| dot(column, column).sqrt().max(most))
     }
 
-    /// R d, into `to`.
+    /// Writes R d into `to`.
     pub(super) fn image(&self, d: &[f64], to: &mut [f64]) {
         to.fill(0.0);
         for (j, column) in self.triangle.chunks_exact(d.len()).enumerate() {
@@ -58,14 +58,14 @@ impl Squares {
         }
     }
 
-    /// |A d + a|^2 less |a|^2.
+    /// Difference |A d + a|^2 - |a|^2.
     pub(super) fn change(&self, d: &[f64], scratch: &mut [f64]) -> f64 {
         self.image(d, scratch);
         let image = scratch.iter().zip(&self.offset);
         image.map(|(r, q)| r * (r + 2.0 * q)).sum()
     }
 
-    /// |A d + a|.
+    /// Norm |A d + a|.
     pub(super) fn norm_after(&self, d: &[f64], scratch: &mut [f64]) -> f64 {
         self.image(d, scratch);
         let image = scratch.iter().zip(&self.offset);
@@ -73,7 +73,7 @@ impl Squares {
         (seen + self.rest).sqrt()
     }
 
-    /// The entry j of R^T q.
+    /// Entry j of R^T q.
     pub(super) fn gradient(&self, j: usize) -> f64 {
         let n = self.offset.len();
         dot(&self.triangle[j * n..][..n], &self.offset)

@@ -1,4 +1,4 @@
-//! Trial steps: proposed by the model, evaluated, corrected, accepted or refused.
+//! Trial steps. The model proposes a step; the solver evaluates, corrects, accepts or refuses it.
 
 use super::super::super::{Infeasible, Termination};
 use super::super::Constrained;
@@ -13,11 +13,11 @@ pub(super) struct Trials {
     pub from: [f64; 2],
     /// True if the model has curvature.
     pub curved: bool,
-    /// Reduction of the goal that would not show.
+    /// Reduction of the goal that counts as none.
     pub negligible: f64,
     /// Number of trials.
     pub count: usize,
-    /// Number of evaluations, and of those without a result.
+    /// Number of evaluations, and number of those without a result.
     pub evaluations: u32,
     pub infeasible: u32,
     /// Reason of the last evaluation without a result.
@@ -26,17 +26,17 @@ pub(super) struct Trials {
 
 /// Step that the model proposes.
 struct Step {
-    /// Largest component.
+    /// Largest component of the step.
     length: f64,
-    /// Reduction of the goal.
+    /// Predicted reduction of the goal.
     predicted: f64,
     /// True if the current point is an optimum of the model.
     is_balanced: bool,
 }
 
-/// End of a trial step.
+/// Result of a trial step.
 pub(super) enum Trial {
-    /// Refused; another one follows.
+    /// Refused. Another trial follows.
     Refused,
     /// The run ends at the current point.
     Ended,
@@ -45,7 +45,7 @@ pub(super) enum Trial {
 }
 
 impl SequentialConvex<'_> {
-    /// Proposes a step and evaluates it. An accepted one moves `x`.
+    /// Proposes a step and evaluates it. If the step is accepted, `x` moves.
     pub(super) fn try_step(
         &mut self,
         problem: &mut impl Constrained,
@@ -88,7 +88,7 @@ impl SequentialConvex<'_> {
             }
         }
         if !accepted && self.pair(&self.trial)[1] > trials.from[1].max(KEPT) {
-            // Curvature of the rows is in the way.
+            // The step fails because of the curvature of the rows.
             match self.try_corrected(problem, x, predicted, trials) {
                 Some(is_better) => accepted = is_better,
                 None => return self.try_with_new_rows(x, trials),
@@ -118,7 +118,7 @@ impl SequentialConvex<'_> {
             self.record.end(Termination::ConstraintsExcludeEachOther);
             return true;
         }
-        // Rounding may keep the radius from falling: then the step is as short as it gets.
+        // Rounding may keep the radius from shrinking. The step is then as short as possible.
         trials.count += 1;
         let shortest = self.record.options.step_below.max(RESOLUTION);
         if step.length <= shortest || trials.count > TRIALS {
@@ -130,22 +130,22 @@ impl SequentialConvex<'_> {
         }
         let is_optimum = step.is_balanced && trials.obstacle.is_none();
         if is_optimum && self.model.imbalance() <= BALANCED {
-            // Another step would not show.
+            // A further step would make no visible difference.
             self.record.end(Termination::NoFurtherDescent);
             return true;
         }
         false
     }
 
-    /// Goes on with rows that were not known to move.
+    /// Continues with rows that were not known to move.
     fn try_with_new_rows(&mut self, x: &DVector<f64>, trials: &mut Trials) -> Trial {
         self.count_new_rows(x);
         trials.from = self.pair(&self.current);
         Trial::Refused
     }
 
-    /// Corrects the refused step for the curvature of the rows, and evaluates the corrected one. Returns true if it is better,
-    /// and `None` if it shows new rows.
+    /// Corrects the refused step for the curvature of the rows, and evaluates the corrected one. Returns true if it is
+    /// better, and `None` if it reveals rows that were not known to move.
     fn try_corrected(
         &mut self,
         problem: &mut impl Constrained,
@@ -170,7 +170,7 @@ impl SequentialConvex<'_> {
         }
     }
 
-    /// Goes to the trial, and adapts the radius to how well the model predicted it. Returns the size of the step.
+    /// Moves to the trial, and adapts the radius to the accuracy of the prediction. Returns the size of the step.
     fn accept(&mut self, x: &mut DVector<f64>, step: &Step, from: [f64; 2]) -> f64 {
         let &Step {
             length, predicted, ..

@@ -1,4 +1,4 @@
-//! Every guard of designs with a closed form, at its threshold.
+//! Tests every guard of designs with a closed form at its threshold.
 
 use super::super::boundary::{Judgement, above, below, boundaries, rejection, steady, template};
 use super::super::{CornerTracker, Form, Method};
@@ -13,7 +13,7 @@ fn reason(check: impl FnOnce(&mut Acceptance<f64>)) -> Option<Rejection> {
     accepted.reason(0)
 }
 
-/// The guards at all places of an accepted design, by their formulas and published thresholds.
+/// Judgements of the guards at all places of an accepted design, by their formulas and published thresholds.
 fn judge(
     tracker: &CornerTracker<'_>,
     rack: usize,
@@ -24,7 +24,7 @@ fn judge(
     let (Method::Arm(_), Form::Arm(design)) = (&tracker.method, &lanes.form) else {
         unreachable!("a design with a closed form")
     };
-    // By the size of the base design, as in `STEEPEST`.
+    // Relative to the size of the base design, as in `STEEPEST`.
     let base = template(tracker.mechanism.topology.name);
     let steepest = match tracker.drive {
         Drive::Travel => 3.0 / base.size(),
@@ -47,7 +47,7 @@ fn judge(
             .into_iter()
             .zip(squares)
         {
-            // A sine of one fourth.
+            // The threshold is a sine of one fourth.
             add(
                 guard,
                 Rejection::IllConditioned,
@@ -71,7 +71,7 @@ fn judge(
             Some((known, ..)) if is_on_leg => (tangent - known) / place.step,
             _ if tracker.drive == Drive::ArmAngle => 0.5,
             _ => {
-                // The slope of the half tangent by the travel, by differences of the closed form's own travel.
+                // Slope of the half tangent by the travel, from differences of the closed form's own travel.
                 let travel = |t: f64| {
                     design
                         .form
@@ -113,14 +113,14 @@ fn judge(
     judged
 }
 
-/// For each of these guards there is a strut that only this guard rejects, at its published threshold. The guards of a step
-/// that find none by these lines are held to their thresholds in `a_step_is_guarded_at_its_thresholds`. A far turn in one
-/// step of a leg has no design:
+/// For each of these guards there is a strut that only this guard rejects, at its published threshold. For some guards of a
+/// step the search lines contain no such design; `a_step_is_guarded_at_its_thresholds` tests these. No design is rejected
+/// for a far rotation in one step of a leg:
 ///
 /// - Travel: a step is at most 0.02 sizes, and the extrapolated slope is below 3 per size. With r the slope before and r'
 ///   the slope of the step, 2 r' - r < 3 and r < 3 give r' < 3, so that the tangent changes by less than 0.06 < 0.1.
 /// - Arm's angle: a step of 0.02 rad with a tangent below 0.7 changes it by less than 0.01 (1 + 0.49) < 0.1.
-/// - A step of the rack alone could, where the wheel rises 1.7 times as fast as the rack moves.
+/// - Rack: a step of the rack alone could rotate the arm that far if the wheel rose 1.7 times as fast as the rack moves.
 #[test]
 fn every_guard_rejects_a_design_alone() {
     let suspension = template("macpherson");
@@ -145,11 +145,11 @@ fn every_guard_rejects_a_design_alone() {
     }
 }
 
-/// An arm that turns from its design position to a half tangent of 0.7, and no farther.
+/// An arm rotates from its design position to a half tangent of 0.7, and no farther.
 #[test]
 fn an_arm_is_followed_to_seventy_degrees() {
     let mut suspension = template("macpherson");
-    // A long strut and a long tie rod beside the arm, so that nothing else comes to its end.
+    // The strut and the tie rod beside the arm are long, so that they do not limit the motion.
     let at = |name: &str| suspension.mechanism.point(name).unwrap().0;
     let (top, inner, outer) = (at("strut_top"), at("tie_rod_inner"), at("tie_rod_outer"));
     let (front, joint) = (at("lower_arm_front"), at("lower_ball_joint"));
@@ -182,7 +182,8 @@ fn an_arm_is_followed_to_seventy_degrees() {
     assert!(ends > 0, "one way at least is free up to the guard");
 }
 
-/// Steepness is judged by the size: 3 half tangents per size of travel. If the arm's angle drives, no slope is steep.
+/// The limit of the slope is relative to the size: 3 half tangents per size of travel. If the arm's angle is the drive,
+/// there is no limit.
 #[test]
 fn steepness_is_measured_in_sizes() {
     for topology in ["macpherson", "double_wishbone"] {
@@ -197,7 +198,7 @@ fn steepness_is_measured_in_sizes() {
     }
 }
 
-/// The guards between two places, each at its threshold while all others accept.
+/// Tests the guards between two places, each at its threshold while all others accept.
 #[test]
 fn a_step_is_guarded_at_its_thresholds() {
     let before = BranchGuard {
@@ -228,7 +229,7 @@ fn a_step_is_guarded_at_its_thresholds() {
     for by in [0.100_001, -0.100_001, f64::NAN] {
         assert_eq!(step(turn, by), Some(Rejection::TurnedFar), "{by}");
     }
-    // The slope is extrapolated by the change from the place before: 2 r' - r.
+    // The slope is extrapolated by its change since the previous place: 2 r' - r.
     let slope = |rate: f64| {
         let guard = BranchGuard { rate, ..before };
         reason(|accepted| guard.check_slope(&before, 2.5, accepted))

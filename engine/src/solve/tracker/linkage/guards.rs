@@ -1,4 +1,4 @@
-//! Every guard of designs in six unknowns, at its threshold.
+//! Tests every guard of designs in six unknowns at its threshold.
 
 use super::super::boundary::{Judgement, above, below, boundaries, steady, template};
 use super::super::route::Leg;
@@ -25,8 +25,8 @@ impl Visit<f64> for Nothing {
     fn pose(&mut self, _: usize, _: &impl LanePose<f64>, _: Acceptance<f64>) {}
 }
 
-/// The guards at all places of an accepted design, by their formulas and published thresholds. Each place is corrected again
-/// from its prediction, since the determinants are those of the last step of Newton's method.
+/// Judgements of the guards at all places of an accepted design, by their formulas and published thresholds. Each place is
+/// corrected again from its prediction, since the determinants are those of the last step of Newton's method.
 fn judge(
     tracker: &CornerTracker<'_>,
     rack: usize,
@@ -98,8 +98,8 @@ fn judge(
     judged
 }
 
-/// For each guard of a place there is a design that only this guard rejects, at its published threshold. The guards of a step
-/// that find none by these lines are held to their thresholds in `a_step_is_guarded_at_its_thresholds`.
+/// For each guard of a place there is a design that only this guard rejects, at its published threshold. For some guards of
+/// a step the search lines contain no such design; `a_step_is_guarded_at_its_thresholds` tests these.
 #[test]
 fn every_guard_rejects_a_design_alone() {
     let mut all: BTreeMap<&str, usize> = BTreeMap::new();
@@ -116,7 +116,7 @@ fn every_guard_rejects_a_design_alone() {
     }
 }
 
-/// The guards of a place and between two places, each at its threshold while all others accept.
+/// Tests the guards of a place and between two places, each at its threshold while all others accept.
 #[test]
 fn a_step_is_guarded_at_its_thresholds() {
     let before = BranchGuard {
@@ -137,7 +137,7 @@ fn a_step_is_guarded_at_its_thresholds() {
         for by in [-1.0, 0.0, 0.499_999, 2.000_001, f64::INFINITY, f64::NAN] {
             assert_eq!(step(by), changed, "{k} {by}");
         }
-        // Of the base design's determinants, whatever their sign.
+        // The threshold is relative to the base design's determinants, whatever their sign.
         let place = |by: f64| reason(|accepted| scaled(by).check(&[0.6, 2.0], accepted));
         for by in [0.250_001, -0.250_001, 4.0] {
             assert_eq!(place(by), None, "{k} {by}");
@@ -165,7 +165,7 @@ fn a_step_is_guarded_at_its_thresholds() {
     }
 }
 
-/// A prediction may be wrong by 0.02 sizes and by a turn of 0.02, in each direction.
+/// A prediction may have an error of 0.02 sizes and of 0.02 in rotation, in each direction.
 #[test]
 fn a_prediction_is_near_up_to_a_fiftieth() {
     let suspension = template("five_link");

@@ -1,9 +1,9 @@
-//! The guard of two wheels on one ground, at its threshold.
+//! Tests the guard of two wheels on one ground at its threshold.
 
 use super::super::boundary::{Noise, template};
 use super::*;
 
-/// Least rise of a contact point by the travel of its wheel at the places of an axle.
+/// Smallest rise of a contact point per travel of its wheel, over the places of an axle.
 struct Rises {
     on: [WheelOnKnuckle<f64>; 2],
     radius: f64,
@@ -32,9 +32,9 @@ impl VisitPair<f64> for Rises {
     }
 }
 
-/// Axles of five-link suspensions on wheels so large that tilted ones roll on their sides: bisection from the template to
-/// random designs ends where a contact point rises half as fast as its wheel. Six unknowns have no other guard of this
-/// reason, so that this one alone rejects the neighbour.
+/// Axles of five-link suspensions with wheels so large that tilted ones roll on their sides. Bisection from the template to
+/// random designs ends where a contact point rises half as fast as its wheel. Six unknowns have no other guard with this
+/// reason, so only this guard rejects the neighbour.
 #[test]
 fn contact_points_rise_half_as_fast_as_their_wheels() {
     let suspension = template("five_link");
@@ -90,7 +90,7 @@ fn contact_points_rise_half_as_fast_as_their_wheels() {
         }
         let (reason, least) = follow(&at(low));
         assert_eq!(reason, None);
-        // The guard looks at the prediction, which is that near to the pose.
+        // The guard evaluates the prediction, which is this close to the pose.
         assert!((least - 0.5).abs() < 1e-3, "{least}");
         found += 1;
     }

@@ -28,6 +28,7 @@ class Variable(TypedDict, total=False):
     bushing: str
     stiffness: Literal["x", "y", "z", "tx", "ty", "tz"]
     link: str
+    rate: Literal["spring", "anti_roll_bar", "rack", "column"]
     relative: bool
     factors: ArrayLike
     axis: Axis
@@ -46,6 +47,7 @@ class SweepVariable(TypedDict, total=False):
     bushing: str
     stiffness: Literal["x", "y", "z", "tx", "ty", "tz"]
     link: str
+    rate: Literal["spring", "anti_roll_bar", "rack", "column"]
     relative: bool
     factors: ArrayLike
     axis: Axis
@@ -123,6 +125,7 @@ class Scatter(TypedDict, total=False):
     bushing: str
     stiffness: Literal["x", "y", "z", "tx", "ty", "tz"]
     link: str
+    rate: Literal["spring", "anti_roll_bar", "rack", "column"]
     relative: bool
     side: Side
     axis: Axis

@@ -8,7 +8,7 @@ use super::super::right_wheel;
 use super::super::suspension::above_zero;
 use super::super::value::Text;
 use super::{
-    NamedParts, WheelParts, bushing, check_design_load, check_spring, link, section, subframe,
+    NamedParts, WheelParts, bushing, check_design_load, check_spring, link, section, solid, subframe,
     tests, tyre_rate, wheel_parts,
 };
 use crate::axle::{Axle, AxleMotion, TestFigure, WheelMotion};
@@ -88,6 +88,9 @@ pub(in super::super) fn axle_compliance<'m>(
     let found = wheel_parts(file, section, suspension, &mounts, directory, problems);
     let rates = (rack_rate(file, axle, problems), tyre_rate(file, problems));
     let (own, found, rack_rate, tyre_rate) = (own?, found?, rates.0?, rates.1?);
+    if axle.is_rigid() {
+        solid::check_rigid_links(section, &suspension.mechanism, &found, problems)?;
+    }
     let link_names = found.link_names();
     let right = right_parts(file, &found, suspension, directory, problems)?;
     let springs = setup.springs.clone();
@@ -144,9 +147,13 @@ fn right_parts(
     problems: &mut Problems,
 ) -> Option<WheelParts> {
     let mut right = left.clone();
+    right.remove_singles(&suspension.mechanism);
     let Some(own) = right_wheel::own(file) else {
         return Some(right);
     };
+    if !solid::refuse_single_rates(own, &suspension.mechanism, problems) {
+        return None;
+    }
     let unknown = |name: &Text, section: &str, problems: &mut Problems| {
         let name = (name.get_ref(), name.span());
         let message = format!(

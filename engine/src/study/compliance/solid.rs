@@ -1,0 +1,109 @@
+//! Elastic parts of a solid axle: links of both halves, and those that the axle has once.
+
+use super::super::error::Problems;
+use super::super::file;
+use super::super::value::Text;
+use super::WheelParts;
+use crate::compliance::{BushingPart, LinkMember, LinkPart};
+use crate::model::{Constraint, Mechanism, PointId};
+use toml::Spanned;
+
+/// Most rigid links of a solid axle: two travels and four lengths fix its six unknowns.
+const MOST_RIGID: usize = 4;
+
+/// Returns true for a point that the axle has once.
+fn is_single(mechanism: &Mechanism, id: PointId) -> bool {
+    let rigid = mechanism.rigid_axle.as_ref();
+    rigid.is_some_and(|rigid| rigid.singles.contains(&id))
+}
+
+fn is_single_bushing(mechanism: &Mechanism, part: &BushingPart) -> bool {
+    is_single(mechanism, part.point)
+}
+
+fn is_single_link(mechanism: &Mechanism, part: &LinkPart) -> bool {
+    match part.member {
+        LinkMember::Rod { inner, .. } => is_single(mechanism, inner),
+        LinkMember::RockerRod(_) => false,
+    }
+}
+
+impl WheelParts {
+    /// Puts the parts that the axle has once behind all others, so that those of both halves have the same numbers.
+    pub(super) fn order(&mut self, mechanism: &Mechanism) {
+        self.bushings
+            .sort_by_key(|part| is_single_bushing(mechanism, part));
+        self.links
+            .sort_by_key(|(_, part)| is_single_link(mechanism, part));
+    }
+
+    /// Takes away the parts that the axle has once: they belong to its left half.
+    pub(super) fn remove_singles(&mut self, mechanism: &Mechanism) {
+        self.bushings
+            .retain(|part| !is_single_bushing(mechanism, part));
+        self.links
+            .retain(|(_, part)| !is_single_link(mechanism, part));
+    }
+}
+
+/// Refuses rates of the right half for a part that the axle has once. Returns true if there are none.
+pub(super) fn refuse_single_rates(
+    own: &file::OwnRight,
+    mechanism: &Mechanism,
+    problems: &mut Problems,
+) -> bool {
+    let once = |name: &&Text| {
+        let ends = ["", "_chassis"].map(|end| format!("{}{end}", name.get_ref()));
+        let mut ends = ends.iter().filter_map(|name| mechanism.point(name));
+        ends.any(|id| is_single(mechanism, id))
+    };
+    let names = own.bushings.keys().chain(own.links.keys());
+    let found: Vec<&Text> = names.filter(once).collect();
+    for name in &found {
+        let message = format!(
+            "the axle has {} once: expected its rates in [bushings] or [links] alone",
+            name.get_ref()
+        );
+        problems.add(name.span(), message);
+    }
+    found.is_empty()
+}
+
+/// Refuses more rigid links than a solid axle moves with.
+pub(super) fn check_rigid_links(
+    section: &Spanned<file::Compliance>,
+    mechanism: &Mechanism,
+    parts: &WheelParts,
+    problems: &mut Problems,
+) -> Option<()> {
+    let mut rigid = Vec::new();
+    for constraint in &mechanism.constraints {
+        let Constraint::Link { inner, outer } = *constraint else {
+            continue;
+        };
+        let is_elastic = parts
+            .links
+            .iter()
+            .any(|(_, part)| part.member == LinkMember::Rod { inner, outer })
+            || parts
+                .bushings
+                .iter()
+                .any(|part| part.point == inner || part.point == outer);
+        if !is_elastic && !mechanism.is_far(inner) {
+            let count = if is_single(mechanism, inner) { 1 } else { 2 };
+            rigid.extend(std::iter::repeat_n(mechanism.link_name(inner), count));
+        }
+    }
+    if rigid.len() <= MOST_RIGID {
+        return Some(());
+    }
+    rigid.dedup();
+    let message = format!(
+        "{} rigid links bind in roll: {} are rigid",
+        MOST_RIGID + 1,
+        rigid.join(", ")
+    );
+    let error = problems.add(section.span(), message);
+    error.help("give axial_stiffness in [links.NAME], or bushings, to at least one of them");
+    None
+}

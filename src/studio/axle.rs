@@ -135,7 +135,7 @@ fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan
         quantities.extend(new.collect::<Vec<_>>());
     }
     let has_derivative =
-        |q: &Quantity| axle.elastic.is_none() || not_in_equilibrium(*q, true).is_none();
+        |q: &Quantity| axle.elastic.is_none() || not_in_equilibrium(*q, axle.kind(), true).is_none();
     // The page may request any quantity, but some have no second derivatives.
     let derivatives = match quantities.iter().all(has_derivative) {
         true => plan.derivatives.min(1),

@@ -38,7 +38,8 @@ mod system;
 mod wheel;
 
 pub use axle::{
-    AxleChange, AxleCompliance, AxleEquilibrium, AxleOnTape, AxleTangent, AxleWay, ElasticAxle,
+    AxleChange, AxleCompliance, AxleEquilibrium, AxleOnTape, AxlePlace, AxleTangent, AxleWay,
+    ElasticAxle,
 };
 pub use characteristics::not_of_equilibrium;
 pub use definition::{

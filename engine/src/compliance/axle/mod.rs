@@ -1,5 +1,6 @@
 //! An axle of two elastic wheels, coupled by rack, anti-roll bar and subframe.
 
+mod body;
 mod corners;
 mod definition;
 mod derivatives;
@@ -8,6 +9,7 @@ mod equations;
 mod solve;
 mod tape;
 
+pub use body::AxlePlace;
 pub use definition::AxleCompliance;
 pub use derivatives::{AxleChange, AxleTangent};
 pub use ends::AxleWay;

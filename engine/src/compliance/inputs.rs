@@ -122,17 +122,20 @@ pub(super) fn law_of<'c, 't>(
     parameter: Parameter,
 ) -> Option<&'c mut Tracked<'t>> {
     match parameter {
-        Parameter::Stiffness(bushing, axis) => match &mut parts.bushings.get_mut(bushing)?.shapes[axis] {
-            Shape::Cubic { rate, .. } => Some(rate),
-            Shape::Curve { scale, .. } => Some(scale),
-        },
-        Parameter::Cubic(bushing, axis) => match &mut parts.bushings.get_mut(bushing)?.shapes[axis] {
+        Parameter::Stiffness(bushing, axis) => {
+            match &mut parts.bushings.get_mut(bushing)?.shapes[axis] {
+                Shape::Cubic { rate, .. } => Some(rate),
+                Shape::Curve { scale, .. } => Some(scale),
+            }
+        }
+        Parameter::Cubic(bushing, axis) => match &mut parts.bushings.get_mut(bushing)?.shapes[axis]
+        {
             Shape::Cubic { cubic, .. } => Some(cubic),
             Shape::Curve { .. } => None,
         },
         Parameter::Preload(bushing, axis) => {
             Some(&mut parts.bushings.get_mut(bushing)?.preload[axis])
-        },
+        }
         Parameter::AxisX(bushing, axis) => {
             let given = parts.bushings.get_mut(bushing)?.x_axis.as_mut();
             given.map(|direction| &mut direction[axis])

@@ -53,12 +53,10 @@ pub fn not_in_equilibrium(
         Quantity::Wheel(..) => rigid,
         Quantity::Axle(A::MeanSteer | A::Track | A::TrackChange) => None,
         Quantity::Axle(A::BarTorque) => once,
-        Quantity::Axle(
-            A::AxleSteer | A::PinionAngle | A::AxleLateral | A::AxleLongitudinal,
-        ) => None,
-        Quantity::Axle(A::RollCentreHeight | A::RollCentreLateral)
-            if kind == AxleKind::Solid =>
-        {
+        Quantity::Axle(A::AxleSteer | A::PinionAngle | A::AxleLateral | A::AxleLongitudinal) => {
+            None
+        }
+        Quantity::Axle(A::RollCentreHeight | A::RollCentreLateral) if kind == AxleKind::Solid => {
             once
         }
         Quantity::Axle(_) => rigid,

@@ -69,11 +69,7 @@ impl<T: Scalar> ElasticAxle<T> {
     /// Height of the roll centre, and its place to the left of the middle of both contact points. With v the velocity of the
     /// body at that middle and w its angular velocity along equal opposite travels, the centre of the motion in front view
     /// is v.y/w.x above the middle, and -v.z/w.x to its left. `None` for wheels that move by themselves.
-    pub fn roll_centre(
-        &self,
-        at: &AxleEquilibrium<T>,
-        tangent: &AxleTangent<T>,
-    ) -> Option<[T; 2]> {
+    pub fn roll_centre(&self, at: &AxleEquilibrium<T>, tangent: &AxleTangent<T>) -> Option<[T; 2]> {
         if !self.is_joined() {
             return None;
         }

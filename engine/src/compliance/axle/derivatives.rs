@@ -62,11 +62,7 @@ impl<T: Scalar> ElasticAxle<T> {
     }
 
     /// Rate of all unknowns along a change of an input.
-    pub(super) fn rate(
-        &self,
-        tangent: &AxleTangent<T>,
-        change: &AxleChange<T>,
-    ) -> AxleStep<T> {
+    pub(super) fn rate(&self, tangent: &AxleTangent<T>, change: &AxleChange<T>) -> AxleStep<T> {
         let zero = self.like();
         let equations = &tangent.equations;
         let mut wheels = [[zero; MOST]; 2];

@@ -66,7 +66,11 @@ impl<T: Scalar> ElasticAxle<T> {
         let wheel = |side: usize| {
             let own = &parts.wheels[side];
             let half = reference.map(|reference| HalfOfAxle {
-                reference: if side == 0 { reference } else { mirrored(reference) },
+                reference: if side == 0 {
+                    reference
+                } else {
+                    mirrored(reference)
+                },
                 has_singles: side == 0,
             });
             let of_axle = OfAxle {
@@ -334,8 +338,7 @@ const SHARED_NAME: &str = "the subframe, rack or anti-roll bar";
 /// `None` for wheels that move by themselves.
 fn common_reference(suspensions: [&Suspension; 2]) -> Option<Vector3<f64>> {
     suspensions[0].mechanism.rigid_axle.as_ref()?;
-    let [left, right] =
-        suspensions.map(|wheel| wheel.design[wheel.mechanism.wheel_centre.0]);
+    let [left, right] = suspensions.map(|wheel| wheel.design[wheel.mechanism.wheel_centre.0]);
     Some((left + mirrored(right)) * 0.5)
 }
 

@@ -8,8 +8,8 @@ use super::super::right_wheel;
 use super::super::suspension::above_zero;
 use super::super::value::Text;
 use super::{
-    NamedParts, WheelParts, bushing, check_design_load, check_spring, link, section, solid, subframe,
-    tests, tyre_rate, wheel_parts,
+    NamedParts, WheelParts, bushing, check_design_load, check_spring, link, section, solid,
+    subframe, tests, tyre_rate, wheel_parts,
 };
 use crate::axle::{Axle, AxleMotion, TestFigure, WheelMotion};
 use crate::compliance::{AxleCompliance, AxleKcRun, AxleVehicle, KcTest, TestLoad};

@@ -80,8 +80,7 @@ fn roll_stiffness<T: Scalar>(here: &Here<T>) -> Option<T> {
     let (axle, at) = here.links.as_ref()?;
     let one = axle.travel(at, Side::Left).one();
     let tangent = axle.tangent(at, HeldQuantity::WheelHeight)?;
-    let by: [WheelFigures<T>; 2] =
-        axle.figures_along(&tangent, &AxleChange::Travels([-one, one]));
+    let by: [WheelFigures<T>; 2] = axle.figures_along(&tangent, &AxleChange::Travels([-one, one]));
     let [angle, moment] = roll((axle, at), &by);
     Some(moment / angle)
 }

@@ -88,9 +88,6 @@ pub(in super::super) fn axle_compliance<'m>(
     let found = wheel_parts(file, section, suspension, &mounts, directory, problems);
     let rates = (rack_rate(file, axle, problems), tyre_rate(file, problems));
     let (own, found, rack_rate, tyre_rate) = (own?, found?, rates.0?, rates.1?);
-    if axle.is_rigid() {
-        solid::check_rigid_links(section, &suspension.mechanism, &found, problems)?;
-    }
     let link_names = found.link_names();
     let right = right_parts(file, &found, suspension, directory, problems)?;
     let springs = setup.springs.clone();

@@ -5,11 +5,7 @@ use super::super::file;
 use super::super::value::Text;
 use super::WheelParts;
 use crate::compliance::{BushingPart, LinkMember, LinkPart};
-use crate::model::{Constraint, Mechanism, PointId};
-use toml::Spanned;
-
-/// Most rigid links of a solid axle: two travels and four lengths fix its six unknowns.
-const MOST_RIGID: usize = 4;
+use crate::model::{Mechanism, PointId};
 
 /// Returns true for a point that the axle has once.
 fn is_single(mechanism: &Mechanism, id: PointId) -> bool {
@@ -67,43 +63,4 @@ pub(super) fn refuse_single_rates(
         problems.add(name.span(), message);
     }
     found.is_empty()
-}
-
-/// Refuses more rigid links than a solid axle moves with.
-pub(super) fn check_rigid_links(
-    section: &Spanned<file::Compliance>,
-    mechanism: &Mechanism,
-    parts: &WheelParts,
-    problems: &mut Problems,
-) -> Option<()> {
-    let mut rigid = Vec::new();
-    for constraint in &mechanism.constraints {
-        let Constraint::Link { inner, outer } = *constraint else {
-            continue;
-        };
-        let is_elastic = parts
-            .links
-            .iter()
-            .any(|(_, part)| part.member == LinkMember::Rod { inner, outer })
-            || parts
-                .bushings
-                .iter()
-                .any(|part| part.point == inner || part.point == outer);
-        if !is_elastic && !mechanism.is_far(inner) {
-            let count = if is_single(mechanism, inner) { 1 } else { 2 };
-            rigid.extend(std::iter::repeat_n(mechanism.link_name(inner), count));
-        }
-    }
-    if rigid.len() <= MOST_RIGID {
-        return Some(());
-    }
-    rigid.dedup();
-    let message = format!(
-        "{} rigid links bind in roll: {} are rigid",
-        MOST_RIGID + 1,
-        rigid.join(", ")
-    );
-    let error = problems.add(section.span(), message);
-    error.help("give axial_stiffness in [links.NAME], or bushings, to at least one of them");
-    None
 }

@@ -1,0 +1,1 @@
+//! The commands with five links of a solid axle.

@@ -29,6 +29,21 @@ pub(super) const PANHARD: Points = &[
     ("panhard_axle", "Panhard rod at the axle"),
 ];
 
+pub(super) const FIVE_LINKS: Points = &[
+    ("upper_link_chassis", "upper link at the body"),
+    ("upper_link_axle", "upper link at the axle"),
+    PANHARD[2],
+    PANHARD[3],
+];
+
+/// Coordinates of the points of [`FIVE_LINKS`].
+pub(super) const FIVE_LINKS_PLACES: [[f64; 3]; FIVE_LINKS.len()] = [
+    [440.0, 370.0, 445.0],
+    [15.0, 350.0, 475.0],
+    PANHARD_PLACES[2],
+    PANHARD_PLACES[3],
+];
+
 pub(super) const WATT: Points = &[
     PANHARD[0],
     PANHARD[1],

@@ -193,7 +193,7 @@ pub fn made(kind: Kind, scatter: Scatter, random: &mut Random, further: &str) ->
 pub const STILL: &str = "[motion]\nheave = [0.0]\n";
 
 pub fn study(text: &str) -> AxleStudy {
-    let read = Study::from_text("solid.toml", text, Path::new(""));
+    let read = Study::elastic_from_text("solid.toml", text, Path::new(""));
     let read = read.unwrap_or_else(|errors| panic!("{errors}\n{text}"));
     read.axle().expect("an axle").clone()
 }

@@ -16,7 +16,7 @@ fn text(kind: Kind) -> String {
 }
 
 fn refusal(text: &str) -> String {
-    match Study::from_text("solid.toml", text, Path::new("")) {
+    match Study::elastic_from_text("solid.toml", text, Path::new("")) {
         Ok(_) => panic!("accepted:\n{text}"),
         Err(errors) => errors.to_string(),
     }

@@ -122,9 +122,7 @@ impl Composed<'_> {
             .filter(|(part, ..)| self.has(*part))
             .collect();
         if lateral.len() > 1 {
-            return Err(
-                "one of panhard, watt and five_links holds an axle sideways".to_owned(),
-            );
+            return Err("one of panhard, watt and five_links holds an axle sideways".to_owned());
         }
         for (part, name, points, places) in lateral {
             if self.topology.hardpoint("panhard_axle").is_none() {

@@ -12,7 +12,8 @@ const MOTION: &str = "[motion]                         # every combination is a 
                       travel_right = { from = -50.0, to = 50.0, steps = 5 }\n";
 
 /// Targets of the roll test in place of those of a rigid axle.
-const TARGETS: &str = "  { figure = \"steer_by_roll\", between = [-0.02, 0.02], tolerance = 0.005 },\n";
+const TARGETS: &str =
+    "  { figure = \"steer_by_roll\", between = [-0.02, 0.02], tolerance = 0.005 },\n";
 
 /// Adds a spring and the stiffness of the links to the text of a solid axle.
 pub(super) fn with_links(text: &str) -> String {

@@ -62,7 +62,7 @@ fn a_sweep_reads_designs_as_their_studies_do() {
         let design_station = 2;
         let least = |name: &str, station: usize| {
             let column = alone.columns.iter().position(|c| c.name == name)?;
-            alone.stations[station].value(column).ok()
+            alone.stations[station].value(column)
         };
         for (k, name) in columns.iter().enumerate() {
             let found = rows.outputs[design * columns.len() + k];
@@ -128,7 +128,7 @@ fn a_tuning_meets_its_targets_with_exact_slopes() {
         }
     }
     let tuning = tune(&study.vehicle, optimise, Control::default()).unwrap();
-    let best = &tuning.best[0];
+    let best = tuning.best.as_ref().unwrap();
     let residuals = at(&best.offsets).residuals;
     assert!(
         residuals.iter().all(|r| r.abs() < 1e-3),

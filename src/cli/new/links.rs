@@ -2,6 +2,10 @@
 
 use std::fmt::Write as _;
 
+/// First line of the template, and that with five links.
+const FOUR: &str = "# A solid rear axle on four links. Every";
+const FIVE: &str = "# A solid rear axle on five links that stretch: two lower and two upper links, and a Panhard rod.\n# Every";
+
 /// Quantities of a solid axle in equilibrium, and results of its roll test.
 const OUTPUTS: &str = "[\"axle_steer\", \"axle_lateral\", \"pinion_angle\", \"roll_centre_height\", \"wheel_load\", \"steer_by_roll\", \
                        \"compliant_roll_stiffness\", \"link_roll_stiffness\", \"lower_link_tension\", \"upper_link_tension\"";
@@ -18,6 +22,10 @@ const TARGETS: &str =
 /// Adds a spring and the stiffness of the links to the text of a solid axle.
 pub(super) fn with_links(text: &str) -> String {
     let has_rod = text.contains("\npanhard_axle ");
+    let text = match has_rod && !text.contains("\nsingle = ") {
+        true => text.replace(FOUR, FIVE),
+        false => text.to_owned(),
+    };
     let mut written = String::new();
     let mut is_motion = false;
     for line in text.lines() {
@@ -40,15 +48,18 @@ pub(super) fn with_links(text: &str) -> String {
         } else if is_target && line.contains("\"roll_steer\"") {
             written += TARGETS;
         } else if !is_target && !is_of_spring(line) {
-            written = written + line + "\n";
+            // The lines that are left out stand between two empty ones.
+            let is_second = line.is_empty() && written.ends_with("\n\n");
+            written += if is_second { "" } else { line };
+            written += if is_second { "" } else { "\n" };
         }
     }
     written += SECTIONS;
     for link in ["lower_link", "upper_link"] {
-        let _ = write!(written, "[links.{link}]\naxial_stiffness = 15000.0\n\n");
+        let _ = write!(written, "[links.{link}]\naxial_stiffness = 8000.0\n\n");
     }
     if has_rod {
-        written += "[links.panhard]\naxial_stiffness = 15000.0\n";
+        written += "[links.panhard]\naxial_stiffness = 8000.0\n";
     }
     written
 }

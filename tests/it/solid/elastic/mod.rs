@@ -225,6 +225,33 @@ pub fn results(axle: &ElasticAxle, at: &AxleEquilibrium) -> Vec<f64> {
     found
 }
 
+/// Number of a link among those of a half.
+pub fn number_of(study: &AxleStudy, name: &str) -> usize {
+    let names = &study
+        .axle
+        .elastic
+        .as_ref()
+        .expect("elastic parts")
+        .link_names;
+    names.iter().position(|own| own == name).expect("a link")
+}
+
+/// Tensions in the order of the second formulation's links. Its second link of a name is that of the right half.
+pub fn tensions(
+    made: &Made,
+    study: &AxleStudy,
+    axle: &ElasticAxle,
+    at: &AxleEquilibrium,
+) -> Vec<f64> {
+    let own = Side::ALL.map(|side| axle.tensions(at, side));
+    let links = &made.axle.links;
+    let of = |(k, link): (usize, &Link)| {
+        let is_second = links[..k].iter().any(|before| before.name == link.name);
+        own[usize::from(is_second)][number_of(study, &link.name)]
+    };
+    links.iter().enumerate().map(of).collect()
+}
+
 /// True for the results that are angles.
 pub fn is_angle(number: usize) -> bool {
     matches!(number, 0 | 1 | 8 | 9 | 16 | 17)

@@ -52,7 +52,7 @@ fn parts_and_motions_of_rigid_axles_are_refused() {
         (format!("{three}{}", right("upper_link")), "once"),
         (format!("{five}{}", right("middle_link")), "middle_link"),
         (
-            five.replace("[links.panhard]", "[links.panhard_rod]"),
+            five.replace("[links.panhard]", "[links.panhrd]"),
             "did you mean \"panhard\"",
         ),
         (five.replace("heave = [0.0]", "roll = [0.0]"), "roll needs"),

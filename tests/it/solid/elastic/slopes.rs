@@ -1,7 +1,7 @@
 //! Derivatives by travels, hardpoints and rates against the exact linearisation of the second formulation.
 
 use super::second::{Axle, Input};
-use super::{Kind, STILL, Scatter, elastic, is_angle, made, results, study};
+use super::{Kind, STILL, Scatter, elastic, is_angle, made, number_of, study};
 use crate::support::random::Random;
 use hardpoint::axle::axle_curves;
 use hardpoint::compliance::{AxleOnTape, AxleParameter, ElasticAxle, Parameter};
@@ -69,7 +69,7 @@ fn derivatives_by_hardpoints_and_rates_are_those_of_the_second_formulation() {
         let mut parameters: Vec<AxleParameter> = Vec::new();
         let mut scales = Vec::new();
         let names = ["lower_link", "upper_link", "panhard"];
-        for (link, name) in names.into_iter().enumerate() {
+        for name in names {
             if kind == Kind::FourLink && name == "panhard" {
                 continue;
             }
@@ -89,7 +89,7 @@ fn derivatives_by_hardpoints_and_rates_are_those_of_the_second_formulation() {
                 .collect();
             scales.push(0.01 * made.axle.links[own[0]].rate);
             inputs.push(Input::Rate(own));
-            parameters.push(Parameter::Link(link).into());
+            parameters.push(Parameter::Link(number_of(&study, name)).into());
         }
         let sides = Side::ALL.map(|side| study.axle.suspension(side));
         let designs = sides.map(|side| &side.design[..]);
@@ -251,11 +251,13 @@ fn gradients_of_link_figures_are_those_of_whole_studies() {
     let travels = [25.0, -10.0];
     let mechanism = &study.axle.left.mechanism;
     let id = mechanism.point("upper_link_axle").unwrap();
-    let parameters = [Parameter::Link(1), Parameter::Point(id, Axis::Z)];
+    let upper = number_of(&study, "upper_link");
+    let parameters = [Parameter::Link(upper), Parameter::Point(id, Axis::Z)];
     let values = |change: [f64; 2]| -> Vec<(String, f64)> {
         let mut parts = elastic.parts.clone();
         for wheel in &mut parts.wheels {
-            let hardpoint::compliance::AxialStiffness::Rate(rate) = &mut wheel.links[1].stiffness
+            let hardpoint::compliance::AxialStiffness::Rate(rate) =
+                &mut wheel.links[upper].stiffness
             else {
                 panic!("a rate");
             };
@@ -303,5 +305,4 @@ fn gradients_of_link_figures_are_those_of_whole_studies() {
     }
     // Two links of each half, the rod, its stiffness alone and with springs.
     assert_eq!(seen, 7, "{base:?}");
-    let _ = results;
 }

@@ -202,6 +202,11 @@ fn the_template_runs_in_all_commands() {
         assert_eq!(ran.status.code(), Some(0), "{arguments:?}: {said}");
         if arguments[0] == "limits" {
             assert!(said.contains("Five rigid links"), "{said}");
+            // The parts that give way, and poses that a small push would leave.
+            assert!(
+                said.contains("gives way") && said.contains("not stable"),
+                "{said}"
+            );
         }
         if arguments[0] == "check" {
             assert!(
@@ -239,4 +244,26 @@ fn the_template_runs_in_all_commands() {
     let ran = hardpoint(&["kc", "rigid.toml"], here);
     assert_ne!(ran.status.code(), Some(0));
     assert!(String::from_utf8_lossy(&ran.stderr).contains("[links.NAME]"));
+}
+
+/// Every figure that the tests of elastic axles have is a name that the schema knows.
+#[test]
+fn the_schema_knows_the_figures() {
+    let schema = hardpoint::study::schema().to_string();
+    let samples = [
+        "solid_axle_five_links.toml",
+        "subframe_axle_compliance.toml",
+    ];
+    for name in samples {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("studies")
+            .join(name);
+        let study = elastic(&std::fs::read_to_string(path).unwrap());
+        let axle = &study.axle().unwrap().axle;
+        assert!(axle.figures().len() > 30);
+        for figure in axle.figures() {
+            let name = format!("\"{}\"", figure.quantity);
+            assert!(schema.contains(&name), "{name}");
+        }
+    }
 }

@@ -48,6 +48,10 @@ fn parts_and_motions_of_rigid_axles_are_refused() {
     let three = text(Kind::ThreeLinkPanhard);
     let right = |name: &str| format!("[axle.right.links.{name}]\naxial_stiffness = 500.0\n");
     for (text, reason) in [
+        (
+            format!("{five}[links.right_lower_link]\naxial_stiffness = 500.0\n"),
+            "no link",
+        ),
         (format!("{five}{}", right("panhard")), "once"),
         (format!("{three}{}", right("upper_link")), "once"),
         (format!("{five}{}", right("middle_link")), "middle_link"),

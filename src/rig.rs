@@ -169,7 +169,10 @@ fn check_rigid(suspension: &Suspension) -> Result<(), String> {
 /// Rigid mechanism of an axle, with its tests.
 fn rigid_axle(study: &AxleStudy) -> Result<AxleComplianceStudy, String> {
     if study.axle.is_rigid() {
-        return Err("`hardpoint kc` is not available for solid axles".to_owned());
+        return Err(
+            "`hardpoint kc` of a solid axle needs links that stretch: expected [compliance], and axial_stiffness in [links.NAME]"
+                .to_owned(),
+        );
     }
     let suspension = &study.axle.left;
     check_rigid(suspension)?;

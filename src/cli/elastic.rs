@@ -15,6 +15,9 @@ const DOUBTFUL_RATE: f64 = 1e6;
 /// Names the commands that accept elastic parts.
 const COMMANDS: &str = "`hardpoint kc` runs the tests; `solve`, `sweep`, `optimise`, `tolerance` and `compare` have the \
                         elastic parts, too.";
+/// The same for a solid axle.
+const COMMANDS_OF_SOLID: &str = "`hardpoint kc` runs the tests; `solve`, `sweep`, `optimise`, `limits` and `compare` have \
+                                 the elastic parts, too.";
 
 /// Prints the elastic parts, and the wheel in the design position.
 pub(super) fn check(
@@ -52,7 +55,11 @@ pub(super) fn check_axle(
         let names: Vec<&str> = names.map(|id| study.wheel().mechanism.name(*id)).collect();
         out.say(&format!("\nThe subframe holds {}.\n", names.join(", ")))?;
     }
-    out.say(&format!("\nEverything else is rigid. {COMMANDS}\n"))?;
+    let commands = match axle.axle.is_rigid() {
+        true => COMMANDS_OF_SOLID,
+        false => COMMANDS,
+    };
+    out.say(&format!("\nEverything else is rigid. {commands}\n"))?;
     let complete = say_axle_design(&mut out, axle, elastic)?;
     out.finish()?;
     Ok(Exit::of(complete))

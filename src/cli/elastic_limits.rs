@@ -330,11 +330,19 @@ pub(super) fn of_axle(
     }
     let at = with_rack("travels 0");
     push_loads(&mut sheet, &elastic.tests, &at, |test| run.load_ends(test));
-    let limits = axle.limits();
-    let limits = limits.map_err(|f| stop(axle.describe_fault(f)))?;
-    for (mut row, range) in travel_rows(axle, &limits) {
-        row.at = RIGID.to_owned();
-        sheet.table.push(row.of(study, &range.lower, &range.upper));
+    match axle.left.mechanism.has_extra_links() {
+        true => sheet.notes.push(
+            "Five rigid links do not move in roll: there are no limits with all parts rigid."
+                .to_owned(),
+        ),
+        false => {
+            let limits = axle.limits();
+            let limits = limits.map_err(|f| stop(axle.describe_fault(f)))?;
+            for (mut row, range) in travel_rows(axle, &limits) {
+                row.at = RIGID.to_owned();
+                sheet.table.push(row.of(study, &range.lower, &range.upper));
+            }
+        }
     }
     let failures = Solved::of(&motion_alone(study)).map_err(stop)?.failures();
     let failures = failures

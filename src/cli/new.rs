@@ -3,6 +3,7 @@
 mod bushings;
 mod compose;
 mod fittings;
+mod links;
 mod sections;
 
 use super::exit::{Exit, Stop};
@@ -47,7 +48,10 @@ enum Part {
     Panhard,
     /// Watt linkage and a single upper link of a solid axle
     Watt,
-    /// Rubber bushings, for `hardpoint kc`
+    /// Panhard rod beside two upper links of a solid axle, with the stiffness of all five links
+    #[value(name = "five_links")]
+    FiveLinks,
+    /// Rubber bushings, for `hardpoint kc`; links that stretch of a solid axle
     Bushings,
 }
 
@@ -168,7 +172,8 @@ mod tests {
             let all: Vec<Part> = Part::value_variants()
                 .iter()
                 .copied()
-                .filter(|part| *part != Part::Bushings && study(topology, &[*part]).is_ok())
+                .filter(|part| ![Part::Bushings, Part::FiveLinks].contains(part))
+                .filter(|part| study(topology, &[*part]).is_ok())
                 .collect();
             let alone = all.iter().map(|part| vec![*part]);
             let without = |left_out: &[Part]| {
@@ -215,6 +220,9 @@ mod tests {
                 &[Part::Bushings, Part::Axle, Part::AntiRollBar],
                 &[Part::Bushings, Part::Optimise],
                 &[Part::Bushings, Part::Axle, Part::Optimise],
+                &[Part::Bushings, Part::Panhard, Part::Sweep],
+                &[Part::FiveLinks],
+                &[Part::FiveLinks, Part::AntiRollBar, Part::Optimise],
             ];
             for parts in parts {
                 let Ok(text) = study(topology, parts) else {
@@ -234,6 +242,7 @@ mod tests {
             "five_link",
             "semi_trailing_arm",
             "trailing_arm_two_links",
+            "solid_axle",
         ];
         assert!(
             expected.iter().all(|name| names.contains(name)),

@@ -213,14 +213,12 @@ impl<'a> Ini<'a> {
     /// Writes the section `[AXLE]`. Returns the ends of its links.
     fn links(&mut self) -> Vec<PointId> {
         let mechanism = &self.outgoing.study.wheel().mechanism;
-        let ends: Vec<[PointId; 2]> = mechanism
-            .constraints
-            .iter()
-            .filter_map(|row| match row {
-                Constraint::Link { inner, outer } => Some([*inner, *outer]),
-                _ => None,
-            })
-            .collect();
+        let held = mechanism.constraints.iter().filter_map(|row| match row {
+            Constraint::Link { inner, outer } => Some([*inner, *outer]),
+            _ => None,
+        });
+        let extra = mechanism.rigid_axle.iter().flat_map(|own| &own.extra_links);
+        let ends: Vec<[PointId; 2]> = held.chain(extra.copied()).collect();
         let place = |id: PointId| self.outgoing.place(self.side, id);
         let far = mechanism.rigid_axle.as_ref().map(|axle| axle.far_centre);
         let far = far.map_or(self.centre(), place);

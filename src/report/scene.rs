@@ -168,6 +168,11 @@ fn bodies(mechanism: &Mechanism) -> Vec<SceneBody> {
             | Constraint::AxleTravel { .. } => {}
         }
     }
+    let extra = rigid.iter().flat_map(|rigid| &rigid.extra_links);
+    for [inner, outer] in extra {
+        add(BodyKind::Link, named(*inner), &[&[*inner, *outer]]);
+        joints.push(*outer);
+    }
     if let Some(spring) = mechanism.spring
         && strut != Some((spring.upper, spring.lower))
     {

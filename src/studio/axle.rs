@@ -134,8 +134,9 @@ fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan
         let new = named.into_iter().filter(|q| !quantities.contains(q));
         quantities.extend(new.collect::<Vec<_>>());
     }
-    let has_derivative =
-        |q: &Quantity| axle.elastic.is_none() || not_in_equilibrium(*q, true).is_none();
+    let has_derivative = |q: &Quantity| {
+        axle.elastic.is_none() || not_in_equilibrium(*q, axle.kind(), true).is_none()
+    };
     // The page may request any quantity, but some have no second derivatives.
     let derivatives = match quantities.iter().all(has_derivative) {
         true => plan.derivatives.min(1),

@@ -276,7 +276,7 @@ impl Quantity {
                 | A::DriveLoadTransfer,
             ) => rigid,
             Quantity::Axle(_) => true,
-            Quantity::Figure(_) => !rigid,
+            Quantity::Figure(_) => kind != AxleKind::TwistBeam,
         }
     }
 

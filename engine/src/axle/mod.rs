@@ -258,7 +258,7 @@ impl Axle {
     /// Returns true if the study gives all inputs of a quantity.
     pub fn has(&self, quantity: Quantity) -> bool {
         let in_equilibrium =
-            self.elastic.is_none() || not_in_equilibrium(quantity, false).is_none();
+            self.elastic.is_none() || not_in_equilibrium(quantity, self.kind(), false).is_none();
         let needs = quantity.info().needs;
         in_equilibrium && quantity.is_of(self.kind()) && needs.iter().all(|need| self.meets(*need))
     }

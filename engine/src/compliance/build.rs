@@ -46,6 +46,8 @@ pub(super) enum LinkPlace {
 #[derive(Clone, Debug)]
 pub(super) struct Built<T> {
     pub(super) system: System<T>,
+    /// The carrier's reference point in the design position.
+    pub(super) reference: Vector3<T>,
     pub(super) bushings: Vec<BushingPlace>,
     pub(super) links: Vec<LinkPlace>,
     /// Names of the limbs, for messages.
@@ -58,6 +60,17 @@ pub(super) struct OfAxle<'a, T> {
     pub(super) subframe: Option<&'a Subframe<T>>,
     /// Rate of the anti-roll bar: torque per angle between its levers.
     pub(super) bar_rate: Option<T>,
+    /// The half of a solid axle that is this wheel's.
+    pub(super) half: Option<HalfOfAxle>,
+}
+
+/// A half of a body that carries both wheels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HalfOfAxle {
+    /// Reference point of the body, in the axes of this side.
+    pub(super) reference: Vector3<f64>,
+    /// True for the half that has the links in the middle.
+    pub(super) has_singles: bool,
 }
 
 /// Builder that assembles a system step by step.
@@ -66,6 +79,7 @@ struct Builder<'a, T> {
     design: &'a [Vector3<T>],
     compliance: &'a Compliance<T>,
     of_axle: OfAxle<'a, T>,
+    reference: Vector3<T>,
     system: System<T>,
     bushings: Vec<Option<BushingPlace>>,
     links: Vec<Option<LinkPlace>>,
@@ -89,7 +103,11 @@ impl<T: Scalar> Built<T> {
         compliance: &Compliance<T>,
         of_axle: OfAxle<'_, T>,
     ) -> Self {
-        let origin = design[mechanism.origin.0];
+        let own = design[mechanism.origin.0];
+        let origin = match of_axle.half {
+            Some(half) => half.reference.map(|c| own.x.constant(c)),
+            None => own,
+        };
         let wheel = WheelPart {
             centre: design[mechanism.wheel_centre.0] - origin,
             spin_axis: DesignedSpinAxis::of(mechanism, design).direction,
@@ -100,6 +118,7 @@ impl<T: Scalar> Built<T> {
             design,
             compliance,
             of_axle,
+            reference: origin,
             system: System {
                 limbs: Vec::new(),
                 bushings: Vec::new(),
@@ -123,6 +142,7 @@ impl<T: Scalar> Built<T> {
         let mounts = builder.subframe();
         let bushings = builder.bushings.into_iter().flatten();
         Built {
+            reference: builder.reference,
             system: builder.system,
             bushings: bushings.chain(mounts).collect(),
             links: builder.links.into_iter().flatten().collect(),
@@ -138,7 +158,15 @@ impl<T: Scalar> Builder<'_, T> {
 
     /// Vector from the carrier's reference point to a point.
     fn on_carrier(&self, id: PointId) -> Vector3<T> {
-        self.at(id) - self.at(self.mechanism.origin)
+        self.at(id) - self.reference
+    }
+
+    /// Returns true for a link of the other half of a solid axle.
+    fn is_elsewhere(&self, inner: PointId) -> bool {
+        let (Some(half), Some(rigid)) = (self.of_axle.half, &self.mechanism.rigid_axle) else {
+            return false;
+        };
+        rigid.is_far(inner) || (!half.has_singles && rigid.singles.contains(&inner))
     }
 
     /// Body that holds a point of the vehicle.
@@ -259,6 +287,7 @@ impl<T: Scalar> Builder<'_, T> {
                 continue;
             }
             match constraint {
+                Constraint::Link { inner, .. } if self.is_elsewhere(inner) => {}
                 Constraint::Link { inner, outer } => self.link(inner, outer),
                 Constraint::StrutLine { top, lower, upper } => self.strut(top, lower, upper),
                 Constraint::Revolute { first, second } => self.hinge(first, second),

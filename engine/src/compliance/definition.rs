@@ -201,10 +201,12 @@ impl<T> Compliance<T> {
 }
 
 /// The hardpoints that may have a bushing, in the order of the mechanism's points.
+/// Of a solid axle those of the left half and those that it has once.
 pub fn bushing_points(mechanism: &Mechanism) -> Vec<PointId> {
     let mut points = Vec::new();
     for constraint in &mechanism.constraints {
         match *constraint {
+            Constraint::Link { inner, .. } if mechanism.is_far(inner) => {}
             Constraint::Link { inner, outer } => {
                 let of_arm = mechanism.arms.iter().any(|arm| arm.outer == outer);
                 points.push(inner);
@@ -222,11 +224,14 @@ pub fn bushing_points(mechanism: &Mechanism) -> Vec<PointId> {
     points
 }
 
-/// The members that may have axial stiffness, with their names.
+/// The members that may have axial stiffness, with their names. Of a solid axle those of the left half and those that it
+/// has once.
 pub fn link_members(mechanism: &Mechanism) -> Vec<(String, LinkMember)> {
     let mut members = Vec::new();
     for constraint in &mechanism.constraints {
-        if let Constraint::Link { inner, outer } = *constraint {
+        if let Constraint::Link { inner, outer } = *constraint
+            && !mechanism.is_far(inner)
+        {
             let name = mechanism.link_name(inner).to_owned();
             members.push((name, LinkMember::Rod { inner, outer }));
         }

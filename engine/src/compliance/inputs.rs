@@ -84,26 +84,34 @@ impl AxleParameter {
 
 impl Compliance {
     /// Sets the rate of a bushing, a link or a linear spring; of a bushing's curve, the factor of its forces. Other
-    /// parameters have none.
+    /// parameters have none. Nor has the right half of a solid axle those of parts that the axle has once.
     pub fn set_rate(&mut self, parameter: Parameter, value: f64) {
         let number = match parameter {
-            Parameter::Stiffness(bushing, axis) => match &mut self.bushings[bushing].shapes[axis] {
-                Shape::Cubic { rate, .. } => rate,
-                Shape::Curve { scale, .. } => scale,
-            },
-            Parameter::Link(link) => match &mut self.links[link].stiffness {
-                AxialStiffness::Rate(rate) => rate,
-                AxialStiffness::PerStrain(force) => force,
-            },
+            Parameter::Stiffness(bushing, axis) => {
+                let part = self.bushings.get_mut(bushing);
+                part.map(|part| match &mut part.shapes[axis] {
+                    Shape::Cubic { rate, .. } => rate,
+                    Shape::Curve { scale, .. } => scale,
+                })
+            }
+            Parameter::Link(link) => {
+                let part = self.links.get_mut(link);
+                part.map(|part| match &mut part.stiffness {
+                    AxialStiffness::Rate(rate) => rate,
+                    AxialStiffness::PerStrain(force) => force,
+                })
+            }
             Parameter::SpringRate => {
                 if let Some(law) = &mut self.spring {
                     law.set_rate(value);
                 }
-                return;
+                None
             }
-            _ => return,
+            _ => None,
         };
-        *number = value;
+        if let Some(number) = number {
+            *number = value;
+        }
     }
 }
 
@@ -122,24 +130,29 @@ pub(super) fn law_of<'c, 't>(
     parameter: Parameter,
 ) -> Option<&'c mut Tracked<'t>> {
     match parameter {
-        Parameter::Stiffness(bushing, axis) => match &mut parts.bushings[bushing].shapes[axis] {
-            Shape::Cubic { rate, .. } => Some(rate),
-            Shape::Curve { scale, .. } => Some(scale),
-        },
-        Parameter::Cubic(bushing, axis) => match &mut parts.bushings[bushing].shapes[axis] {
+        Parameter::Stiffness(bushing, axis) => {
+            match &mut parts.bushings.get_mut(bushing)?.shapes[axis] {
+                Shape::Cubic { rate, .. } => Some(rate),
+                Shape::Curve { scale, .. } => Some(scale),
+            }
+        }
+        Parameter::Cubic(bushing, axis) => match &mut parts.bushings.get_mut(bushing)?.shapes[axis]
+        {
             Shape::Cubic { cubic, .. } => Some(cubic),
             Shape::Curve { .. } => None,
         },
-        Parameter::Preload(bushing, axis) => Some(&mut parts.bushings[bushing].preload[axis]),
+        Parameter::Preload(bushing, axis) => {
+            Some(&mut parts.bushings.get_mut(bushing)?.preload[axis])
+        }
         Parameter::AxisX(bushing, axis) => {
-            let given = parts.bushings[bushing].x_axis.as_mut();
+            let given = parts.bushings.get_mut(bushing)?.x_axis.as_mut();
             given.map(|direction| &mut direction[axis])
         }
         Parameter::AxisZ(bushing, axis) => {
-            let given = parts.bushings[bushing].z_axis.as_mut();
+            let given = parts.bushings.get_mut(bushing)?.z_axis.as_mut();
             given.map(|direction| &mut direction[axis])
         }
-        Parameter::Link(link) => match &mut parts.links[link].stiffness {
+        Parameter::Link(link) => match &mut parts.links.get_mut(link)?.stiffness {
             AxialStiffness::Rate(rate) => Some(rate),
             AxialStiffness::PerStrain(force) => Some(force),
         },

@@ -38,8 +38,8 @@ mod system;
 mod wheel;
 
 pub use axle::{
-    AxleChange, AxleCompliance, AxleEquilibrium, AxleOnTape, AxleTangent, AxleWay, ElasticAxle,
-    SteeringColumn,
+    AxleChange, AxleCompliance, AxleEquilibrium, AxleOnTape, AxlePlace, AxleTangent, AxleWay,
+    ElasticAxle, SteeringColumn,
 };
 pub use characteristics::not_of_equilibrium;
 pub use definition::{
@@ -52,9 +52,9 @@ pub use fault::{AxleFault, ElasticFault, Motion, NoEquilibrium};
 pub use inputs::{AxleParameter, OnTape, Parameter};
 pub(crate) use kc::{AxleFigure, Conditions, Here};
 pub use kc::{
-    AxleKcRun, AxleVehicle, FigureGradients, KcAxleState, KcFigure, KcGradient, KcLevel, KcOutcome,
-    KcRun, KcState, KcStation, KcSubject, KcTest, KcValue, KcWheelState, TestLoad, TestMode,
-    TestPlace, quantities,
+    AxleKcRun, AxleVehicle, FIGURE_NAMES, FigureGradients, KcAxleState, KcFigure, KcGradient,
+    KcLevel, KcOutcome, KcRun, KcState, KcStation, KcSubject, KcTest, KcValue, KcWheelState,
+    TestLoad, TestMode, TestPlace, quantities,
 };
 pub use law::Shape;
 pub use loads::WheelLoads;

@@ -54,7 +54,7 @@ impl<T: Scalar> Built<T> {
             .gather(&frames, &design, None, false, &mut equations);
         self.system
             .add_alone(&gathered.map_err(singular)?, &mut equations);
-        self.border_for_preload(&mut equations, bounds)?;
+        self.border_for_preload(&mut equations, Some(bounds))?;
         let factors = SquareLu::of(equations.matrix, equations.size);
         let factors = factors.ok_or(singular(Singular::Carrier))?;
         let solution = factors.solve(&equations.residual.map(|c| -c));
@@ -67,11 +67,12 @@ impl<T: Scalar> Built<T> {
         })
     }
 
-    /// Adds the vertical force with the row that holds the contact point, and refuses motions without stiffness.
+    /// Adds the vertical force with the row that holds the contact point. Refuses motions without stiffness of the parts,
+    /// and with `bounds` those of the carrier.
     pub(super) fn border_for_preload(
         &self,
         equations: &mut Equations<T>,
-        bounds: Bounds,
+        bounds: Option<Bounds>,
     ) -> Result<(), NoPreload> {
         let singular = NoPreload::Singular;
         if let Some(limb) = equations.loose {
@@ -81,7 +82,7 @@ impl<T: Scalar> Built<T> {
         let upward = self.system.vertical_force(&design.carrier);
         self.system
             .border(equations, &design, upward, self.system.like());
-        match is_definite(equations, bounds, LOOSE) {
+        match bounds.is_none_or(|bounds| is_definite(equations, bounds, LOOSE)) {
             true => Ok(()),
             false => Err(singular(Singular::Carrier)),
         }

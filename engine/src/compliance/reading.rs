@@ -8,8 +8,9 @@
 //!
 //! with the level heading T of the wheel and its spin axis a. It is positive if the nose rises, as for growing caster.
 
+use super::build::Built;
 use super::loads::WheelPart;
-use super::system::{Limb, State, System};
+use super::system::{Limb, State};
 use crate::characteristics::{Characteristic, Constants, DesignWheel, Inputs, Wheel};
 use crate::mechanism::Ground;
 use crate::model::{Mechanism, SteeringAxis};
@@ -87,8 +88,8 @@ impl<T: Real> WheelGeometry<T> {
 
 impl<T: Scalar> WheelGeometry<T> {
     /// The points of a design.
-    pub(super) fn of(mechanism: &Mechanism, design: &[Vector3<T>], system: &System<T>) -> Self {
-        let origin = design[mechanism.origin.0];
+    pub(super) fn of(mechanism: &Mechanism, design: &[Vector3<T>], built: &Built<T>) -> Self {
+        let (origin, system) = (built.reference, &built.system);
         let mount = system
             .limbs
             .iter()

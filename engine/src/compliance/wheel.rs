@@ -130,6 +130,7 @@ impl<T: Scalar> ElasticWheel<T> {
         let alone = OfAxle {
             subframe: None,
             bar_rate: None,
+            half: None,
         };
         let mut wheel = Self::unloaded(suspension, design, compliance, alone);
         if compliance.relaxed == Relaxed::AtDesignLoad {
@@ -157,7 +158,7 @@ impl<T: Scalar> ElasticWheel<T> {
         let mut preloads = preloads.chain(mounts.map(|mount| &mount.preload)).flatten();
         let has_offset = preloads.any(|offset| offset.value() != 0.0);
         ElasticWheel {
-            geometry: WheelGeometry::of(mechanism, design, &built.system),
+            geometry: WheelGeometry::of(mechanism, design, &built),
             constants: Constants::of(suspension),
             bounds: Bounds {
                 millimetre: suspension.length_unit.per_metre() / 1000.0,

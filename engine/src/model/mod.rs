@@ -5,6 +5,7 @@
 
 mod double_wishbone;
 mod five_link;
+mod five_link_axle;
 mod frame;
 mod h_arm;
 mod integral_link;

@@ -54,6 +54,8 @@ pub struct RigidAxle {
     pub far_centre: PointId,
     /// Travel that a constraint holds. The other travel is the drive.
     pub held: AxleTravel,
+    /// Links of the far half that no constraint holds: rigid ones do not fit, elastic ones do.
+    pub extra_links: Vec<[PointId; 2]>,
     /// Further points, if the axle is a twist beam.
     pub twist_beam: Option<TwistBeam>,
 }

@@ -143,6 +143,7 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         rigid_axle: Some(RigidAxle {
             pairs,
             singles,
+            extra_links: Vec::new(),
             far_centre,
             held,
             twist_beam: Some(TwistBeam {

@@ -391,7 +391,8 @@ pub(super) fn lacks_nothing(
     axle: &Axle,
     problems: &mut Problems,
 ) -> bool {
-    let reason = not_in_equilibrium(quantity, false).filter(|_| axle.elastic.is_some());
+    let reason =
+        not_in_equilibrium(quantity, axle.kind(), false).filter(|_| axle.elastic.is_some());
     if let Some(reason) = reason {
         refuse_in_equilibrium(text, reason, problems);
         return false;
@@ -430,7 +431,8 @@ fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problem
         let has_value = lacks_nothing(text, quantity, axle, problems);
         // Columns of test figures have no derivatives.
         let is_derived = has_elastic_derivatives && !matches!(quantity, Quantity::Figure(_));
-        let reason = not_in_equilibrium(quantity, true).filter(|_| has_value && is_derived);
+        let reason =
+            not_in_equilibrium(quantity, axle.kind(), true).filter(|_| has_value && is_derived);
         if let Some(reason) = reason {
             refuse_in_equilibrium(text, reason, problems);
         }

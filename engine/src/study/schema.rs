@@ -2,6 +2,7 @@
 
 use crate::car::CarQuantity;
 use crate::characteristics::Characteristic;
+use crate::compliance::FIGURE_NAMES;
 use crate::model::{FrameConvention, LengthUnit, Side, Topology};
 use hardpoint_study_file::schema::{self, Root};
 
@@ -21,7 +22,11 @@ fn names(root: Root, path: &str) -> Option<Vec<String>> {
             "suspension.force_unit" => vec!["N", "lbf"],
             "suspension.mass_unit" => vec!["kg", "lb"],
             "suspension.frame" => FrameConvention::ALL.map(FrameConvention::name).to_vec(),
-            "outputs.characteristics[]" => crate::axle::Quantity::names(),
+            "outputs.characteristics[]" => {
+                let mut names = crate::axle::Quantity::names();
+                names.extend(FIGURE_NAMES);
+                names
+            }
             "setup.want" => Characteristic::ALL.iter().map(|c| c.info().name).collect(),
             _ => return None,
         }),

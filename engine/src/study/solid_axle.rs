@@ -6,7 +6,7 @@ use super::outputs::hardpoint;
 use super::suspension::position;
 use super::value::{RightWheel, Text};
 use crate::mechanism::DesignFault;
-use crate::model::{Drive, RigidAxle, Suspension};
+use crate::model::{Drive, Mechanism, RigidAxle, Suspension};
 use crate::solve::Solver;
 use std::ops::Range as Span;
 use toml::Spanned;
@@ -34,6 +34,8 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
     let loads = outputs.and_then(|o| o.loads.as_ref()).filter(|_| is_beam);
     let parts = file.bushings.values().map(Spanned::span);
     let parts = parts.chain(file.links.values().map(Spanned::span));
+    let parts = parts.chain(file.compliance.as_ref().map(Spanned::span));
+    let parts = parts.filter(|_| is_beam || has_watt);
     refused.extend([
         (
             certify.map(Spanned::span),
@@ -58,16 +60,15 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
             file.setup.as_ref().map(|setup| setup.adjust.span()),
             "[setup] is not available for this axle yet; leave it out",
         ),
-        (
-            file.compliance.as_ref().map(Spanned::span),
-            "elastic parts are not available for this axle yet; leave [compliance] out",
-        ),
     ]);
     refused.extend(parts.map(|span| {
-        let message = "elastic parts are not available for this axle yet; leave them out";
+        let message = match is_beam {
+            true => "elastic parts are not available for twist beams yet; leave [compliance], [bushings] and [links] out",
+            false => "elastic parts are not available with a Watt linkage yet; expected a Panhard rod, or no [compliance], [bushings] and [links]",
+        };
         (Some(span), message)
     }));
-    let mut sound = is_beam || links(&file.suspension, suspension, problems);
+    let mut sound = is_beam || links(file, suspension, problems);
     for (span, message) in refused {
         if let Some(span) = span {
             problems.add(span, message);
@@ -77,8 +78,17 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
     sound
 }
 
+/// Returns true for two lower links, two upper links and a Panhard rod.
+pub(super) fn has_five_links(section: &file::Suspension, mechanism: &Mechanism) -> bool {
+    let singles = section.single.as_ref();
+    let is_paired = singles.is_none_or(|names| names.get_ref().is_empty());
+    is_paired && mechanism.rigid_axle.is_some() && mechanism.point("panhard_axle").is_some()
+}
+
 /// Four links hold the axle: two pairs, or a pair of lower links, a single upper link and a Panhard rod or a Watt linkage.
-fn links(section: &file::Suspension, suspension: &Suspension, problems: &mut Problems) -> bool {
+/// Five links need elastic parts.
+fn links(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool {
+    let section = &file.suspension;
     let has = |name: &str| suspension.mechanism.point(name).is_some();
     let (has_panhard, has_watt) = (has("panhard_axle"), has("watt_pivot"));
     if has_panhard && has_watt {
@@ -103,6 +113,7 @@ fn links(section: &file::Suspension, suspension: &Suspension, problems: &mut Pro
     }
     match (names.is_empty(), has_lateral) {
         (true, false) | (false, true) => true,
+        (true, true) if has_panhard && file.compliance.is_some() => true,
         (true, true) => {
             let written = section.hardpoints.get_ref().keys();
             let panhard = written
@@ -123,10 +134,11 @@ fn links(section: &file::Suspension, suspension: &Suspension, problems: &mut Pro
                 }
             );
             let error = problems.add(place, message);
-            error.help(
-                "give the upper links as one in the middle (single = [\"upper_link\"] in [suspension]), or leave the Panhard \
-                 rod or the Watt linkage out",
-            );
+            error.help(match has_watt {
+                true => "give the upper links as one in the middle (single = [\"upper_link\"] in [suspension]), or leave the Watt linkage out",
+                false => "give the links axial_stiffness ([links.upper_link] and the others, with [compliance]), give the upper links as one in \
+                          the middle (single = [\"upper_link\"] in [suspension]), or leave the Panhard rod out",
+            });
             false
         }
         (false, false) => {

@@ -4,6 +4,7 @@ use super::error::Problems;
 use super::file::{self, Coordinates, File};
 use super::geometry;
 use super::names::{choose, choose_or, nearest};
+use super::solid_axle;
 use super::value::{Number, Text};
 use crate::mechanism::HardpointFault;
 use crate::model::{
@@ -35,6 +36,9 @@ pub(super) fn suspension(file: &File, problems: &mut Problems) -> Option<Suspens
 
     let mut mechanism =
         (topology?.build)(topology?, &given.iter().map(|g| g.name).collect::<Vec<_>>());
+    if solid_axle::has_five_links(section, &mechanism) {
+        mechanism.pair_upper_links();
+    }
     let mut design: Vec<_> = mechanism
         .points
         .iter()

@@ -3,11 +3,16 @@
 use super::Part;
 use super::bushings::with_bushings;
 use super::fittings::{
-    ANTI_ROLL_BAR, FITTINGS, Fitting, PANHARD, PANHARD_PLACES, PUSHROD, WATT, WATT_PLACES,
+    ANTI_ROLL_BAR, FITTINGS, FIVE_LINKS, FIVE_LINKS_PLACES, Fitting, PANHARD, PANHARD_PLACES,
+    PUSHROD, WATT, WATT_PLACES,
 };
+use super::links::with_links;
 use super::sections::{with_axle, with_points, with_springs};
 use crate::model::Topology;
 use std::fmt::Write as _;
+
+/// Name of the solid axle.
+const SOLID_AXLE: &str = "solid_axle";
 
 /// Targets of the template: constant toe.
 const TARGETS: &str = r#"  { characteristic = "toe", points = [[-80.0, 0.1], [0.0, 0.1], [80.0, 0.1]], tolerance = 0.02 },
@@ -67,7 +72,11 @@ pub(super) fn study(topology: &Topology, parts: &[Part]) -> Result<String, Strin
     if let Some(fitting) = fitting {
         composed.add_tasks(fitting);
     }
-    match composed.has(Part::Bushings) {
+    match composed.is_elastic() {
+        true if topology.name == SOLID_AXLE => match composed.has(Part::Watt) {
+            true => Err("a solid axle with a Watt linkage has no elastic parts yet".to_owned()),
+            false => Ok(with_links(&composed.text)),
+        },
         true => with_bushings(&composed.text, topology, composed.has(Part::Axle)),
         false => Ok(composed.text),
     }
@@ -85,6 +94,11 @@ impl Composed<'_> {
         self.parts.contains(&part)
     }
 
+    /// True if the study gets elastic parts.
+    fn is_elastic(&self) -> bool {
+        self.has(Part::Bushings) || self.has(Part::FiveLinks)
+    }
+
     fn fitting(&self) -> Result<&'static Fitting, String> {
         let name = self.topology.name;
         let found = FITTINGS.iter().find(|fitting| fitting.topology == name);
@@ -96,24 +110,30 @@ impl Composed<'_> {
         let lateral = [
             (Part::Panhard, "Panhard rod", PANHARD, &PANHARD_PLACES[..]),
             (Part::Watt, "Watt linkage", WATT, &WATT_PLACES[..]),
+            (
+                Part::FiveLinks,
+                "Panhard rod",
+                FIVE_LINKS,
+                &FIVE_LINKS_PLACES[..],
+            ),
         ];
         let lateral: Vec<_> = lateral
             .into_iter()
             .filter(|(part, ..)| self.has(*part))
             .collect();
         if lateral.len() > 1 {
-            return Err(
-                "a Panhard rod or a Watt linkage holds an axle sideways, not both".to_owned(),
-            );
+            return Err("one of panhard, watt and five_links holds an axle sideways".to_owned());
         }
-        for (_, name, points, places) in lateral {
+        for (part, name, points, places) in lateral {
             if self.topology.hardpoint("panhard_axle").is_none() {
                 return Err(format!("{} has no {name}", self.topology.name));
             }
             let single =
                 "# single = [\"upper_link\"]        # with a Panhard rod or a Watt linkage";
             let with = format!("single = [\"upper_link\"]          # with a {name}");
-            self.text = self.text.replace(single, &with);
+            if part != Part::FiveLinks {
+                self.text = self.text.replace(single, &with);
+            }
             self.text = with_points(&self.text, points, places, "axle", "jacking_force_ratio");
         }
         Ok(())
@@ -155,7 +175,7 @@ impl Composed<'_> {
         let has_ends = ["\nspring_lower ", "\nstrut_top "]
             .iter()
             .any(|end| self.text.contains(end));
-        has_ends && self.has(Part::Axle) && !self.has(Part::Bushings)
+        has_ends && self.has(Part::Axle) && !self.is_elastic()
     }
 
     /// Adds the sections `[sweep]` and `[optimise]`.

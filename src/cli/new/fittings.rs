@@ -29,6 +29,23 @@ pub(super) const PANHARD: Points = &[
     ("panhard_axle", "Panhard rod at the axle"),
 ];
 
+pub(super) const FIVE_LINKS: Points = &[
+    ("lower_link_axle", "lower link at the axle"),
+    ("upper_link_chassis", "upper link at the body"),
+    ("upper_link_axle", "upper link at the axle"),
+    PANHARD[2],
+    PANHARD[3],
+];
+
+/// Coordinates of the points of [`FIVE_LINKS`].
+pub(super) const FIVE_LINKS_PLACES: [[f64; 3]; FIVE_LINKS.len()] = [
+    [5.0, 450.0, 255.0],
+    [480.0, 370.0, 465.0],
+    [15.0, 350.0, 475.0],
+    [-140.0, 480.0, 345.0],
+    PANHARD_PLACES[3],
+];
+
 pub(super) const WATT: Points = &[
     PANHARD[0],
     PANHARD[1],

@@ -8,6 +8,11 @@ use crate::compliance::{
 use crate::model::{Axis, Frame};
 use crate::number::Vector3;
 
+/// Columns of a wheel before those of bushings and links.
+const WHEEL_CELLS: usize = 12;
+/// Columns of a bushing.
+const BUSHING_CELLS: usize = 12;
+
 impl KcResults<'_> {
     /// Content of `levels.csv`: one row per level. `None` if no test has levels.
     pub fn levels_csv(&self) -> Option<Vec<u8>> {
@@ -158,7 +163,13 @@ impl KcResults<'_> {
             cells.extend(force.to_array().map(Some));
             cells.extend(torque.to_array().map(|torque| Some(torque / per_metre)));
         }
+        // The right wheel of a solid axle lacks the last bushings and links: those that the axle has once.
+        cells.resize(WHEEL_CELLS + BUSHING_CELLS * self.bushings.len(), None);
         cells.extend(state.tensions.iter().copied().map(Some));
+        cells.resize(
+            WHEEL_CELLS + BUSHING_CELLS * self.bushings.len() + self.links.len(),
+            None,
+        );
         cells
     }
 }

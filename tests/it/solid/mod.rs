@@ -2,6 +2,7 @@
 
 mod by_design;
 mod certificate;
+mod elastic;
 mod lanes;
 mod loads;
 mod own;

@@ -99,9 +99,10 @@ impl StationReader<'_> {
         station: usize,
         at: ([f64; 2], f64),
     ) -> Result<Vec<Sensitivity>, NoEquilibrium> {
-        // The wheels move as mirror images, or each by itself.
+        // The wheels, and the halves of a solid axle, move as mirror images; other wheels move each by itself.
         let sides = match self.axle.right {
             None => &[None][..],
+            Some(_) if self.axle.is_rigid() => &[None],
             Some(_) => &[Some(Side::Left), Some(Side::Right)],
         };
         let mut parameters: Vec<AxleParameter> = Vec::new();

@@ -7,23 +7,29 @@
 //! track = C_l.y + C_r.y                                                                           (2)
 //! ```
 //!
-//! A characteristic that is made of velocities is read along heave: both wheels rise together.
+//! A characteristic that is made of velocities is read along heave: both wheels rise together. A solid axle has its line, pitch
+//! and place, too, and a roll centre along equal opposite travels.
 
-use super::super::{Axle, AxleColumn, AxleQuantity, Motion, Quantity, WheelQuantity};
+use super::super::formulas::rigid::{pitch_of, steer_of};
+use super::super::{Axle, AxleColumn, AxleKind, AxleQuantity, Motion, Quantity, WheelQuantity};
 use super::TestFigure;
 use crate::characteristics::{Characteristic, Inputs};
 use crate::compliance::{
-    AxleChange, AxleCompliance, AxleFigure, AxleKcRun, AxleParameter, AxleVehicle, Conditions,
-    HeldQuantity, Here, KcTest, NoEquilibrium, WheelFigures, not_of_equilibrium,
+    AxleChange, AxleCompliance, AxleFigure, AxleKcRun, AxleParameter, AxlePlace, AxleVehicle,
+    Conditions, HeldQuantity, Here, KcTest, NoEquilibrium, WheelFigures, not_of_equilibrium,
 };
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, Side};
 use crate::number::{Jet, Real, Scalar, Tape, Tracked, Vector3};
 use crate::study::AxleComplianceStudy;
 
-/// The reason why an equilibrium does not have a quantity, and the alternatives; `None` if it has it. `is_derivative` asks
-/// for derivatives along a motion.
-pub fn not_in_equilibrium(quantity: Quantity, is_derivative: bool) -> Option<[&'static str; 2]> {
+/// The reason why an equilibrium of an axle of this kind does not have a quantity, and the alternatives; `None` if it has
+/// it. `is_derivative` asks for derivatives along a motion.
+pub fn not_in_equilibrium(
+    quantity: Quantity,
+    kind: AxleKind,
+    is_derivative: bool,
+) -> Option<[&'static str; 2]> {
     use AxleQuantity as A;
     use WheelQuantity as W;
     const REMOVE: &str =
@@ -47,6 +53,12 @@ pub fn not_in_equilibrium(quantity: Quantity, is_derivative: bool) -> Option<[&'
         Quantity::Wheel(..) => rigid,
         Quantity::Axle(A::MeanSteer | A::Track | A::TrackChange) => None,
         Quantity::Axle(A::BarTorque) => once,
+        Quantity::Axle(A::AxleSteer | A::PinionAngle | A::AxleLateral | A::AxleLongitudinal) => {
+            None
+        }
+        Quantity::Axle(A::RollCentreHeight | A::RollCentreLateral) if kind == AxleKind::Solid => {
+            once
+        }
         Quantity::Axle(_) => rigid,
         Quantity::Figure(_) => once,
     }
@@ -108,17 +120,22 @@ impl<T: Scalar> Reader<'_, T> {
         found?.1.as_ref()
     }
 
-    fn along(&mut self, by: Motion) -> Option<Moving<T>> {
+    /// The change of an equilibrium along a motion; `None` for one that equilibria do not have.
+    fn change(&self, by: Motion) -> Option<AxleChange<T>> {
         let zero = self.here.axle.travel(&self.here.at, Side::Left).zero();
         let one = zero.one();
-        let change = match by {
+        Some(match by {
             Motion::Heave => AxleChange::Travels([one, one]),
             Motion::TravelLeft => AxleChange::Travels([one, zero]),
             Motion::TravelRight => AxleChange::Travels([zero, one]),
             Motion::OpposedTravels => AxleChange::Travels([-one, one]),
             Motion::Rack | Motion::Steering => AxleChange::Rack,
             Motion::Roll => return None,
-        };
+        })
+    }
+
+    fn along(&mut self, by: Motion) -> Option<Moving<T>> {
+        let change = self.change(by)?;
         let (axle, tangent) = self.here.moving(HeldQuantity::WheelHeight)?;
         Some(Moving {
             inputs: axle.inputs_along(tangent, &change),
@@ -158,10 +175,34 @@ impl<T: Scalar> Reader<'_, T> {
         }
     }
 
+    /// Height and lateral place of a solid axle's roll centre.
+    fn roll_centre(&mut self) -> Option<[T; 2]> {
+        let at = self.here.at;
+        let (axle, tangent) = self.here.moving(HeldQuantity::WheelHeight)?;
+        axle.roll_centre(&at, tangent)
+    }
+
+    /// A quantity of the body that carries both wheels, or its derivative along a motion.
+    fn of_body(&mut self, of: AxleQuantity, by: Option<Motion>) -> Option<T> {
+        match by {
+            None => place_quantity(of, &self.here.axle.place(&self.here.at)?),
+            Some(by) => {
+                let change = self.change(by)?;
+                let (axle, tangent) = self.here.moving(HeldQuantity::WheelHeight)?;
+                let place = axle.place_along(tangent, &change)?;
+                Some(place_quantity(of, &place)?[1])
+            }
+        }
+    }
+
     /// A quantity that is no figure of a test.
     fn quantity(&mut self, read: &AxleRead) -> Option<T> {
         let AxleRead { quantity, by } = *read;
-        if by.is_some() && not_in_equilibrium(quantity, true).is_some() {
+        let kind = match self.here.axle.is_joined() {
+            true => AxleKind::Solid,
+            false => AxleKind::Independent,
+        };
+        if by.is_some() && not_in_equilibrium(quantity, kind, true).is_some() {
             return None;
         }
         let order = usize::from(by.is_some());
@@ -194,8 +235,22 @@ impl<T: Scalar> Reader<'_, T> {
                 Some(half(self, Side::Left)? + half(self, Side::Right)?)
             }
             Quantity::Axle(AxleQuantity::BarTorque) => here.axle.bar_torque(&here.at),
+            Quantity::Axle(AxleQuantity::RollCentreHeight) => Some(self.roll_centre()?[0]),
+            Quantity::Axle(AxleQuantity::RollCentreLateral) => Some(self.roll_centre()?[1]),
+            Quantity::Axle(of) => self.of_body(of, by),
             _ => None,
         }
+    }
+}
+
+/// A quantity that the place of a solid axle gives.
+fn place_quantity<T: Scalar>(of: AxleQuantity, place: &AxlePlace<T>) -> Option<T> {
+    match of {
+        AxleQuantity::AxleSteer => Some(steer_of(place.line)),
+        AxleQuantity::PinionAngle => Some(pitch_of(place.forward)),
+        AxleQuantity::AxleLateral => Some(place.middle.y),
+        AxleQuantity::AxleLongitudinal => Some(place.middle.x),
+        _ => None,
     }
 }
 

@@ -258,14 +258,24 @@ pub(crate) fn beam_torque<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) 
 /// Direction of the axle's line, seen from above.
 #[inline(always)]
 pub(crate) fn axle_steer<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
-    let line = state.readings[0].column(1, [0, 0]);
+    steer_of(state.readings[0].column(1, [0, 0]))
+}
+
+/// Angle to the left of an axle's line, seen from above.
+#[inline(always)]
+pub(crate) fn steer_of<T: Scalar>(line: Vector3<T>) -> T {
     (-line.x).atan2(line.y)
 }
 
 /// Pitch of the axle from the design position.
 #[inline(always)]
 pub(crate) fn pinion_angle<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
-    let forward = state.readings[0].column(0, [0, 0]);
+    pitch_of(state.readings[0].column(0, [0, 0]))
+}
+
+/// Angle, nose up, of a direction that is forward in the design position.
+#[inline(always)]
+pub(crate) fn pitch_of<T: Scalar>(forward: Vector3<T>) -> T {
     forward.z.atan2(forward.x)
 }
 

@@ -77,11 +77,11 @@ impl AxleCompliance {
             Parameter::Stiffness(number, axis) => {
                 let law =
                     |wheel: &Compliance| Some(wheel.bushings.get(number)?.shapes[axis].clone());
-                law(left) != law(right)
+                law(right).is_some_and(|own| law(left) != Some(own))
             }
             Parameter::Link(number) => {
                 let stiffness = |wheel: &Compliance| Some(wheel.links.get(number)?.stiffness);
-                stiffness(left) != stiffness(right)
+                stiffness(right).is_some_and(|own| stiffness(left) != Some(own))
             }
             Parameter::SpringRate => left.spring_rate() != right.spring_rate(),
             _ => false,

@@ -25,7 +25,7 @@ pub enum AxleChange<T = f64> {
 /// Solved equations in an equilibrium, with one quantity held.
 #[derive(Clone, Debug)]
 pub struct AxleTangent<T = f64> {
-    state: AxleState<T>,
+    pub(super) state: AxleState<T>,
     task: AxleTask<T>,
     equations: AxleEquations<T>,
 }
@@ -62,7 +62,7 @@ impl<T: Scalar> ElasticAxle<T> {
     }
 
     /// Rate of all unknowns along a change of an input.
-    fn rate(&self, tangent: &AxleTangent<T>, change: &AxleChange<T>) -> AxleStep<T> {
+    pub(super) fn rate(&self, tangent: &AxleTangent<T>, change: &AxleChange<T>) -> AxleStep<T> {
         let zero = self.like();
         let equations = &tangent.equations;
         let mut wheels = [[zero; MOST]; 2];

@@ -16,11 +16,11 @@
 
 use super::super::floating::Floating;
 use super::super::ground::{Coupling, Frames, MIRROR, RACK, SHARED, Surroundings, TWIST};
-use super::super::limb::is_positive;
 use super::super::preload::NoPreload;
 use super::super::solve::{Bounds, Obstacle};
 use super::super::system::{Equations, Held, Limb, Singular, State, Step, Task};
 use super::super::wheel::ElasticWheel;
+use super::corners::Corners;
 use crate::linear::square::{MOST, SquareLu};
 use crate::number::{Scalar, Vector3, array_of};
 
@@ -31,6 +31,8 @@ pub(in super::super) struct SharedParts<T> {
     /// Stiffness between the commanded rack and the rack, and the force there in the design position.
     pub(in super::super) rack: Option<[T; 2]>,
     pub(in super::super) has_bar: bool,
+    /// True if one body carries both wheels.
+    pub(in super::super) is_joined: bool,
 }
 
 /// State of both wheels. The shared bodies are in the left wheel's axes.
@@ -88,6 +90,8 @@ pub(in super::super) struct AxleHeld<T> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in super::super) enum AxleSingular {
     Wheel(usize, Singular),
+    /// The body that carries both wheels.
+    Carrier,
     Shared,
 }
 
@@ -96,17 +100,17 @@ pub(in super::super) enum AxleSingular {
 pub(in super::super) struct SideEquations<T> {
     pub(in super::super) equations: Equations<T>,
     coupling: Coupling<T>,
-    factors: SquareLu<T>,
     frames: Frames<T>,
     around: Surroundings<T>,
-    /// A_c^-1 B_c, a column for each shared unknown that moves.
-    responses: Vec<[T; MOST]>,
 }
 
 /// Equations in a state, solved as far as equation (1) needs them.
 #[derive(Clone, Debug)]
 pub(in super::super) struct AxleEquations<T> {
     pub(in super::super) sides: [SideEquations<T>; 2],
+    corners: Corners<T>,
+    /// A_c^-1 B_c of both wheels, for each shared unknown that moves.
+    responses: Vec<[[T; MOST]; 2]>,
     /// Numbers of the shared unknowns that move.
     active: Vec<usize>,
     /// Forces on the shared bodies, in the left wheel's axes.
@@ -181,13 +185,23 @@ impl<T: Scalar> SharedParts<T> {
         let mut sides = Vec::new();
         for (side, wheel) in wheels.iter().enumerate() {
             let held = held.map(|held| &held.wheels[side]);
-            let found = side_equations(wheel, side, state, task, held, purpose, &active);
+            let found = self.side(wheel, side, state, task, held, purpose);
             sides.push(found.map_err(|why| AxleSingular::Wheel(side, why))?);
         }
-        let sides: [SideEquations<T>; 2] = match sides.try_into() {
+        let mut sides: [SideEquations<T>; 2] = match sides.try_into() {
             Ok(sides) => sides,
             Err(_) => return Err(AxleSingular::Shared),
         };
+        let corners = match self.is_joined {
+            false => Corners::apart(&sides)?,
+            true => {
+                let bounds = (purpose == Purpose::Preload).then_some(wheels[0].bounds);
+                Corners::joined(&mut sides, bounds)?
+            }
+        };
+        let by_shared = |shared: &usize| [0, 1].map(|side| sides[side].by_shared(side, *shared));
+        let columns = active.iter().map(by_shared);
+        let responses: Vec<_> = columns.map(|columns| corners.solve(&columns)).collect();
         let zero = task.rack.zero();
         let mut force = [zero; SHARED];
         let mut own = [[zero; SHARED]; SHARED];
@@ -216,7 +230,7 @@ impl<T: Scalar> SharedParts<T> {
             for (b, j) in active.iter().enumerate() {
                 matrix[a][b] = own[*i][*j];
                 for (side, of) in sides.iter().enumerate() {
-                    let less = of.on_shared(side, *i, &of.responses[b]);
+                    let less = of.on_shared(side, *i, &responses[b][side]);
                     matrix[a][b] = matrix[a][b] - less;
                 }
             }
@@ -227,54 +241,51 @@ impl<T: Scalar> SharedParts<T> {
         };
         Ok(AxleEquations {
             sides,
+            corners,
+            responses,
             active,
             force,
             own,
             factors,
         })
     }
-}
 
-fn side_equations<T: Scalar>(
-    wheel: &ElasticWheel<T>,
-    side: usize,
-    state: &AxleState<T>,
-    task: &AxleTask<T>,
-    held: Option<&Held<T>>,
-    purpose: Purpose,
-    active: &[usize],
-) -> Result<SideEquations<T>, Singular> {
-    let system = &wheel.built.system;
-    let around = state.around(side);
-    let own = &state.wheels[side];
-    let frames = system.frames(&own.carrier, &around, purpose == Purpose::Preload);
-    let mut equations = Equations::empty(around.rack, system.joints.len(), held);
-    let gathered = system.gather(&frames, own, held, true, &mut equations)?;
-    let coupling = system.add_coupled(&gathered, &frames, &around, &mut equations);
-    match purpose {
-        Purpose::Balance => system.add_loads(&mut equations, own, &task.wheels[side]),
-        Purpose::Preload => {
-            let bordered = wheel.built.border_for_preload(&mut equations, wheel.bounds);
-            bordered.map_err(|why| match why {
-                NoPreload::Singular(why) => why,
-                NoPreload::OutOfReach { .. } => Singular::Carrier,
-            })?;
+    /// The equations of one wheel.
+    fn side(
+        &self,
+        wheel: &ElasticWheel<T>,
+        side: usize,
+        state: &AxleState<T>,
+        task: &AxleTask<T>,
+        held: Option<&Held<T>>,
+        purpose: Purpose,
+    ) -> Result<SideEquations<T>, Singular> {
+        let system = &wheel.built.system;
+        let around = state.around(side);
+        let own = &state.wheels[side];
+        let frames = system.frames(&own.carrier, &around, purpose == Purpose::Preload);
+        let mut equations = Equations::empty(around.rack, system.joints.len(), held);
+        let gathered = system.gather(&frames, own, held, true, &mut equations)?;
+        let coupling = system.add_coupled(&gathered, &frames, &around, &mut equations);
+        match purpose {
+            Purpose::Balance => system.add_loads(&mut equations, own, &task.wheels[side]),
+            Purpose::Preload => {
+                // Of a body with two wheels, the stiffness is that of both sides.
+                let bounds = (!self.is_joined).then_some(wheel.bounds);
+                let bordered = wheel.built.border_for_preload(&mut equations, bounds);
+                bordered.map_err(|why| match why {
+                    NoPreload::Singular(why) => why,
+                    NoPreload::OutOfReach { .. } => Singular::Carrier,
+                })?;
+            }
         }
+        Ok(SideEquations {
+            equations,
+            coupling,
+            frames,
+            around,
+        })
     }
-    let factors = equations.factors().ok_or(Singular::Carrier)?;
-    let mut found = SideEquations {
-        equations,
-        coupling,
-        factors,
-        frames,
-        around,
-        responses: Vec::new(),
-    };
-    for shared in active {
-        let column = found.by_shared(side, *shared);
-        found.responses.push(found.factors.solve(&column));
-    }
-    Ok(found)
 }
 
 impl<T: Scalar> AxleEquations<T> {
@@ -285,7 +296,7 @@ impl<T: Scalar> AxleEquations<T> {
         shared: &[T; SHARED],
     ) -> ([[T; MOST]; 2], [T; SHARED]) {
         let zero = shared[0].zero();
-        let mut found = [0, 1].map(|side: usize| self.sides[side].factors.solve(&wheels[side]));
+        let mut found = self.corners.solve(wheels);
         let mut moved = [zero; SHARED];
         if let Some(factors) = &self.factors {
             let mut right = [zero; MOST];
@@ -298,8 +309,8 @@ impl<T: Scalar> AxleEquations<T> {
             let solution = factors.solve(&right);
             for (a, i) in self.active.iter().enumerate() {
                 moved[*i] = solution[a];
-                for (side, of) in self.sides.iter().enumerate() {
-                    for (x, by) in found[side].iter_mut().zip(&of.responses[a]) {
+                for (found, by) in found.iter_mut().zip(&self.responses[a]) {
+                    for (x, by) in found.iter_mut().zip(by) {
                         *x = *x - *by * solution[a];
                     }
                 }
@@ -416,14 +427,9 @@ impl AxleEquations<f64> {
     /// wheels free to follow.
     pub(in super::super) fn check_stable(
         &self,
-        axle: &[ElasticWheel; 2],
         bounds: Bounds,
     ) -> Result<(), (Option<usize>, Obstacle)> {
-        for (side, of) in self.sides.iter().enumerate() {
-            let system = &axle[side].built.system;
-            let stable = system.check_stable(&of.equations, bounds);
-            stable.map_err(|why| (Some(side), why))?;
-        }
+        self.corners.check_stable(&self.sides, bounds)?;
         match self.is_definite() {
             true => Ok(()),
             false => Err((None, Obstacle::Unstable(None))),
@@ -433,7 +439,6 @@ impl AxleEquations<f64> {
     /// Returns true if the matrix of equation (1) has a positive definite symmetric part on the shared unknowns. The rows of
     /// rigid joints and heights also count as columns.
     fn is_definite(&self) -> bool {
-        let count = self.active.len();
         let mut matrix = [[0.0; SHARED]; SHARED];
         for (k, row) in matrix.iter_mut().enumerate() {
             row[k] = 1.0;
@@ -443,39 +448,17 @@ impl AxleEquations<f64> {
                 matrix[a][b] = 0.5 * (self.own[*i][*j] + self.own[*j][*i]);
             }
         }
-        for (side, of) in self.sides.iter().enumerate() {
-            let size = of.equations.size;
-            let mut symmetric = [[0.0; MOST]; MOST];
-            for i in 0..6 {
-                for j in 0..6 {
-                    let entry = of.equations.matrix[i][j] + of.equations.matrix[j][i];
-                    symmetric[i][j] = 0.5 * entry;
-                }
-                for k in 6..size {
-                    symmetric[k][i] = of.equations.matrix[k][i];
-                    symmetric[i][k] = of.equations.matrix[k][i];
-                }
-            }
-            let Some(factors) = SquareLu::of(symmetric, size) else {
-                return false;
-            };
-            let column = |shared: usize| -> [f64; MOST] {
-                let by = of.by_shared(side, shared);
-                let mirror = sign(side, shared);
-                std::array::from_fn(|i| match i {
-                    0..6 => 0.5 * (by[i] + mirror * of.coupling.by_corner[shared][i]),
-                    _ => by[i],
-                })
-            };
-            let columns: Vec<[f64; MOST]> = self.active.iter().map(|i| column(*i)).collect();
-            for b in 0..count {
-                let response = factors.solve(&columns[b]);
-                for a in 0..count {
-                    let less = columns[a].iter().zip(&response).take(size);
-                    matrix[a][b] -= less.map(|(c, r)| c * r).sum::<f64>();
-                }
-            }
-        }
-        is_positive(&matrix, 0.0)
+        let column = |side: usize, shared: usize| -> [f64; MOST] {
+            let of = &self.sides[side];
+            let by = of.by_shared(side, shared);
+            let mirror = sign(side, shared);
+            std::array::from_fn(|i| match i {
+                0..6 => 0.5 * (by[i] + mirror * of.coupling.by_corner[shared][i]),
+                _ => by[i],
+            })
+        };
+        let columns = self.active.iter().map(|i| [column(0, *i), column(1, *i)]);
+        let columns: Vec<_> = columns.collect();
+        self.corners.keep_definite(&self.sides, matrix, &columns)
     }
 }

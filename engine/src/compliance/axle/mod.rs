@@ -1,5 +1,7 @@
 //! Axle of two elastic wheels, coupled by rack, anti-roll bar and subframe.
 
+mod body;
+mod corners;
 mod definition;
 mod derivatives;
 mod ends;
@@ -7,12 +9,13 @@ mod equations;
 mod solve;
 mod tape;
 
+pub use body::AxlePlace;
 pub use definition::{AxleCompliance, SteeringColumn};
 pub use derivatives::{AxleChange, AxleTangent};
 pub use ends::AxleWay;
 pub use tape::AxleOnTape;
 
-use super::build::OfAxle;
+use super::build::{HalfOfAxle, OfAxle};
 use super::definition::Relaxed;
 use super::fault::{AxleFault, ElasticFault, Motion};
 use super::ground::{RACK, SHARED};
@@ -23,7 +26,7 @@ use super::wheel::{
     BushingReading, CARRIER, ElasticWheel, HeldQuantity, SpringReading, level_task, preload_fault,
 };
 use crate::characteristics::Inputs;
-use crate::model::{Axis, Side, Suspension};
+use crate::model::{Axis, Side, Suspension, mirrored};
 use crate::number::{Scalar, Vector3};
 use equations::{AxleEquations, AxleSingular, AxleState, AxleTask, Purpose, SharedParts};
 
@@ -59,12 +62,22 @@ impl<T: Scalar> ElasticAxle<T> {
         designs: [&[Vector3<T>]; 2],
         parts: &AxleCompliance<T>,
     ) -> Result<Self, AxleFault> {
-        let of_axle = OfAxle {
-            subframe: parts.subframe.as_ref(),
-            bar_rate: parts.bar_rate,
-        };
+        let reference = common_reference(suspensions);
         let wheel = |side: usize| {
             let own = &parts.wheels[side];
+            let half = reference.map(|reference| HalfOfAxle {
+                reference: if side == 0 {
+                    reference
+                } else {
+                    mirrored(reference)
+                },
+                has_singles: side == 0,
+            });
+            let of_axle = OfAxle {
+                subframe: parts.subframe.as_ref(),
+                bar_rate: parts.bar_rate,
+                half,
+            };
             ElasticWheel::unloaded(suspensions[side], designs[side], own, of_axle)
         };
         let mut axle = ElasticAxle {
@@ -73,6 +86,7 @@ impl<T: Scalar> ElasticAxle<T> {
                 has_subframe: parts.subframe.is_some(),
                 rack: parts.steering_rate().map(|rate| [rate, rate.zero()]),
                 has_bar: parts.bar_rate.is_some(),
+                is_joined: reference.is_some(),
             },
             bar_rate: parts.bar_rate,
         };
@@ -144,6 +158,12 @@ impl<T: Scalar> ElasticAxle<T> {
                 side: Some(Side::ALL[side]),
                 fault: preload_fault(&self.wheels[side].built.names, NoPreload::Singular(why)),
             },
+            AxleSingular::Carrier => AxleFault {
+                side: None,
+                fault: ElasticFault::NoBalance {
+                    part: AXLE.to_owned(),
+                },
+            },
             AxleSingular::Shared => AxleFault {
                 side: None,
                 fault: ElasticFault::NoBalance {
@@ -177,6 +197,13 @@ impl<T: Scalar> ElasticAxle<T> {
         match found {
             Err(AxleSingular::Wheel(side, Singular::Limb(limb))) => loose(Some(side), Some(limb)),
             Err(AxleSingular::Wheel(side, Singular::Carrier)) => loose(Some(side), None),
+            Err(AxleSingular::Carrier) => Err(AxleFault {
+                side: None,
+                fault: ElasticFault::Loose {
+                    part: AXLE.to_owned(),
+                    motion: Motion::Shift(Axis::Y),
+                },
+            }),
             Err(AxleSingular::Shared) => loose(None, None),
             Ok(equations) => {
                 for (side, of) in equations.sides.iter().enumerate() {
@@ -302,8 +329,18 @@ impl<T: Scalar> ElasticAxle<T> {
     }
 }
 
+/// Name of a body that carries both wheels, in messages.
+const AXLE: &str = "the axle";
 /// Name of the shared bodies in messages.
 const SHARED_NAME: &str = "the subframe, rack or anti-roll bar";
+
+/// The reference point of a body that carries both wheels, in the left wheel's axes: the middle of both wheel centres.
+/// `None` for wheels that move by themselves.
+fn common_reference(suspensions: [&Suspension; 2]) -> Option<Vector3<f64>> {
+    suspensions[0].mechanism.rigid_axle.as_ref()?;
+    let [left, right] = suspensions.map(|wheel| wheel.design[wheel.mechanism.wheel_centre.0]);
+    Some((left + mirrored(right)) * 0.5)
+}
 
 impl<T: Scalar> ElasticAxle<T> {
     /// Same equilibrium, with another quantity held.

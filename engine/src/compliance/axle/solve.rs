@@ -1,7 +1,7 @@
 //! Equilibria of an axle. The method is that of `compliance/solve.rs` and `compliance/wheel.rs` for one wheel.
 
 use super::equations::{AxleHeld, AxleSingular, AxleState, AxleStep, AxleTask, Purpose};
-use super::{AxleEquilibrium, ElasticAxle};
+use super::{AXLE, AxleEquilibrium, ElasticAxle};
 use crate::compliance::definition::Relaxed;
 use crate::compliance::fault::{Motion, NoEquilibrium};
 use crate::compliance::ground::{RACK, SHARED, TWIST};
@@ -118,14 +118,16 @@ impl ElasticAxle {
                 .equations(&self.wheels, &state, task, held, Purpose::Balance);
             let equations = found.map_err(|why| match why {
                 AxleSingular::Wheel(side, why) => (Some(side), Obstacle::Singular(why)),
-                AxleSingular::Shared => (None, Obstacle::Singular(Singular::Carrier)),
+                AxleSingular::Carrier | AxleSingular::Shared => {
+                    (None, Obstacle::Singular(Singular::Carrier))
+                }
             })?;
             let step = equations.newton_step(&self.wheels);
             let verdict = judge.judge(step.sizes(&self.wheels));
             let verdict = verdict.map_err(|why| (None, why))?;
             state = state.stepped(&self.wheels, &step);
             if verdict == Verdict::Settled {
-                equations.check_stable(&self.wheels, bounds)?;
+                equations.check_stable(bounds)?;
                 return Ok((state, judge.steps()));
             }
         }
@@ -222,7 +224,10 @@ impl ElasticAxle {
         };
         for (side, wheel) in self.wheels.iter().enumerate() {
             let own = &step.wheels[side];
-            body(own.carrier, &of_side(side, CARRIER));
+            match self.shared.is_joined {
+                true => body(own.carrier, AXLE),
+                false => body(own.carrier, &of_side(side, CARRIER)),
+            }
             for (k, limb) in wheel.built.system.limbs.iter().enumerate() {
                 let turn = limb.turn_vector(&own.limbs[k]);
                 let [a, b, c] = turn.to_array();

@@ -166,7 +166,7 @@ impl<T: Scalar> Builder<'_, T> {
         let is_across = self.system.limbs.iter().any(across);
         let upper = self.mechanism.spring.filter(|_| is_across);
         self.system.subframe = Some(SubframePart {
-            to_carrier: self.at(self.mechanism.origin) - reference,
+            to_carrier: self.reference - reference,
             mounts,
             upper: upper.map(|spring| self.at(spring.upper) - reference),
         });

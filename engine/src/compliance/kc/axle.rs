@@ -15,6 +15,7 @@
 
 mod ends;
 mod gradients;
+mod links;
 
 pub use gradients::FigureGradients;
 
@@ -58,6 +59,8 @@ pub(crate) struct Here<T = f64> {
     pub(crate) axle: ElasticAxle<T>,
     pub(crate) at: AxleEquilibrium<T>,
     tangents: [Option<Option<AxleTangent<T>>>; 2],
+    /// A solid axle on its links alone, with the same travels.
+    links: Option<(ElasticAxle<T>, AxleEquilibrium<T>)>,
 }
 
 /// Figure of a test, in numbers that can carry derivatives.
@@ -76,6 +79,7 @@ impl<T: Scalar> Here<T> {
             axle,
             at,
             tangents: [None, None],
+            links: None,
         }
     }
 
@@ -103,6 +107,24 @@ impl<T: Scalar> Here<T> {
         let like = self.axle.travel(&self.at, Side::Left);
         AxleChange::Loads(loads.map(|load| load.map(|c| like.constant(c))))
     }
+}
+
+/// Roll angle and roll moment along opposite travels. Equation (1).
+fn roll<T: Scalar>(
+    (axle, at): (&ElasticAxle<T>, &AxleEquilibrium<T>),
+    by: &[WheelFigures<T>; 2],
+) -> [T; 2] {
+    let figures = Side::ALL.map(|side| axle.figures(at, side));
+    let loads = Side::ALL.map(|side| axle.wheel_load(at, side));
+    let track = figures[0].contact.y + figures[1].contact.y;
+    let track_by = by[0].contact.y + by[1].contact.y;
+    let height = figures[1].contact.z - figures[0].contact.z;
+    let height_by = by[1].contact.z - by[0].contact.z;
+    let square = track * track + height * height;
+    let angle = (height_by * track - height * track_by) / square;
+    let (load, load_by) = (loads[1] - loads[0], by[1].vertical - by[0].vertical);
+    let moment = track_by * load + track * load_by;
+    [angle, moment.scaled(0.5)]
 }
 
 impl<'a> AxleKcRun<'a> {
@@ -194,7 +216,14 @@ impl<'a> AxleKcRun<'a> {
             softest: None,
         })?;
         let at = axle.at(travels, along * rack)?;
-        Ok(Here::of(axle, at))
+        let links = axle.on_its_links().and_then(|links| {
+            let at = links.at(travels, along * rack).ok()?;
+            Some((links, at))
+        });
+        Ok(Here {
+            links,
+            ..Here::of(axle, at)
+        })
     }
 
     fn station(&self, travels: [f64; 2], rack: f64, tests: &[KcTest]) -> KcStation {
@@ -327,7 +356,13 @@ impl<'a> AxleKcRun<'a> {
         let unit = test.factors().map(|factor| end_loads(&load, factor));
         let by = self.derivatives(here, test, &unit);
         let mut figures = self.wheel_figures(here, test, by, secants);
+        if test.load == TestLoad::Roll {
+            figures.extend(self.wheel_tensions(here));
+        }
         figures.extend(self.axle_figures(here, test, by, secants));
+        if test.load == TestLoad::Roll {
+            figures.extend(self.link_figures(here));
+        }
         figures
     }
 
@@ -353,17 +388,7 @@ impl<'a> AxleKcRun<'a> {
 
     /// Derivatives of roll angle and roll moment (1) along opposite travels.
     fn roll<T: Scalar>(&self, here: &Here<T>, by: &[WheelFigures<T>; 2]) -> [T; 2] {
-        let figures = Side::ALL.map(|side| here.axle.figures(&here.at, side));
-        let loads = Side::ALL.map(|side| here.axle.wheel_load(&here.at, side));
-        let track = figures[0].contact.y + figures[1].contact.y;
-        let track_by = by[0].contact.y + by[1].contact.y;
-        let height = figures[1].contact.z - figures[0].contact.z;
-        let height_by = by[1].contact.z - by[0].contact.z;
-        let square = track * track + height * height;
-        let angle = (height_by * track - height * track_by) / square;
-        let (load, load_by) = (loads[1] - loads[0], by[1].vertical - by[0].vertical);
-        let moment = track_by * load + track * load_by;
-        [angle, moment.scaled(0.5)]
+        roll((&here.axle, &here.at), by)
     }
 
     fn wheel_figures<T: Scalar>(

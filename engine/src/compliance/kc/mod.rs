@@ -8,11 +8,13 @@ mod axle;
 mod ends;
 mod figures;
 mod gradients;
+mod names;
 mod test;
 
 pub(crate) use axle::{AxleFigure, Conditions, Here};
 pub use axle::{AxleKcRun, AxleVehicle, FigureGradients};
 pub use gradients::{KcGradient, KcValue};
+pub use names::FIGURE_NAMES;
 pub use test::{KcTest, TestLoad, TestMode, TestPlace};
 
 use super::definition::Compliance;

@@ -8,8 +8,8 @@ use super::super::right_wheel;
 use super::super::suspension::above_zero;
 use super::super::value::Text;
 use super::{
-    NamedParts, WheelParts, bushing, check_design_load, check_spring, link, section, subframe,
-    tests, tyre_rate, wheel_parts,
+    NamedParts, WheelParts, bushing, check_design_load, check_spring, link, section, solid,
+    subframe, tests, tyre_rate, wheel_parts,
 };
 use crate::axle::{Axle, AxleMotion, TestFigure, WheelMotion};
 use crate::compliance::{AxleCompliance, AxleKcRun, AxleVehicle, KcTest, SteeringColumn, TestLoad};
@@ -145,9 +145,13 @@ fn right_parts(
     problems: &mut Problems,
 ) -> Option<WheelParts> {
     let mut right = left.clone();
+    right.remove_singles(&suspension.mechanism);
     let Some(own) = right_wheel::own(file) else {
         return Some(right);
     };
+    if !solid::refuse_single_rates(own, &suspension.mechanism, problems) {
+        return None;
+    }
     let unknown = |name: &Text, section: &str, problems: &mut Problems| {
         let name = (name.get_ref(), name.span());
         let message = format!(

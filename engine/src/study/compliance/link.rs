@@ -73,8 +73,7 @@ pub(super) fn check_members(
         if !stretches(inner, outer) {
             continue;
         }
-        let name = mechanism.name(inner);
-        let name = name.strip_suffix("_inner").unwrap_or(name);
+        let name = mechanism.link_name(inner);
         let arm = mechanism.arms.iter().find(|arm| arm.outer == outer);
         let ends = match arm {
             Some(arm) => [arm.front, arm.rear],

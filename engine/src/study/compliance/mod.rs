@@ -5,6 +5,7 @@ mod axle;
 mod bushing;
 mod link;
 mod named_parts;
+mod solid;
 mod subframe;
 mod tests;
 
@@ -126,11 +127,13 @@ fn wheel_parts(
     let links = each(&file.links, |(name, part)| {
         link::link(name, part, suspension, problems)
     });
-    Some(WheelParts {
+    let mut parts = WheelParts {
         bushings: bushings?,
         links: links?,
         relaxed: relaxed?,
-    })
+    };
+    parts.order(&suspension.mechanism);
+    Some(parts)
 }
 
 impl WheelParts {

@@ -58,7 +58,15 @@ impl AxleKcRun<'_> {
         let suspensions = self.vehicle.suspensions;
         let varied = AxleOnTape::new(suspensions, self.designs(), &parts, parameters, tape).ok()?;
         let at = varied.carried(&plain.at)?;
-        Some(Here::of(varied.axle, at))
+        let links = plain.links.as_ref().and_then(|(_, alone)| {
+            let links = varied.axle.on_its_links()?;
+            let alone = links.carried_on_links(alone, &at)?;
+            Some((links, alone))
+        });
+        Some(Here {
+            links,
+            ..Here::of(varied.axle, at)
+        })
     }
 
     /// Secants over the window of a test, with the derivatives of the window's ends.

@@ -1,0 +1,121 @@
+//! A body that carries both wheels: its place, its motion, and its links without springs.
+
+use super::derivatives::{AxleChange, AxleTangent};
+use super::{AxleEquilibrium, ElasticAxle};
+use crate::compliance::algebra::Placed;
+use crate::compliance::system::{Limb, State};
+use crate::model::{Side, mirrored};
+use crate::number::{Jet, Scalar, Vector3};
+
+/// Place of a solid axle, in the left wheel's axes.
+#[derive(Clone, Copy, Debug)]
+pub struct AxlePlace<T> {
+    /// Displacement of the middle of both wheel centres from the design position.
+    pub middle: Vector3<T>,
+    /// Direction of its x axis, which is forward in the design position.
+    pub forward: Vector3<T>,
+    /// Direction of its y axis, which is to the left in the design position.
+    pub line: Vector3<T>,
+}
+
+impl<T: Scalar> AxlePlace<T> {
+    /// The place of a body from its sides as each side sees it, with the lever of its wheel centre.
+    fn of([left, right]: [(&Placed<T>, Vector3<T>); 2]) -> Self {
+        let shift = |(placed, lever): (&Placed<T>, Vector3<T>)| placed.displacement(lever);
+        let sum = shift(left) + mirrored(shift(right));
+        let like = sum.x;
+        let (zero, one) = (like.zero(), like.one());
+        AxlePlace {
+            middle: sum.map(|c| c.scaled(0.5)),
+            forward: left.0.lever(Vector3::new(one, zero, zero)),
+            line: left.0.lever(Vector3::new(zero, one, zero)),
+        }
+    }
+}
+
+impl<T: Scalar> ElasticAxle<T> {
+    /// Returns true if one body carries both wheels.
+    pub fn is_joined(&self) -> bool {
+        self.shared.is_joined
+    }
+
+    /// Place of a body that carries both wheels; `None` for wheels that move by themselves.
+    pub fn place(&self, at: &AxleEquilibrium<T>) -> Option<AxlePlace<T>> {
+        let side = |side: usize| {
+            let centre = self.wheels[side].built.system.wheel.centre;
+            (&at.state.wheels[side].carrier, centre)
+        };
+        self.is_joined().then(|| AxlePlace::of([side(0), side(1)]))
+    }
+
+    /// The same along a change of an input: values and first derivatives.
+    pub(crate) fn place_along(
+        &self,
+        tangent: &AxleTangent<T>,
+        change: &AxleChange<T>,
+    ) -> Option<AxlePlace<Jet<T, 2>>> {
+        let rate = self.rate(tangent, change);
+        let moving = [0, 1].map(|side: usize| {
+            let state: State<Jet<T, 2>> =
+                self.wheels[side].moving(&tangent.state.wheels[side], &rate.wheels[side]);
+            let centre = self.wheels[side].built.system.wheel.centre;
+            (state.carrier, centre.map(Jet::constant))
+        });
+        let [left, right] = &moving;
+        self.is_joined()
+            .then(|| AxlePlace::of([(&left.0, left.1), (&right.0, right.1)]))
+    }
+
+    /// Height of the roll centre, and its place to the left of the middle of both contact points. With v the velocity of the
+    /// body at that middle and w its angular velocity along equal opposite travels, the centre of the motion in front view
+    /// is v.y/w.x above the middle, and -v.z/w.x to its left. `None` for wheels that move by themselves.
+    pub fn roll_centre(&self, at: &AxleEquilibrium<T>, tangent: &AxleTangent<T>) -> Option<[T; 2]> {
+        if !self.is_joined() {
+            return None;
+        }
+        let one = self.like().one();
+        let rate = self.rate(tangent, &AxleChange::Travels([one, -one]));
+        let [x, y, z, a, b, c] = rate.wheels[0].carrier;
+        let turn = Vector3::new(a, b, c);
+        let contact = |side: Side| self.figures(at, side).contact;
+        let middle = contact(Side::Left) + mirrored(contact(Side::Right));
+        let reference = self.wheels[0].built.reference + at.state.wheels[0].carrier.shift;
+        let lever = middle.map(|c| c.scaled(0.5)) - reference;
+        let velocity = Vector3::new(x, y, z) + turn.cross(lever);
+        Some([velocity.y / turn.x, -(velocity.z / turn.x)])
+    }
+
+    /// The same axle with its springs and its anti-roll bar taken away: only its links hold it. Their forces at the design
+    /// load are released. `None` for wheels that move by themselves.
+    pub fn on_its_links(&self) -> Option<Self> {
+        if !self.is_joined() {
+            return None;
+        }
+        let mut axle = self.clone();
+        axle.bar_rate = None;
+        axle.shared.has_bar = false;
+        for wheel in &mut axle.wheels {
+            let system = &mut wheel.built.system;
+            system.bar = None;
+            // The seat of the spring is the last part.
+            if let Some(Limb::CarrierSeat(_)) = system.limbs.last() {
+                system.limbs.pop();
+                system.holders.limbs.pop();
+                wheel.built.names.pop();
+            }
+            // Without the spring the design position is no equilibrium.
+            wheel.has_offset = true;
+        }
+        Some(axle)
+    }
+
+    /// An equilibrium of [`ElasticAxle::on_its_links`] in plain numbers, with the derivatives of these numbers. Both
+    /// travels are those of `held`.
+    pub(in crate::compliance) fn carried_on_links(
+        &self,
+        at: &AxleEquilibrium,
+        held: &AxleEquilibrium<T>,
+    ) -> Option<AxleEquilibrium<T>> {
+        self.carried(&at.state, &held.task)
+    }
+}

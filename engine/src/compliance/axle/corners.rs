@@ -1,0 +1,228 @@
+//! Equations of both wheels while the shared bodies are held.
+//!
+//! Wheels that move by themselves have a matrix each. A solid axle is one body with both wheels. Each side describes it in its
+//! own axes, by a reference point that both sides have in common, and has the parts of its half. With M the signs of a
+//! mirror, A and r the tangent and the forces of the carrier,
+//!
+//! ```text
+//! A = A_l + M A_r M,   r = r_l + M r_r,   x_r = M x_l                                             (1)
+//! ```
+//!
+//! Rows of rigid links and of both heights stay beside it. So the axle has six unknowns and two travel rows.
+
+use super::super::limb::is_positive;
+use super::super::solve::{Bounds, Obstacle, is_definite};
+use super::super::system::{Equations, LOOSE};
+use super::equations::{AxleSingular, SideEquations, sign};
+use crate::compliance::system::Singular;
+use crate::linear::square::{MOST, SquareLu};
+use crate::number::Scalar;
+
+/// Equations of both wheels, factorised.
+#[derive(Clone, Debug)]
+pub(super) enum Corners<T> {
+    /// Two wheels that move by themselves.
+    Apart([SquareLu<T>; 2]),
+    /// One body that carries both wheels.
+    Joined(Box<Joined<T>>),
+}
+
+/// The equations of a body that carries both wheels.
+#[derive(Clone, Debug)]
+pub(super) struct Joined<T> {
+    places: Places,
+    equations: Equations<T>,
+    factors: SquareLu<T>,
+}
+
+/// Row of the joined equations for each row of a side.
+#[derive(Clone, Copy, Debug)]
+struct Places {
+    rows: [[usize; MOST]; 2],
+    sizes: [usize; 2],
+    size: usize,
+}
+
+impl Places {
+    /// Rows of two systems of these sizes; `None` for more rows than a matrix has.
+    fn of(sizes: [usize; 2]) -> Option<Self> {
+        let size = sizes[0] + sizes[1] - 6;
+        let mut rows = [[0; MOST]; 2];
+        for (side, rows) in rows.iter_mut().enumerate() {
+            for (i, row) in rows.iter_mut().enumerate() {
+                *row = if i < 6 || side == 0 {
+                    i
+                } else {
+                    sizes[0] + i - 6
+                };
+            }
+        }
+        (size <= MOST).then_some(Places { rows, sizes, size })
+    }
+
+    /// Rows of a side: own number, joined number and sign.
+    fn of_side(&self, side: usize) -> impl Iterator<Item = (usize, usize, f64)> {
+        let rows = self.rows[side];
+        let sign = move |i: usize| if i < 6 { sign(side, i) } else { 1.0 };
+        (0..self.sizes[side]).map(move |i| (i, rows[i], sign(i)))
+    }
+
+    fn joined<T: Scalar>(&self, parts: &[[T; MOST]; 2]) -> [T; MOST] {
+        let mut sum = [parts[0][0].zero(); MOST];
+        for (side, part) in parts.iter().enumerate() {
+            for (i, row, sign) in self.of_side(side) {
+                sum[row] = sum[row] + part[i].scaled(sign);
+            }
+        }
+        sum
+    }
+
+    fn parted<T: Scalar>(&self, whole: &[T; MOST]) -> [[T; MOST]; 2] {
+        let mut parts = [[whole[0].zero(); MOST]; 2];
+        for (side, part) in parts.iter_mut().enumerate() {
+            for (i, row, sign) in self.of_side(side) {
+                part[i] = whole[row].scaled(sign);
+            }
+        }
+        parts
+    }
+}
+
+impl<T: Scalar> Corners<T> {
+    /// Wheels that move by themselves.
+    pub(super) fn apart(sides: &[SideEquations<T>; 2]) -> Result<Self, AxleSingular> {
+        let factors = |side: usize| {
+            let found = sides[side].equations.factors();
+            found.ok_or(AxleSingular::Wheel(side, Singular::Carrier))
+        };
+        Ok(Corners::Apart([factors(0)?, factors(1)?]))
+    }
+
+    /// One body that carries both wheels, by equation (1). `sides` get its forces at the left side and none at the right
+    /// one. `bounds` asks for a stiffness of every motion.
+    pub(super) fn joined(
+        sides: &mut [SideEquations<T>; 2],
+        bounds: Option<Bounds>,
+    ) -> Result<Self, AxleSingular> {
+        let sizes = sides.each_ref().map(|side| side.equations.size);
+        let places = Places::of(sizes).ok_or(AxleSingular::Carrier)?;
+        let residuals = sides.each_ref().map(|side| side.equations.residual);
+        let mut equations = Equations::empty(residuals[0][0], 0, None);
+        equations.size = places.size;
+        equations.residual = places.joined(&residuals);
+        for (side, of) in sides.iter_mut().enumerate() {
+            let rows = || places.of_side(side);
+            for (i, row, sign) in rows() {
+                for (j, column, other) in rows() {
+                    let entry = of.equations.matrix[i][j].scaled(sign * other);
+                    let sum = &mut equations.matrix[row][column];
+                    *sum = *sum + entry;
+                }
+            }
+            for (i, row, _) in rows().take(6) {
+                let force = &mut of.equations.residual[i];
+                *force = match side {
+                    0 => equations.residual[row],
+                    _ => force.zero(),
+                };
+            }
+        }
+        if bounds.is_some_and(|bounds| !is_definite(&equations, bounds, LOOSE)) {
+            return Err(AxleSingular::Carrier);
+        }
+        let factors = equations.factors().ok_or(AxleSingular::Carrier)?;
+        Ok(Corners::Joined(Box::new(Joined {
+            places,
+            equations,
+            factors,
+        })))
+    }
+
+    /// Solves the tangents of both wheels for these forces.
+    pub(super) fn solve(&self, parts: &[[T; MOST]; 2]) -> [[T; MOST]; 2] {
+        match self {
+            Corners::Apart(factors) => [0, 1].map(|side: usize| factors[side].solve(&parts[side])),
+            Corners::Joined(own) => {
+                let solution = own.factors.solve(&own.places.joined(parts));
+                own.places.parted(&solution)
+            }
+        }
+    }
+}
+
+impl Corners<f64> {
+    /// Refuses wheels that are not stable while the shared bodies are held. Comes with the side of the reason.
+    pub(super) fn check_stable(
+        &self,
+        sides: &[SideEquations<f64>; 2],
+        bounds: Bounds,
+    ) -> Result<(), (Option<usize>, Obstacle)> {
+        for (side, of) in sides.iter().enumerate() {
+            let unstable = Obstacle::Unstable(of.equations.unstable);
+            if of.equations.unstable.is_some() {
+                return Err((Some(side), unstable));
+            }
+            if let Corners::Apart(_) = self
+                && !is_definite(&of.equations, bounds, 0.0)
+            {
+                return Err((Some(side), unstable));
+            }
+        }
+        match self {
+            Corners::Joined(own) if !is_definite(&own.equations, bounds, 0.0) => {
+                Err((None, Obstacle::Unstable(None)))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Returns true if the symmetric `matrix` of shared unknowns stays positive definite as the wheels follow. `columns`
+    /// are the forces on both wheels by each of these unknowns.
+    pub(super) fn keep_definite<const N: usize>(
+        &self,
+        sides: &[SideEquations<f64>; 2],
+        mut matrix: [[f64; N]; N],
+        columns: &[[[f64; MOST]; 2]],
+    ) -> bool {
+        let side = |side: usize| {
+            let of_side = columns.iter().map(|both| both[side]).collect::<Vec<_>>();
+            (&sides[side].equations, of_side)
+        };
+        let blocks = match self {
+            Corners::Apart(_) => vec![side(0), side(1)],
+            Corners::Joined(own) => {
+                let joined = columns.iter().map(|both| own.places.joined(both));
+                vec![(&own.equations, joined.collect())]
+            }
+        };
+        for (equations, columns) in blocks {
+            let size = equations.size;
+            let Some(factors) = SquareLu::of(symmetric(equations), size) else {
+                return false;
+            };
+            for (b, column) in columns.iter().enumerate() {
+                let response = factors.solve(column);
+                for (a, row) in columns.iter().enumerate() {
+                    let less = row.iter().zip(&response).take(size);
+                    matrix[a][b] -= less.map(|(c, r)| c * r).sum::<f64>();
+                }
+            }
+        }
+        is_positive(&matrix, 0.0)
+    }
+}
+
+/// Symmetric part of the tangent, with the rows on both sides.
+fn symmetric(equations: &Equations<f64>) -> [[f64; MOST]; MOST] {
+    let mut symmetric = [[0.0; MOST]; MOST];
+    for i in 0..6 {
+        for j in 0..6 {
+            symmetric[i][j] = 0.5 * (equations.matrix[i][j] + equations.matrix[j][i]);
+        }
+        for k in 6..equations.size {
+            symmetric[k][i] = equations.matrix[k][i];
+            symmetric[i][k] = equations.matrix[k][i];
+        }
+    }
+    symmetric
+}

@@ -1,0 +1,86 @@
+//! Figures of the links of a solid axle: their tensions, and the roll stiffness that they have alone.
+//!
+//! Five links do not fit a solid axle that rolls, so they stretch. The stiffness of this bind is that of the axle without
+//! springs and anti-roll bar. With rigid links that fit it is zero.
+
+use super::{AxleFigure, AxleKcRun, Here, roll};
+use crate::ask::Unit;
+use crate::compliance::{AxleChange, HeldQuantity, KcSubject, LinkMember, WheelFigures};
+use crate::model::Side;
+use crate::number::Scalar;
+
+/// Links of a solid axle, each with the name of its tension.
+const TENSIONS: [(&str, &str); 3] = [
+    ("lower_link", "lower_link_tension"),
+    ("upper_link", "upper_link_tension"),
+    ("panhard", "panhard_tension"),
+];
+
+impl AxleKcRun<'_> {
+    /// Tensions of the links that each half has.
+    pub(super) fn wheel_tensions<T: Scalar>(&self, here: &Here<T>) -> Vec<AxleFigure<T>> {
+        let of_side = |side| self.tensions(here, side).into_iter().filter(is_of_wheel);
+        Side::ALL.into_iter().flat_map(of_side).collect()
+    }
+
+    /// Figures of the links of the whole axle: tensions of those that it has once, and the roll stiffness without springs.
+    pub(super) fn link_figures<T: Scalar>(&self, here: &Here<T>) -> Vec<AxleFigure<T>> {
+        if !here.axle.is_joined() {
+            return Vec::new();
+        }
+        let mut found = self.tensions(here, Side::Left);
+        found.retain(|figure| !is_of_wheel(figure));
+        found.push(AxleFigure {
+            quantity: "link_roll_stiffness",
+            unit: Unit::TorquePerAngle,
+            value: roll_stiffness(here).filter(|value| value.value().is_finite()),
+            secant: None,
+            of: KcSubject::Axle,
+        });
+        found
+    }
+
+    /// Tensions of the elastic links of a side.
+    fn tensions<T: Scalar>(&self, here: &Here<T>, side: Side) -> Vec<AxleFigure<T>> {
+        let mechanism = &self.vehicle.suspensions[0].mechanism;
+        let Some(rigid) = &mechanism.rigid_axle else {
+            return Vec::new();
+        };
+        let parts = self.parts.wheels[side as usize].links.iter();
+        let tensions = here.axle.tensions(&here.at, side);
+        let figure = |(member, tension): (LinkMember, T)| {
+            let LinkMember::Rod { inner, .. } = member else {
+                return None;
+            };
+            let name = mechanism.link_name(inner);
+            let (_, quantity) = TENSIONS.iter().find(|(link, _)| *link == name)?;
+            let is_single = rigid.singles.contains(&inner);
+            Some(AxleFigure {
+                quantity: *quantity,
+                unit: Unit::Force,
+                value: Some(tension),
+                secant: None,
+                of: match is_single {
+                    true => KcSubject::Axle,
+                    false => KcSubject::Wheel(side),
+                },
+            })
+        };
+        let members = parts.map(|part| part.member);
+        members.zip(tensions).filter_map(figure).collect()
+    }
+}
+
+fn is_of_wheel<T>(figure: &AxleFigure<T>) -> bool {
+    matches!(figure.of, KcSubject::Wheel(_))
+}
+
+/// Roll moment by roll angle of the axle on its links alone.
+fn roll_stiffness<T: Scalar>(here: &Here<T>) -> Option<T> {
+    let (axle, at) = here.links.as_ref()?;
+    let one = axle.travel(at, Side::Left).one();
+    let tangent = axle.tangent(at, HeldQuantity::WheelHeight)?;
+    let by: [WheelFigures<T>; 2] = axle.figures_along(&tangent, &AxleChange::Travels([-one, one]));
+    let [angle, moment] = roll((axle, at), &by);
+    Some(moment / angle)
+}

@@ -1,0 +1,38 @@
+//! Five links of a solid axle: two lower and two upper links, and a Panhard rod.
+//!
+//! Two heights and five lengths are seven rows for the six unknowns of the axle. So rigid links bind, and links with axial
+//! stiffness take the pose of least energy ([`crate::compliance`]). The constraints of the mechanism leave out the upper link of
+//! the far half: they are those of an axle that moves nearly alike, by which a study is checked and drawn.
+
+use super::{Mechanism, Point, PointId};
+
+/// Ends of the upper link.
+const UPPER_LINK: [&str; 2] = ["upper_link_chassis", "upper_link_axle"];
+
+impl Mechanism {
+    /// Gives a solid axle with a single upper link one on each side. The points of the far half are the last ones.
+    pub fn pair_upper_links(&mut self) {
+        let near = UPPER_LINK.map(|name| self.point(name));
+        let (Some(rigid), [Some(chassis), Some(axle)]) = (&mut self.rigid_axle, near) else {
+            return;
+        };
+        let far = [chassis, axle].map(|near| {
+            let id = PointId(self.points.len());
+            let Point { name, body } = &self.points[near.0];
+            self.points.push(Point {
+                name: format!("right_{name}"),
+                body: *body,
+            });
+            rigid.singles.retain(|single| *single != near);
+            rigid.pairs.push([near, id]);
+            id
+        });
+        rigid.extra_links.push(far);
+    }
+
+    /// Returns true for a solid axle that rigid links do not fit.
+    pub fn has_extra_links(&self) -> bool {
+        let rigid = self.rigid_axle.as_ref();
+        rigid.is_some_and(|rigid| !rigid.extra_links.is_empty())
+    }
+}

@@ -1,0 +1,66 @@
+//! Elastic parts of a solid axle: links of both halves, and those that the axle has once.
+
+use super::super::error::Problems;
+use super::super::file;
+use super::super::value::Text;
+use super::WheelParts;
+use crate::compliance::{BushingPart, LinkMember, LinkPart};
+use crate::model::{Mechanism, PointId};
+
+/// Returns true for a point that the axle has once.
+fn is_single(mechanism: &Mechanism, id: PointId) -> bool {
+    let rigid = mechanism.rigid_axle.as_ref();
+    rigid.is_some_and(|rigid| rigid.singles.contains(&id))
+}
+
+fn is_single_bushing(mechanism: &Mechanism, part: &BushingPart) -> bool {
+    is_single(mechanism, part.point)
+}
+
+fn is_single_link(mechanism: &Mechanism, part: &LinkPart) -> bool {
+    match part.member {
+        LinkMember::Rod { inner, .. } => is_single(mechanism, inner),
+        LinkMember::RockerRod(_) => false,
+    }
+}
+
+impl WheelParts {
+    /// Puts the parts that the axle has once behind all others, so that those of both halves have the same numbers.
+    pub(super) fn order(&mut self, mechanism: &Mechanism) {
+        self.bushings
+            .sort_by_key(|part| is_single_bushing(mechanism, part));
+        self.links
+            .sort_by_key(|(_, part)| is_single_link(mechanism, part));
+    }
+
+    /// Takes away the parts that the axle has once: they belong to its left half.
+    pub(super) fn remove_singles(&mut self, mechanism: &Mechanism) {
+        self.bushings
+            .retain(|part| !is_single_bushing(mechanism, part));
+        self.links
+            .retain(|(_, part)| !is_single_link(mechanism, part));
+    }
+}
+
+/// Refuses rates of the right half for a part that the axle has once. Returns true if there are none.
+pub(super) fn refuse_single_rates(
+    own: &file::OwnRight,
+    mechanism: &Mechanism,
+    problems: &mut Problems,
+) -> bool {
+    let once = |name: &&Text| {
+        let ends = ["", "_chassis"].map(|end| format!("{}{end}", name.get_ref()));
+        let mut ends = ends.iter().filter_map(|name| mechanism.point(name));
+        ends.any(|id| is_single(mechanism, id))
+    };
+    let names = own.bushings.keys().chain(own.links.keys());
+    let found: Vec<&Text> = names.filter(once).collect();
+    for name in &found {
+        let message = format!(
+            "the axle has {} once: expected its rates in [bushings] or [links] alone",
+            name.get_ref()
+        );
+        problems.add(name.span(), message);
+    }
+    found.is_empty()
+}

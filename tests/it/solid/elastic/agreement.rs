@@ -1,0 +1,72 @@
+//! Random axles against the second formulation.
+
+use super::second::RESULTS;
+use super::{Kind, STILL, Scatter, elastic, is_angle, made, results, study};
+use crate::support::random::Random;
+use hardpoint::model::Side;
+
+/// 200 random axles, of all kinds, with springs and without, with halves that are mirror images and that are not. The
+/// program displaces bodies by small turns and eliminates rows; the second formulation minimises one energy in true
+/// coordinates. Rounding of lengths of 1 m is 1e-13 mm, and a link's stiffness is up to 100 times that of another.
+#[test]
+fn random_axles_agree_with_the_least_energy() {
+    let mut random = Random(20_261_127);
+    let mut worst = [0.0_f64; 4];
+    for number in 0..200 {
+        let kind = [
+            Kind::FiveLink,
+            Kind::FourLink,
+            Kind::FiveLink,
+            Kind::ThreeLinkPanhard,
+        ][number % 4];
+        let scatter = Scatter {
+            points: 30.0,
+            differs: number % 3 == 0,
+            rates: [3.5, 5.5],
+            springs: number % 5 != 0,
+        };
+        let made = made(kind, scatter, &mut random, STILL);
+        let travels = [55.0 * random.signed(), 55.0 * random.signed()];
+        let study = study(&made.text);
+        let axle = elastic(&study);
+        let at = axle
+            .at(travels, 0.0)
+            .unwrap_or_else(|e| panic!("{number}: {e:?}\n{}", made.text));
+        let pose = made.axle.solve(travels);
+        let (ours, theirs) = (results(&axle, &at), made.axle.results(&pose));
+        assert_eq!((ours.len(), theirs.len()), (RESULTS, RESULTS));
+        for (k, (ours, theirs)) in ours.iter().zip(&theirs).enumerate() {
+            let error = (ours - theirs).abs();
+            let kind = usize::from(is_angle(k));
+            worst[kind] = worst[kind].max(error);
+            let bound = if is_angle(k) { 1e-11 } else { 1e-8 };
+            assert!(error < bound, "{number}, result {k}: {ours} {theirs}");
+        }
+        for side in Side::ALL {
+            let (ours, theirs) = (axle.wheel_load(&at, side), pose.vertical[side as usize]);
+            // 1e-11 of the stiffest link times a millimetre.
+            worst[2] = worst[2].max((ours - theirs).abs());
+            assert!(
+                (ours - theirs).abs() < 1e-11 * 3e5 * 10.0,
+                "{number}: {ours} {theirs}"
+            );
+        }
+        let tensions = made.axle.tensions(&pose);
+        let ours = super::tensions(&made, &study, &axle, &at);
+        assert_eq!(ours.len(), tensions.len());
+        // The right half has the links that are not in the middle.
+        let own = axle.tensions(&at, Side::Right).len();
+        assert_eq!(own, if kind == Kind::ThreeLinkPanhard { 1 } else { 2 });
+        for (ours, theirs) in ours.iter().zip(&tensions) {
+            worst[3] = worst[3].max((ours - theirs).abs());
+            assert!(
+                (ours - theirs).abs() < 1e-11 * 3e5 * 10.0,
+                "{number}: {ours} {theirs}"
+            );
+        }
+    }
+    println!(
+        "worst: mm {:e}, rad {:e}, wheel load {:e} N, tension {:e} N",
+        worst[0], worst[1], worst[2], worst[3]
+    );
+}

@@ -1,0 +1,269 @@
+//! The commands with five links of a solid axle: sweep, tuning, and the program as a user runs it.
+
+use super::{Kind, Scatter, made};
+use crate::support::random::Random;
+use crate::support::rows_by_column;
+use hardpoint::axle::axle_curves;
+use hardpoint::curves::Curves;
+use hardpoint::optimise::{Control, TargetLayout, assessed_at, tune};
+use hardpoint::study::{Study, Wanted};
+use hardpoint::sweep::SweepPlan;
+use std::path::Path;
+use std::process::{Command, Output};
+
+const MOTION: &str = "[motion]\ntravel_left = [-30.0, 0.0]\ntravel_right = [0.0, 30.0]\n[outputs]\n\
+                      characteristics = [\"pinion_angle\", \"axle_lateral\", \"steer_by_roll\", \"link_roll_stiffness\", \"panhard_tension\"]\n";
+
+const SWEEP: &str = "[sweep]\nmethod = \"random\"\nsamples = 6\nvariables = [\n\
+                     { hardpoint = \"upper_link_axle\", axis = \"z\", range = [-8.0, 8.0] },\n\
+                     { hardpoint = \"panhard_axle\", axis = \"z\", range = [-8.0, 8.0] },\n\
+                     { link = \"lower_link\", range = [0.5, 2.0], relative = true },\n\
+                     { link = \"panhard\", range = [0.5, 2.0], relative = true },\n]\n";
+
+fn text(further: &str) -> String {
+    let scatter = Scatter {
+        points: 15.0,
+        differs: true,
+        rates: [4.0, 4.5],
+        springs: true,
+    };
+    // Rates that are varied are those of both halves.
+    let made = made(Kind::FiveLink, scatter, &mut Random(9), further);
+    let start = made.text.find("[axle.right.links.lower_link]").unwrap();
+    let end = made.text.find("[spring]").unwrap();
+    format!("{}{}", &made.text[..start], &made.text[end..])
+}
+
+fn elastic(text: &str) -> Study {
+    Study::elastic_from_text("case.toml", text, Path::new("")).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn curves(study: &Study) -> Curves {
+    let both = study.axle().unwrap();
+    let found = axle_curves(&both.axle, &both.plan).unwrap().curves;
+    assert!(found.are_complete());
+    found
+}
+
+/// Designs of a sweep have the values that their own studies have in the design position.
+#[test]
+fn a_sweep_reads_designs_as_their_studies_do() {
+    let study = elastic(&text(&(MOTION.to_owned() + SWEEP)));
+    let plan = SweepPlan::of(&study, study.sweep.as_ref().unwrap()).unwrap();
+    let outputs = plan.record.outputs.iter();
+    let columns: Vec<String> = outputs.map(|o| o.column.clone()).collect();
+    let mut worker = plan.worker().unwrap();
+    let rows = worker.rows(0).clone();
+    assert!(rows.failing.iter().all(Option::is_none));
+    let mut checked = 0;
+    for design in 0..6 {
+        let alone = curves(&plan.moved(design as u64));
+        // Stations run over the travel of the right wheel first.
+        let design_station = 2;
+        let least = |name: &str, station: usize| {
+            let column = alone.columns.iter().position(|c| c.name == name)?;
+            alone.stations[station].value(column)
+        };
+        for (k, name) in columns.iter().enumerate() {
+            let found = rows.outputs[design * columns.len() + k];
+            let expected = match name.split_once("_min") {
+                Some((name, unit)) => {
+                    let all = (0..4).filter_map(|s| least(&format!("{name}{unit}"), s));
+                    all.fold(f64::INFINITY, f64::min)
+                }
+                None => {
+                    let name = name.replacen("_design", "", 1);
+                    match least(&name, design_station) {
+                        Some(value) => value,
+                        None => continue,
+                    }
+                }
+            };
+            checked += 1;
+            let error = (found - expected).abs();
+            assert!(
+                error < 1e-9 * expected.abs().max(1.0),
+                "{name} {design}: {found} {expected}"
+            );
+        }
+    }
+    // Two quantities with a least value and a value in the design position, three figures.
+    assert!(checked >= 6 * 7, "{checked} of {columns:?}");
+}
+
+/// The slopes of a tuning are those of differences of fourth order, and the tuning meets its targets.
+#[test]
+fn a_tuning_meets_its_targets_with_exact_slopes() {
+    let tuned = "[optimise]\nvariables = [\n  { hardpoint = \"lower_link_chassis\", axis = \"z\", range = [-40.0, 40.0] },\n\
+                 { hardpoint = \"panhard_chassis\", axis = \"z\", range = [-60.0, 60.0] },\n\
+                 { link = \"upper_link\", range = [0.2, 5.0], relative = true },\n]\ntargets = [\n\
+                 { figure = \"steer_by_roll\", value = 0.0, tolerance = 0.005 },\n\
+                 { characteristic = \"axle_lateral\", over = \"travel_left\", travel_right = 30.0, at = -30.0, value = 0.5, tolerance = 0.1 },\n\
+                 { figure = \"link_roll_stiffness\", value = 60.0, tolerance = 2.0 },\n]\n";
+    let study = elastic(&text(&(MOTION.to_owned() + tuned)));
+    let optimise = study.optimise.as_ref().unwrap();
+    let layout = TargetLayout::of(optimise, &study.vehicle);
+    let at = |x: &[f64]| {
+        let found = assessed_at(study.wheel(), &optimise.variables, &layout, x);
+        found.unwrap().unwrap().goal
+    };
+    let x = [2.0, -3.0, 0.2];
+    let found = at(&x);
+    assert_eq!(found.residuals.len(), 3);
+    for (k, step) in [0.5, 0.5, 0.02].into_iter().enumerate() {
+        let moved = [-2.0, -1.0, 1.0, 2.0].map(|steps| {
+            let mut x = x;
+            x[k] += steps * step;
+            at(&x).residuals
+        });
+        for row in 0..3 {
+            let [a, b, c, d] = moved.each_ref().map(|at| at[row]);
+            let expected = (8.0 * (c - b) - (d - a)) / (12.0 * step);
+            let own = found.jacobian[(row, k)];
+            let error = (own - expected).abs();
+            assert!(
+                error < 2e-6 * expected.abs().max(1e-2),
+                "{row} {k}: {own} {expected}"
+            );
+        }
+    }
+    // Values of a known design are reached from the study's own.
+    let known = [9.0, -12.0, 0.4];
+    let residuals = at(&known).residuals;
+    let read: Vec<f64> = (0..3)
+        .map(|k| {
+            let own = &optimise.targets[layout.targets_of_rows()[k]];
+            let Wanted::At { value, .. } = own.wanted else {
+                panic!("single values")
+            };
+            value + residuals[k] / layout.share(layout.targets_of_rows()[k]) * own.tolerance
+        })
+        .collect();
+    let mut study = study.clone();
+    let rows = layout.targets_of_rows();
+    for (row, value) in rows.iter().zip(read) {
+        let target = &mut study.optimise.as_mut().unwrap().targets[*row];
+        let Wanted::At { value: own, .. } = &mut target.wanted else {
+            panic!("single values")
+        };
+        *own = value;
+    }
+    let optimise = study.optimise.as_ref().unwrap();
+    let tuning = tune(&study.vehicle, optimise, Control::default()).unwrap();
+    let best = tuning.best.as_ref().unwrap();
+    let layout = TargetLayout::of(optimise, &study.vehicle);
+    let found = assessed_at(study.wheel(), &optimise.variables, &layout, &best.offsets);
+    let residuals = found.unwrap().unwrap().goal.residuals;
+    assert!(
+        residuals.iter().all(|r| r.abs() < 1e-2),
+        "{residuals:?} {:?}",
+        best.offsets
+    );
+}
+
+fn hardpoint(arguments: &[&str], directory: &Path) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_hardpoint"));
+    command
+        .args(arguments)
+        .current_dir(directory)
+        .output()
+        .unwrap()
+}
+
+/// The printed template is the sample of the repository, and every command that takes elastic axles takes it.
+#[test]
+fn the_template_runs_in_all_commands() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    let new = hardpoint(&["new", "solid_axle", "--with", "five_links"], here);
+    assert_eq!(new.status.code(), Some(0));
+    let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/solid_axle_five_links.toml");
+    let body = |text: &str| {
+        text.lines()
+            .filter(|l| !l.starts_with('#'))
+            .map(str::to_owned)
+            .collect::<Vec<_>>()
+    };
+    let printed = String::from_utf8(new.stdout).unwrap();
+    assert_eq!(
+        body(&printed),
+        body(&std::fs::read_to_string(sample).unwrap())
+    );
+    std::fs::write(here.join("five.toml"), &printed).unwrap();
+    for arguments in [
+        &["check", "five.toml"][..],
+        &["solve", "five.toml", "--out", "solved"],
+        &["kc", "five.toml", "--out", "kc"],
+        &["limits", "five.toml"],
+    ] {
+        let ran = hardpoint(arguments, here);
+        let said = String::from_utf8_lossy(&ran.stdout).into_owned()
+            + &String::from_utf8_lossy(&ran.stderr);
+        assert_eq!(ran.status.code(), Some(0), "{arguments:?}: {said}");
+        if arguments[0] == "limits" {
+            assert!(said.contains("Five rigid links"), "{said}");
+            // The parts that give way, and poses that a small push would leave.
+            assert!(
+                said.contains("gives way") && said.contains("not stable"),
+                "{said}"
+            );
+        }
+        if arguments[0] == "check" {
+            assert!(
+                said.contains("panhard") && said.contains("lower_link"),
+                "{said}"
+            );
+        }
+    }
+    let rows = rows_by_column(&std::fs::read(here.join("kc/kc.csv")).unwrap());
+    let of = |quantity: &str, wheel: &str| -> f64 {
+        let mut rows = rows.iter();
+        let row = rows
+            .find(|row| row["quantity"] == quantity && row["wheel"] == wheel && row["value"] != "");
+        row.unwrap_or_else(|| panic!("{quantity} {wheel}"))["value"]
+            .parse()
+            .unwrap()
+    };
+    assert!(of("link_roll_stiffness", "axle") > 1.0);
+    assert!(of("compliant_roll_stiffness", "axle") > of("link_roll_stiffness", "axle"));
+    assert_ne!(
+        of("upper_link_tension", "left"),
+        of("upper_link_tension", "right")
+    );
+    assert!(of("panhard_tension", "axle").is_finite());
+    // The right wheel has no Panhard rod of its own.
+    let levels = rows_by_column(&std::fs::read(here.join("kc/levels.csv")).unwrap());
+    let ok = levels.iter().filter(|row| row["status"] == "ok");
+    for row in ok {
+        assert_eq!(row["right_panhard_tension_N"], "");
+        assert_ne!(row["left_panhard_tension_N"], "");
+    }
+    // A rigid solid axle has no tests, and the message has the remedy.
+    let rigid = hardpoint(&["new", "solid_axle"], here);
+    std::fs::write(here.join("rigid.toml"), rigid.stdout).unwrap();
+    let ran = hardpoint(&["kc", "rigid.toml"], here);
+    assert_ne!(ran.status.code(), Some(0));
+    assert!(String::from_utf8_lossy(&ran.stderr).contains("[links.NAME]"));
+}
+
+/// Every figure that the tests of elastic axles have is a name that the schema knows.
+#[test]
+fn the_schema_knows_the_figures() {
+    let schema = hardpoint::study::schema().to_string();
+    let samples = [
+        "solid_axle_five_links.toml",
+        "subframe_axle_compliance.toml",
+    ];
+    for name in samples {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("studies")
+            .join(name);
+        let study = elastic(&std::fs::read_to_string(path).unwrap());
+        let axle = &study.axle().unwrap().axle;
+        assert!(axle.figures().len() > 30);
+        for figure in axle.figures() {
+            let name = format!("\"{}\"", figure.quantity);
+            assert!(schema.contains(&name), "{name}");
+        }
+    }
+}

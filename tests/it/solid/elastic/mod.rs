@@ -1,0 +1,258 @@
+//! Elastic solid axles: against a second formulation, the rigid program, and mechanics.
+
+mod agreement;
+mod commands;
+mod mechanics;
+mod refused;
+mod rigid_limit;
+mod second;
+mod slopes;
+
+use crate::support::random::Random;
+use hardpoint::compliance::{AxleEquilibrium, ElasticAxle};
+use hardpoint::model::Side;
+use hardpoint::study::{AxleStudy, Study};
+use second::{Axle, Link, Spring};
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Kinds of axles: lengths and heights are 6, 6 and 7 rows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    FourLink,
+    ThreeLinkPanhard,
+    FiveLink,
+}
+
+/// Inputs of a study.
+#[derive(Clone, Debug)]
+pub struct Made {
+    pub text: String,
+    pub axle: Axle,
+}
+
+const RADIUS: f64 = 335.0;
+
+/// Points of the left half: name, position and the largest random change.
+const POINTS: [(&str, [f64; 3]); 4] = [
+    ("lower_link_chassis", [540.0, 420.0, 305.0]),
+    ("lower_link_axle", [5.0, 530.0, 255.0]),
+    ("upper_link_chassis", [440.0, 370.0, 445.0]),
+    ("upper_link_axle", [15.0, 350.0, 475.0]),
+];
+/// A splayed pair of upper links.
+const SPLAYED: [[f64; 3]; 2] = [[340.0, 470.0, 445.0], [15.0, 150.0, 475.0]];
+/// A single upper link.
+const SINGLE: [[f64; 3]; 2] = [[420.0, 50.0, 470.0], [15.0, 70.0, 480.0]];
+const PANHARD: [(&str, [f64; 3]); 2] = [
+    ("panhard_chassis", [-140.0, 480.0, 360.0]),
+    ("panhard_axle", [-140.0, -470.0, 335.0]),
+];
+const SPRING: [(&str, [f64; 3]); 2] = [
+    ("spring_upper", [40.0, 460.0, 650.0]),
+    ("spring_lower", [60.0, 500.0, 350.0]),
+];
+
+fn flipped([x, y, z]: [f64; 3]) -> [f64; 3] {
+    [x, -y, z]
+}
+
+fn line(name: &str, [x, y, z]: [f64; 3]) -> String {
+    format!("{name} = [{x:?}, {y:?}, {z:?}]\n")
+}
+
+/// Sizes of the random changes of an axle.
+#[derive(Clone, Copy, Debug)]
+pub struct Scatter {
+    /// Of coordinates.
+    pub points: f64,
+    /// True for other points, rates and springs at the right half.
+    pub differs: bool,
+    /// Powers of ten of the rates: least and most.
+    pub rates: [f64; 2],
+    /// True for springs.
+    pub springs: bool,
+}
+
+/// A random axle: the text of its study, and the same in true coordinates. `further` ends the text.
+pub fn made(kind: Kind, scatter: Scatter, random: &mut Random, further: &str) -> Made {
+    let mut near = |place: [f64; 3]| place.map(|c| c + scatter.points * random.signed());
+    let mut points: Vec<(&str, [f64; 3])> = POINTS.iter().map(|(n, p)| (*n, near(*p))).collect();
+    let uppers = match kind {
+        Kind::FourLink => Some(SPLAYED),
+        Kind::ThreeLinkPanhard => Some(SINGLE),
+        Kind::FiveLink => None,
+    };
+    if let Some([chassis, axle]) = uppers {
+        (points[2].1, points[3].1) = (near(chassis), near(axle));
+    }
+    let rod: Vec<_> = PANHARD.iter().map(|(n, p)| (*n, near(*p))).collect();
+    let seats: Vec<_> = SPRING.iter().map(|(n, p)| (*n, near(*p))).collect();
+    let centre = near([0.0, 760.0, RADIUS]);
+    let is_single = |name: &str| kind == Kind::ThreeLinkPanhard && name.starts_with("upper");
+    let mut right = String::new();
+    let mut others = Vec::new();
+    for (name, place) in points.iter().chain(&seats) {
+        let other = match scatter.differs && !is_single(name) {
+            true => near(*place),
+            false => *place,
+        };
+        others.push(flipped(other));
+        if other != *place {
+            right += &line(name, flipped(other));
+        }
+    }
+    let [least, most] = scatter.rates;
+    let mut rate = || 10.0_f64.powf(least + (most - least) * 0.5 * (1.0 + random.signed()));
+    let rates = [rate(), rate(), rate()];
+    let right_lower = if scatter.differs { rate() } else { rates[0] };
+    let mut links = Vec::new();
+    let mut link = |name: &str, body: [f64; 3], axle: [f64; 3], rate: f64| {
+        let name = name.to_owned();
+        links.push(Link {
+            name,
+            body,
+            axle,
+            rate,
+        });
+    };
+    link("lower_link", points[0].1, points[1].1, rates[0]);
+    link("lower_link", others[0], others[1], right_lower);
+    link("upper_link", points[2].1, points[3].1, rates[1]);
+    if kind != Kind::ThreeLinkPanhard {
+        link("upper_link", others[2], others[3], rates[1]);
+    }
+    if kind != Kind::FourLink {
+        link("panhard", rod[0].1, rod[1].1, rates[2]);
+    }
+    let force = 4000.0 + 1000.0 * random.signed();
+    let spring_rate = 35.0 + 10.0 * random.signed();
+    let (camber, toe) = (1.5 * random.signed(), 0.5 * random.signed());
+    let (sin_c, cos_c) = camber.to_radians().sin_cos();
+    let (sin_t, cos_t) = toe.to_radians().sin_cos();
+    let axis = [cos_c * sin_t, cos_c * cos_t, -sin_c];
+    let spring = |body, axle| Spring {
+        body,
+        axle,
+        force,
+        rate: spring_rate,
+    };
+    let springs = match scatter.springs {
+        true => vec![spring(seats[0].1, seats[1].1), spring(others[4], others[5])],
+        false => Vec::new(),
+    };
+
+    let mut text = String::from("[suspension]\ntopology = \"solid_axle\"\n");
+    if kind == Kind::ThreeLinkPanhard {
+        text += "single = [\"upper_link\"]\n";
+    }
+    text += "[suspension.hardpoints]\n";
+    let rod = if kind == Kind::FourLink {
+        &[][..]
+    } else {
+        &rod
+    };
+    for (name, place) in points.iter().chain(&seats).chain(rod) {
+        text += &line(name, *place);
+    }
+    text += &line("wheel_centre", centre);
+    if !right.is_empty() {
+        let _ = write!(text, "[axle.right.hardpoints]\n{right}");
+    }
+    let _ = write!(
+        text,
+        "[wheel]\nradius = {RADIUS:?}\nstatic_camber = {camber:?}\nstatic_toe = {toe:?}\n\
+         [compliance]\nrelaxed = \"free\"\n[links.lower_link]\naxial_stiffness = {:?}\n\
+         [links.upper_link]\naxial_stiffness = {:?}\n",
+        rates[0], rates[1]
+    );
+    if kind != Kind::FourLink {
+        let _ = writeln!(text, "[links.panhard]\naxial_stiffness = {:?}", rates[2]);
+    }
+    if right_lower != rates[0] {
+        let _ = writeln!(
+            text,
+            "[axle.right.links.lower_link]\naxial_stiffness = {right_lower:?}"
+        );
+    }
+    if scatter.springs {
+        let _ = writeln!(text, "[spring]\nforce = {force:?}\nrate = {spring_rate:?}");
+    }
+    Made {
+        text: text + further,
+        axle: Axle {
+            links,
+            springs,
+            wheels: [(centre, axis), (flipped(centre), flipped(axis))],
+            radius: RADIUS,
+        },
+    }
+}
+
+/// A motion that tests of states do not read.
+pub const STILL: &str = "[motion]\nheave = [0.0]\n";
+
+pub fn study(text: &str) -> AxleStudy {
+    let read = Study::elastic_from_text("solid.toml", text, Path::new(""));
+    let read = read.unwrap_or_else(|errors| panic!("{errors}\n{text}"));
+    read.axle().expect("an axle").clone()
+}
+
+/// The elastic axle of a study.
+pub fn elastic(study: &AxleStudy) -> ElasticAxle {
+    let axle = &study.axle;
+    let parts = &axle.elastic.as_ref().expect("elastic parts").parts;
+    let sides = Side::ALL.map(|side| axle.suspension(side));
+    let designs = sides.map(|side| &side.design[..]);
+    ElasticAxle::of(sides, designs, parts).unwrap_or_else(|e| panic!("{e:?}"))
+}
+
+/// The program's results, in the order of the second formulation.
+pub fn results(axle: &ElasticAxle, at: &AxleEquilibrium) -> Vec<f64> {
+    let mut found = Vec::new();
+    for side in Side::ALL {
+        let own = axle.figures(at, side);
+        let out = if side == Side::Left { 1.0 } else { -1.0 };
+        found.extend([own.toe, own.camber]);
+        for point in [own.centre, own.contact] {
+            found.extend([point.x, out * point.y, point.z]);
+        }
+    }
+    let place = axle.place(at).expect("a solid axle");
+    found.push((-place.line.x).atan2(place.line.y));
+    found.push(place.forward.z.atan2(place.forward.x));
+    found.extend(place.middle.to_array());
+    found
+}
+
+/// Number of a link among those of a half.
+pub fn number_of(study: &AxleStudy, name: &str) -> usize {
+    let names = &study
+        .axle
+        .elastic
+        .as_ref()
+        .expect("elastic parts")
+        .link_names;
+    names.iter().position(|own| own == name).expect("a link")
+}
+
+/// Tensions in the order of the second formulation's links. Its second link of a name is that of the right half.
+pub fn tensions(
+    made: &Made,
+    study: &AxleStudy,
+    axle: &ElasticAxle,
+    at: &AxleEquilibrium,
+) -> Vec<f64> {
+    let own = Side::ALL.map(|side| axle.tensions(at, side));
+    let links = &made.axle.links;
+    let of = |(k, link): (usize, &Link)| {
+        let is_second = links[..k].iter().any(|before| before.name == link.name);
+        own[usize::from(is_second)][number_of(study, &link.name)]
+    };
+    links.iter().enumerate().map(of).collect()
+}
+
+/// True for the results that are angles.
+pub fn is_angle(number: usize) -> bool {
+    matches!(number, 0 | 1 | 8 | 9 | 16 | 17)
+}

@@ -17,7 +17,8 @@
 //! the carrier. The fraction that is reached is accurate to 1e-6.
 
 use super::limb::is_positive;
-use super::system::{Equations, Held, Hold, Singular, State, System, Task};
+use super::system::{Equations, Held, Hold, Singular, State, System, Task, larger};
+use super::wheel::TURN_LEVER;
 use crate::linear::square::MOST;
 use crate::number::Scalar;
 use crate::threads::checkpoint;
@@ -39,8 +40,6 @@ const ROUNDING: f64 = 1e-8;
 const FORESEEN: f64 = 100.0;
 /// Smallest fraction by which the loads are increased.
 const LEAST_SHARE: f64 = 1e-6;
-/// Distance, mm, at which the movement by a rotation is compared with a shift.
-const TURN_LEVER: f64 = 300.0;
 /// Largest number of Newton steps for one fraction. Contraction by 0.8 takes 60 mm to 1e-11 mm in that number.
 const MOST_STEPS: usize = 140;
 
@@ -83,7 +82,7 @@ pub(super) struct Bounds {
 
 impl Bounds {
     fn size(&self, [shift, turn]: [f64; 2]) -> f64 {
-        (shift / self.millimetre).max(turn * TURN_LEVER)
+        larger(shift / self.millimetre, turn * TURN_LEVER)
     }
 
     fn is_last(&self, [shift, turn]: [f64; 2]) -> bool {

@@ -29,6 +29,11 @@ use super::swinging::Swinging;
 use crate::linear::square::{MOST, SquareLu};
 use crate::number::{Each, Scalar, Vector3, array_of};
 
+/// Larger of two numbers; NaN if either is NaN, so that no correction with NaN counts as small.
+pub(super) fn larger(a: f64, b: f64) -> f64 {
+    if a >= b || a.is_nan() { a } else { b }
+}
+
 /// Largest number of parts with inner unknowns: five links and a spring's seat.
 pub(super) const MOST_LIMBS: usize = 6;
 /// Fraction of the largest pivot below which a pivot counts as no stiffness.
@@ -454,12 +459,8 @@ impl<T: Scalar> System<T> {
     /// line does not count: it moves nothing, and little torsion can leave it inaccurate.
     pub(super) fn size_of(&self, step: &Step<T>) -> [f64; 2] {
         let largest = |parts: &[T]| {
-            let size = |m: f64, c: &T| {
-                // A NaN in `c` gives NaN.
-                let c = c.value().abs();
-                if m >= c { m } else { c }
-            };
-            parts.iter().fold(0.0, size)
+            let size = |c: &T| c.value().abs();
+            parts.iter().map(size).fold(0.0, larger)
         };
         let mut shift = largest(&step.carrier[..3]);
         let mut turn = largest(&step.carrier[3..]);
@@ -470,8 +471,9 @@ impl<T: Scalar> System<T> {
                 _ => &[],
             };
             let own_turn = limb.turn_across(step).to_array();
-            shift = shift.max(largest(own_shift));
-            turn = turn.max(largest(&own_turn)).max(step.slide.value().abs());
+            shift = larger(shift, largest(own_shift));
+            turn = larger(turn, largest(&own_turn));
+            turn = larger(turn, step.slide.value().abs());
         }
         [shift, turn]
     }

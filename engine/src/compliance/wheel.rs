@@ -8,7 +8,7 @@ use super::loads::WheelLoads;
 use super::preload::NoPreload;
 use super::reading::WheelGeometry;
 use super::solve::{Bounds, Obstacle, Solution, Stuck};
-use super::system::{Equations, Held, Hold, Limb, Singular, State, Task};
+use super::system::{Equations, Held, Hold, Limb, Singular, State, Task, larger};
 use crate::characteristics::Constants;
 use crate::linear::square::MOST;
 use crate::model::{Axis, Suspension};
@@ -234,8 +234,7 @@ impl ElasticWheel {
     pub(super) fn largest_force(&self, equations: &Equations<f64>) -> f64 {
         let lever = TURN_LEVER * self.bounds.millimetre;
         let mut worst = 0.0;
-        // NaN replaces the largest force so far.
-        let mut note = |force: f64| worst = if force <= worst { worst } else { force };
+        let mut note = |force: f64| worst = larger(worst, force);
         for (k, force) in equations.residual[..6].iter().enumerate() {
             let force = if k < 3 { *force } else { force / lever };
             note(force.abs());

@@ -18,7 +18,7 @@ use super::super::floating::Floating;
 use super::super::ground::{Coupling, Frames, MIRROR, RACK, SHARED, Surroundings, TWIST};
 use super::super::preload::NoPreload;
 use super::super::solve::{Bounds, Obstacle};
-use super::super::system::{Equations, Held, Limb, Singular, State, Step, Task};
+use super::super::system::{Equations, Held, Limb, Singular, State, Step, Task, larger};
 use super::super::wheel::ElasticWheel;
 use super::corners::Corners;
 use crate::linear::square::{MOST, SquareLu};
@@ -409,14 +409,12 @@ impl<T: Scalar> AxleStep<T> {
     /// Largest shift and largest rotation.
     pub(in super::super) fn sizes(&self, axle: &[ElasticWheel<T>; 2]) -> [f64; 2] {
         let shared = self.shared.each_ref().map(|c| c.value().abs());
-        // A NaN in the second number gives NaN.
-        let largest = |m: f64, c: f64| if m >= c { m } else { c };
-        let shift = shared[..3].iter().copied().fold(shared[RACK], largest);
-        let turn = shared[3..RACK].iter().copied().fold(shared[TWIST], largest);
+        let shift = shared[..3].iter().copied().fold(shared[RACK], larger);
+        let turn = shared[3..RACK].iter().copied().fold(shared[TWIST], larger);
         let mut sizes = [shift, turn];
         for (side, wheel) in axle.iter().enumerate() {
             let own = wheel.built.system.size_of(&self.wheels[side]);
-            sizes = [largest(own[0], sizes[0]), largest(own[1], sizes[1])];
+            sizes = [larger(own[0], sizes[0]), larger(own[1], sizes[1])];
         }
         sizes
     }

@@ -7,7 +7,7 @@ use crate::compliance::fault::{Motion, NoEquilibrium};
 use crate::compliance::ground::{RACK, SHARED, TWIST};
 use crate::compliance::loads::WheelLoads;
 use crate::compliance::solve::{Judge, Obstacle, Unraised, Verdict, between, raised};
-use crate::compliance::system::{Held, Singular};
+use crate::compliance::system::{Held, Singular, larger};
 use crate::compliance::wheel::{CARRIER, HeldQuantity, TURN_LEVER, largest_axis};
 use crate::linear::square::MOST;
 use crate::model::{Axis, Side};
@@ -256,7 +256,7 @@ impl ElasticAxle {
         let mut worst = 0.0;
         for (side, wheel) in self.wheels.iter().enumerate() {
             let own = wheel.largest_force(&equations.sides[side].equations);
-            worst = if own <= worst { worst } else { own };
+            worst = larger(worst, own);
         }
         let lever = TURN_LEVER * self.wheels[0].bounds.millimetre;
         for k in self.shared.active(Purpose::Balance) {
@@ -266,7 +266,7 @@ impl ElasticAxle {
                 1.0
             };
             let force = equations.force[k].abs() / unit;
-            worst = if force <= worst { worst } else { force };
+            worst = larger(worst, force);
         }
         worst
     }

@@ -12,7 +12,7 @@
 //! One of them is the drive. The other one takes the place of the rack's displacement, and one constraint holds it.
 //! Seen from the other wheel, (1) is the same and (2) has the other sign.
 
-use super::{PointId, TwistBeam};
+use super::{AxleSteering, PointId, TwistBeam};
 use crate::number::{Real, Vector3};
 
 /// One of the two travels of a rigid axle.
@@ -56,6 +56,8 @@ pub struct RigidAxle {
     pub held: AxleTravel,
     /// Further points, if the axle is a twist beam.
     pub twist_beam: Option<TwistBeam>,
+    /// Knuckles and further points, if the wheels are steered.
+    pub steering: Option<AxleSteering>,
 }
 
 /// The mirror image of a position in the vehicle's middle plane.
@@ -74,7 +76,9 @@ impl RigidAxle {
     /// Points that a study does not give, each with the point that it stays beside.
     #[inline]
     fn followers(&self) -> impl Iterator<Item = [PointId; 2]> {
-        self.twist_beam.iter().flat_map(TwistBeam::followers)
+        let beam = self.twist_beam.iter().flat_map(TwistBeam::followers);
+        let steering = self.steering.iter();
+        beam.chain(steering.flat_map(|steering| steering.followers(self.far_centre)))
     }
 
     /// The partner in the far half of a point of the near half.
@@ -115,8 +119,11 @@ impl RigidAxle {
         }
     }
 
-    /// Returns true if the far half is the mirror image of the near half.
+    /// Returns true if the far half is the mirror image of the near half. The drag link of a steered axle has none.
     pub fn is_symmetric(&self, design: &[Vector3<f64>]) -> bool {
+        if self.steering.is_some() {
+            return false;
+        }
         let mut pairs = self.pairs.iter();
         let mut singles = self.singles.iter();
         pairs.all(|[near, far]| design[far.0] == mirrored(design[near.0]))

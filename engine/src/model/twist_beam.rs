@@ -144,6 +144,7 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
             singles,
             far_centre,
             held,
+            steering: None,
             twist_beam: Some(TwistBeam {
                 mount,
                 far_mount,

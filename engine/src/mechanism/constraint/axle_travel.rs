@@ -15,34 +15,67 @@
 //! f' = 0,   m' = (w x (l_n + s l_f)/2) x z,   q' = 0                (4)
 //! ```
 //!
-//! F is linear in the pose. The far wheel of a twist beam stands on a rocker of the near half: then the wrench of its height and
-//! its rate are those of a force on a rocker (see `rocker_end.rs`), and F is not linear.
+//! The heights of a steered axle are over the places that the wheel centres have after their turn, the axle at rest: a number that
+//! makes up for it is held in r (see `model/steered_axle.rs`). A derivative by a hardpoint is that of the height over the hardpoint
+//! itself, because the travel from there is held.
+//!
+//! F is linear in the pose. The far wheel of a twist beam stands on a rocker of the near half, and both wheels of a
+//! steered axle stand on rockers. Then the wrench of the height and its rate are those of a force on a rocker (see
+//! `rocker_end.rs`), and F is not linear.
 
 use super::rocker_end::constant_push_rate;
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Configuration, Twist, Wrench};
-use crate::model::{AxleTravel, Body, PointId};
+use crate::model::{AxleTravel, Body, Mechanism, PointId};
 use crate::number::{Each, Real, Vector3};
 
 /// A travel of a rigid axle, as a function of the pose.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TravelRow {
-    /// Both wheel centres, each with its factor in (1).
-    centres: [(PointId, f64); 2],
+    centres: [Centre; 2],
+}
+
+/// A wheel centre.
+#[derive(Clone, Copy, Debug)]
+struct Centre {
+    id: PointId,
+    /// Factor of its height in (1).
+    factor: f64,
+    /// The point over whose design position the height is.
+    over: PointId,
 }
 
 impl TravelRow {
     /// The mean or the difference of the heights of both wheel centres.
     #[inline(always)]
-    pub(crate) fn new(near: PointId, far: PointId, travel: AxleTravel) -> Self {
+    pub(crate) fn new(
+        mechanism: &Mechanism,
+        [near, far]: [PointId; 2],
+        travel: AxleTravel,
+    ) -> Self {
+        let over = match mechanism.axle_steering() {
+            None => [near, far],
+            Some(steering) => steering.turned_centres,
+        };
         TravelRow {
-            centres: [(near, 0.5), (far, 0.5 * travel.far_sign())],
+            centres: [
+                Centre {
+                    id: near,
+                    factor: 0.5,
+                    over: over[0],
+                },
+                Centre {
+                    id: far,
+                    factor: 0.5 * travel.far_sign(),
+                    over: over[1],
+                },
+            ],
         }
     }
 
     /// Centre of the far wheel.
     pub(crate) fn far(&self) -> PointId {
-        self.centres[1].0
+        self.centres[1].id
     }
 
     /// The travel in a pose: (1) without r.
@@ -50,7 +83,7 @@ impl TravelRow {
     pub(crate) fn value<T: Real>(&self, at: &Configuration<T>) -> T {
         let [near, far] = self
             .centres
-            .each(|(id, factor)| (self.place(at, id).z - at.designed(id).z).scaled(factor));
+            .each(|c| (self.place(at, c.id).z - at.designed(c.over).z).scaled(c.factor));
         near + far
     }
 
@@ -66,7 +99,7 @@ impl TravelRow {
     #[inline(always)]
     pub(crate) fn push<T: Real>(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let zero = weight.zero();
-        for (id, factor) in self.centres {
+        for Centre { id, factor, .. } in self.centres {
             let up = Vector3::new(zero, zero, weight.scaled(factor));
             match at.mechanism.body(id) {
                 Body::Rocker(_) => at.push_point(id, up, sink),
@@ -84,15 +117,18 @@ impl TravelRow {
         along: &Twist<T>,
     ) -> Wrench<T> {
         let mut wrench = Wrench::zero(at.rack);
-        let [near, far] = self.centres;
-        let mut levers = at.designed_lever(near.0).map(|c| c.scaled(near.1));
-        match at.mechanism.body(far.0) {
-            Body::Rocker(_) => {
-                let zero = at.rack.zero();
-                let up = Vector3::new(zero, zero, zero.constant(far.1));
-                wrench = constant_push_rate(far.0, up, at, along);
+        let mut levers = Vector3::new(at.rack, at.rack, at.rack).zero();
+        for Centre { id, factor, .. } in self.centres {
+            match at.mechanism.body(id) {
+                Body::Rocker(_) => {
+                    let zero = at.rack.zero();
+                    let up = Vector3::new(zero, zero, zero.constant(factor));
+                    let rate = constant_push_rate(id, up, at, along);
+                    wrench.force = wrench.force + rate.force;
+                    wrench.moment = wrench.moment + rate.moment;
+                }
+                _ => levers = levers + at.designed_lever(id).map(|c| c.scaled(factor)),
             }
-            _ => levers = levers + at.designed_lever(far.0).map(|c| c.scaled(far.1)),
         }
         let velocity = along.turn.cross(at.pose.rotation.apply(levers));
         let moment = Vector3::new(velocity.y, -velocity.x, velocity.x.zero());

@@ -69,6 +69,8 @@ impl<const N: usize> AxleSolver<'_, N> {
     /// # Errors
     /// If the design position of a wheel is singular.
     pub fn limits(&mut self) -> Result<AxleLimits, (Side, DesignFault)> {
+        // A steered axle can always go straight ahead.
+        let _ = self.steer(0.0);
         let left = self.limits_of(Side::Left)?;
         let right = self.limits_of(Side::Right)?;
         let rack = left.rack.as_ref().zip(right.rack.as_ref());

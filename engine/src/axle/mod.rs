@@ -79,6 +79,8 @@ pub enum AxleKind {
     Independent,
     /// One body carries both wheels.
     Solid,
+    /// The same, with wheels that a drag link steers.
+    SteeredSolid,
     /// Two halves that twist against each other.
     TwistBeam,
 }
@@ -102,6 +104,7 @@ impl Axle {
         match &self.left.mechanism.rigid_axle {
             None => AxleKind::Independent,
             Some(rigid) if rigid.twist_beam.is_some() => AxleKind::TwistBeam,
+            Some(rigid) if rigid.steering.is_some() => AxleKind::SteeredSolid,
             Some(_) => AxleKind::Solid,
         }
     }
@@ -282,6 +285,9 @@ impl Axle {
         }
         if reads(&[Slot::BarAngle, Slot::BarAngleRate]) {
             rockers.extend(mechanism.anti_roll_bar());
+        }
+        if let Some(steering) = mechanism.axle_steering() {
+            rockers.extend([steering.near_knuckle, steering.far_knuckle]);
         }
         rockers
     }

@@ -97,6 +97,27 @@ impl AxleSteering {
     }
 }
 
+impl RigidAxle {
+    /// Moves the drag link's end from its hardpoint: (1). The wheel centres are placed as if the wheels were not steered.
+    /// Returns the centres with the points that are to take their places after the turn, the near one first.
+    pub(crate) fn displace(
+        &self,
+        displacement: f64,
+        design: &mut [Vector3<f64>],
+    ) -> [[PointId; 2]; 2] {
+        let Some(steering) = &self.steering else {
+            return [[self.far_centre; 2]; 2];
+        };
+        let followers = steering.followers(self.far_centre);
+        for [point, beside] in followers {
+            design[point.0] = design[beside.0];
+        }
+        let place = &mut design[steering.place.0];
+        *place = *place + steering.direction * displacement;
+        [followers[1], followers[2]]
+    }
+}
+
 /// Puts wheels and steering arms of a steered axle on knuckles. `first` is the number of the left knuckle.
 pub(super) fn body(name: &str, first: RockerId) -> Option<Body> {
     let is_on_knuckle = matches!(

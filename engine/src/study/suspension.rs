@@ -3,6 +3,7 @@
 use super::error::Problems;
 use super::file::{self, Coordinates, File};
 use super::geometry;
+use super::solid_axle;
 use super::names::{choose, choose_or, nearest};
 use super::value::{Number, Text};
 use crate::mechanism::HardpointFault;
@@ -41,6 +42,7 @@ pub(super) fn suspension(file: &File, problems: &mut Problems) -> Option<Suspens
         .filter_map(|point| given.iter().find(|g| g.name == point.name))
         .map(|g| frame.vector(g.position))
         .collect();
+    solid_axle::steer(file, frame, &mut mechanism, problems)?;
     mechanism.add_far_half(&mut design);
     mechanism.assume_seats();
     bodies(&section.bodies, &mut mechanism, problems)?;

@@ -247,15 +247,7 @@ impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
         let is_on_knuckle = at.mechanism.body(rocker.first) == Body::Knuckle;
         let (foot, other) = (knuckle.point(rocker.first), knuckle.point(rocker.second));
         let direction = other.minus(foot);
-        let [squared, half_rate] = [
-            direction.now.norm_squared(),
-            direction.now.dot(direction.rate),
-        ];
-        let inverse = squared.one() / squared.sqrt();
-        let axis = Moving {
-            now: direction.now * inverse,
-            rate: (direction.rate - direction.now * (half_rate / squared)) * inverse,
-        };
+        let axis = direction.times(direction.now.x.one() / direction.now.norm());
         let end = at.point(rocker.inner);
         let s = end - off.now;
         let base = match is_on_knuckle {

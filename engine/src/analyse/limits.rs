@@ -278,28 +278,29 @@ impl Solver<'_> {
         }
     }
 
-    /// Names the rod of a Watt rocker at an end beyond which the path could not be followed, if the rod is at its toggle
-    /// there: beyond it the rocker has no position.
+    /// Names the rod of a Watt rocker or of a knuckle at an end beyond which the path could not be followed, if the rod is at its
+    /// toggle there: beyond it the rocker has no position.
     fn with_toggles(
         &mut self,
         mut range: Range,
         drive: Drive,
         rack: f64,
     ) -> Result<Range, DesignFault> {
-        let rockers = self.mechanism().rockers.iter();
-        let turned = rockers
-            .clone()
-            .position(|rocker| rocker.rod == Rod::WattLink);
-        let Some(rocker) = turned.map(RockerId) else {
-            return Ok(range);
-        };
-        let rod = self.mechanism().rocker(rocker).rod;
+        let rods = self.mechanism().rockers.iter().map(|rocker| rocker.rod);
+        let holding = rods
+            .enumerate()
+            .filter(|(_, rod)| matches!(rod, Rod::WattLink | Rod::DragLink | Rod::TieRod));
+        let holding: Vec<(usize, Rod)> = holding.collect();
         for end in [&mut range.lower, &mut range.upper] {
             let RangeEnd::Unresolved(value) = *end else {
                 continue;
             };
-            if self.least_leverage(rocker, drive, [value, rack])? < AT_TOGGLE {
-                *end = RangeEnd::Toggle { value, rod };
+            for (rocker, rod) in &holding {
+                let leverage = self.least_leverage(RockerId(*rocker), drive, [value, rack])?;
+                if leverage < AT_TOGGLE {
+                    *end = RangeEnd::Toggle { value, rod: *rod };
+                    break;
+                }
             }
         }
         Ok(range)

@@ -418,6 +418,12 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         corner.configuration(design_pose).designed_spin_axis()
     }
 
+    /// The design of a wheel in the frame of its side. In a steered axle, the steering gear is where it was in the last position
+    /// that was read.
+    pub(super) fn design(&self, side: Side) -> &[Vector3<f64>] {
+        self.corners[side as usize].solver.design()
+    }
+
     /// The designs of both wheels, each in the frame of its side.
     pub(super) fn designs(&self) -> [Vec<Vector3<f64>>; 2] {
         self.corners

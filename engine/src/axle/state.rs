@@ -75,8 +75,9 @@ impl Carriers {
     #[inline(always)]
     pub(crate) fn by_difference(self) -> [usize; 2] {
         match self {
-            Carriers::Rigid(AxleTravel::Difference)
-            | Carriers::Steered(AxleTravel::Difference) => [0, 1],
+            Carriers::Rigid(AxleTravel::Difference) | Carriers::Steered(AxleTravel::Difference) => {
+                [0, 1]
+            }
             _ => [1, 0],
         }
     }

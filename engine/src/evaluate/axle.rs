@@ -182,7 +182,10 @@ impl<'a, const N: usize> OneByOne<'a, N> {
         self.solver.prepare(wheels).ok()?;
         let design = self.stations.placements[self.stations.design];
         let placed = self.solver.place(&design).ok()?;
-        let by_drag_link = self.solver.by_drag_link(&placed, &self.stations.gains).ok()?;
+        let by_drag_link = self
+            .solver
+            .by_drag_link(&placed, &self.stations.gains)
+            .ok()?;
         Some((self.solver.read(&placed).ok()?, by_drag_link))
     }
 

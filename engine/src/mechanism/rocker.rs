@@ -584,9 +584,7 @@ impl<T: Real> Configuration<'_, T> {
         // Without a point, any one with no gradient: the axis.
         let (designed, gradients, moment) = match seed {
             RockerSeed::Point { designed, gradient } => (designed, [gradient, none], zero),
-            RockerSeed::Angle(gradient) => {
-                (ends[0], [none; 2], gradient * turn.sense(rocker.rod))
-            }
+            RockerSeed::Angle(gradient) => (ends[0], [none; 2], gradient * turn.sense(rocker.rod)),
             RockerSeed::Turn(couple) => (ends[0], [none, couple], zero),
         };
         turn.gradient(ends, designed, gradients, moment)

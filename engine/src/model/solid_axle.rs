@@ -141,9 +141,7 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
             "watt_upper_rocker" | "watt_lower_rocker" => Body::Rocker(watt_rocker),
             "watt_pivot" | "watt_axis" if is_watt_on_chassis => Body::Chassis,
             _ if name.ends_with("_chassis") => Body::Chassis,
-            _ if is_steered => {
-                steered_axle::body(name, left_knuckle).unwrap_or(Body::Knuckle)
-            }
+            _ if is_steered => steered_axle::body(name, left_knuckle).unwrap_or(Body::Knuckle),
             _ => Body::Knuckle,
         },
     );

@@ -24,7 +24,8 @@ pub(super) fn steer(
     };
     let rigid = mechanism.rigid_axle.as_mut();
     let Some(steering) = rigid.and_then(|rigid| rigid.steering.as_mut()) else {
-        let message = "direction is that of the drag link of a solid axle, and this study has no drag link";
+        let message =
+            "direction is that of the drag link of a solid axle, and this study has no drag link";
         return problems.refuse(written.span(), message);
     };
     let direction = three(written, "components [x, y, z]", problems)?;
@@ -189,7 +190,11 @@ fn derivatives_are_known(file: &File, suspension: &Suspension, problems: &mut Pr
         problems.add(order.span(), message);
         sound = false;
     }
-    if let Some(knuckle) = outputs.knuckle.as_ref().filter(|knuckle| *knuckle.get_ref()) {
+    if let Some(knuckle) = outputs
+        .knuckle
+        .as_ref()
+        .filter(|knuckle| *knuckle.get_ref())
+    {
         let message = "angular velocities by the drag link are not available; leave knuckle out, or rack in [motion]";
         problems.add(knuckle.span(), message);
         sound = false;

@@ -3,8 +3,8 @@
 use super::error::Problems;
 use super::file::{self, Coordinates, File};
 use super::geometry;
-use super::solid_axle;
 use super::names::{choose, choose_or, nearest};
+use super::solid_axle;
 use super::value::{Number, Text};
 use crate::mechanism::HardpointFault;
 use crate::model::{

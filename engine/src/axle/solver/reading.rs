@@ -165,7 +165,10 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         if numbers.is_empty() {
             return Ok(found);
         }
-        for (number, by) in numbers.into_iter().zip(self.by_steering_gear(placed, &sought)?) {
+        for (number, by) in numbers
+            .into_iter()
+            .zip(self.by_steering_gear(placed, &sought)?)
+        {
             found[number] = Some(by);
         }
         Ok(found)

@@ -47,6 +47,9 @@ enum Part {
     Panhard,
     /// Watt linkage and a single upper link of a solid axle
     Watt,
+    /// Drag link, kingpins and tie rod of a steered solid axle
+    #[value(name = "drag_link")]
+    DragLink,
     /// Rubber bushings, for `hardpoint kc`
     Bushings,
 }

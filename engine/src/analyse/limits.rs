@@ -339,7 +339,7 @@ impl Solver<'_> {
 /// Places on the way to an end at which the leverage of a rod is looked at, as shares of the way.
 const BEFORE_END: [f64; 4] = [0.99, 0.9999, 0.999_999, 0.999_999_99];
 /// A rod whose leverage is below this is at its toggle: its line passes the axis at half a degree.
-const AT_TOGGLE: f64 = 0.01;
+pub(crate) const AT_TOGGLE: f64 = 0.01;
 
 impl Curve<'_> {
     /// The outer end of the link with the largest multiplier w of (1), the force that holds the mechanism at the fold.

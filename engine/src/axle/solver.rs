@@ -284,6 +284,10 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     ) -> Result<Balance<'_>, Failure> {
         let corner = &self.corners[side as usize];
         let rack = placed.rack * corner.rack_sign;
+        // The gear stands where the position was read.
+        if self.is_steered() && corner.steered.displacement != placed.rack {
+            return Err(Failure::Singular);
+        }
         corner
             .solver
             .balance(&placed.poses[side as usize], rack, support)
@@ -422,6 +426,11 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     /// that was read.
     pub(super) fn design(&self, side: Side) -> &[Vector3<f64>] {
         self.corners[side as usize].solver.design()
+    }
+
+    /// One wheel in a position of the axle as it is steered.
+    pub(super) fn configuration_of(&self, side: Side, placed: &AxlePose) -> Configuration<'_, f64> {
+        self.corners[side as usize].configuration(placed.poses[side as usize])
     }
 
     /// The designs of both wheels, each in the frame of its side.

@@ -633,6 +633,17 @@ impl<T: Scalar> Configuration<'_, T> {
         -moment(at, force) / moment(inner, (outer - inner).normalised())
     }
 
+    /// Tension in the rod of a rocker for a couple on the rocker.
+    pub(crate) fn rod_tension_by_couple(&self, id: RockerId, couple: Vector3<T>) -> T {
+        let rocker = self.mechanism.rocker(id);
+        let ends = [rocker.first, rocker.second].each(|id| self.designed(id));
+        let [first, second] = ends.each(|end| self.out_of_base(rocker, end));
+        let axis = second - first;
+        let [inner, outer] = [rocker.inner, rocker.outer].each(|id| self.point(id));
+        let pull = (outer - inner).normalised();
+        -axis.dot(couple) / axis.dot((inner - first).cross(pull))
+    }
+
     /// Tension in the rod of a rocker for a moment on the rocker, in the sense of its angle.
     pub(crate) fn rod_tension_by_moment(&self, id: RockerId, moment: T) -> T {
         let rocker = self.mechanism.rocker(id);

@@ -97,8 +97,7 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
     let has_watt = suspension.mechanism.point("watt_pivot").is_some();
     let is_quadratic = !is_beam && !has_watt && !is_steered;
     let certify = certify.filter(|certify| !is_quadratic && *certify.get_ref());
-    let loads = outputs.and_then(|o| o.loads.as_ref());
-    let loads = loads.filter(|_| is_beam || is_steered);
+    let loads = outputs.and_then(|o| o.loads.as_ref()).filter(|_| is_beam);
     let parts = file.bushings.values().map(Spanned::span);
     let parts = parts.chain(file.links.values().map(Spanned::span));
     refused.extend([
@@ -114,10 +113,7 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
         ),
         (
             loads.map(Spanned::span),
-            match is_beam {
-                true => "a twist beam bends, so the forces of its mounts do not follow from rigid halves; leave loads out",
-                false => "forces in the links of a steered axle are not available yet; leave loads out",
-            },
+            "a twist beam bends, so the forces of its mounts do not follow from rigid halves; leave loads out",
         ),
         (
             file.tolerance.as_ref().map(Spanned::span),

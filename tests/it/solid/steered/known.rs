@@ -3,6 +3,7 @@
 use super::hyper::{Hyper, Point};
 use super::world::World;
 use super::{axle, study};
+use hardpoint::analyse::RangeEnd;
 use hardpoint::axle::WheelQuantity as W;
 use hardpoint::axle::{AxlePose, AxleQuantity as A, AxleSolver, Motion, Placement, Quantity, Read};
 use hardpoint::mechanism::{Failure, NoPose};
@@ -111,7 +112,7 @@ fn parallelogram_steering_turns_both_wheels_equally() {
             true => (left, right),
             false => (-right, -left),
         };
-        assert!(inner > outer + 0.002, "{inner} {outer}");
+        assert!(inner > outer + 0.1 * inner * inner, "{inner} {outer}");
     }
 }
 
@@ -135,6 +136,49 @@ fn the_drag_link_is_named_where_it_cannot_follow() {
             (found, _) => panic!("{share}: {found:?}"),
         }
     }
+}
+
+/// `limits` finds this end of the drag link, and names it. For random axles, there are positions up to the ends and none beyond
+/// them.
+#[test]
+fn limits_of_the_drag_link_are_its_toggles() {
+    let reach = ARM + 920.0;
+    let last = 920.0 - (reach * reach - ARM * ARM).sqrt();
+    let own = axle(&study(&level(0.0, 0.0), "[motion]\nheave = [0.0]\n"));
+    let [lower, _] = own.axle.limits().unwrap().rack.unwrap();
+    assert!((lower.value - last).abs() < 1e-9, "{} {last}", lower.value);
+    assert!(matches!(
+        lower.end,
+        RangeEnd::Toggle {
+            rod: Rod::DragLink,
+            ..
+        }
+    ));
+
+    let mut generator = crate::support::random::Random(464);
+    let mut named = 0;
+    for number in 0..12 {
+        let world = super::random(&mut generator, number % 2 == 0, 30.0);
+        let own = axle(&study(&world, "[motion]\nheave = [0.0]\n"));
+        for end in own.axle.limits().unwrap().rack.unwrap() {
+            let follows = |share: f64| {
+                let mut solver = AxleSolver::<1>::new(&own.axle, &[], false).unwrap();
+                let placed = solver.place(&Placement::Travels {
+                    travels: [0.0; 2],
+                    rack: share * end.value,
+                    on_plane: false,
+                });
+                placed
+                    .and_then(|placed| solver.read(&placed).map(drop))
+                    .is_ok()
+            };
+            assert!(follows(0.9999), "{number}: {end:?}");
+            assert!(!follows(1.0001), "{number}: {end:?}");
+            named += usize::from(matches!(end.end, RangeEnd::Toggle { .. }));
+        }
+    }
+    println!("{named} of 24 ends named");
+    assert!(named > 20, "{named}");
 }
 
 /// Axes of other conventions describe the same axle: only signs of coordinates change.

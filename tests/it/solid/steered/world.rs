@@ -236,7 +236,7 @@ impl World {
     pub fn solve(&self, at: &At) -> Option<Solved> {
         let mut x = [Hyper::constant(0.0); UNKNOWNS];
         x[3] = Hyper::constant(1.0);
-        const STEPS: u32 = 16;
+        const STEPS: u32 = 6;
         for step in 1..=2 * STEPS {
             let part =
                 |from: u32| (f64::from(step.saturating_sub(from)) / f64::from(STEPS)).min(1.0);
@@ -246,7 +246,7 @@ impl World {
                 roll: at.roll.scaled(part(STEPS)),
             };
             let before = x;
-            for _ in 0..8 {
+            for _ in 0..6 {
                 self.step(&mut x, &place);
             }
             let turned = (7..9).map(|k| (x[k].value - before[k].value).abs());
@@ -268,6 +268,19 @@ impl World {
             radius: self.radius,
             unknowns: x,
         })
+    }
+}
+
+impl World {
+    /// Present place of a point of the axle.
+    pub fn place_on_axle(&self, solved: &Solved, side: usize, name: &str) -> [f64; 3] {
+        World::on_axle(&solved.unknowns, self.of(side, name)).map(|c| c.value)
+    }
+
+    /// Present place of a point of a knuckle.
+    pub fn place_on_knuckle(&self, solved: &Solved, side: usize, name: &str) -> [f64; 3] {
+        self.on_knuckle(&solved.unknowns, side, self.of(side, name))
+            .map(|c| c.value)
     }
 }
 

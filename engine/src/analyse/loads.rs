@@ -15,10 +15,6 @@
 //! A rigid axle has two supports, one at each wheel. The far one stands in the row of the held travel, which is no part of
 //! the mechanism.
 //!
-//! The knuckles of a steered axle are rockers. A force on one of them is a wrench on the axle, less the pull of its rod (see
-//! `mechanism/rocker.rs`). The moments about its kingpin give the tension of the tie rod, then that of the drag link, whose knuckle
-//! the tie rod pulls too.
-//!
 //! All of it is generic over the number. On series along a design variable, a force comes with its derivative by that
 //! variable. The factors of the matrix are those of its constant part.
 
@@ -171,7 +167,7 @@ pub struct Balance<'a, T = f64> {
     /// Tension in the rod of the spring's rocker for a spring force of one.
     rod_per_spring: Option<T>,
     /// True if the supports are forces at the wheel centres.
-    is_at_wheel: bool,
+    pub(super) is_at_wheel: bool,
     pub(super) rows: Matrix6<T>,
     pub(super) factors: Lu6<f64>,
     work: &'a WorkCounter,
@@ -285,40 +281,6 @@ impl<'a, T: Balanced> Balance<'a, T> {
             rod: self.rod_per_spring.map(|ratio| ratio * multipliers[5]),
             support_force: self.support.force * multipliers[5],
         }
-    }
-
-    /// Tensions of drag link and tie rod of a steered axle, under a load on the near wheel and the forces of both supports.
-    fn steering(&self, load: &Load<T>, near: T, far: T) -> Option<[T; 2]> {
-        let at = &self.at;
-        let rigid = at.mechanism.rigid_axle.as_ref()?;
-        let steering = rigid.steering.as_ref()?;
-        let zero = at.rack.zero();
-        let up = |support: T| match self.is_at_wheel {
-            true => Vector3::new(zero, zero, support),
-            false => Vector3::new(zero, zero, zero),
-        };
-        let (centre, far_centre) = (at.mechanism.wheel_centre, rigid.far_centre);
-        let (force, moment) = (
-            load.point.constant(load.force),
-            load.point.constant(load.moment),
-        );
-        let tension = |knuckle: RockerId| match knuckle == steering.near_knuckle {
-            true => {
-                at.rod_tension(knuckle, load.point, force)
-                    + at.rod_tension_by_couple(knuckle, moment)
-                    + at.rod_tension(knuckle, at.point(centre), up(near))
-            }
-            false => at.rod_tension(knuckle, at.point(far_centre), up(far)),
-        };
-        let knuckles = [steering.near_knuckle, steering.far_knuckle];
-        let is_pulled = |id: &RockerId| at.mechanism.rocker(*id).rod == Rod::DragLink;
-        let first = knuckles.into_iter().find(is_pulled)?;
-        let second = knuckles.into_iter().find(|id| *id != first)?;
-        let tie_rod = tension(second);
-        let rod = at.mechanism.rocker(second);
-        let [own, other] = [rod.outer, rod.inner].map(|id| at.point(id));
-        let pull = (other - own).normalised() * tie_rod;
-        Some([tension(first) + at.rod_tension(first, own, pull), tie_rod])
     }
 
     /// Value of one reaction; `None` if it names nothing in the mechanism.

@@ -5,6 +5,7 @@ mod assemblies;
 pub(crate) mod certificate;
 mod limits;
 mod loads;
+mod steering_loads;
 
 pub use applied::{Applied, Carrying, bears, rod_name};
 pub use assemblies::{Assemblies, Assembly, AssemblyMode, Undecided};

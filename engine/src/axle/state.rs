@@ -25,7 +25,8 @@
 //! along [`Motion::Rack`] depend on that, since they hold the given numbers of the station. Formulas of the catalogue
 //! must not depend on it: they use the other motions.
 
-use super::reading::{Moving, Reading, WheelParts};
+use super::moving::Moving;
+use super::reading::{Reading, WheelParts};
 use super::setup::Setup;
 use super::{Axle, Quantity};
 use crate::mechanism::Ground;

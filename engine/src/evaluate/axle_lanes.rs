@@ -66,7 +66,7 @@ impl<'a> AxleLanes<'a> {
         }
         // The steering gear changes the design from station to station.
         if axle.left.mechanism.axle_steering().is_some() {
-            return Err(NotInLanes::Mechanism);
+            return Err(NotInLanes::SteeringGear);
         }
         let mut grouped: Vec<([f64; 2], Vec<f64>, Vec<usize>)> = Vec::new();
         for (number, placement) in stations.placements.iter().enumerate() {

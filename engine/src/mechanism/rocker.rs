@@ -56,7 +56,7 @@ use super::rod_reach::RodReach;
 use crate::mechanism::DEGENERATE;
 use crate::model::{Body, PointId};
 use crate::model::{Rocker, RockerId, Rod};
-use crate::number::{Each, Scalar};
+use crate::number::Each;
 use crate::number::{Matrix3, Real, SimdReal, Vector3, outlined};
 
 /// Inputs for the turn of a rocker: two points of its axis, the rod's inner and outer end in the design position, and
@@ -166,7 +166,7 @@ impl<T: Real> Turn<T> {
 
     /// 1 or -1: the sign of the turn that counts as positive.
     #[inline(always)]
-    fn sense(&self, rod: Rod) -> T {
+    pub(super) fn sense(&self, rod: Rod) -> T {
         match rod {
             Rod::Pushrod
             | Rod::DropLink
@@ -417,7 +417,7 @@ impl<T: Real> Configuration<'_, T> {
 
     /// The inverse of [`Configuration::in_base`]: x of (12).
     #[inline(always)]
-    fn out_of_base(&self, rocker: Rocker, place: Vector3<T>) -> Vector3<T> {
+    pub(super) fn out_of_base(&self, rocker: Rocker, place: Vector3<T>) -> Vector3<T> {
         match self.is_on_axle(rocker) {
             false => place,
             true => {
@@ -618,41 +618,6 @@ impl Configuration<'_, f64> {
             .chain(before)
             .filter(|id| !is_effective(self.ends(self.mechanism.rocker(*id))));
         stuck.last().map(|id| self.mechanism.rocker(id).rod)
-    }
-}
-
-impl<T: Scalar> Configuration<'_, T> {
-    /// Tension in the rod of a rocker for a force of one at a point of the rocker: moments about the axis.
-    pub(crate) fn rod_tension(&self, id: RockerId, at: Vector3<T>, force: Vector3<T>) -> T {
-        let rocker = self.mechanism.rocker(id);
-        let ends = [rocker.first, rocker.second].each(|id| self.designed(id));
-        let [first, second] = ends.each(|end| self.out_of_base(rocker, end));
-        let axis = second - first;
-        let [inner, outer] = [rocker.inner, rocker.outer].each(|id| self.point(id));
-        let moment = |at: Vector3<T>, force: Vector3<T>| axis.dot((at - first).cross(force));
-        -moment(at, force) / moment(inner, (outer - inner).normalised())
-    }
-
-    /// Tension in the rod of a rocker for a couple on the rocker.
-    pub(crate) fn rod_tension_by_couple(&self, id: RockerId, couple: Vector3<T>) -> T {
-        let rocker = self.mechanism.rocker(id);
-        let ends = [rocker.first, rocker.second].each(|id| self.designed(id));
-        let [first, second] = ends.each(|end| self.out_of_base(rocker, end));
-        let axis = second - first;
-        let [inner, outer] = [rocker.inner, rocker.outer].each(|id| self.point(id));
-        let pull = (outer - inner).normalised();
-        -axis.dot(couple) / axis.dot((inner - first).cross(pull))
-    }
-
-    /// Tension in the rod of a rocker for a moment on the rocker, in the sense of its angle.
-    pub(crate) fn rod_tension_by_moment(&self, id: RockerId, moment: T) -> T {
-        let rocker = self.mechanism.rocker(id);
-        let [first, second] = [rocker.first, rocker.second].map(|id| self.designed(id));
-        let axis = (second - first).normalised();
-        let [inner, outer] = [rocker.inner, rocker.outer].map(|id| self.point(id));
-        let pull = (outer - inner).normalised();
-        let sense = Turn::of(self.ends(rocker)).sense(rocker.rod);
-        -(moment * sense) / axis.dot((inner - first).cross(pull))
     }
 }
 

@@ -44,7 +44,8 @@ pub(super) fn steer(
 type Refused<'a> = Vec<(Option<Span<usize>>, &'a str)>;
 
 /// Entries that depend on whether a drag link steers the axle.
-fn refused_steering(file: &File, is_steered: bool) -> Refused<'static> {
+fn refused_steering(file: &File, mechanism: &Mechanism) -> Refused<'static> {
+    let is_steered = mechanism.axle_steering().is_some();
     let motions = std::iter::once(&file.motion).chain(file.motions.values());
     let motions = motions.map(Spanned::get_ref);
     let mut refused: Refused = Vec::new();
@@ -57,7 +58,7 @@ fn refused_steering(file: &File, is_steered: bool) -> Refused<'static> {
                 "a drag link steers this axle, and no ratio relates it to a steering wheel; expected rack, the displacement of the drag link's end",
             )),
             false => {
-                let steered = "this axle has no drag link; leave rack and steering_wheel_angle out";
+                let steered = "this axle has no rack and no drag link; leave rack and steering_wheel_angle out";
                 refused.extend([(rack, steered), (wheel, steered)]);
             }
         }
@@ -67,7 +68,12 @@ fn refused_steering(file: &File, is_steered: bool) -> Refused<'static> {
     };
     let own = section.get_ref();
     if !is_steered {
-        let message = "[steering] of a solid axle needs its drag link: drag_link_body, drag_link_knuckle, kingpin_upper, kingpin_lower and tie_rod_end";
+        let message = match mechanism.topology.is_twist_beam() {
+            true => "a twist beam is not steered; leave [steering] out",
+            false => {
+                "[steering] of a solid axle needs its drag link: drag_link_body, drag_link_knuckle, kingpin_upper, kingpin_lower and tie_rod_end"
+            }
+        };
         refused.push((Some(section.span()), message));
         return refused;
     }
@@ -82,7 +88,7 @@ fn refused_steering(file: &File, is_steered: bool) -> Refused<'static> {
 /// Refuses entries that a solid axle or a twist beam does not support; true if there are none.
 pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool {
     let is_steered = suspension.mechanism.axle_steering().is_some();
-    let mut refused = refused_steering(file, is_steered);
+    let mut refused = refused_steering(file, &suspension.mechanism);
     let motions = std::iter::once(&file.motion).chain(file.motions.values());
     for motion in motions.map(Spanned::get_ref) {
         let travel = motion.travel.as_ref().map(Spanned::span);

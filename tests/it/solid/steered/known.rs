@@ -8,6 +8,9 @@ use hardpoint::axle::WheelQuantity as W;
 use hardpoint::axle::{AxlePose, AxleQuantity as A, AxleSolver, Motion, Placement, Quantity, Read};
 use hardpoint::mechanism::{Failure, NoPose};
 use hardpoint::model::{Rod, Side};
+use hardpoint::optimise::Control;
+use hardpoint::study::Study;
+use std::path::Path;
 
 /// Height of the lower ball joints, of Panhard rod and drag link, and of the tie rod.
 const HEIGHT: f64 = 400.0;
@@ -146,7 +149,14 @@ fn limits_of_the_drag_link_are_its_toggles() {
     let last = 920.0 - (reach * reach - ARM * ARM).sqrt();
     let own = axle(&study(&level(0.0, 0.0), "[motion]\nheave = [0.0]\n"));
     let [lower, _] = own.axle.limits().unwrap().rack.unwrap();
-    assert!((lower.value - last).abs() < 1e-9, "{} {last}", lower.value);
+    // A rod is at its toggle when its leverage, the sine of its angle to the arm, falls below 1e-5. With c for the drag link and
+    // a for its arm, that is a c/(a + c)/2 times its square before the end of the reach.
+    let before = 0.5e-10 * ARM * 920.0 / reach;
+    let error = lower.value - last;
+    assert!(
+        (0.5 * before..2.0 * before).contains(&error),
+        "{error:e} {before:e}"
+    );
     assert!(matches!(
         lower.end,
         RangeEnd::Toggle {
@@ -226,4 +236,18 @@ fn the_axes_of_the_study_do_not_matter() {
             }
         }
     }
+}
+
+/// Tuning moves a drag link that is too high down to the Panhard rod, where it does not steer in roll.
+#[test]
+fn tuning_takes_the_roll_steer_away() {
+    let text = study(
+        &level(12.0, 0.0),
+        "[motion]\nroll = [-1.0, 0.0, 1.0]\n[optimise]\nstarts = 1\ngood_enough = 0.0\nvariables = [{ hardpoints = \
+         [\"drag_link_body\", \"drag_link_knuckle\"], axis = \"z\", range = [-30.0, 30.0] }]\ntargets = [{ characteristic = \
+         \"roll_steer\", over = \"roll\", at = 0.0, value = 0.0, tolerance = 0.001 }]\n",
+    );
+    let own = Study::from_text("steered.toml", &text, Path::new("")).unwrap();
+    let best = own.tune(Control::default()).unwrap().best.unwrap();
+    assert!((best.offsets[0] + 12.0).abs() < 1e-6, "{:?}", best.offsets);
 }

@@ -3,6 +3,8 @@
 mod hyper;
 mod known;
 mod loads;
+mod refused;
+mod virtual_work;
 mod world;
 
 use super::axle;
@@ -11,7 +13,7 @@ use hardpoint::axle::axle_curves;
 use hardpoint::model::Axis;
 use hyper::Hyper;
 use std::fmt::Write as _;
-use world::{At, World};
+use world::{At, Travels, World};
 
 /// A steered front axle, every point moved by up to `by`.
 pub fn random(random: &mut Random, single: bool, by: f64) -> World {
@@ -86,6 +88,7 @@ fn at(place: Place, first: Option<usize>, second: Option<usize>) -> At {
         ..Hyper::constant(place[k])
     };
     At {
+        travels: Travels::OnPlane,
         heave: number(0),
         roll: number(1),
         gear: number(2),

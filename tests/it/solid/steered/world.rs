@@ -9,9 +9,19 @@ use crate::solid::own::solve;
 const UNKNOWNS: usize = 10;
 type Unknowns = [Hyper; UNKNOWNS];
 
+/// Travels of both wheels.
+#[derive(Clone, Copy, Debug)]
+pub enum Travels {
+    /// Both wheels stand on the plane.
+    OnPlane,
+    /// Left and right one.
+    Given(Hyper, Hyper),
+}
+
 /// Position on a plane ground.
 #[derive(Clone, Copy, Debug)]
 pub struct At {
+    pub travels: Travels,
     pub heave: Hyper,
     pub roll: Hyper,
     /// Displacement of the steering gear.
@@ -155,6 +165,11 @@ impl World {
             wheels[side].centre[2] - self.of(side, "wheel_centre")[2] - travel
         };
         let normal = World::normal(at.roll);
+        let apart = dot(normal, minus(wheels[0].contact, wheels[1].contact));
+        let (left, right, last) = match at.travels {
+            Travels::OnPlane => (at.heave + x[9], at.heave - x[9], apart),
+            Travels::Given(left, right) => (left, right, x[9]),
+        };
         [
             link(a, b),
             link(c, d),
@@ -167,9 +182,9 @@ impl World {
             excess(minus(tie_now[1], tie_now[0]), minus(tie[1], tie[0])),
             (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - Hyper::constant(1.0))
                 .scaled(300.0),
-            height(0, at.heave + x[9]),
-            height(1, at.heave - x[9]),
-            dot(normal, minus(wheels[0].contact, wheels[1].contact)),
+            height(0, left),
+            height(1, right),
+            last,
         ]
     }
 
@@ -177,7 +192,12 @@ impl World {
     fn jacobian(&self, x: &Unknowns, at: &At) -> Vec<Vec<f64>> {
         let mut rows = vec![vec![0.0; UNKNOWNS]; UNKNOWNS];
         let plain = x.map(|c| Hyper::constant(c.value));
+        let constant = |c: Hyper| Hyper::constant(c.value);
         let still = At {
+            travels: match at.travels {
+                Travels::OnPlane => Travels::OnPlane,
+                Travels::Given(left, right) => Travels::Given(constant(left), constant(right)),
+            },
             heave: Hyper::constant(at.heave.value),
             roll: Hyper::constant(at.roll.value),
             gear: Hyper::constant(at.gear.value),
@@ -241,6 +261,13 @@ impl World {
             let part =
                 |from: u32| (f64::from(step.saturating_sub(from)) / f64::from(STEPS)).min(1.0);
             let place = At {
+                travels: match at.travels {
+                    Travels::OnPlane => Travels::OnPlane,
+                    Travels::Given(left, right) => {
+                        let part = part(STEPS);
+                        Travels::Given(left.scaled(part), right.scaled(part))
+                    }
+                },
                 gear: at.gear.scaled(part(0)),
                 heave: at.heave.scaled(part(STEPS)),
                 roll: at.roll.scaled(part(STEPS)),
@@ -285,6 +312,11 @@ impl World {
 }
 
 impl Solved {
+    /// Half the travel of the left wheel minus that of the right one.
+    pub fn half_difference(&self) -> f64 {
+        self.unknowns[9].value
+    }
+
     /// Distance of the kingpin inboard of the contact point, both on level ground under the wheel.
     fn scrub_radius(&self, side: usize) -> Hyper {
         let Wheel {

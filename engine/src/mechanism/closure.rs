@@ -338,8 +338,8 @@ impl Closure<f64> {
 #[inline(always)]
 fn driven_travel(mechanism: &Mechanism) -> Option<TravelRow> {
     let axle = mechanism.rigid_axle.as_ref()?;
-    let centres = [mechanism.wheel_centre, axle.far_centre];
-    Some(TravelRow::new(mechanism, centres, axle.held.other()))
+    let (near, far) = (mechanism.wheel_centre, axle.far_centre);
+    Some(TravelRow::new(near, far, axle.held.other()))
 }
 
 impl<T> Driver<T> {

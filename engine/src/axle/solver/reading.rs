@@ -3,6 +3,9 @@
 use super::linearised::derivative_by_heave;
 use super::*;
 
+/// Receives the index of a requested quantity, and its gradients by every point of the left and of the right wheel.
+type ReceiveOwnGradients<'r> = dyn FnMut(usize, [&mut [Vector3<f64>]; 2]) + 'r;
+
 impl<'a, const N: usize> AxleSolver<'a, N> {
     /// Reads a position.
     pub fn read(&mut self, placed: &AxlePose) -> Result<Read<'a>, NoPose> {
@@ -202,7 +205,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         placed: &AxlePose,
         sought: &[Sought],
         by_heave: Option<[Vec<Vector3<f64>>; 2]>,
-        receive: &mut dyn FnMut(usize, [&mut [Vector3<f64>]; 2]),
+        receive: &mut ReceiveOwnGradients<'_>,
     ) -> Result<(), NoPose> {
         let (lines, parts) = (self.lines, self.parts);
         let coordinates = self.coordinates(placed.travels, placed.rack);

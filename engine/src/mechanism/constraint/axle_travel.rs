@@ -26,65 +26,41 @@
 use super::rocker_end::constant_push_rate;
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Configuration, Twist, Wrench};
-use crate::model::{AxleTravel, Body, Mechanism, PointId};
-use crate::number::{Each, Real, Vector3};
+use crate::model::{AxleTravel, Body, PointId};
+use crate::number::{Real, Vector3};
 
 /// A travel of a rigid axle, as a function of the pose.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TravelRow {
-    centres: [Centre; 2],
-}
-
-/// A wheel centre.
-#[derive(Clone, Copy, Debug)]
-struct Centre {
-    id: PointId,
-    /// Factor of its height in (1).
-    factor: f64,
-    /// The point over whose design position the height is.
-    over: PointId,
+    /// Both wheel centres, each with its factor in (1).
+    centres: [(PointId, f64); 2],
 }
 
 impl TravelRow {
     /// The mean or the difference of the heights of both wheel centres.
     #[inline(always)]
-    pub(crate) fn new(
-        mechanism: &Mechanism,
-        [near, far]: [PointId; 2],
-        travel: AxleTravel,
-    ) -> Self {
-        let over = match mechanism.axle_steering() {
-            None => [near, far],
-            Some(steering) => steering.turned_centres,
-        };
+    pub(crate) fn new(near: PointId, far: PointId, travel: AxleTravel) -> Self {
         TravelRow {
-            centres: [
-                Centre {
-                    id: near,
-                    factor: 0.5,
-                    over: over[0],
-                },
-                Centre {
-                    id: far,
-                    factor: 0.5 * travel.far_sign(),
-                    over: over[1],
-                },
-            ],
+            centres: [(near, 0.5), (far, 0.5 * travel.far_sign())],
         }
     }
 
     /// Centre of the far wheel.
     pub(crate) fn far(&self) -> PointId {
-        self.centres[1].id
+        self.centres[1].0
     }
 
     /// The travel in a pose: (1) without r.
     #[inline(always)]
     pub(crate) fn value<T: Real>(&self, at: &Configuration<T>) -> T {
-        let [near, far] = self
-            .centres
-            .each(|c| (self.place(at, c.id).z - at.designed(c.over).z).scaled(c.factor));
-        near + far
+        let [(near, near_factor), (far, far_factor)] = self.centres;
+        let [over_near, over_far] = match at.mechanism.axle_steering() {
+            None => [near, far],
+            Some(steering) => steering.turned_centres,
+        };
+        let near = self.place(at, near).z - at.designed(over_near).z;
+        let far = self.place(at, far).z - at.designed(over_far).z;
+        near.scaled(near_factor) + far.scaled(far_factor)
     }
 
     #[inline(always)]
@@ -99,7 +75,7 @@ impl TravelRow {
     #[inline(always)]
     pub(crate) fn push<T: Real>(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let zero = weight.zero();
-        for Centre { id, factor, .. } in self.centres {
+        for (id, factor) in self.centres {
             let up = Vector3::new(zero, zero, weight.scaled(factor));
             match at.mechanism.body(id) {
                 Body::Rocker(_) => at.push_point(id, up, sink),
@@ -118,7 +94,7 @@ impl TravelRow {
     ) -> Wrench<T> {
         let mut wrench = Wrench::zero(at.rack);
         let mut levers = Vector3::new(at.rack, at.rack, at.rack).zero();
-        for Centre { id, factor, .. } in self.centres {
+        for (id, factor) in self.centres {
             match at.mechanism.body(id) {
                 Body::Rocker(_) => {
                     let zero = at.rack.zero();

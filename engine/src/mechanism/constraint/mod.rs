@@ -102,7 +102,7 @@ impl<T: Real> Row<T> {
                 Row::ArmEnd(ArmEnd::joint(mechanism, arm, at, number, design))
             }
             Constraint::AxleTravel { near, far, held } => {
-                Row::AxleTravel(TravelRow::new(mechanism, [near, far], held))
+                Row::AxleTravel(TravelRow::new(near, far, held))
             }
         }
     }

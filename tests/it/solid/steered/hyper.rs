@@ -123,7 +123,7 @@ impl Mul for Hyper {
 impl Div for Hyper {
     type Output = Hyper;
     fn div(self, other: Hyper) -> Hyper {
-        self * other.inverse()
+        Mul::mul(self, other.inverse())
     }
 }
 

@@ -84,6 +84,12 @@ impl Source {
                 let takes_it = [Target::Csv, Target::Xlsx].contains(&arguments.to);
                 (!takes_it).then_some("a twist beam can be exported to CSV and to a workbook")
             }
+            true if mechanism.axle_steering().is_some() => {
+                let takes_it = [Target::Csv, Target::Xlsx].contains(&arguments.to);
+                (!takes_it).then_some(
+                    "a solid axle with a drag link can be exported to CSV and to a workbook",
+                )
+            }
             true => {
                 let takes_it = [Target::Csv, Target::Xlsx, Target::Assetto].contains(&arguments.to);
                 (!takes_it).then_some(

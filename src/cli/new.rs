@@ -51,6 +51,9 @@ enum Part {
     /// Panhard rod beside two upper links of a solid axle, with the stiffness of all five links
     #[value(name = "five_links")]
     FiveLinks,
+    /// Drag link, kingpins and tie rod of a steered solid axle
+    #[value(name = "drag_link")]
+    DragLink,
     /// Rubber bushings, for `hardpoint kc`; links that stretch of a solid axle
     Bushings,
 }

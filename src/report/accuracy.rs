@@ -53,7 +53,14 @@ fn toggled(curves: &Curves) -> Vec<String> {
                 .filter_map(|key| s.at[curves.motion_index(key)?]);
             known.next().map_or(f64::INFINITY, f64::abs)
         };
-        for rod in [Rod::Pushrod, Rod::Pullrod, Rod::DropLink, Rod::WattLink] {
+        for rod in [
+            Rod::Pushrod,
+            Rod::Pullrod,
+            Rod::DropLink,
+            Rod::WattLink,
+            Rod::DragLink,
+            Rod::TieRod,
+        ] {
             let is_stuck = |(_, s): &(usize, &Station)| matches!(s.status, Status::Toggle(rods) if rods[side as usize] == Some(rod));
             let stuck = || curves.stations.iter().enumerate().filter(is_stuck);
             let nearest = stuck().min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));

@@ -209,7 +209,7 @@ pub fn rack_doubt(study: &Study) -> Option<String> {
     let has_rack = mechanism
         .points
         .iter()
-        .any(|point| point.body == Body::Rack);
+        .any(|point| matches!(point.body, Body::Rack | Body::SteeringGear(_)));
     let motions = study.motions.iter().map(|(_, motion)| motion);
     let racks = motions
         .chain([study.motion()])

@@ -4,7 +4,7 @@
 
 use crate::axle::Axle;
 use crate::model::{
-    Axis, Body, Constraint, Mechanism, PointId, RockerId, Side, Suspension, TwistBeam,
+    Axis, Body, Constraint, Mechanism, PointId, RockerId, Rod, Side, Suspension, TwistBeam,
 };
 use serde::{Deserialize, Serialize};
 
@@ -188,19 +188,32 @@ fn bodies(mechanism: &Mechanism) -> Vec<SceneBody> {
         let further = ends
             .into_iter()
             .chain(mechanism.rockers.iter().map(|r| r.outer))
+            .chain([mechanism.wheel_centre])
+            .chain(rigid.map(|rigid| rigid.far_centre))
             .chain(links().flat_map(|(inner, outer)| [inner, outer]));
         let mut through = vec![rocker.first, rocker.inner];
         through.extend(further.filter(on_it));
         through.extend([rocker.second, rocker.first]);
         let name = rocker.rod.turns().trim_start_matches("the ").to_owned();
-        add(BodyKind::Rocker, name, &[&through]);
+        let kind = match rocker.rod {
+            Rod::DragLink | Rod::TieRod => BodyKind::Knuckle,
+            _ => BodyKind::Rocker,
+        };
+        add(kind, name, &[&through]);
+        if kind == BodyKind::Knuckle {
+            joints.extend([rocker.first, rocker.second]);
+        }
         if mechanism.body(rocker.outer) == Body::Knuckle {
             joints.push(rocker.outer);
         }
     }
     joints.sort();
     joints.dedup();
-    let centre = mechanism.wheel_centre;
+    // The wheels of a steered axle are on its knuckles, and the axle ends at the kingpins.
+    let centre = match mechanism.axle_steering() {
+        Some(_) => mechanism.origin,
+        None => mechanism.wheel_centre,
+    };
     joints.retain(|joint| mechanism.body(*joint) == Body::Knuckle && *joint != centre);
     let spokes: Vec<[PointId; 2]> = joints.iter().map(|joint| [*joint, centre]).collect();
     if !spokes.is_empty() {

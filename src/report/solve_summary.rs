@@ -197,7 +197,10 @@ fn right_wheel(axle: &Axle) -> String {
             "wheel",
             left.mechanism.spin_axis != right.mechanism.spin_axis,
         ),
-        ("bodies", left.mechanism.points != right.mechanism.points),
+        (
+            "bodies",
+            left.mechanism.from_other_wheel().points != right.mechanism.points,
+        ),
         ("spring", springs.is_some_and(|[left, right]| left != right)),
     ];
     let own: Vec<_> = own

@@ -219,6 +219,8 @@ pub struct Steering {
     pub rack_stiffness: Option<Number>,
     /// Torque per angle at the pinion. It requires `c_factor`.
     pub column_stiffness: Option<Number>,
+    /// Direction in which the steering gear moves the drag link of a solid axle.
+    pub direction: Option<Coordinates>,
 }
 
 /// `[spring]`

@@ -278,28 +278,29 @@ impl Solver<'_> {
         }
     }
 
-    /// Names the rod of a Watt rocker at an end beyond which the path could not be followed, if the rod is at its toggle
-    /// there: beyond it the rocker has no position.
+    /// Names the rod of a Watt rocker or of a knuckle at an end beyond which the path could not be followed, if the rod is at its
+    /// toggle there: beyond it the rocker has no position.
     fn with_toggles(
         &mut self,
         mut range: Range,
         drive: Drive,
         rack: f64,
     ) -> Result<Range, DesignFault> {
-        let rockers = self.mechanism().rockers.iter();
-        let turned = rockers
-            .clone()
-            .position(|rocker| rocker.rod == Rod::WattLink);
-        let Some(rocker) = turned.map(RockerId) else {
-            return Ok(range);
-        };
-        let rod = self.mechanism().rocker(rocker).rod;
+        let rods = self.mechanism().rockers.iter().map(|rocker| rocker.rod);
+        let holding = rods
+            .enumerate()
+            .filter(|(_, rod)| matches!(rod, Rod::WattLink | Rod::DragLink | Rod::TieRod));
+        let holding: Vec<(usize, Rod)> = holding.collect();
         for end in [&mut range.lower, &mut range.upper] {
             let RangeEnd::Unresolved(value) = *end else {
                 continue;
             };
-            if self.least_leverage(rocker, drive, [value, rack])? < AT_TOGGLE {
-                *end = RangeEnd::Toggle { value, rod };
+            for (rocker, rod) in &holding {
+                let leverage = self.least_leverage(RockerId(*rocker), drive, [value, rack])?;
+                if leverage < AT_TOGGLE {
+                    *end = RangeEnd::Toggle { value, rod: *rod };
+                    break;
+                }
             }
         }
         Ok(range)
@@ -338,7 +339,7 @@ impl Solver<'_> {
 /// Places before an end at which the leverage of a rod is checked, as shares of the distance to the end.
 const BEFORE_END: [f64; 4] = [0.99, 0.9999, 0.999_999, 0.999_999_99];
 /// A rod whose leverage is below this is at its toggle: its line passes the axis at half a degree.
-const AT_TOGGLE: f64 = 0.01;
+pub(crate) const AT_TOGGLE: f64 = 0.01;
 
 impl Curve<'_> {
     /// Outer end of the link with the largest multiplier w of (1), the force that holds the mechanism at the fold.

@@ -148,6 +148,8 @@ pub struct Reactions<T = f64> {
     pub support: T,
     /// Force of the support at the far wheel of a rigid axle.
     pub far_support: Option<T>,
+    /// Tensions of drag link and tie rod of a steered axle.
+    pub steering: Option<[T; 2]>,
     /// Tension in the pushrod or pullrod, if the spring is on a rocker.
     pub rod: Option<T>,
     /// Force of the support on the knuckle. If the spring, or the rod of its rocker, is mounted on an arm, it is the force
@@ -164,6 +166,8 @@ pub struct Balance<'a, T = f64> {
     support: Wrench<T>,
     /// Tension in the rod of the spring's rocker for a spring force of one.
     rod_per_spring: Option<T>,
+    /// True if the supports are forces at the wheel centres.
+    pub(super) is_at_wheel: bool,
     pub(super) rows: Matrix6<T>,
     pub(super) factors: Lu6<f64>,
     work: &'a WorkCounter,
@@ -185,6 +189,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
             row.differential(&at, like.one(), wrench);
         }
         let mut rod_per_spring = None;
+        let is_at_wheel = support == Support::WheelCentre;
         match support {
             Support::Spring(spring) => {
                 let lower = at.point(spring.lower);
@@ -213,6 +218,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
             at,
             support,
             rod_per_spring,
+            is_at_wheel,
             rows,
             factors,
             work,
@@ -249,15 +255,29 @@ impl<'a, T: Balanced> Balance<'a, T> {
             load.point.constant(load.moment),
         );
         let mut wrench = Wrench::zero(like);
-        let lever = load.point - self.at.pose.origin;
-        wrench.wrench(force, lever.cross(force) + moment);
+        match self.at.steered_knuckle() {
+            None => {
+                let lever = load.point - self.at.pose.origin;
+                wrench.wrench(force, lever.cross(force) + moment);
+            }
+            Some(knuckle) => {
+                let centre = self.at.mechanism.wheel_centre;
+                let lever = load.point - self.at.point(centre);
+                self.at.push_point(centre, force, &mut wrench);
+                let couple = lever.cross(force) + moment;
+                self.at.push_rocker_turn(knuckle, couple, &mut wrench);
+            }
+        }
         self.work.note(|w| w.right_hand_sides += 1);
         let against = wrench.to_row().each(|c| -c);
         let multipliers = T::multipliers(Factors(&self.factors), &self.rows, against);
+        let is_rigid = self.at.mechanism.rigid_axle.is_some();
+        let far_support = is_rigid.then(|| multipliers[FAR_ROW]);
         Reactions {
             constraints: self.reactions(&multipliers),
             support: multipliers[5],
-            far_support: (self.at.mechanism.rigid_axle.is_some()).then(|| multipliers[FAR_ROW]),
+            far_support,
+            steering: self.steering(load, multipliers[5], multipliers[FAR_ROW]),
             rod: self.rod_per_spring.map(|ratio| ratio * multipliers[5]),
             support_force: self.support.force * multipliers[5],
         }
@@ -271,6 +291,8 @@ impl<'a, T: Balanced> Balance<'a, T> {
             Carried::FarSupport(_) => carried.far_support,
             Carried::Rod => carried.rod,
             Carried::WattRod(rocker) => self.watt_rod(rocker, carried),
+            Carried::DragLink => carried.steering.map(|[drag_link, _]| drag_link),
+            Carried::TieRod => carried.steering.map(|[_, tie_rod]| tie_rod),
             Carried::Force(point, axis) => {
                 let [x, y, z] = self.force_at(point, carried).to_array();
                 Some(match axis {
@@ -426,13 +448,21 @@ pub enum Carried {
     Rod,
     /// Tension of the rod that rotates the rocker of a Watt linkage.
     WattRod(RockerId),
+    /// Tension of the drag link of a steered axle.
+    DragLink,
+    /// Tension of its tie rod.
+    TieRod,
 }
 
 impl Carried {
     /// Meaning of a positive value.
     pub fn positive(&self) -> &'static str {
         match self {
-            Carried::Tension(..) | Carried::Rod | Carried::WattRod(_) => "tension",
+            Carried::Tension(..)
+            | Carried::Rod
+            | Carried::WattRod(_)
+            | Carried::DragLink
+            | Carried::TieRod => "tension",
             Carried::Force(_, Axis::X) => "on the wheel carrier along +x",
             Carried::Force(_, Axis::Y) => "on the wheel carrier along +y",
             Carried::Force(_, Axis::Z) => "on the wheel carrier along +z",
@@ -512,6 +542,16 @@ pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
                 what: Carried::WattRod(RockerId(number)),
             }),
     );
+    if mechanism.axle_steering().is_some() {
+        let rods = [
+            (Rod::DragLink, Carried::DragLink),
+            (Rod::TieRod, Carried::TieRod),
+        ];
+        members.extend(rods.map(|(rod, what)| Member {
+            name: rod.key().to_owned(),
+            what,
+        }));
+    }
     if let Some(rocker) = support.rocker(mechanism) {
         members.push(Member {
             name: mechanism.rocker(rocker).rod.key().to_owned(),

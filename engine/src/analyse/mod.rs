@@ -5,10 +5,12 @@ mod assemblies;
 pub(crate) mod certificate;
 mod limits;
 mod loads;
+mod steering_loads;
 
 pub use applied::{Applied, Carrying, bears, rod_name};
 pub use assemblies::{Assemblies, Assembly, AssemblyMode, Undecided};
 pub use certificate::{Certificate, Certifier, Inclusion};
+pub(crate) use limits::AT_TOGGLE;
 pub use limits::{Limit, Limits, Range, RangeEnd, RockerRange};
 pub use loads::{
     Balance, Balanced, Carried, FAR, Factors, Load, LoadPoint, Member, Reaction, Reactions,

@@ -413,7 +413,11 @@ impl Assembler {
         for (i, (place, &point)) in into.iter_mut().zip(&parts.points).enumerate() {
             let id = PointId(i);
             *place = match mechanism.body(id) {
-                Body::Chassis | Body::Rack | Body::Opposite(_) | Body::Rocker(_) => point,
+                Body::Chassis
+                | Body::Rack
+                | Body::Opposite(_)
+                | Body::SteeringGear(_)
+                | Body::Rocker(_) => point,
                 Body::Knuckle => at.carried(id),
                 Body::StrutRod(top) => {
                     parts.points[top.0] + pose.rotation.apply(point - drawn(top))

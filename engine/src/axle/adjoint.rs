@@ -84,6 +84,7 @@ fn push<const N: usize>(
     let WheelPose {
         wheel,
         rotation,
+        axle,
         design,
     } = seeds;
     let places = &parts.places;
@@ -107,8 +108,13 @@ fn push<const N: usize>(
         Slot::DesignCentre.push(design.centre, at, sink);
     }
     // A turn d of the carrier moves a column c by d x c, so that g.(d x c) = d.(c x g).
-    for (column, seed) in at.pose.rotation.columns.into_iter().zip(rotation) {
-        sink.turn(column.cross(*seed));
+    for (column, seed) in at.carrier_rotation().columns.into_iter().zip(rotation) {
+        sink.carrier_turn(column.cross(*seed));
+    }
+    if places.axle[0].x.is_some() {
+        for (column, seed) in at.pose.rotation.columns.into_iter().zip(axle) {
+            sink.turn(column.cross(*seed));
+        }
     }
     if places.design.spring_length.is_some() {
         Slot::DesignSpringLength.push(number(design.spring_length), at, sink);

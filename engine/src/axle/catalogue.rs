@@ -255,10 +255,12 @@ impl Quantity {
                 | A::Ackermann
                 | A::AckermannByInner
                 | A::AckermannByCotangents
-                | A::TurningCircle
-                | A::SteeringRatio,
-            ) => !rigid,
-            Quantity::Axle(A::AxleSteer | A::PinionAngle) => kind == AxleKind::Solid,
+                | A::TurningCircle,
+            ) => !rigid || kind == AxleKind::SteeredSolid,
+            Quantity::Axle(A::SteeringRatio) => !rigid,
+            Quantity::Axle(A::AxleSteer | A::PinionAngle) => {
+                matches!(kind, AxleKind::Solid | AxleKind::SteeredSolid)
+            }
             Quantity::Axle(
                 A::RollCentreHeight
                 | A::RollCentreLateral

@@ -1,6 +1,7 @@
 //! Columns of an axle's curves: names with quantity and unit.
 
 use super::reading::WheelParts;
+use super::solver::Sought;
 use super::state::{AxleState, Motion};
 use super::taylor::Taylor;
 use super::{Axle, AxlePlan, Quantity, Read, WheelMotion};
@@ -68,27 +69,49 @@ impl AxleColumn {
         }
     }
 
-    /// The column's number in a position, in radians, length units, newtons and seconds, or the reason for its
-    /// absence. `None` for a force, which cannot be read off the position alone.
-    pub(super) fn evaluate(&self, read: &Read, time: ByTime) -> Option<Result<f64, NoValue>> {
-        if !self.is_by_time {
-            return self.along(read, self.order);
+    /// Value or coordinate of which the column is a derivative, if it has derivatives by hardpoints.
+    pub(super) fn sought(&self) -> Option<Sought> {
+        match self.of {
+            Of::Quantity(quantity) => Some(Sought::Quantity(quantity)),
+            Of::Point { side, id, axis, .. } => Some(Sought::Point(side, id, axis)),
+            Of::Turn(..) | Of::Force { .. } => None,
         }
-        let mut along = [f64::NAN; 3];
-        for (order, along) in along.iter_mut().enumerate().skip(1) {
+    }
+
+    /// The column's number in a position, in radians, length units, newtons and seconds, or the reason for its
+    /// absence. `None` for a force, which cannot be read off the position alone. `by_drag_link` is its first derivative by the
+    /// displacement of a steering gear ([`AxleSolver::by_drag_link`](super::AxleSolver)), if it moves with one.
+    pub(crate) fn evaluate(
+        &self,
+        read: &Read,
+        time: ByTime,
+        by_drag_link: Option<f64>,
+    ) -> Option<Result<f64, NoValue>> {
+        let along = |order: usize| match (by_drag_link, &self.of) {
+            (None, _) => self.along(read, order),
+            // Studies have no higher derivatives by a steering gear.
+            (Some(_), _) if order != 1 => Some(Err(NoValue::NotFinite)),
+            (Some(by), Of::Quantity(quantity)) => Some(read.value(*quantity).map(|_| by)),
+            (Some(by), _) => Some(Ok(by)),
+        };
+        if !self.is_by_time {
+            return along(self.order);
+        }
+        let mut derivatives = [f64::NAN; 3];
+        for (order, derivative) in derivatives.iter_mut().enumerate().skip(1) {
             if order > self.order {
                 break;
             }
-            match self.along(read, order)? {
-                Ok(value) => *along = value,
+            match along(order)? {
+                Ok(value) => *derivative = value,
                 Err(reason) => return Some(Err(reason)),
             }
         }
-        Some(Ok(time.apply(false, along, self.order)))
+        Some(Ok(time.apply(false, derivatives, self.order)))
     }
 
     /// The value, or its derivative of this order along the motion.
-    pub(crate) fn along(&self, read: &Read, order: usize) -> Option<Result<f64, NoValue>> {
+    fn along(&self, read: &Read, order: usize) -> Option<Result<f64, NoValue>> {
         match &self.of {
             Of::Quantity(quantity) => Some(self.quantity_in(*quantity, read, order)),
             Of::Point {

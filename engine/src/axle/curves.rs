@@ -1,8 +1,8 @@
 //! Curves of an axle: every quantity at every station.
 
 use super::places::{bounds, motion_columns, place, proof};
-use super::solver::{AxlePose, AxleSolver, Placement, Read, Sought, WheelRead, join_results};
-use super::{Axle, AxleCertifier, AxleColumn, AxleMotion, AxleQuantity, Of, Quantity, WheelMotion};
+use super::solver::{AxlePose, AxleSolver, Placement, Read, WheelRead, join_results};
+use super::{Axle, AxleCertifier, AxleColumn, AxleMotion, AxleQuantity, Quantity, WheelMotion};
 use crate::ask::NoValue;
 use crate::curves::{ByTime, Column, Curves, Loads, Sensitivity, Station, Status};
 use crate::mechanism::{DesignFault, NoPose};
@@ -172,7 +172,8 @@ fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side
             let forces = forces(&loads, &solver, &placed, &read);
             let law = plan.motion.time.as_ref().map(|time| &time.law);
             let time = ByTime::at(law, plan.motion.time_at(number));
-            let mut station = values(&columns, &read, time, forces);
+            let by_drag_link = solver.by_drag_link(&placed, &columns)?;
+            let mut station = values((&columns, &by_drag_link), &read, time, forces);
             station.at = place(&plan.motion, axle, (number, placement), Some(&placed));
             if !plan.sensitivities.is_empty() {
                 let more = gradients(axle, plan, &mut solver, &columns, &placed, number)?;
@@ -309,7 +310,7 @@ impl WheelCurves {
 
 /// Values of a station whose coordinates are not set yet.
 fn values(
-    columns: &[AxleColumn],
+    (columns, by_drag_link): (&[AxleColumn], &[Option<f64>]),
     read: &Read,
     time: ByTime,
     forces: Vec<Result<f64, NoValue>>,
@@ -323,7 +324,8 @@ fn values(
     };
     let quantities = columns
         .iter()
-        .filter_map(|c| Some(value(c.evaluate(read, time)?, c)));
+        .zip(by_drag_link)
+        .filter_map(|(c, by)| Some(value(c.evaluate(read, time, *by)?, c)));
     let values: Vec<_> = quantities.chain(forces).collect();
     let differentiates = columns
         .iter()
@@ -382,11 +384,7 @@ fn gradients<const N: usize>(
     // Derivatives of a rigid axle are by the left half. The right half follows it.
     let is_own = axle.right.is_some() && !axle.is_rigid();
     let values = columns.iter().enumerate().filter(|(_, c)| c.by.is_none());
-    let sought = values.filter_map(|(column, c)| match c.of {
-        Of::Quantity(quantity) => Some((column, Sought::Quantity(quantity))),
-        Of::Point { side, id, axis, .. } => Some((column, Sought::Point(side, id, axis))),
-        Of::Turn(..) | Of::Force { .. } => None,
-    });
+    let sought = values.filter_map(|(column, c)| Some((column, c.sought()?)));
     let (of, sought): (Vec<_>, Vec<_>) = sought.unzip();
     solver.gradients_of(placed, &sought, &mut |number, [left, right]| {
         let column = of[number];

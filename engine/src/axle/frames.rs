@@ -152,7 +152,7 @@ fn drawn(
         let suspension = axle.suspension(side);
         let at = Configuration {
             mechanism: &suspension.mechanism,
-            design: &suspension.design,
+            design: solver.design(side),
             pose: placed.poses()[side as usize],
             rack: placed.rack * side.sign(),
             steering: None,

@@ -63,6 +63,12 @@ impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
         self.unknown()
     }
 
+    /// Steered axles are not solved in lanes.
+    #[inline(always)]
+    fn axle_column(&self, _: usize, _: [usize; 2]) -> Vector3<B> {
+        self.unknown()
+    }
+
     #[inline(always)]
     fn design(&self) -> DesignWheel<B> {
         self.inputs.design

@@ -5,10 +5,10 @@
 //! wheels.
 
 use super::Axle;
-use super::solver::{AxleSolver, Placement};
-use crate::analyse::{Range, RangeEnd};
+use super::solver::{AxlePose, AxleSolver, Placement};
+use crate::analyse::{AT_TOGGLE, Range, RangeEnd};
 use crate::mechanism::{DesignFault, Pose};
-use crate::model::{AxleTravel, Drive, Side};
+use crate::model::{AxleTravel, Drive, Rod, Side};
 use crate::solve::Solver;
 
 /// Limits of an axle's motion from its design position.
@@ -16,8 +16,8 @@ use crate::solve::Solver;
 pub struct AxleLimits {
     /// Ranges of the travels.
     pub travels: TravelRanges,
-    /// The least and the largest displacement of the rack towards the left wheel's outside, at zero travel. `None` if
-    /// nothing is on the rack.
+    /// The least and the largest displacement of the rack towards the left wheel's outside, at zero travel. Of a steered solid
+    /// axle those of its drag link. `None` if nothing steers the wheels.
     pub rack: Option<[AxleEnd; 2]>,
     /// Smallest and largest roll angle (radians) at zero heave, with the rack in the middle. `None` if it is not known.
     pub roll: [Option<AxleEnd>; 2],
@@ -53,6 +53,8 @@ const BEFORE_END: f64 = 0.999;
 /// The same share for a rigid axle. Near its fold the heights of the wheels change with the square root of the distance to
 /// the fold.
 const BEFORE_FOLD: f64 = 0.97;
+/// Displacement of a steering gear, in sizes, beyond which no toggle is sought.
+const FARTHEST_GEAR: f64 = 2.0;
 
 impl Axle {
     /// Returns the limits of the axle's motion from its design position.
@@ -70,6 +72,8 @@ impl<const N: usize> AxleSolver<'_, N> {
     /// # Errors
     /// If the design position of a wheel is singular.
     pub fn limits(&mut self) -> Result<AxleLimits, (Side, DesignFault)> {
+        // A steered axle can always go straight ahead.
+        let _ = self.steer(0.0);
         let left = self.limits_of(Side::Left)?;
         let right = self.limits_of(Side::Right)?;
         let rack = left.rack.as_ref().zip(right.rack.as_ref());
@@ -79,6 +83,7 @@ impl<const N: usize> AxleSolver<'_, N> {
             let upper = nearer([(&left.upper, 1.0), (&right.lower, -1.0)]);
             [lower, upper]
         });
+        let rack = rack.or_else(|| self.drag_link_range());
         let (left, right) = (left.travel, right.travel);
         // In roll to the left, the left wheel is in droop.
         let mut roll = |ends: [&RangeEnd; 2]| {
@@ -101,6 +106,70 @@ impl<const N: usize> AxleSolver<'_, N> {
             rack,
             roll,
         })
+    }
+
+    /// The range of the steering gear of a steered axle at zero travel, up to the toggle of drag link or tie rod. `None` for other
+    /// axles.
+    fn drag_link_range(&mut self) -> Option<[AxleEnd; 2]> {
+        if !self.is_steered() {
+            return None;
+        }
+        let ends = [-1.0, 1.0].map(|sign| self.drag_link_end(sign));
+        // The other limits are those straight ahead.
+        let _ = self.steer(0.0);
+        Some(ends)
+    }
+
+    /// The end of this range to one side: by equal steps, then by halving the last one.
+    fn drag_link_end(&mut self, sign: f64) -> AxleEnd {
+        let size = self.size();
+        let level = |displacement: f64| Placement::Travels {
+            travels: [0.0; 2],
+            rack: displacement,
+            on_plane: false,
+        };
+        let mut step = sign * size / 32.0;
+        let (mut reached, mut last) = (0.0_f64, None);
+        while step.abs() > 1e-13 * size && reached.abs() < FARTHEST_GEAR * size {
+            match self.place(&level(reached + step)) {
+                Ok(placed) => {
+                    reached += step;
+                    last = Some(placed);
+                }
+                Err(_) => step *= 0.5,
+            }
+        }
+        let nearest = last.and_then(|placed| self.nearest_toggle(&placed));
+        let (side, end) = match nearest {
+            Some((side, rod)) => (
+                side,
+                RangeEnd::Toggle {
+                    value: reached,
+                    rod,
+                },
+            ),
+            None => (Side::Left, RangeEnd::Unresolved(reached)),
+        };
+        AxleEnd {
+            value: reached,
+            side,
+            end,
+        }
+    }
+
+    /// The rod of the knuckle that is nearest to its toggle, with the side of the knuckle; `None` if both are away from theirs.
+    fn nearest_toggle(&mut self, placed: &AxlePose) -> Option<(Side, Rod)> {
+        self.steer(placed.rack).ok()?;
+        let steering = self.axle.left.mechanism.axle_steering()?;
+        let at = self.configuration_of(Side::Left, placed);
+        let knuckles = [steering.near_knuckle, steering.far_knuckle];
+        let leverages = knuckles.map(|id| at.leverage(id));
+        let side = match leverages[0] <= leverages[1] {
+            true => Side::Left,
+            false => Side::Right,
+        };
+        let rod = at.mechanism.rocker(knuckles[side as usize]).rod;
+        (leverages[side as usize] < AT_TOGGLE).then_some((side, rod))
     }
 
     /// The range of the mean travel of a rigid axle, with equal travels of both wheels.

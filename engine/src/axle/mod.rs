@@ -19,6 +19,7 @@ mod formulas;
 mod frames;
 mod lanes;
 mod limits;
+mod moving;
 mod places;
 mod reading;
 mod rocker_springs;
@@ -42,7 +43,8 @@ pub use force_ends::{BeyondCurve, ForcePart};
 pub use frames::axle_frames;
 pub use lanes::LaneWheel;
 pub use limits::{AxleEnd, AxleLimits, TravelRanges};
-pub use reading::{Moving, Parts, Reading, Snapshot, WheelParts};
+pub use moving::Moving;
+pub use reading::{Parts, Reading, Snapshot, WheelParts};
 pub use rocker_springs::{Preloaded, RockerForces, RockerMotion, RockerSprings};
 pub use setup::Setup;
 pub use solver::{AxlePose, AxleSolver, Placement, Read, WheelRead};
@@ -78,6 +80,8 @@ pub enum AxleKind {
     Independent,
     /// One body carries both wheels.
     Solid,
+    /// The same, with wheels that a drag link steers.
+    SteeredSolid,
     /// Two halves that twist against each other.
     TwistBeam,
 }
@@ -101,6 +105,7 @@ impl Axle {
         match &self.left.mechanism.rigid_axle {
             None => AxleKind::Independent,
             Some(rigid) if rigid.twist_beam.is_some() => AxleKind::TwistBeam,
+            Some(rigid) if rigid.steering.is_some() => AxleKind::SteeredSolid,
             Some(_) => AxleKind::Solid,
         }
     }
@@ -281,6 +286,9 @@ impl Axle {
         }
         if reads(&[Slot::BarAngle, Slot::BarAngleRate]) {
             rockers.extend(mechanism.anti_roll_bar());
+        }
+        if let Some(steering) = mechanism.axle_steering() {
+            rockers.extend([steering.near_knuckle, steering.far_knuckle]);
         }
         rockers
     }

@@ -2,6 +2,8 @@
 //!
 //! Everything is in the kernel's frame of a left wheel. A right wheel is read as its mirror image.
 
+use super::moving::Moving;
+use super::state::Carriers;
 use super::taylor::{Line, Taylor};
 use crate::characteristics::{
     Constants, DesignWheel, Inputs, NumberPart, Slot, Slots, VectorPart, Wheel,
@@ -24,11 +26,13 @@ pub(super) const ALWAYS: &[Slot] = &[
     Slot::DesignCentre,
 ];
 
-/// A wheel in one pose: its parts, the columns of its carrier's rotation, and its design.
+/// A wheel in one pose: its parts, the columns of its carrier's rotation, its design, and the columns along x and y of the
+/// rotation of a steered axle, in which the carrier turns.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WheelPose<T> {
     pub(super) wheel: Wheel<T>,
     pub(super) rotation: [Vector3<T>; 3],
+    pub(super) axle: [Vector3<T>; 2],
     pub(super) design: DesignWheel<T>,
 }
 
@@ -38,6 +42,7 @@ impl<T: Copy> WheelPose<T> {
         WheelPose {
             wheel: Wheel::of_parts(|_| vector, |_| number),
             rotation: [vector; 3],
+            axle: [vector; 2],
             design: DesignWheel::filled(number),
         }
     }
@@ -47,6 +52,7 @@ impl<T: Copy> WheelPose<T> {
         WheelPose {
             wheel: self.wheel.map(f),
             rotation: self.rotation.each(|column| column.map(f)),
+            axle: self.axle.each(|column| column.map(f)),
             design: self.design.map(f),
         }
     }
@@ -62,9 +68,14 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// The parts of these slots, and those that every axle reads.
-    pub fn of(slots: &[Slot]) -> Self {
+    /// The parts of these slots, and those that every axle of this kind reads.
+    pub fn of(slots: &[Slot], carriers: Carriers) -> Self {
         let mut slots = Slots::default().with(ALWAYS).with(slots);
+        let is_steered = matches!(carriers, Carriers::Steered(_));
+        if is_steered {
+            // The kingpin is a line of the axle.
+            slots = slots.with(&[Slot::SteeringPoint]);
+        }
         if slots.contain_any(NumberPart::SpringLength.slots()) {
             slots = slots.with(&[Slot::DesignSpringLength]);
         }
@@ -78,6 +89,7 @@ impl Parts {
                 |part| slots.contain_any(part.slots()),
             ),
             rotation: [all(slots.contains(Slot::Turn)); 3],
+            axle: [all(is_steered); 2],
             design: DesignWheel {
                 spin_axis: all(slots.contains(Slot::DesignSpinAxis)),
                 centre: all(slots.contains(Slot::DesignCentre)),
@@ -119,7 +131,8 @@ impl<const N: usize> Snapshot<N> {
         let inputs = Inputs::without_rates(at, Constants::default(), parts.slots);
         Snapshot(WheelPose {
             wheel: inputs.now,
-            rotation: at.pose.rotation.columns,
+            rotation: at.carrier_rotation().columns,
+            axle: [0, 1].map(|column| at.pose.rotation.columns[column]),
             design: inputs.design,
         })
     }
@@ -151,6 +164,8 @@ pub struct Reading<T> {
     wheel: Wheel<Taylor<T>>,
     /// Columns of the carrier's rotation from the design position.
     rotation: [Vector3<Taylor<T>>; 3],
+    /// Columns of the rotation of a steered axle.
+    axle: [Vector3<Taylor<T>>; 2],
     design: DesignWheel<T>,
 }
 
@@ -164,6 +179,7 @@ impl<T: Real> Reading<T> {
         Reading {
             wheel: pose.wheel.map(moving),
             rotation: pose.rotation.each(|column| column.map(moving)),
+            axle: pose.axle.each(|column| column.map(moving)),
             design: pose.design.map(fixed),
         }
     }
@@ -174,6 +190,7 @@ impl<T: Real> Reading<T> {
         Reading {
             wheel: self.wheel.map(shifted),
             rotation: self.rotation.map(|column| column.map(shifted)),
+            axle: self.axle.map(|column| column.map(shifted)),
             design: self.design,
         }
     }
@@ -200,6 +217,7 @@ impl Reading<f64> {
         WheelPose {
             wheel: self.wheel,
             rotation: self.rotation,
+            axle: self.axle,
             design: self.design.map(Taylor::constant),
         }
     }
@@ -223,10 +241,12 @@ pub(super) fn zipped<T: Copy, U: Copy>(
     let pair = |a: T, b: U| (a, b);
     let [x, y, z] = one.rotation;
     let [u, v, w] = other.rotation;
+    let ([i, j], [m, n]) = (one.axle, other.axle);
     let (a, b) = (&one.design, &other.design);
     WheelPose {
         wheel: one.wheel.zip(&other.wheel, pair),
         rotation: [x.zip(u, pair), y.zip(v, pair), z.zip(w, pair)],
+        axle: [i.zip(m, pair), j.zip(n, pair)],
         design: DesignWheel {
             spin_axis: a.spin_axis.zip(b.spin_axis, pair),
             centre: a.centre.zip(b.centre, pair),
@@ -259,6 +279,9 @@ pub trait WheelParts<T: Real>: Copy {
 
     /// A column of the carrier's rotation, with powers as in [`WheelParts::read_vector`].
     fn column(&self, i: usize, powers: [usize; 2]) -> Vector3<T>;
+
+    /// A column of the rotation of a steered axle, along x (0) or y (1), as [`WheelParts::read_vector`].
+    fn axle_column(&self, i: usize, powers: [usize; 2]) -> Vector3<T>;
 
     /// The wheel in the design position.
     fn design(&self) -> DesignWheel<T>;
@@ -352,6 +375,21 @@ pub trait WheelParts<T: Real>: Copy {
         )
     }
 
+    /// Velocity of the steering axis's point and angular velocity of a steered axle, by travel or rack. With a and b the
+    /// columns along x and y, the angular velocity is a x a' + a (b'.(a x b)).
+    #[inline(always)]
+    fn axle_twist(&self, powers: [usize; 2]) -> [Vector3<T>; 2] {
+        outlined!(
+            [T: Real, W: WheelParts<T>] self.like();
+            parts: &'p W = self, powers: [usize; 2] = powers => [Vector3<T>; 2] {
+                let [a, b] = [0, 1].map(|i| parts.axle_column(i, [0, 0]));
+                let [a_rate, b_rate] = [0, 1].map(|i| parts.axle_column(i, powers));
+                let turn = a.cross(a_rate) + a * b_rate.dot(a.cross(b));
+                [parts.read_vector(VectorPart::SteeringPoint, powers), turn]
+            }
+        )
+    }
+
     /// The inputs of the characteristics catalogue.
     #[inline(always)]
     fn inputs(&self, constants: Constants) -> Inputs<T> {
@@ -407,71 +445,12 @@ impl<T: Real> WheelParts<T> for Reading<T> {
     }
 
     #[inline(always)]
+    fn axle_column(&self, i: usize, powers: [usize; 2]) -> Vector3<T> {
+        self.axle[i].map(|number| number.coefficient(powers))
+    }
+
+    #[inline(always)]
     fn design(&self) -> DesignWheel<T> {
         self.design
-    }
-}
-
-/// A moving wheel. Its parts are computed when they are read.
-#[derive(Debug)]
-pub struct Moving<'w, W, T> {
-    of: &'w W,
-    travel: T,
-    rack: Option<T>,
-}
-
-impl<W, T: Copy> Clone for Moving<'_, W, T> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<W, T: Copy> Copy for Moving<'_, W, T> {}
-
-impl<T: Real, W: WheelParts<T>> Moving<'_, W, T> {
-    /// Series of a vector along the motion, from its coefficients.
-    #[inline(always)]
-    fn vector_series(
-        &self,
-        [i, j]: [usize; 2],
-        of: impl Fn([usize; 2]) -> Vector3<T>,
-    ) -> Vector3<Jet<T, 2>> {
-        let mut rate = of([i + 1, j]).map(|c| c.scaled((i + 1) as f64) * self.travel);
-        if let Some(rack) = self.rack {
-            rate = rate + of([i, j + 1]).map(|c| c.scaled((j + 1) as f64) * rack);
-        }
-        of([i, j]).with_rate(rate)
-    }
-}
-
-impl<T: Real, W: WheelParts<T>> WheelParts<Jet<T, 2>> for Moving<'_, W, T> {
-    #[inline(always)]
-    fn like(&self) -> Jet<T, 2> {
-        Jet::constant(self.travel)
-    }
-
-    #[inline(always)]
-    fn read_vector(&self, part: VectorPart, powers: [usize; 2]) -> Vector3<Jet<T, 2>> {
-        self.vector_series(powers, |powers| self.of.vector(part, powers))
-    }
-
-    #[inline(always)]
-    fn number(&self, part: NumberPart, [i, j]: [usize; 2]) -> Jet<T, 2> {
-        let Moving { of, travel, rack } = self;
-        let mut rate = of.number(part, [i + 1, j]).scaled((i + 1) as f64) * *travel;
-        if let Some(rack) = rack {
-            rate = rate + of.number(part, [i, j + 1]).scaled((j + 1) as f64) * *rack;
-        }
-        Jet([of.number(part, [i, j]), rate])
-    }
-
-    #[inline(always)]
-    fn column(&self, i: usize, powers: [usize; 2]) -> Vector3<Jet<T, 2>> {
-        self.vector_series(powers, |powers| self.of.column(i, powers))
-    }
-
-    #[inline(always)]
-    fn design(&self) -> DesignWheel<Jet<T, 2>> {
-        self.of.design().map(|value| Jet([value, value.zero()]))
     }
 }

@@ -19,12 +19,14 @@ use super::reading::{Parts, Reading, Snapshot, WheelParts, along};
 use super::setup::Setup;
 use super::state::{AxleState, Carriers, Hold, Motion};
 use super::taylor::{Line, Taylor};
-use super::{Axle, Quantity};
+use super::{Axle, AxleColumn, Quantity};
 use crate::analyse::{Balance, Certifier, Limits, Support};
 use crate::ask::NoValue;
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
 use crate::mechanism::{Configuration, DesignFault, Failure, Ground, NoPose, Pose, Unproven};
-use crate::model::{Axis, AxleTravel, Drive, Mechanism, PointId, RigidAxle, RockerId, Rod, Side};
+use crate::model::{
+    Axis, AxleSteering, AxleTravel, Drive, Mechanism, PointId, RigidAxle, RockerId, Rod, Side,
+};
 use crate::number::{Each, Jet, Tape, Tracked, Vector3};
 use crate::solve::{Solver, StationOrder, Toggles};
 use crate::threads::checkpoint;
@@ -200,7 +202,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             .flat_map(|q| q.info().reads)
             .copied()
             .collect();
-        let parts = Parts::of(&slots);
+        let parts = Parts::of(&slots, Carriers::of(axle));
         let order = |q: &Quantity| q.rate_order();
         let orders_by_rack = quantities.iter().filter(|q| q.info().by_rack).map(order);
         // Terms beyond those that the quantities need serve derivatives along motions.
@@ -263,6 +265,17 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
+    /// Moves the steering gear of a steered axle to a displacement. Everything below reads the axle as it is steered.
+    pub(super) fn steer(&mut self, displacement: f64) -> Result<(), NoPose> {
+        let [left, right] = &mut self.corners;
+        join_results(left.steer(displacement), right.steer(displacement)).map(|_| ())
+    }
+
+    /// Returns true if a drag link steers the wheels of a solid axle.
+    pub(super) fn is_steered(&self) -> bool {
+        self.axle.left.mechanism.axle_steering().is_some()
+    }
+
     /// One wheel in a position, ready to be loaded; [`Failure::Singular`] where the support cannot carry a load.
     pub fn balance(
         &self,
@@ -272,6 +285,10 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     ) -> Result<Balance<'_>, Failure> {
         let corner = &self.corners[side as usize];
         let rack = placed.rack * corner.rack_sign;
+        // The gear stands where the position was read.
+        if self.is_steered() && corner.steered.displacement != placed.rack {
+            return Err(Failure::Singular);
+        }
         corner
             .solver
             .balance(&placed.poses[side as usize], rack, support)
@@ -403,9 +420,19 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     /// Spin axis of a wheel in the design position, in the frame of its side.
     pub fn spin_axis(&self, side: Side) -> Vector3<f64> {
         let corner = &self.corners[side as usize];
-        corner
-            .configuration(corner.solver.design_pose())
-            .spin_axis()
+        let design_pose = corner.solver.design_pose();
+        corner.configuration(design_pose).designed_spin_axis()
+    }
+
+    /// The design of a wheel in the frame of its side. In a steered axle, the steering gear is where it was in the last position
+    /// that was read.
+    pub(super) fn design(&self, side: Side) -> &[Vector3<f64>] {
+        self.corners[side as usize].solver.design()
+    }
+
+    /// One wheel in a position of the axle as it is steered.
+    pub(super) fn configuration_of(&self, side: Side, placed: &AxlePose) -> Configuration<'_, f64> {
+        self.corners[side as usize].configuration(placed.poses[side as usize])
     }
 
     /// Designs of both wheels, each in the frame of its side.

@@ -25,7 +25,8 @@
 //! [`Motion::Rack`] depend on this choice, since the given coordinates of the station stay constant. Formulas of the
 //! catalogue must not depend on it, so they use the other motions.
 
-use super::reading::{Moving, Reading, WheelParts};
+use super::moving::Moving;
+use super::reading::{Reading, WheelParts};
 use super::setup::Setup;
 use super::{Axle, Quantity};
 use crate::mechanism::Ground;
@@ -51,12 +52,15 @@ pub enum Carriers {
     /// One body carries both wheels. Readings are functions of its two travels. The first is the one that is not held; the
     /// held one takes the place of the rack.
     Rigid(AxleTravel),
+    /// The same, but each wheel is on a knuckle that turns in this body.
+    Steered(AxleTravel),
 }
 
 impl Carriers {
     /// Carriers of an axle.
     pub(crate) fn of(axle: &Axle) -> Self {
         match &axle.left.mechanism.rigid_axle {
+            Some(rigid) if rigid.steering.is_some() => Carriers::Steered(rigid.held),
             Some(rigid) => Carriers::Rigid(rigid.held),
             None => Carriers::Independent,
         }
@@ -72,7 +76,9 @@ impl Carriers {
     #[inline(always)]
     pub(crate) fn by_difference(self) -> [usize; 2] {
         match self {
-            Carriers::Rigid(AxleTravel::Difference) => [0, 1],
+            Carriers::Rigid(AxleTravel::Difference) | Carriers::Steered(AxleTravel::Difference) => {
+                [0, 1]
+            }
             _ => [1, 0],
         }
     }
@@ -325,7 +331,9 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         let [left, right] = self.wheels();
         match self.carriers {
             // The contact points of a rigid axle rise by each wheel's own share of the difference.
-            Carriers::Rigid(_) => [left, right].each(|wheel| wheel.rise_by_difference()),
+            Carriers::Rigid(_) | Carriers::Steered(_) => {
+                [left, right].each(|wheel| wheel.rise_by_difference())
+            }
             Carriers::Independent => [left.rise(), right.rise()],
         }
     }
@@ -397,7 +405,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
             let [z_left, z_right] = rates.travel;
             let mismatch = match self.carriers {
                 Carriers::Independent => left * z_left - right * z_right,
-                Carriers::Rigid(_) => {
+                Carriers::Rigid(_) | Carriers::Steered(_) => {
                     let (mean, difference) = ((z_left + z_right), (z_left - z_right));
                     (difference * (left + right) + mean * self.mismatch_by_mean()).scaled(0.5)
                 }
@@ -414,7 +422,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         match (self.carriers, side) {
             (Carriers::Independent, Side::Left) => (left, rates.rack),
             (Carriers::Independent, Side::Right) => (right, rates.rack.map(|rack| -rack)),
-            (Carriers::Rigid(held), side) => {
+            (Carriers::Rigid(held) | Carriers::Steered(held), side) => {
                 let mean = (left + right).scaled(0.5);
                 let difference = match side {
                     Side::Left => left - right,

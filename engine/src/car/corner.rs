@@ -201,7 +201,7 @@ impl<T: Real> Displacement<T> {
     fn of(carriers: Carriers, steps: &Steps<T>) -> Self {
         let (first, second) = match carriers {
             Carriers::Independent => (steps.own, steps.rack),
-            Carriers::Rigid(held) => {
+            Carriers::Rigid(held) | Carriers::Steered(held) => {
                 let mean = (steps.own + steps.other).scaled(0.5);
                 let difference = (steps.own - steps.other).scaled(0.5);
                 match held {
@@ -257,7 +257,7 @@ fn rates<T: Real>(
     };
     let held = match carriers {
         Carriers::Independent => return (of(centres[0], turns[0], springs[0], bars[0]), None),
-        Carriers::Rigid(held) => held,
+        Carriers::Rigid(held) | Carriers::Steered(held) => held,
     };
     let vectors = |[first, second]: [Vector3<T>; 2]| {
         let [x, y, z] = [

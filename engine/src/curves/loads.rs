@@ -33,7 +33,7 @@ fn with_side(member: Member, mechanism: &Mechanism, frame: Frame) -> Member {
         Carried::Tension(inner, outer) => {
             [inner, outer].iter().any(|id| rigid.singles.contains(id))
         }
-        Carried::WattRod(_) => true,
+        Carried::WattRod(_) | Carried::DragLink | Carried::TieRod => true,
         _ => false,
     };
     let name = match member.name.strip_prefix(FAR) {

@@ -242,16 +242,28 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
         self.adjoint.hardpoint(id, gradient);
     }
 
-    /// Adds the derivative by the rotation of the knuckle.
+    /// Adds the derivative by the rotation of the mechanism's knuckle; of a steered axle, that of the axle.
     #[inline(always)]
     pub fn turn(&mut self, moment: Vector3<T>) {
         self.adjoint.wrench(moment.zero(), moment);
+    }
+
+    /// Adds the derivative by the rotation of the body that carries the wheel.
+    #[inline(always)]
+    pub fn carrier_turn(&mut self, moment: Vector3<T>) {
+        self.at.push_carrier_turn(moment, &mut self.adjoint);
     }
 
     /// Adds the derivative by the unit spin axis a = R a0, a0 along wheel centre - inner point.
     #[inline(always)]
     pub fn spin_axis(&mut self, gradient: Vector3<T>) {
         let designed = DesignedSpinAxis::of(self.at.mechanism, self.at.design);
+        if self.at.steered_knuckle().is_some() {
+            let rotation = self.at.carrier_rotation();
+            let now = rotation.apply(designed.direction);
+            self.carrier_turn(now.cross(gradient));
+            return self.by_designed_spin_axis(&designed, rotation.apply_transposed(gradient));
+        }
         let now = self.at.pose.rotation.apply(designed.direction);
         self.moved_spin_axis(&designed, now, gradient);
     }
@@ -345,6 +357,6 @@ impl<T: Real> Configuration<'_, T> {
     /// Unit vector along the spin axis, positive outboard.
     #[inline(always)]
     pub fn spin_axis(&self) -> Vector3<T> {
-        self.pose.rotation.apply(self.designed_spin_axis())
+        self.carrier_rotation().apply(self.designed_spin_axis())
     }
 }

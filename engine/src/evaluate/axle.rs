@@ -8,7 +8,7 @@ use super::evaluator::{Evaluator, FindsSlopes, Pairs, SolvesOneByOne};
 use super::stations::index_or_push;
 use super::{Block, Stations};
 use crate::axle::{Axle, AxleColumn, AxleMotion, AxlePlan, AxleSolver, Placement, Quantity, Read};
-use crate::curves::Column;
+use crate::curves::{ByTime, Column};
 use crate::mechanism::DesignFault;
 use crate::model::Side;
 use crate::number::Width;
@@ -158,9 +158,10 @@ impl<const N: usize> FindsSlopes for OneByOne<'_, N> {
         for number in 0..designs[0].len() / points {
             let read = self.read_design(pair(designs, number, points));
             for (k, column) in self.stations.gains.iter().enumerate() {
-                let gain = read
-                    .as_ref()
-                    .and_then(|read| column.along(read, column.order)?.ok());
+                let gain = read.as_ref().and_then(|(read, by_drag_link)| {
+                    let time = ByTime::at(None, 0);
+                    column.evaluate(read, time, by_drag_link[k])?.ok()
+                });
                 block.put_slope(number, k, gain.unwrap_or(f64::NAN));
             }
         }
@@ -176,12 +177,16 @@ impl<'a, const N: usize> OneByOne<'a, N> {
         }))
     }
 
-    /// Reads the design position.
-    fn read_design(&mut self, wheels: Pairs<'_>) -> Option<Read<'a>> {
+    /// Reads the design position, with the derivatives of the gains by a steering gear.
+    fn read_design(&mut self, wheels: Pairs<'_>) -> Option<(Read<'a>, Vec<Option<f64>>)> {
         self.solver.prepare(wheels).ok()?;
         let design = self.stations.placements[self.stations.design];
         let placed = self.solver.place(&design).ok()?;
-        self.solver.read(&placed).ok()
+        let by_drag_link = self
+            .solver
+            .by_drag_link(&placed, &self.stations.gains)
+            .ok()?;
+        Some((self.solver.read(&placed).ok()?, by_drag_link))
     }
 
     fn evaluate_design(

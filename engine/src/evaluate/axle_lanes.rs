@@ -64,6 +64,10 @@ impl<'a> AxleLanes<'a> {
         if !quantities.iter().all(|q| q.is_for_lanes()) {
             return Err(NotInLanes::Reading);
         }
+        // The steering gear changes the design from station to station.
+        if axle.left.mechanism.axle_steering().is_some() {
+            return Err(NotInLanes::SteeringGear);
+        }
         let mut grouped: Vec<([f64; 2], Vec<f64>, Vec<usize>)> = Vec::new();
         for (number, placement) in stations.placements.iter().enumerate() {
             let found = parts(placement, axle.is_rigid());

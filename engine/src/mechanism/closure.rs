@@ -400,3 +400,87 @@ impl<T: Real> Driver<T> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::number::Jet;
+    use crate::study::Study;
+    use std::path::Path;
+
+    /// A steered axle on four links.
+    const STEERED: &str = r#"
+[suspension]
+topology = "solid_axle"
+[suspension.hardpoints]
+lower_link_chassis = [-840.0,  420.0,  385.0]
+lower_link_axle    = [  -5.0,  430.0,  305.0]
+upper_link_chassis = [-640.0,  470.0,  525.0]
+upper_link_axle    = [ -15.0,  150.0,  555.0]
+wheel_centre       = [   0.0,  760.0,  375.0]
+kingpin_upper      = [ -18.0,  650.0,  470.0]
+kingpin_lower      = [  12.0,  675.0,  280.0]
+drag_link_body     = [ 190.0, -420.0,  545.0]
+drag_link_knuckle  = [ 160.0,  560.0,  480.0]
+tie_rod_end        = [-150.0,  610.0,  330.0]
+[wheel]
+static_camber = 0.0
+static_toe = 0.0
+[motion]
+heave = [0.0]
+"#;
+
+    /// The rates of all rows along a motion of the knuckle are those of series, also those of rods on knuckles and on the half of a
+    /// twist beam. Both halves of an axle are seen.
+    #[test]
+    fn rates_of_rows_are_those_of_series() {
+        let beam = crate::model::Topology::named("twist_beam")
+            .unwrap()
+            .template;
+        for text in [STEERED, beam] {
+            let study = Study::from_text("study.toml", text, Path::new("")).unwrap();
+            let left = &study.axle().unwrap().axle.left;
+            let turned = left.mechanism.from_other_wheel();
+            let mut over = left.design.clone();
+            let rigid = left.mechanism.rigid_axle.as_ref().unwrap();
+            rigid.turn_over(&left.design, &mut over);
+            for (mechanism, design) in [(&left.mechanism, &left.design), (&turned, &over)] {
+                compare(mechanism, design);
+            }
+        }
+    }
+
+    fn compare(mechanism: &Mechanism, design: &[Vector3<f64>]) {
+        let designed = Pose {
+            origin: design[mechanism.origin.0],
+            rotation: Matrix3::identity(1.0),
+        };
+        let pose = designed.moved(
+            Vector3::new(9.0, -7.0, 20.0),
+            Vector3::new(0.02, 0.03, -0.01),
+        );
+        let along = Twist {
+            shift: Vector3::new(0.3, -0.2, 0.9),
+            turn: Vector3::new(0.004, -0.002, 0.003),
+        };
+        let at = Configuration::new(mechanism, design, pose, 0.0);
+        let driver = Driver::Travel(0.0);
+        let rates = Closure::new(mechanism, design).wrench_rates(&at, &along);
+
+        let series: Vec<Vector3<Jet<f64, 2>>> =
+            design.iter().map(|p| p.map(Jet::constant)).collect();
+        let rate = |v: Vector3<f64>| v.map(|c| Jet([0.0, c]));
+        let moving = pose
+            .map(Jet::constant)
+            .moved(rate(along.shift), rate(along.turn * 0.5));
+        let at = Configuration::new(mechanism, &series, moving, Jet::constant(0.0));
+        let driver = driver.map(Jet::constant);
+        let expected = Closure::new(mechanism, &series).wrenches(&at, driver);
+        for (number, (rate, expected)) in rates.iter().zip(&expected).enumerate() {
+            let [force, moment] = [expected.force, expected.moment].map(|v| v.map(|c| c[1]));
+            let (off, turn) = ((rate.force - force).norm(), (rate.moment - moment).norm());
+            assert!(off < 1e-14, "row {number}: {:?} {force:?}", rate.force);
+            assert!(turn < 1e-11, "row {number}: {:?} {moment:?}", rate.moment);
+        }
+    }
+}

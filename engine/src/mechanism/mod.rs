@@ -14,6 +14,7 @@ mod no_pose;
 pub(crate) mod pose;
 mod rocker;
 mod rod_reach;
+mod rod_tension;
 mod tolerances;
 mod validation;
 mod work;

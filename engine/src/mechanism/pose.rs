@@ -1,7 +1,7 @@
 //! Pose of a mechanism, and the positions of all points in it.
 
 use super::arm::{self, arm_point, arm_point_gradient};
-use crate::model::{Arm, Body, Mechanism, PointId};
+use crate::model::{Arm, Body, Mechanism, PointId, RockerId};
 use crate::number::{Matrix3, Outlined, Real, Vector3, outlined};
 use std::ops::Neg;
 
@@ -196,7 +196,9 @@ impl<'a, T: Real> Configuration<'a, T> {
     #[inline(always)]
     pub(crate) fn place(&self, id: PointId) -> Vector3<T> {
         match self.mechanism.body(id) {
-            Body::Chassis | Body::Rack | Body::Opposite(_) => self.grounded(id),
+            Body::Chassis | Body::Rack | Body::Opposite(_) | Body::SteeringGear(_) => {
+                self.grounded(id)
+            }
             Body::StrutRod(top) => {
                 let top = self.designed(top);
                 top + self.pose.rotation.apply(self.designed(id) - top)
@@ -214,12 +216,13 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
-    /// Present position of a point of the chassis or the rack, or opposite to a point of the knuckle.
+    /// Present position of a point of the chassis, the rack or the steering gear, or opposite to a point of the knuckle.
     #[inline(always)]
     pub(crate) fn grounded(&self, id: PointId) -> Vector3<T> {
         let p = self.designed(id);
         match self.mechanism.body(id) {
             Body::Rack => Vector3::new(p.x, p.y + self.rack, p.z),
+            Body::SteeringGear(place) => self.designed(place),
             Body::Opposite(other) => {
                 // A function call, because this is rare.
                 let moved = self.point(other).y - self.designed(other).y;
@@ -232,8 +235,12 @@ impl<'a, T: Real> Configuration<'a, T> {
     /// Adds the derivative of `gradient . grounded(id)` to the sink.
     #[inline(always)]
     pub(crate) fn push_grounded(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
+        let body = self.mechanism.body(id);
+        if let Body::SteeringGear(place) = body {
+            return sink.hardpoint(place, gradient);
+        }
         sink.hardpoint(id, gradient);
-        match self.mechanism.body(id) {
+        match body {
             Body::Rack => sink.rack(gradient.y),
             Body::Opposite(other) => {
                 let zero = gradient.x.zero();
@@ -242,6 +249,33 @@ impl<'a, T: Real> Configuration<'a, T> {
                 sink.hardpoint(other, -opposite);
             }
             _ => {}
+        }
+    }
+
+    /// The knuckle of the wheel if it is a rocker of a steered axle; `None` if the mechanism's knuckle carries the wheel.
+    #[inline(always)]
+    pub(crate) fn steered_knuckle(&self) -> Option<RockerId> {
+        match self.mechanism.body(self.mechanism.wheel_centre) {
+            Body::Rocker(knuckle) => Some(knuckle),
+            _ => None,
+        }
+    }
+
+    /// Rotation of the body that carries the wheel, from the design position.
+    #[inline(always)]
+    pub fn carrier_rotation(&self) -> Matrix3<T> {
+        match self.steered_knuckle() {
+            None => self.pose.rotation,
+            Some(knuckle) => self.rocker_rotation(knuckle),
+        }
+    }
+
+    /// Adds the derivative by a rotation of the body that carries the wheel. `moment` is about the vehicle's axes.
+    #[inline(always)]
+    pub(crate) fn push_carrier_turn(&self, moment: Vector3<T>, sink: &mut impl Sink<T>) {
+        match self.steered_knuckle() {
+            None => sink.wrench(moment.zero(), moment),
+            Some(knuckle) => self.push_rocker_turn(knuckle, moment, sink),
         }
     }
 
@@ -290,7 +324,7 @@ impl<'a, T: Real> Configuration<'a, T> {
     #[inline(always)]
     fn push_point_inline(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
         match self.mechanism.body(id) {
-            Body::Chassis | Body::Rack | Body::Opposite(_) => {
+            Body::Chassis | Body::Rack | Body::Opposite(_) | Body::SteeringGear(_) => {
                 self.push_grounded(id, gradient, sink)
             }
             Body::Knuckle => self.push_carried(id, gradient, sink),
@@ -361,7 +395,7 @@ impl<'a, T: Real> Configuration<'a, T> {
                 let zero = rate.x.zero();
                 [self.grounded(id), Vector3::new(zero, -rate.y, zero)]
             }
-            Body::Chassis | Body::Rack | Body::Rocker(_) => {
+            Body::Chassis | Body::Rack | Body::SteeringGear(_) | Body::Rocker(_) => {
                 let now = self.grounded(id);
                 [now, now.zero()]
             }

@@ -37,7 +37,8 @@
 //! M = (x' - f) x g - k (n' - f) x s',   h = g - k s'                                            (9)
 //! ```
 //!
-//! The derivatives of g.x' + t theta are
+//! A couple m on the rocker, the derivative by its rotation, joins (x' - f) x g in (8) and (9). The derivatives of
+//! g.x' + t theta are
 //!
 //! ```text
 //! by x: R'g    by n: k (l - R's')    by o: -k l    by o': k s'                                  (10)
@@ -56,8 +57,8 @@ use super::rod_reach::RodReach;
 use crate::mechanism::DEGENERATE;
 use crate::model::{Body, PointId};
 use crate::model::{Rocker, RockerId, Rod};
-use crate::number::{Each, Scalar};
-use crate::number::{Real, SimdReal, Vector3, outlined};
+use crate::number::Each;
+use crate::number::{Matrix3, Real, SimdReal, Vector3, outlined};
 
 /// Inputs for the rotation of a rocker. They are two points of its axis, the rod's inner and outer end in the design
 /// position, and the present outer end.
@@ -110,6 +111,13 @@ impl<T: Real> Turn<T> {
         point - lever + lever * self.cosine + self.axis.cross(lever) * self.sine
     }
 
+    /// Turns a vector by the rocker's angle: R v in the formulas above.
+    #[inline(always)]
+    fn turned(&self, v: Vector3<T>) -> Vector3<T> {
+        let lever = v.across(self.axis);
+        v - lever + lever * self.cosine + self.axis.cross(lever) * self.sine
+    }
+
     /// Turns a vector back by the rocker's angle: R'v in the formulas above.
     #[inline(always)]
     fn turned_back(&self, v: Vector3<T>) -> Vector3<T> {
@@ -117,21 +125,21 @@ impl<T: Real> Turn<T> {
         v - lever + lever * self.cosine - self.axis.cross(lever) * self.sine
     }
 
-    /// The derivatives of `gradient . moved(point)` plus `moment` times the angle: by each of the inputs, and by the
-    /// point.
+    /// The derivatives of `gradient . moved(point)`, plus `couple` by the rotation, plus `moment` times the angle: by each of
+    /// the inputs, and by the point.
     #[inline(always)]
     fn gradient(
         &self,
         [first, second, inner, outer, outer_now]: Ends<T>,
         point: Vector3<T>,
-        gradient: Vector3<T>,
+        [gradient, couple]: [Vector3<T>; 2],
         moment: T,
     ) -> (Ends<T>, Vector3<T>) {
         let (axis, one) = (self.axis, self.sine.one());
         let end = self.moved(inner);
         let rod = end - outer_now;
         let pull = (end - first).cross(rod);
-        let push = (self.moved(point) - first).cross(gradient);
+        let push = (self.moved(point) - first).cross(gradient) + couple;
         let tension = (axis.dot(push) + moment) / axis.dot(pull);
         let pulled = rod * tension;
         let (back, rod_back) = (self.turned_back(gradient), self.turned_back(pulled));
@@ -159,9 +167,14 @@ impl<T: Real> Turn<T> {
 
     /// Sign of the rotation that counts as positive: 1 or -1.
     #[inline(always)]
-    fn sense(&self, rod: Rod) -> T {
+    pub(super) fn sense(&self, rod: Rod) -> T {
         match rod {
-            Rod::Pushrod | Rod::DropLink | Rod::WattLink | Rod::TwistBeam => self.pushed,
+            Rod::Pushrod
+            | Rod::DropLink
+            | Rod::WattLink
+            | Rod::DragLink
+            | Rod::TieRod
+            | Rod::TwistBeam => self.pushed,
             Rod::Pullrod => -self.pushed,
         }
     }
@@ -405,7 +418,7 @@ impl<T: Real> Configuration<'_, T> {
 
     /// Inverse of [`Configuration::in_base`]: x of (12).
     #[inline(always)]
-    fn out_of_base(&self, rocker: Rocker, place: Vector3<T>) -> Vector3<T> {
+    pub(super) fn out_of_base(&self, rocker: Rocker, place: Vector3<T>) -> Vector3<T> {
         match self.is_on_axle(rocker) {
             false => place,
             true => {
@@ -439,6 +452,26 @@ impl<T: Real> Configuration<'_, T> {
         )
     }
 
+    /// Rotation of a rocker from the design position: that of its base times that about its axis.
+    #[inline(always)]
+    pub(crate) fn rocker_rotation(&self, id: RockerId) -> Matrix3<T> {
+        outlined!(
+            [T: Real] self.rack; at: &'p Configuration<'p, T> = self, id: RockerId = id => Matrix3<T> {
+                let rocker = at.mechanism.rocker(id);
+                let turn = Turn::of(at.ends(rocker));
+                let on_axle = at.is_on_axle(rocker);
+                let columns = Matrix3::identity(at.rack).columns.each(|column| {
+                    let turned = turn.turned(column);
+                    match on_axle {
+                        true => at.pose.rotation.apply(turned),
+                        false => turned,
+                    }
+                });
+                Matrix3 { columns }
+            }
+        )
+    }
+
     /// Angle of a rocker from its design position, positive where its rod has pushed it, or a pullrod pulled
     /// it. NaN beyond a toggle.
     #[inline(always)]
@@ -468,6 +501,17 @@ impl<T: Real> Configuration<'_, T> {
     #[inline(always)]
     pub(crate) fn push_rocker_angle(&self, id: RockerId, gradient: T, sink: &mut impl Sink<T>) {
         self.push_rocker(id, RockerSeed::Angle(gradient), sink);
+    }
+
+    /// Adds the derivative by a small rotation of a rocker to the sink.
+    #[inline(always)]
+    pub(crate) fn push_rocker_turn(
+        &self,
+        id: RockerId,
+        couple: Vector3<T>,
+        sink: &mut impl Sink<T>,
+    ) {
+        self.push_rocker(id, RockerSeed::Turn(couple), sink);
     }
 
     #[inline(always)]
@@ -522,6 +566,10 @@ impl<T: Real> Configuration<'_, T> {
                     gradient: in_base,
                 }
             }
+            RockerSeed::Turn(couple) if self.is_on_axle(rocker) => {
+                sink.wrench(couple.zero(), couple);
+                RockerSeed::Turn(self.pose.rotation.apply_transposed(couple))
+            }
             seed => seed,
         }
     }
@@ -533,25 +581,26 @@ impl<T: Real> Configuration<'_, T> {
         let ends = self.ends(rocker);
         let turn = Turn::of(ends);
         let zero = self.rack.zero();
-        let (designed, gradient, moment) = match seed {
-            RockerSeed::Point { designed, gradient } => (designed, gradient, zero),
-            // Any point, with no gradient: the axis.
-            RockerSeed::Angle(gradient) => {
-                let none = Vector3::new(zero, zero, zero);
-                (ends[0], none, gradient * turn.sense(rocker.rod))
-            }
+        let none = Vector3::new(zero, zero, zero);
+        // Without a point, any one with no gradient: the axis.
+        let (designed, gradients, moment) = match seed {
+            RockerSeed::Point { designed, gradient } => (designed, [gradient, none], zero),
+            RockerSeed::Angle(gradient) => (ends[0], [none; 2], gradient * turn.sense(rocker.rod)),
+            RockerSeed::Turn(couple) => (ends[0], [none, couple], zero),
         };
-        turn.gradient(ends, designed, gradient, moment)
+        turn.gradient(ends, designed, gradients, moment)
     }
 }
 
-/// Quantity to differentiate: `gradient` times the position of a point of the rocker, or a number times its angle.
+/// Quantity to differentiate: `gradient` times the position of a point of the rocker, a number times its angle, or a vector
+/// times its small rotation.
 enum RockerSeed<T> {
     Point {
         designed: Vector3<T>,
         gradient: Vector3<T>,
     },
     Angle(T),
+    Turn(Vector3<T>),
 }
 
 impl Configuration<'_, f64> {
@@ -570,30 +619,6 @@ impl Configuration<'_, f64> {
             .chain(before)
             .filter(|id| !is_effective(self.ends(self.mechanism.rocker(*id))));
         stuck.last().map(|id| self.mechanism.rocker(id).rod)
-    }
-}
-
-impl<T: Scalar> Configuration<'_, T> {
-    /// Tension in the rod of a rocker for a force at a point of the rocker, from moments about the axis.
-    pub(crate) fn rod_tension(&self, id: RockerId, at: Vector3<T>, force: Vector3<T>) -> T {
-        let rocker = self.mechanism.rocker(id);
-        let ends = [rocker.first, rocker.second].each(|id| self.designed(id));
-        let [first, second] = ends.each(|end| self.out_of_base(rocker, end));
-        let axis = second - first;
-        let [inner, outer] = [rocker.inner, rocker.outer].each(|id| self.point(id));
-        let moment = |at: Vector3<T>, force: Vector3<T>| axis.dot((at - first).cross(force));
-        -moment(at, force) / moment(inner, (outer - inner).normalised())
-    }
-
-    /// Tension in the rod of a rocker for a moment on the rocker, in the sense of its angle.
-    pub(crate) fn rod_tension_by_moment(&self, id: RockerId, moment: T) -> T {
-        let rocker = self.mechanism.rocker(id);
-        let [first, second] = [rocker.first, rocker.second].map(|id| self.designed(id));
-        let axis = (second - first).normalised();
-        let [inner, outer] = [rocker.inner, rocker.outer].map(|id| self.point(id));
-        let pull = (outer - inner).normalised();
-        let sense = Turn::of(self.ends(rocker)).sense(rocker.rod);
-        -(moment * sense) / axis.dot((inner - first).cross(pull))
     }
 }
 
@@ -618,7 +643,8 @@ mod tests {
             at(0.04, 0.63, 0.26),
         ];
         let (point, gradient, moment) = (at(0.0, 0.3, 0.7), at(0.4, -1.2, 0.6), Jet([0.8, -0.5]));
-        let (by_ends, by_point) = Turn::of(ends).gradient(ends, point, gradient, moment);
+        let gradients = [gradient, gradient.zero()];
+        let (by_ends, by_point) = Turn::of(ends).gradient(ends, point, gradients, moment);
         let [a, b, c, d, e] = by_ends;
         let [f, g, h, i, j] = ends;
         let inputs = [f, g, h, i, j, point];

@@ -15,6 +15,7 @@ mod rocker;
 mod seats;
 mod semi_trailing_arm;
 mod solid_axle;
+mod steered_axle;
 mod topology;
 mod trailing_arm_two_links;
 mod twist_beam;
@@ -23,6 +24,7 @@ pub use frame::{Axis, Frame, FrameConvention, LengthUnit, MassUnit, Side};
 pub use rigid_axle::{AxleTravel, RigidAxle, mirrored};
 pub use rocker::{Rocker, RockerId, Rod};
 pub use seats::Seat;
+pub use steered_axle::AxleSteering;
 pub use topology::{Group, Hardpoint, Topology};
 pub use twist_beam::TwistBeam;
 
@@ -46,6 +48,8 @@ pub enum Body {
     /// Held in the vehicle, but displaced sideways: as far to one side as a point of the knuckle has moved to the other. For
     /// the mounts of a twist beam.
     Opposite(PointId),
+    /// Held by the steering gear: it stands where the other point stands, which the design places.
+    SteeringGear(PointId),
     /// The wheel carrier.
     Knuckle,
     /// A control arm, which rotates about its axis.
@@ -283,6 +287,10 @@ impl Mechanism {
             }
             if let Some(beam) = &rigid.twist_beam {
                 design.extend(beam.followers_of(design));
+            }
+            if let Some(steering) = &rigid.steering {
+                let beside = steering.followers(rigid.far_centre);
+                design.extend(beside.map(|[_, beside]| design[beside.0]));
             }
         }
     }

@@ -12,7 +12,7 @@
 //! One travel is the drive. The other replaces the displacement of the rack, and one constraint holds it. As seen from the
 //! far wheel, (1) is the same and (2) has the opposite sign.
 
-use super::{PointId, TwistBeam};
+use super::{AxleSteering, PointId, TwistBeam};
 use crate::number::{Real, Vector3};
 
 /// One of the two travels of a rigid axle.
@@ -58,6 +58,8 @@ pub struct RigidAxle {
     pub extra_links: Vec<[PointId; 2]>,
     /// Further points, if the axle is a twist beam.
     pub twist_beam: Option<TwistBeam>,
+    /// Knuckles and further points, if the wheels are steered.
+    pub steering: Option<AxleSteering>,
 }
 
 /// Mirror image of a position in the middle plane of the vehicle.
@@ -76,7 +78,9 @@ impl RigidAxle {
     /// Points that a study does not give, each with the point that it follows.
     #[inline]
     fn followers(&self) -> impl Iterator<Item = [PointId; 2]> {
-        self.twist_beam.iter().flat_map(TwistBeam::followers)
+        let beam = self.twist_beam.iter().flat_map(TwistBeam::followers);
+        let steering = self.steering.iter();
+        beam.chain(steering.flat_map(|steering| steering.followers(self.far_centre)))
     }
 
     /// Counterpart in the far half of a point of the near half.
@@ -117,8 +121,11 @@ impl RigidAxle {
         }
     }
 
-    /// Returns true if the far half is the mirror image of the near half.
+    /// Returns true if the far half is the mirror image of the near half. The drag link of a steered axle has none.
     pub fn is_symmetric(&self, design: &[Vector3<f64>]) -> bool {
+        if self.steering.is_some() {
+            return false;
+        }
         let mut pairs = self.pairs.iter();
         let mut singles = self.singles.iter();
         pairs.all(|[near, far]| design[far.0] == mirrored(design[near.0]))

@@ -38,6 +38,10 @@ pub enum Rod {
     DropLink,
     /// Upper link of a Watt linkage, which rotates its rocker.
     WattLink,
+    /// Turns the left knuckle of a steered solid axle.
+    DragLink,
+    /// Turns the right knuckle of a steered solid axle by the left one.
+    TieRod,
     /// No real rod: a mount of a twist beam, which turns its half of the beam against the other half.
     TwistBeam,
 }
@@ -49,6 +53,8 @@ impl Rod {
             Rod::Pushrod | Rod::Pullrod => "the rocker",
             Rod::DropLink => "the anti-roll bar",
             Rod::WattLink => "the Watt rocker",
+            Rod::DragLink => "the left knuckle",
+            Rod::TieRod => "the right knuckle",
             Rod::TwistBeam => "the twist beam",
         }
     }
@@ -65,6 +71,8 @@ impl Rod {
             Rod::Pullrod => "pullrod",
             Rod::DropLink => "drop_link",
             Rod::WattLink => "watt_upper",
+            Rod::DragLink => "drag_link",
+            Rod::TieRod => "tie_rod",
             Rod::TwistBeam => "twist_beam",
         }
     }
@@ -77,6 +85,8 @@ impl fmt::Display for Rod {
             Rod::Pullrod => "pullrod",
             Rod::DropLink => "drop link",
             Rod::WattLink => "upper Watt link",
+            Rod::DragLink => "drag link",
+            Rod::TieRod => "tie rod",
             Rod::TwistBeam => "twist beam",
         })
     }
@@ -252,6 +262,8 @@ pub(super) fn bodies(rockers: &[Rocker]) -> impl Iterator<Item = (&'static str, 
             Rod::Pushrod | Rod::Pullrod => "rocker",
             Rod::DropLink => "anti_roll_bar",
             Rod::WattLink => "watt_rocker",
+            Rod::DragLink => "knuckle",
+            Rod::TieRod => "right_knuckle",
             Rod::TwistBeam => "twist_beam",
         };
         (name, Body::Rocker(RockerId(number)))
@@ -341,7 +353,11 @@ impl Mechanism {
     /// choice. Empty for every other hardpoint.
     pub fn possible_bodies(&self, id: PointId) -> Vec<(&'static str, Body)> {
         let is_turned = |rocker: &Rocker| {
-            rocker.outer == id && !matches!(rocker.rod, Rod::WattLink | Rod::TwistBeam)
+            let is_of_axle = matches!(
+                rocker.rod,
+                Rod::WattLink | Rod::DragLink | Rod::TieRod | Rod::TwistBeam
+            );
+            rocker.outer == id && !is_of_axle
         };
         let turns = self.rockers.iter().position(is_turned);
         let is_spring =

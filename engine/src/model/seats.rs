@@ -88,7 +88,12 @@ impl Mechanism {
                 let rocker = self.rocker(rocker);
                 points.extend([rocker.first, rocker.second]);
             }
-            Body::Chassis | Body::Rack | Body::Opposite(_) | Body::Knuckle | Body::StrutRod(_) => {}
+            Body::Chassis
+            | Body::Rack
+            | Body::Opposite(_)
+            | Body::SteeringGear(_)
+            | Body::Knuckle
+            | Body::StrutRod(_) => {}
         }
         points.retain(|point| *point != id);
         let at = |point: PointId| design[point.0];

@@ -1,10 +1,11 @@
 //! Solid axle: one body carries both wheels, on four links, or on three links and a Panhard rod or a Watt linkage.
 //!
-//! A study gives the left half, which is mirrored. Points of the Panhard rod, of the Watt linkage, and of a single upper link
-//! have their true y.
+//! The wheels may be steered (see `steered_axle.rs`). A study gives the left half, which is mirrored. Points of the Panhard rod,
+//! of the Watt linkage, of the drag link, and of a single upper link have their true y.
 
 use super::rigid_axle::{AxleTravel, RigidAxle};
 use super::rocker::{ANTI_ROLL_BAR, Carriers};
+use super::steered_axle::{self, STEERING};
 use super::topology::{
     Given, Group, NO_LINK, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional,
     required,
@@ -91,7 +92,7 @@ pub(super) static SOLID_AXLE: Topology = Topology {
             "lower end of spring and damper, on the axle",
         ),
     ],
-    groups: &[&SPRING, &PANHARD, &WATT, &ANTI_ROLL_BAR],
+    groups: &[&SPRING, &PANHARD, &WATT, &ANTI_ROLL_BAR, &STEERING],
     distinct: &[
         ("lower_link_chassis", "lower_link_axle", NO_LINK),
         ("upper_link_chassis", "upper_link_axle", NO_LINK),
@@ -127,7 +128,10 @@ impl Lateral {
 }
 
 fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
-    let watt_rocker = RockerId(usize::from(given.contains(&"drop_link_outer")));
+    let has = |name: &str| given.contains(&name);
+    let watt_rocker = RockerId(usize::from(has("drop_link_outer")));
+    let is_steered = has("drag_link_body");
+    let left_knuckle = RockerId(watt_rocker.0 + usize::from(has("watt_pivot")));
     let is_watt_on_chassis = given.contains(&"watt_upper_axle");
     let mut given = Given::of(
         topology,
@@ -137,11 +141,13 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
             "watt_upper_rocker" | "watt_lower_rocker" => Body::Rocker(watt_rocker),
             "watt_pivot" | "watt_axis" if is_watt_on_chassis => Body::Chassis,
             _ if name.ends_with("_chassis") => Body::Chassis,
+            _ if is_steered => steered_axle::body(name, left_knuckle).unwrap_or(Body::Knuckle),
             _ => Body::Knuckle,
         },
     );
     let lateral = Lateral::of(&given);
     let is_single = |name: &str| match lateral {
+        _ if name.starts_with("drag_link_") => true,
         Lateral::UpperLinks => false,
         Lateral::Panhard | Lateral::WattOnAxle | Lateral::WattOnChassis => {
             ["panhard_", "watt_", "upper_link_"]
@@ -160,6 +166,9 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
             name: format!("right_{name}"),
             // Each wheel moves its own lever of the anti-roll bar.
             body: match body {
+                Body::Rocker(id) if is_steered && *id == left_knuckle => {
+                    Body::Rocker(RockerId(id.0 + 1))
+                }
                 Body::Rocker(_) => Body::Chassis,
                 body => *body,
             },
@@ -167,6 +176,7 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         pairs.push([id, PointId(given.0.len())]);
         given.0.push(far);
     }
+    let steering = is_steered.then(|| steered_axle::add(&mut given, left_knuckle));
     let id = |name: &str| given.id(name);
     let link = |chassis: &str, axle: &str| Constraint::Link {
         inner: id(chassis),
@@ -191,7 +201,7 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         held,
     });
     let bodies = [("chassis", Body::Chassis), ("axle", Body::Knuckle)];
-    Mechanism {
+    let mut mechanism = Mechanism {
         constraints,
         rigid_axle: Some(RigidAxle {
             pairs,
@@ -200,7 +210,12 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
             far_centre,
             held,
             twist_beam: None,
+            steering: None,
         }),
         ..given.mechanism(topology, &bodies)
+    };
+    if let Some(steering) = steering {
+        steered_axle::steer(&mut mechanism, steering);
     }
+    mechanism
 }

@@ -146,6 +146,7 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
             extra_links: Vec::new(),
             far_centre,
             held,
+            steering: None,
             twist_beam: Some(TwistBeam {
                 mount,
                 far_mount,

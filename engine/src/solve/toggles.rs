@@ -1,9 +1,9 @@
 //! Finds rods that reach a toggle along the motion.
 
 use super::{Solver, StationOrder};
-use crate::mechanism::{Configuration, DesignFault, RodReach, is_effective};
+use crate::mechanism::{Configuration, DesignFault, Pose, RodReach, is_effective};
 use crate::model::{Drive, Mechanism, RockerId, Rod};
-use crate::number::{Each, Jet, Real};
+use crate::number::{Each, Jet, Matrix3, Real, Vector3};
 use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow;
 
@@ -95,6 +95,36 @@ impl Toggles {
         self.begin_with(stuck, rods);
         self.way.set(Some((drive, rack)));
         Ok(())
+    }
+
+    /// Returns the rod of the first watched rocker that reaches a toggle while the design changes and the mechanism rests in
+    /// its design pose. `design` is the design at a part of the way, from 0 to 1.
+    pub(crate) fn on_way(
+        &self,
+        mechanism: &Mechanism,
+        design: impl Fn(f64) -> Vec<Vector3<f64>>,
+    ) -> Option<Rod> {
+        let look = |part: f64, before: RockerSet| {
+            let design = design(part);
+            let pose = Pose {
+                origin: design[mechanism.origin.0],
+                rotation: Matrix3::identity(1.0),
+            };
+            let at = Configuration::new(mechanism, &design, pose, 0.0);
+            self.seen(&at, before, |c| c)
+        };
+        let (before, designed) = look(0.0, 0);
+        let (stuck, rods) = look(1.0, before);
+        let stuck = match self.keep_leverage(&designed, &rods, stuck) {
+            true => stuck,
+            false => {
+                let mut look = |part: f64, before: RockerSet| Some(look(part, before));
+                self.between(&mut look, [0.0, 1.0], [&designed, &rods], stuck, DEPTH)
+            }
+        };
+        let mut watched = self.watched.iter();
+        let first = watched.find(|id| stuck & 1 << id.0 != 0);
+        first.map(|id| mechanism.rocker(*id).rod)
     }
 
     /// Makes ready for another visit that begins where the last one did.

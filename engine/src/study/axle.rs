@@ -367,16 +367,23 @@ pub(super) fn quantities(
     let found = axle.quantities(name);
     if found.is_empty() {
         let of = |kind: AxleKind| Quantity::named(name).iter().any(|q| q.is_of(kind));
-        let needs = match (of(AxleKind::Independent), of(AxleKind::Solid)) {
-            (true, _) => "wheels that move by themselves",
-            (_, true) => "a solid axle",
+        let needs = match (
+            of(AxleKind::Independent),
+            of(AxleKind::SteeredSolid),
+            of(AxleKind::Solid),
+        ) {
+            (true, true, _) => "wheels that move by themselves, or a drag link",
+            (true, false, _) => "wheels that move by themselves",
+            (_, _, true) => "a solid axle",
             _ => "a twist beam",
         };
         let message = match axle.kind() {
             AxleKind::Independent => {
                 format!("{name} needs {needs}; these wheels move by themselves")
             }
-            AxleKind::Solid => format!("{name} needs {needs}; this is a solid axle"),
+            AxleKind::Solid | AxleKind::SteeredSolid => {
+                format!("{name} needs {needs}; this is a solid axle")
+            }
             AxleKind::TwistBeam => format!("{name} needs {needs}; this is a twist beam"),
         };
         return problems.refuse(text.span(), message);

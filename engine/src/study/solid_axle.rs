@@ -3,23 +3,94 @@
 use super::error::Problems;
 use super::file::{self, File};
 use super::outputs::hardpoint;
-use super::suspension::position;
+use super::suspension::{position, three};
 use super::value::{RightWheel, Text};
 use crate::mechanism::DesignFault;
-use crate::model::{Drive, Mechanism, RigidAxle, Suspension};
+use crate::model::{Axis, Drive, Frame, Mechanism, RigidAxle, Suspension};
 use crate::solve::Solver;
 use std::ops::Range as Span;
 use toml::Spanned;
 
+/// Takes over the direction in which the steering gear moves the drag link.
+pub(super) fn steer(
+    file: &File,
+    frame: Frame,
+    mechanism: &mut Mechanism,
+    problems: &mut Problems,
+) -> Option<()> {
+    let written = file.steering.as_ref().map(Spanned::get_ref);
+    let Some(written) = written.and_then(|steering| steering.direction.as_ref()) else {
+        return Some(());
+    };
+    let rigid = mechanism.rigid_axle.as_mut();
+    let Some(steering) = rigid.and_then(|rigid| rigid.steering.as_mut()) else {
+        let message =
+            "direction is that of the drag link of a solid axle, and this study has no drag link";
+        return problems.refuse(written.span(), message);
+    };
+    let direction = three(written, "components [x, y, z]", problems)?;
+    let length = direction.norm();
+    if length == 0.0 || !length.is_finite() {
+        let message = "the direction of the drag link has no length";
+        return problems.refuse(written.span(), message);
+    }
+    // A displacement counts along the study's axis y, and the kernel's may point the other way.
+    let along = frame.sign(Axis::Y) / length;
+    steering.direction = frame.vector(direction) * along;
+    Some(())
+}
+
+/// Entries that a solid axle or a twist beam does not support, each with the reason.
+type Refused<'a> = Vec<(Option<Span<usize>>, &'a str)>;
+
+/// Entries that depend on whether a drag link steers the axle.
+fn refused_steering(file: &File, mechanism: &Mechanism) -> Refused<'static> {
+    let is_steered = mechanism.axle_steering().is_some();
+    let motions = std::iter::once(&file.motion).chain(file.motions.values());
+    let motions = motions.map(Spanned::get_ref);
+    let mut refused: Refused = Vec::new();
+    for motion in motions {
+        let rack = motion.rack.as_ref().map(Spanned::span);
+        let wheel = motion.steering_wheel_angle.as_ref().map(Spanned::span);
+        match is_steered {
+            true => refused.push((
+                wheel,
+                "a drag link steers this axle, and no ratio relates it to a steering wheel; expected rack, the displacement of the drag link's end",
+            )),
+            false => {
+                let steered = "this axle has no rack and no drag link; leave rack and steering_wheel_angle out";
+                refused.extend([(rack, steered), (wheel, steered)]);
+            }
+        }
+    }
+    let Some(section) = &file.steering else {
+        return refused;
+    };
+    let own = section.get_ref();
+    if !is_steered {
+        let message = match mechanism.topology.is_twist_beam() {
+            true => "a twist beam is not steered; leave [steering] out",
+            false => {
+                "[steering] of a solid axle needs its drag link: drag_link_body, drag_link_knuckle, kingpin_upper, kingpin_lower and tie_rod_end"
+            }
+        };
+        refused.push((Some(section.span()), message));
+        return refused;
+    }
+    for written in [&own.c_factor, &own.rack_stiffness, &own.column_stiffness] {
+        let message =
+            "a drag link steers this axle, and it has no rack; [steering] has direction alone";
+        refused.push((written.as_ref().map(|number| number.span.clone()), message));
+    }
+    refused
+}
+
 /// Refuses entries that a solid axle or a twist beam does not support; true if there are none.
 pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool {
-    let mut refused: Vec<(Option<Span<usize>>, &str)> = Vec::new();
+    let is_steered = suspension.mechanism.axle_steering().is_some();
+    let mut refused = refused_steering(file, &suspension.mechanism);
     let motions = std::iter::once(&file.motion).chain(file.motions.values());
     for motion in motions.map(Spanned::get_ref) {
-        let steered = "this axle has no rack; leave rack and steering_wheel_angle out";
-        refused.push((motion.rack.as_ref().map(Spanned::span), steered));
-        let wheel = motion.steering_wheel_angle.as_ref();
-        refused.push((wheel.map(Spanned::span), steered));
         let travel = motion.travel.as_ref().map(Spanned::span);
         refused.push((
             travel,
@@ -30,27 +101,27 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
     let certify = outputs.and_then(|o| o.certify.as_ref());
     let is_beam = suspension.mechanism.topology.is_twist_beam();
     let has_watt = suspension.mechanism.point("watt_pivot").is_some();
-    let certify = certify.filter(|certify| (is_beam || has_watt) && *certify.get_ref());
+    let is_quadratic = !is_beam && !has_watt && !is_steered;
+    let certify = certify.filter(|certify| !is_quadratic && *certify.get_ref());
     let loads = outputs.and_then(|o| o.loads.as_ref()).filter(|_| is_beam);
     let parts = file.bushings.values().map(Spanned::span);
     let parts = parts.chain(file.links.values().map(Spanned::span));
     let parts = parts.chain(file.compliance.as_ref().map(Spanned::span));
-    let parts = parts.filter(|_| is_beam || has_watt);
+    let parts = parts.filter(|_| is_beam || has_watt || is_steered);
     refused.extend([
         (
             certify.map(Spanned::span),
             match is_beam {
                 true => "certify proves quadratic equations, and the hinge of a twist beam obeys others; leave certify out",
+                false if is_steered => {
+                    "certify proves quadratic equations, and the knuckles of a steered axle obey others; leave certify out"
+                }
                 false => "certify proves quadratic equations, and the rocker of a Watt linkage obeys others; leave certify out",
             },
         ),
         (
             loads.map(Spanned::span),
             "a twist beam bends, so the forces of its mounts do not follow from rigid halves; leave loads out",
-        ),
-        (
-            file.steering.as_ref().map(Spanned::span),
-            "steering of this axle is not available yet; leave [steering] out",
         ),
         (
             file.tolerance.as_ref().map(Spanned::span),
@@ -64,11 +135,14 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
     refused.extend(parts.map(|span| {
         let message = match is_beam {
             true => "elastic parts are not available for twist beams yet; leave [compliance], [bushings] and [links] out",
+            false if is_steered => "elastic parts are not available for a steered solid axle yet; leave [compliance], [bushings] and [links] out",
             false => "elastic parts are not available with a Watt linkage yet; expected a Panhard rod, or no [compliance], [bushings] and [links]",
         };
         (Some(span), message)
     }));
     let mut sound = is_beam || links(file, suspension, problems);
+    sound &= drag_link_is_left(&file.suspension, suspension, problems);
+    sound &= derivatives_are_known(file, suspension, problems);
     for (span, message) in refused {
         if let Some(span) = span {
             problems.add(span, message);
@@ -83,6 +157,60 @@ pub(super) fn has_five_links(section: &file::Suspension, mechanism: &Mechanism) 
     let singles = section.single.as_ref();
     let is_paired = singles.is_none_or(|names| names.get_ref().is_empty());
     is_paired && mechanism.rigid_axle.is_some() && mechanism.point("panhard_axle").is_some()
+}
+
+/// The drag link pulls the left knuckle.
+fn drag_link_is_left(
+    section: &file::Suspension,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> bool {
+    let name = "drag_link_knuckle";
+    let Some(end) = suspension.mechanism.point(name) else {
+        return true;
+    };
+    if suspension.design[end.0].y > 0.0 {
+        return true;
+    }
+    let mut written = section.hardpoints.get_ref().keys();
+    let place = written.find(|text| text.get_ref() == name);
+    let place = place.map_or(section.hardpoints.span(), Text::span);
+    let error = problems.add(
+        place,
+        "drag_link_knuckle is on the right side, and the drag link pulls the left knuckle",
+    );
+    error.help("describe the mirror image of an axle whose drag link pulls the right knuckle");
+    false
+}
+
+/// Derivatives by the drag link are first ones.
+fn derivatives_are_known(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool {
+    let Some(outputs) = &file.outputs else {
+        return true;
+    };
+    let motion = file.motion.get_ref();
+    let moves = motion.rack.is_some()
+        || motion.time.is_some() && motion.drive.as_ref().is_some_and(|d| d.get_ref() == "rack");
+    if suspension.mechanism.axle_steering().is_none() || !moves {
+        return true;
+    }
+    let mut sound = true;
+    let order = outputs.order.as_ref();
+    if let Some(order) = order.filter(|order| order.get_ref() == "acceleration") {
+        let message = "second derivatives by the drag link are not available; expected order = \"velocity\", or no rack in [motion]";
+        problems.add(order.span(), message);
+        sound = false;
+    }
+    if let Some(knuckle) = outputs
+        .knuckle
+        .as_ref()
+        .filter(|knuckle| *knuckle.get_ref())
+    {
+        let message = "angular velocities by the drag link are not available; leave knuckle out, or rack in [motion]";
+        problems.add(knuckle.span(), message);
+        sound = false;
+    }
+    sound
 }
 
 /// Four links hold the axle: two pairs, or a pair of lower links, a single upper link and a Panhard rod or a Watt linkage.
@@ -196,6 +324,7 @@ pub(super) fn wheels(
     rigid.turn_over(&left.design, &mut right.design);
     let is_symmetric = rigid.is_symmetric(&left.design);
     right.frame = left.frame.of_other_side();
+    right.mechanism = left.mechanism.from_other_wheel();
     Some((left, (!is_symmetric).then_some(right)))
 }
 

@@ -45,6 +45,7 @@ pub(super) fn suspension(file: &File, problems: &mut Problems) -> Option<Suspens
         .filter_map(|point| given.iter().find(|g| g.name == point.name))
         .map(|g| frame.vector(g.position))
         .collect();
+    solid_axle::steer(file, frame, &mut mechanism, problems)?;
     mechanism.add_far_half(&mut design);
     mechanism.assume_seats();
     bodies(&section.bodies, &mut mechanism, problems)?;

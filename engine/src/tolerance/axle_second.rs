@@ -124,7 +124,7 @@ impl<'p> DrawnPositions<'p> {
             problem,
             stations,
             built,
-            parts: Parts::of(&slots),
+            parts: Parts::of(&slots, Carriers::Independent),
             positions,
         })
     }

@@ -3,11 +3,11 @@
 use super::Part;
 use super::bushings::with_bushings;
 use super::fittings::{
-    ANTI_ROLL_BAR, FITTINGS, FIVE_LINKS, FIVE_LINKS_PLACES, Fitting, PANHARD, PANHARD_PLACES,
-    PUSHROD, WATT, WATT_PLACES,
+    ANTI_ROLL_BAR, DRAG_LINK, DRAG_LINK_PLACES, FITTINGS, FIVE_LINKS, FIVE_LINKS_PLACES, Fitting,
+    PANHARD, PANHARD_PLACES, PUSHROD, WATT, WATT_PLACES,
 };
 use super::links::with_links;
-use super::sections::{with_axle, with_points, with_springs};
+use super::sections::{as_steered_front_axle, with_axle, with_points, with_springs};
 use crate::model::Topology;
 use std::fmt::Write as _;
 
@@ -26,6 +26,11 @@ const AXLE_TARGETS: &str = r#"  { characteristic = "toe", over = "heave", points
 /// Targets of a solid axle: little roll steer, and anti-squat.
 const SOLID_AXLE_TARGETS: &str = r#"  { characteristic = "roll_steer", over = "roll", between = [-0.02, 0.02], tolerance = 0.005 },
   { characteristic = "anti_squat", over = "heave", roll = 0.0, at = 0.0, value = 100.0, tolerance = 2.0 },
+"#;
+
+/// Targets of a steered solid axle: no steer in heave, and little in roll.
+const STEERED_AXLE_TARGETS: &str = r#"  { characteristic = "mean_steer", over = "heave", roll = 0.0, points = [[-30.0, 0.0], [0.0, 0.0], [30.0, 0.0]], tolerance = 0.02 },
+  { characteristic = "roll_steer", over = "roll", between = [-0.02, 0.02], tolerance = 0.005 },
 "#;
 
 /// Targets of a twist beam: little roll steer, and a roll centre at a given height.
@@ -50,6 +55,7 @@ pub(super) fn study(topology: &Topology, parts: &[Part]) -> Result<String, Strin
         return Err(format!("{} is an axle without this part", topology.name));
     }
     composed.add_lateral_linkage()?;
+    composed.add_drag_link()?;
     if composed.has(Part::Axle) {
         composed.text = with_axle(&composed.text);
     }
@@ -73,10 +79,16 @@ pub(super) fn study(topology: &Topology, parts: &[Part]) -> Result<String, Strin
         composed.add_tasks(fitting);
     }
     match composed.is_elastic() {
-        true if topology.name == SOLID_AXLE => match composed.has(Part::Watt) {
-            true => Err("a solid axle with a Watt linkage has no elastic parts yet".to_owned()),
-            false => Ok(with_links(&composed.text)),
-        },
+        true if topology.name == SOLID_AXLE => {
+            let rigid = [
+                (Part::Watt, "with a Watt linkage"),
+                (Part::DragLink, "that is steered"),
+            ];
+            match rigid.into_iter().find(|(part, _)| composed.has(*part)) {
+                Some((_, words)) => Err(format!("a solid axle {words} has no elastic parts yet")),
+                None => Ok(with_links(&composed.text)),
+            }
+        }
         true => with_bushings(&composed.text, topology, composed.has(Part::Axle)),
         false => Ok(composed.text),
     }
@@ -139,6 +151,25 @@ impl Composed<'_> {
         Ok(())
     }
 
+    /// Adds drag link, kingpins and tie rod. The axle becomes a front axle.
+    fn add_drag_link(&mut self) -> Result<(), String> {
+        if !self.has(Part::DragLink) {
+            return Ok(());
+        }
+        if self.topology.hardpoint("drag_link_body").is_none() {
+            return Err(format!("{} has no drag link", self.topology.name));
+        }
+        self.text = as_steered_front_axle(&self.text);
+        self.text = with_points(
+            &self.text,
+            DRAG_LINK,
+            &DRAG_LINK_PLACES,
+            "axle",
+            "mean_steer",
+        );
+        Ok(())
+    }
+
     /// Adds pushrod and anti-roll bar.
     fn add_rockers(&mut self, fitting: &Fitting) -> Result<(), String> {
         let name = self.topology.name;
@@ -180,7 +211,10 @@ impl Composed<'_> {
 
     /// Adds the sections `[sweep]` and `[optimise]`.
     fn add_tasks(&mut self, fitting: &Fitting) {
-        let steers = fitting.steers;
+        let steers = match self.has(Part::DragLink) {
+            true => "drag_link_body",
+            false => fitting.steers,
+        };
         if self.has(Part::Sweep) {
             let _ = write!(
                 self.text,
@@ -198,6 +232,7 @@ variables = [                    # offsets from the design
         if self.has(Part::Optimise) {
             let targets = match (self.topology.carries_both_wheels(), self.has(Part::Axle)) {
                 _ if self.topology.is_twist_beam() => TWIST_BEAM_TARGETS,
+                _ if self.has(Part::DragLink) => STEERED_AXLE_TARGETS,
                 (true, _) => SOLID_AXLE_TARGETS,
                 (false, true) => AXLE_TARGETS,
                 (false, false) => TARGETS,

@@ -80,6 +80,23 @@ pub(super) const PANHARD_PLACES: [[f64; 3]; PANHARD.len()] = [
     [-140.0, -470.0, 335.0],
 ];
 
+pub(super) const DRAG_LINK: Points = &[
+    ("kingpin_upper", "upper end of the kingpin, on the axle"),
+    ("kingpin_lower", "lower end of the kingpin"),
+    ("drag_link_body", "drag link at the steering gear; true y"),
+    ("drag_link_knuckle", "drag link at the left knuckle; true y"),
+    ("tie_rod_end", "tie rod at the knuckle"),
+];
+
+/// Coordinates of the points of [`DRAG_LINK`] in the template of a solid axle, turned into a front axle.
+pub(super) const DRAG_LINK_PLACES: [[f64; 3]; DRAG_LINK.len()] = [
+    [-12.0, 655.0, 430.0],
+    [12.0, 680.0, 250.0],
+    [190.0, -440.0, 365.0],
+    [165.0, 590.0, 340.0],
+    [-150.0, 620.0, 300.0],
+];
+
 /// Values that differ between templates. Coordinates are in the template's axes.
 pub(super) struct Fitting {
     pub topology: &'static str,

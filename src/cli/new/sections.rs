@@ -66,6 +66,69 @@ pub(super) fn with_axle(text: &str) -> String {
     written
 }
 
+/// Outputs of a steered solid axle, beside `mean_steer`.
+const STEERED_AXLE_OUTPUTS: [&str; 11] = [
+    "steer",
+    "camber",
+    "caster",
+    "kingpin_inclination",
+    "scrub_radius",
+    "ackermann_error",
+    "roll_steer",
+    "axle_lateral",
+    "roll_centre_height",
+    "force_roll_centre_height",
+    "anti_dive",
+];
+
+/// Changes the text of a solid rear axle to that of a front axle whose steering gear moves. Links and Panhard rod become mirror images
+/// along x, and parts with their true y also along y: the Panhard rod then is parallel to the drag link.
+pub(super) fn as_steered_front_axle(text: &str) -> String {
+    let mut written = String::new();
+    let mut within = false;
+    for line in text.lines() {
+        within = match line.starts_with('[') {
+            true => line.starts_with("[suspension.hardpoints]"),
+            false => within,
+        };
+        let line = line
+            .replace("A solid rear axle", "A steered solid front axle")
+            .replace("position = \"rear\" ", "position = \"front\"")
+            .replace("or \"front\": which", "or \"rear\": which")
+            .replace(
+                "needed for anti_squat and anti_lift",
+                "needed for anti_dive",
+            );
+        let point = line.split_once(" = [").filter(|_| within);
+        let coordinates = point.and_then(|(name, rest)| {
+            let (numbers, about) = rest.split_once(']')?;
+            let mut numbers = numbers
+                .split(',')
+                .map(|number| number.trim().parse::<f64>());
+            let mut next = || numbers.next()?.ok();
+            Some((name, [next()?, next()?, next()?], about))
+        });
+        if let Some((name, [x, y, z], about)) = coordinates {
+            let is_single = name.starts_with("panhard") || name.starts_with("watt");
+            let (x, y) = (0.0 - x, if is_single { 0.0 - y } else { y });
+            let _ = writeln!(written, "{name} = [{x:6.1}, {y:6.1}, {z:6.1}]{about}");
+        } else if line.starts_with("characteristics = [") {
+            let names = STEERED_AXLE_OUTPUTS.map(|name| format!("\"{name}\""));
+            let _ = writeln!(written, "characteristics = [{}]", names.join(", "));
+        } else if line.starts_with("[motion]") {
+            written += "[steering]\n\
+                direction = [0.0, 1.0, 0.0]      # in which the steering gear moves drag_link_body\n\n";
+            written = written + &line + "\n";
+        } else if line.starts_with("heave = ") {
+            written = written + &line + "\n";
+            written += "rack = [-50.0, 0.0, 50.0]        # displacement of drag_link_body along the direction\n";
+        } else {
+            written = written + &line + "\n";
+        }
+    }
+    written
+}
+
 /// Adds springs, bump stops, tyres and masses to the text of an axle, and their outputs. With `has_bar` it also adds the rate of
 /// the anti-roll bar.
 pub(super) fn with_springs(text: &str, has_bar: bool) -> String {

@@ -90,7 +90,12 @@ fn sense(mechanism: &Mechanism, design: &[V], id: RockerId) -> f64 {
     let sign = about(first, second, &[press]).signum();
     match rocker.rod {
         Rod::Pullrod => -sign,
-        Rod::Pushrod | Rod::DropLink | Rod::WattLink | Rod::TwistBeam => sign,
+        Rod::Pushrod
+        | Rod::DropLink
+        | Rod::WattLink
+        | Rod::DragLink
+        | Rod::TieRod
+        | Rod::TwistBeam => sign,
     }
 }
 

@@ -10,6 +10,7 @@ mod planted;
 mod rates;
 mod reference;
 mod refused;
+mod steered;
 mod twist_beam;
 mod units;
 mod watt;

@@ -21,6 +21,9 @@
 //! height v.e/(w.i)        to the left -v.n/(w.i)                                               (2)
 //! ```
 //!
+//! The wheels of a steered axle turn about its kingpins as it moves. The forces of (1) see that: C_b,h and C_b,d are then the
+//! velocities of the knuckles' points. The roll centre (2), pinion angle and direction are those of the axle itself.
+//!
 //! The height of a pad changes with both travels of the wheel centres:
 //!
 //! ```text
@@ -33,7 +36,7 @@
 use super::loads::{bar_torque, spring_force};
 use super::roll::FARTHEST_MEETING;
 use crate::axle::reading::WheelParts;
-use crate::axle::state::{AxleState, Motion, WheelState};
+use crate::axle::state::{AxleState, Carriers, Motion, WheelState};
 use crate::characteristics::NumberPart;
 use crate::model::Side;
 use crate::number::{Each, Real, Scalar, Vector3};
@@ -82,6 +85,9 @@ pub(crate) fn side_force_loads<T: Real, W: WheelParts<T>>(state: &AxleState<T, W
 /// Height of the roll centre, and its distance to the left of the middle of both contact points: equation (2).
 #[inline(always)]
 pub(crate) fn roll_centre<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T; 2] {
+    if let Carriers::Steered(_) = state.carriers {
+        return steered_roll_centre(state);
+    }
     let [left, right] = state.wheels();
     let [[left_d, _], [right_d, _]] = contact_velocities(state);
     let across = left.ground.outboard().dot(left_d) + right.ground.outboard().dot(right_d);
@@ -89,6 +95,31 @@ pub(crate) fn roll_centre<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) ->
     let rolling = rolling(state);
     let twice = rolling + rolling;
     [across / twice, -(up / twice)]
+}
+
+/// The same of a steered axle, in the frame of the left wheel.
+#[inline(always)]
+fn steered_roll_centre<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T; 2] {
+    let [left, right] = state.wheels();
+    let (own, other) = (left.contact_point(), right.contact_point());
+    let middle = Vector3::new(own.x + other.x, own.y - other.y, own.z + other.z);
+    let (of_axle, _) = left.reading.steering_axis();
+    let [velocity, turn] = left.reading.axle_twist(state.carriers.by_difference());
+    let here = velocity + turn.cross(middle.map(|c| c.scaled(0.5)) - of_axle);
+    let ground = left.ground;
+    [
+        ground.outboard().dot(here) / turn.x,
+        -(ground.normal().dot(here) / turn.x),
+    ]
+}
+
+/// Column of the axle's rotation along x (0) or y (1).
+#[inline(always)]
+fn axle_column<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, i: usize) -> Vector3<T> {
+    match state.carriers {
+        Carriers::Steered(_) => state.readings[0].axle_column(i, [0, 0]),
+        _ => state.readings[0].column(i, [0, 0]),
+    }
 }
 
 /// Angular velocity of the axle about the vehicle's x, by the difference of travels.
@@ -258,7 +289,7 @@ pub(crate) fn beam_torque<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) 
 /// Direction of the axle's line, seen from above.
 #[inline(always)]
 pub(crate) fn axle_steer<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
-    steer_of(state.readings[0].column(1, [0, 0]))
+    steer_of(axle_column(state, 1))
 }
 
 /// Angle to the left of an axle's line, seen from above.
@@ -270,7 +301,7 @@ pub(crate) fn steer_of<T: Scalar>(line: Vector3<T>) -> T {
 /// Pitch of the axle from the design position.
 #[inline(always)]
 pub(crate) fn pinion_angle<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
-    pitch_of(state.readings[0].column(0, [0, 0]))
+    pitch_of(axle_column(state, 0))
 }
 
 /// Angle, nose up, of a direction that is forward in the design position.

@@ -21,6 +21,29 @@ pub(super) struct Corner<'a, const N: usize> {
     pub(super) side: Side,
     /// Points that are read with the wheel.
     pub(super) points: Vec<PointId>,
+    /// Displacement of the steering gear of a steered axle.
+    pub(super) steered: Steered,
+}
+
+/// A steered axle as its steering gear was moved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Steered {
+    /// Displacement of the steering gear.
+    pub(super) displacement: f64,
+    /// The failure, if a rod cannot follow the steering gear.
+    pub(super) failure: Option<Failure>,
+    /// The travels that the wheel centres have after the turn of their knuckles, the axle at rest: the drive first, then the
+    /// held one.
+    pub(super) offsets: [f64; 2],
+}
+
+impl Steered {
+    /// The design position.
+    pub(super) const MIDDLE: Steered = Steered {
+        displacement: 0.0,
+        failure: None,
+        offsets: [0.0; 2],
+    };
 }
 
 /// End of the travel at one rack displacement, both in the wheel's own frame. It is kept because a search takes as long as a
@@ -108,10 +131,88 @@ impl<'a, const N: usize> Corner<'a, N> {
             ends: Vec::new(),
             side,
             points: Vec::new(),
+            steered: Steered::MIDDLE,
         })
     }
 
+    /// Moves the steering gear of a steered axle. Other axles stay as they are.
+    pub(super) fn steer(&mut self, displacement: f64) -> Result<(), NoPose> {
+        let Some(rigid) = &self.mechanism.rigid_axle else {
+            return Ok(());
+        };
+        let Some(steering) = &rigid.steering else {
+            return Ok(());
+        };
+        if self.steered.displacement != displacement {
+            self.steered = self.steered_by(displacement, rigid, steering);
+        }
+        match self.steered.failure {
+            None => Ok(()),
+            Some(failure) => Err(self.fails(0.0, failure)),
+        }
+    }
+
+    fn steered_by(
+        &mut self,
+        displacement: f64,
+        rigid: &RigidAxle,
+        steering: &AxleSteering,
+    ) -> Steered {
+        let designed = self.solver.design().to_vec();
+        let displaced = |part: f64| {
+            let mut design = designed.clone();
+            rigid.displace(part * displacement, &mut design);
+            design
+        };
+        let knuckles = [steering.near_knuckle, steering.far_knuckle];
+        let toggle = Toggles::of(self.mechanism, knuckles).on_way(self.mechanism, displaced);
+        let fails = |failure: Failure| Steered {
+            displacement,
+            failure: Some(failure),
+            offsets: [0.0; 2],
+        };
+        if let Some(rod) = toggle {
+            return fails(Failure::Toggle(rod));
+        }
+        let mut design = designed;
+        let centres = rigid.displace(displacement, &mut design);
+        let turned = {
+            let pose = self.solver.design_pose();
+            let at = Configuration::new(self.mechanism, &design, pose, 0.0);
+            centres.each(|[_, centre]| at.point(centre))
+        };
+        let mut rises = [0.0; 2];
+        for ((rise, [point, centre]), turned) in rises.iter_mut().zip(centres).zip(turned) {
+            *rise = turned.z - design[centre.0].z;
+            design[point.0] = turned;
+        }
+        // The design was sound before, and its steering gear has moved since.
+        if self.prepare_design(&design).is_err() {
+            return fails(Failure::Singular);
+        }
+        let [near, far] = rises;
+        let travel = |travel: AxleTravel| 0.5 * (near + travel.far_sign() * far);
+        Steered {
+            displacement,
+            failure: None,
+            offsets: [travel(rigid.held.other()), travel(rigid.held)],
+        }
+    }
+
+    /// Drive and rack of the closure equations at these travels of a steered axle: (2) and (3) of `model/steered_axle.rs`. They are
+    /// the same for other axles.
+    pub(super) fn inner(&self, travel: f64, rack: f64) -> (f64, f64) {
+        let [drive, held] = self.steered.offsets;
+        (travel - drive, rack - held)
+    }
+
+    /// Takes over another design, its steering gear in the middle.
     pub(super) fn prepare(&mut self, design: &[Vector3<f64>]) -> Result<(), DesignFault> {
+        self.steered = Steered::MIDDLE;
+        self.prepare_design(design)
+    }
+
+    fn prepare_design(&mut self, design: &[Vector3<f64>]) -> Result<(), DesignFault> {
         self.solver.prepare(design)?;
         self.slopes.prepare(self.mechanism, design);
         self.series.prepare(self.mechanism, design);
@@ -130,6 +231,7 @@ impl<'a, const N: usize> Corner<'a, N> {
 
     /// Prepares the search for toggles at this rack displacement.
     pub(super) fn begin(&mut self, rack: f64) -> Result<(), DesignFault> {
+        let (_, rack) = self.inner(0.0, rack);
         match self.begun == Some(rack) {
             true => self.toggles.begin_again(),
             false => {
@@ -171,15 +273,18 @@ impl<'a, const N: usize> Corner<'a, N> {
         if let Some(failure) = self.beyond_an_end(travel, rack) {
             return Err(self.fails(travel, failure));
         }
-        let order = StationOrder::through(&[travel]);
+        let (inner_travel, inner_rack) = self.inner(travel, rack);
+        let order = StationOrder::through(&[inner_travel]);
         let mut found = Err(Failure::Singular);
         let Corner { solver, slopes, .. } = self;
-        let visited = solver.for_each_pose(Drive::Travel, &order, rack, |solver, _, pose| {
+        let visit = |solver: &Solver, _, pose: Result<&Pose<f64>, Failure>| {
             found = pose.and_then(|pose| read(solver, slopes, pose));
             ControlFlow::Continue(())
-        });
+        };
+        let visited = solver.for_each_pose(Drive::Travel, &order, inner_rack, visit);
         // The design position was looked at when the solver was made.
         let found = visited.map_err(|_| Failure::Singular).and(found);
+        let found = found.map_err(|failure| self.outer(failure));
         if let Err(failure @ Failure::Unreachable { limit, .. }) = found {
             self.ends.push(End {
                 rack,
@@ -188,6 +293,27 @@ impl<'a, const N: usize> Corner<'a, N> {
             });
         }
         found.map_err(|failure| self.fails(travel, failure))
+    }
+
+    /// A failure of the closure equations with the travels of the wheel centres.
+    fn outer(&self, failure: Failure) -> Failure {
+        let [drive, held] = self.steered.offsets;
+        match failure {
+            Failure::Unreachable {
+                drive: kind,
+                limit,
+                cause,
+            } => Failure::Unreachable {
+                drive: kind,
+                limit: limit + drive,
+                cause,
+            },
+            Failure::RackUnreachable { limit, cause } => Failure::RackUnreachable {
+                limit: limit + held,
+                cause,
+            },
+            failure => failure,
+        }
     }
 
     /// The wheel at a travel on this ground.
@@ -199,10 +325,11 @@ impl<'a, const N: usize> Corner<'a, N> {
         radius: f64,
     ) -> Result<WheelSeries, NoPose> {
         let rack = rack * self.rack_sign;
+        let (inner_travel, inner_rack) = self.inner(travel, rack);
         let motion = MotionPoint {
             drive: Drive::Travel,
-            value: travel,
-            rack,
+            value: inner_travel,
+            rack: inner_rack,
         };
         let centre = self.mechanism.wheel_centre;
         self.at(travel, rack, |solver, slopes, pose| {
@@ -219,10 +346,11 @@ impl<'a, const N: usize> Corner<'a, N> {
         ground: impl Fn(usize) -> Ground<f64>,
         radius: f64,
     ) -> Vec<Option<WheelSeries>> {
-        let rack = rack * self.rack_sign;
+        let (_, rack) = self.inner(0.0, rack * self.rack_sign);
+        let travels: Vec<f64> = travels.iter().map(|z| self.inner(*z, 0.0).0).collect();
         let centre = self.mechanism.wheel_centre;
         let mut found: Vec<_> = travels.iter().map(|_| None).collect();
-        let order = StationOrder::through(travels);
+        let order = StationOrder::through(&travels);
         let Corner { solver, slopes, .. } = self;
         // Stations that cannot be reached stay `None`.
         let _ = solver.for_each_pose(Drive::Travel, &order, rack, |solver, station, pose| {
@@ -255,14 +383,23 @@ impl<'a, const N: usize> Corner<'a, N> {
             points,
             ..
         } = self;
-        read_wheel(
+        let read = read_wheel(
             solver,
             series,
             toggles,
             pose,
-            (travel, rack),
+            self.inner(travel, rack),
             (lines, parts, points),
-        )
+        )?;
+        // Without its knuckle, the wheel is nowhere.
+        if let Some(steering) = self.mechanism.axle_steering() {
+            for knuckle in [steering.near_knuckle, steering.far_knuckle] {
+                if toggles.holds(knuckle) {
+                    return Err(Failure::Toggle(self.mechanism.rocker(knuckle).rod));
+                }
+            }
+        }
+        Ok(read)
     }
 }
 

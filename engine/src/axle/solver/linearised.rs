@@ -59,8 +59,9 @@ pub(super) fn linearise<'s, const N: usize>(
     for (corner, linearised) in corners.iter().zip(&mut wheels) {
         let pose = &placed.poses[corner.side as usize];
         let (travel, rack) = coordinates[corner.side as usize];
+        let (inner_travel, inner_rack) = corner.inner(travel, rack);
         for line in lines {
-            let motion = along::<N>(line, travel, rack);
+            let motion = along::<N>(line, inner_travel, inner_rack);
             let found = corner.solver.linearised(&corner.series, pose, &motion);
             linearised.push(found.map_err(|failure| corner.fails(travel, failure))?);
         }

@@ -3,9 +3,13 @@
 use super::linearised::derivative_by_heave;
 use super::*;
 
+/// Receives the index of a requested quantity, and its gradients by every point of the left and of the right wheel.
+type ReceiveOwnGradients<'r> = dyn FnMut(usize, [&mut [Vector3<f64>]; 2]) + 'r;
+
 impl<'a, const N: usize> AxleSolver<'a, N> {
     /// Reads a position.
     pub fn read(&mut self, placed: &AxlePose) -> Result<Read<'a>, NoPose> {
+        self.steer(placed.rack)?;
         let (lines, parts) = (self.lines, self.parts);
         let coordinates = self.coordinates(placed.travels, placed.rack);
         let mut wheel = |side: Side| {
@@ -137,6 +141,72 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             Some(level) => Some(self.loads()?.heave_by_design(level, placed)?),
             None => None,
         };
+        let rigid = self.rigid();
+        self.each_gradient(placed, sought, by_heave, &mut |number, [left, right]| {
+            if let Some(rigid) = rigid {
+                rigid.gather([left, right]);
+            }
+            receive(number, [left, right]);
+        })
+    }
+
+    /// First derivatives of columns by the displacement of a steered axle's steering gear. `None` for every other column.
+    pub(crate) fn by_drag_link(
+        &mut self,
+        placed: &AxlePose,
+        columns: &[AxleColumn],
+    ) -> Result<Vec<Option<f64>>, NoPose> {
+        let mut found = vec![None; columns.len()];
+        if !self.is_steered() {
+            return Ok(found);
+        }
+        let numbers = 0..columns.len();
+        let moved = numbers.filter(|number| columns[*number].by == Some(Motion::Rack));
+        let (numbers, sought): (Vec<_>, Vec<_>) = moved
+            .filter_map(|number| Some((number, columns[number].sought()?)))
+            .unzip();
+        if numbers.is_empty() {
+            return Ok(found);
+        }
+        for (number, by) in numbers
+            .into_iter()
+            .zip(self.by_steering_gear(placed, &sought)?)
+        {
+            found[number] = Some(by);
+        }
+        Ok(found)
+    }
+
+    /// The derivatives of quantities and of coordinates of points by the displacement of a steered axle's steering gear, the
+    /// other numbers of the station held. They are those by the place of the drag link's end, along the direction of the gear: (1) of
+    /// `model/steered_axle.rs`.
+    fn by_steering_gear(
+        &mut self,
+        placed: &AxlePose,
+        sought: &[Sought],
+    ) -> Result<Vec<f64>, NoPose> {
+        let axle = self.axle;
+        let mut found = vec![f64::NAN; sought.len()];
+        self.each_gradient(placed, sought, None, &mut |number, gradients| {
+            let along = |(side, gradient): (Side, &mut [Vector3<f64>])| {
+                let steering = axle.suspension(side).mechanism.axle_steering()?;
+                Some(gradient[steering.place.0].dot(steering.direction))
+            };
+            let sides = Side::ALL.into_iter().zip(gradients);
+            found[number] = sides.map(along).sum::<Option<f64>>().unwrap_or(f64::NAN);
+        })?;
+        Ok(found)
+    }
+
+    /// The gradients by every point of both sides, each point by itself. `by_heave` has the derivatives of the mean travel by
+    /// these points, where it follows from the design.
+    fn each_gradient(
+        &mut self,
+        placed: &AxlePose,
+        sought: &[Sought],
+        by_heave: Option<[Vec<Vector3<f64>>; 2]>,
+        receive: &mut ReceiveOwnGradients<'_>,
+    ) -> Result<(), NoPose> {
         let (lines, parts) = (self.lines, self.parts);
         let coordinates = self.coordinates(placed.travels, placed.rack);
         let plain = self.read(placed)?.state;
@@ -190,11 +260,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                     }
                 }
             }
-            let rigid = self.axle.left.mechanism.rigid_axle.as_ref();
             let [left, right] = &mut self.gradients;
-            if let Some(rigid) = rigid {
-                rigid.gather([left, right]);
-            }
             receive(number, [left, right]);
         });
         Ok(())

@@ -7,19 +7,25 @@ impl<const N: usize> AxleSolver<'_, N> {
     /// Finds positions. Placements in roll at one rack displacement are solved together. Each round solves both wheels at
     /// the travels that the series of the last round predict.
     pub fn place_all(&mut self, placements: &[Placement]) -> Vec<Result<AxlePose, NoPose>> {
-        let mut by_rack: Vec<(f64, Vec<usize>)> = Vec::new();
+        // Positions with the same rack of the closure equations and the same displacement of a steering gear.
+        let mut by_rack: Vec<([f64; 2], Vec<usize>)> = Vec::new();
         for (number, placement) in placements.iter().enumerate() {
             if let Placement::Roll { heave, rack, .. } = *placement {
+                let steered = if self.is_steered() { rack } else { 0.0 };
                 let (_, rack) = self.level(heave, rack);
-                match by_rack.iter_mut().find(|(known, _)| *known == rack) {
+                let racks = [rack, steered];
+                match by_rack.iter_mut().find(|(known, _)| *known == racks) {
                     Some((_, numbers)) => numbers.push(number),
-                    None => by_rack.push((rack, vec![number])),
+                    None => by_rack.push((racks, vec![number])),
                 }
             }
         }
         let mut found: Vec<Option<AxlePose>> = vec![None; placements.len()];
-        for (rack, numbers) in by_rack {
-            self.roll_together(rack, &numbers, placements, &mut found);
+        for ([rack, steered], numbers) in by_rack {
+            // Placed alone, they return the failure.
+            if self.steer(steered).is_ok() {
+                self.roll_together(rack, &numbers, placements, &mut found);
+            }
         }
         let each = placements.iter().zip(found);
         each.map(|(placement, found)| found.map_or_else(|| self.place_alone(placement), Ok))
@@ -128,6 +134,7 @@ impl<const N: usize> AxleSolver<'_, N> {
     pub(super) fn place_alone(&mut self, placement: &Placement) -> Result<AxlePose, NoPose> {
         checkpoint();
         let rack = placement.rack();
+        self.steer(rack)?;
         let (travels, poses, roll) = match *placement {
             Placement::AtLoad { heave, roll, rack } => return self.at_load(heave, roll, rack),
             Placement::Roll { heave, roll, .. } => {

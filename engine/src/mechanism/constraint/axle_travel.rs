@@ -15,14 +15,19 @@
 //! f' = 0,   m' = (w x (l_n + s l_f)/2) x z,   q' = 0                (4)
 //! ```
 //!
-//! F is linear in the pose. The far wheel of a twist beam stands on a rocker of the near half: then the wrench of its height and
-//! its rate are those of a force on a rocker (see `rocker_end.rs`), and F is not linear.
+//! The heights of a steered axle are over the places that the wheel centres have after their turn, the axle at rest: a number that
+//! makes up for it is held in r (see `model/steered_axle.rs`). A derivative by a hardpoint is that of the height over the hardpoint
+//! itself, because the travel from there is held.
+//!
+//! F is linear in the pose. The far wheel of a twist beam stands on a rocker of the near half, and both wheels of a
+//! steered axle stand on rockers. Then the wrench of the height and its rate are those of a force on a rocker (see
+//! `rocker_end.rs`), and F is not linear.
 
 use super::rocker_end::constant_push_rate;
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{AxleTravel, Body, PointId};
-use crate::number::{Each, Real, Vector3};
+use crate::number::{Real, Vector3};
 
 /// Travel of a rigid axle, as a function of the pose.
 #[derive(Clone, Copy, Debug)]
@@ -48,10 +53,14 @@ impl TravelRow {
     /// Travel in a pose: (1) without r.
     #[inline(always)]
     pub(crate) fn value<T: Real>(&self, at: &Configuration<T>) -> T {
-        let [near, far] = self
-            .centres
-            .each(|(id, factor)| (self.place(at, id).z - at.designed(id).z).scaled(factor));
-        near + far
+        let [(near, near_factor), (far, far_factor)] = self.centres;
+        let [over_near, over_far] = match at.mechanism.axle_steering() {
+            None => [near, far],
+            Some(steering) => steering.turned_centres,
+        };
+        let near = self.place(at, near).z - at.designed(over_near).z;
+        let far = self.place(at, far).z - at.designed(over_far).z;
+        near.scaled(near_factor) + far.scaled(far_factor)
     }
 
     #[inline(always)]
@@ -84,15 +93,18 @@ impl TravelRow {
         along: &Twist<T>,
     ) -> Wrench<T> {
         let mut wrench = Wrench::zero(at.rack);
-        let [near, far] = self.centres;
-        let mut levers = at.designed_lever(near.0).map(|c| c.scaled(near.1));
-        match at.mechanism.body(far.0) {
-            Body::Rocker(_) => {
-                let zero = at.rack.zero();
-                let up = Vector3::new(zero, zero, zero.constant(far.1));
-                wrench = constant_push_rate(far.0, up, at, along);
+        let mut levers = Vector3::new(at.rack, at.rack, at.rack).zero();
+        for (id, factor) in self.centres {
+            match at.mechanism.body(id) {
+                Body::Rocker(_) => {
+                    let zero = at.rack.zero();
+                    let up = Vector3::new(zero, zero, zero.constant(factor));
+                    let rate = constant_push_rate(id, up, at, along);
+                    wrench.force = wrench.force + rate.force;
+                    wrench.moment = wrench.moment + rate.moment;
+                }
+                _ => levers = levers + at.designed_lever(id).map(|c| c.scaled(factor)),
             }
-            _ => levers = levers + at.designed_lever(far.0).map(|c| c.scaled(far.1)),
         }
         let velocity = along.turn.cross(at.pose.rotation.apply(levers));
         let moment = Vector3::new(velocity.y, -velocity.x, velocity.x.zero());

@@ -30,12 +30,15 @@
 //! k' = (N' - k D')/D,   K' = k' s + k s'                                                         (4)
 //! ```
 //!
+//! The rod may be mounted on another rocker, as the tie rod of a steered axle is: then K is a force on that rocker, and o moves
+//! with it. So (2) to (4) hold again, with K for G.
+//!
 //! A force on a point of the body that moves sideways opposite to a point c of the knuckle (the mount of a twist beam) is a force on c
 //! along y, of the other sign.
 
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Configuration, Twist, Wrench};
-use crate::model::{Body, PointId, Rocker};
+use crate::model::{Body, PointId, Rocker, RockerId};
 use crate::number::{Real, Vector3, outlined};
 
 /// Equation of the link.
@@ -138,7 +141,7 @@ impl<T: Real> RockerEnd<T> {
             true => (inner, outer),
             false => (outer, inner),
         };
-        let Some(turned) = TurnedRocker::under(x, at, along) else {
+        let Some(turned) = TurnedRockers::under(x, at, along) else {
             // A row of its own stands for such a link, so this row has no wrench.
             return Wrench::zero(at.rack);
         };
@@ -222,6 +225,7 @@ impl<T: Real> KnuckleMotion<'_, '_, T> {
 }
 
 /// A rocker that its rod turns, with its motion (3).
+#[derive(Clone, Copy)]
 struct TurnedRocker<'a, 'c, T> {
     knuckle: KnuckleMotion<'a, 'c, T>,
     rocker: Rocker,
@@ -235,19 +239,15 @@ struct TurnedRocker<'a, 'c, T> {
 }
 
 impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
-    /// The rocker that a point sits on; `None` for a point of another body.
+    /// A rocker whose rod is mounted at `off`.
     #[inline(always)]
-    fn under(x: PointId, at: &'a Configuration<'c, T>, along: &'a Twist<T>) -> Option<Self> {
-        let Body::Rocker(id) = at.mechanism.body(x) else {
-            return None;
-        };
+    fn of(id: RockerId, knuckle: KnuckleMotion<'a, 'c, T>, off: Moving<T>) -> Self {
+        let at = knuckle.at;
         let rocker = at.mechanism.rocker(id);
-        let knuckle = KnuckleMotion { at, along };
         let is_on_knuckle = at.mechanism.body(rocker.first) == Body::Knuckle;
         let (foot, other) = (knuckle.point(rocker.first), knuckle.point(rocker.second));
         let direction = other.minus(foot);
         let axis = direction.times(direction.now.x.one() / direction.now.norm());
-        let off = knuckle.point(rocker.outer);
         let end = at.point(rocker.inner);
         let s = end - off.now;
         let base = match is_on_knuckle {
@@ -256,7 +256,7 @@ impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
         };
         let tangent = axis.now.cross(end - foot.now);
         let speed = s.dot(off.rate - base) / s.dot(tangent);
-        Some(TurnedRocker {
+        TurnedRocker {
             knuckle,
             rocker,
             is_on_knuckle,
@@ -264,7 +264,7 @@ impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
             axis,
             speed,
             off,
-        })
+        }
     }
 
     /// Point of the rocker, with its rate.
@@ -279,9 +279,10 @@ impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
         Moving { now, rate }
     }
 
-    /// Rates of the wrench on the knuckle of the force G = `push` at a place of the rocker, by (2) and (4).
+    /// Adds the rates of the wrench on the knuckle of the force G = `push` at a place of the rocker, by (2) and (4). Returns the force
+    /// K with which the rod pulls at its other end.
     #[inline(always)]
-    fn wrench_rate(&self, place: Moving<T>, push: Moving<T>) -> Wrench<T> {
+    fn add(&self, place: Moving<T>, push: Moving<T>, wrench: &mut Wrench<T>) -> Moving<T> {
         let (axis, foot, off) = (self.axis, self.foot, self.off);
         let end = self.point(self.rocker.inner);
         let s = end.minus(off);
@@ -294,13 +295,67 @@ impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
             rate: s.now * k_rate + s.rate * k,
         };
         let one = k.one();
-        let mut wrench = Wrench::zero(k);
-        self.knuckle
-            .add(self.rocker.outer, off, tension, one, &mut wrench);
         if self.is_on_knuckle {
-            self.knuckle.add_at(place, push, one, &mut wrench);
-            self.knuckle.add_at(off, tension, -one, &mut wrench);
+            self.knuckle.add_at(place, push, one, wrench);
+            self.knuckle.add_at(off, tension, -one, wrench);
         }
+        tension
+    }
+}
+
+/// The rocker that a point sits on and, if its rod is mounted on another rocker, that one.
+struct TurnedRockers<'a, 'c, T> {
+    knuckle: KnuckleMotion<'a, 'c, T>,
+    own: TurnedRocker<'a, 'c, T>,
+    before: Option<TurnedRocker<'a, 'c, T>>,
+}
+
+impl<'a, 'c, T: Real> TurnedRockers<'a, 'c, T> {
+    /// The rockers under a point; `None` for a point of another body. Rods stand on one further rocker at most.
+    #[inline(always)]
+    fn under(x: PointId, at: &'a Configuration<'c, T>, along: &'a Twist<T>) -> Option<Self> {
+        let knuckle = KnuckleMotion { at, along };
+        let Body::Rocker(id) = at.mechanism.body(x) else {
+            return None;
+        };
+        let outer = at.mechanism.rocker(id).outer;
+        let before = match at.mechanism.body(outer) {
+            Body::Rocker(before) => {
+                let off = knuckle.point(at.mechanism.rocker(before).outer);
+                Some(TurnedRocker::of(before, knuckle, off))
+            }
+            _ => None,
+        };
+        let off = match &before {
+            Some(before) => before.point(outer),
+            None => knuckle.point(outer),
+        };
+        Some(TurnedRockers {
+            knuckle,
+            own: TurnedRocker::of(id, knuckle, off),
+            before,
+        })
+    }
+
+    /// A point of the rocker.
+    #[inline(always)]
+    fn point(&self, id: PointId) -> Moving<T> {
+        self.own.point(id)
+    }
+
+    /// Rates of the wrench on the knuckle of the force G = `push` at a place of the rocker.
+    #[inline(always)]
+    fn wrench_rate(&self, place: Moving<T>, push: Moving<T>) -> Wrench<T> {
+        let one = place.now.x.one();
+        let mut wrench = Wrench::zero(one);
+        let mut last = self.own;
+        let mut tension = last.add(place, push, &mut wrench);
+        if let Some(before) = self.before {
+            tension = before.add(last.off, tension, &mut wrench);
+            last = before;
+        }
+        self.knuckle
+            .add(last.rocker.outer, last.off, tension, one, &mut wrench);
         wrench
     }
 }
@@ -319,7 +374,7 @@ pub(super) fn constant_push_rate<T: Real>(
         x: PointId = x, push: Vector3<T> = push, at: &'p Configuration<'p, T> = at, along: &'p Twist<T> = along
             => Wrench<T> {
                 let push = Moving { now: push, rate: push.zero() };
-                match TurnedRocker::under(x, at, along) {
+                match TurnedRockers::under(x, at, along) {
                     Some(turned) => turned.wrench_rate(turned.point(x), push),
                     None => Wrench::zero(at.rack),
                 }

@@ -26,6 +26,13 @@ impl Resolver<'_> {
             );
             return self.problems.refuse(place, message);
         }
+        if axle.left.mechanism.axle_steering().is_some() {
+            let message =
+                format!("the {name} axle is steered by a drag link, which cars do not support yet");
+            let error = self.problems.add(place, message);
+            error.help("leave drag link, kingpins and tie rod out of its study");
+            return None;
+        }
         let needed = [
             (Need::WheelRadius, "radius in [wheel]"),
             (Need::Springs, "[spring], [heave_spring] or [heave_bar]"),

@@ -1,0 +1,51 @@
+//! Tensions of drag link and tie rod under a load.
+//!
+//! The knuckles of a steered axle are rockers. A force on one of them is a wrench on the axle, less the pull of its rod (see
+//! `mechanism/rocker.rs`). With e the kingpin's direction, f a point of it, F the forces at places x and M the couples on the knuckle, and
+//! u the unit vector along the rod from its end n on the knuckle, the tension is
+//!
+//! ```text
+//! k = -e.(sum (x - f) x F + sum M)/(e.(n - f) x u)                                              (1)
+//! ```
+//!
+//! The tie rod comes first: it balances the right knuckle. The drag link then balances the left one, which the tie rod pulls too.
+
+use super::loads::{Balance, Balanced, Load};
+use crate::model::{RockerId, Rod};
+use crate::number::Vector3;
+
+impl<T: Balanced> Balance<'_, T> {
+    /// Tensions of drag link and tie rod of a steered axle, under a load on the near wheel and the forces of both supports.
+    pub(super) fn steering(&self, load: &Load<T>, near: T, far: T) -> Option<[T; 2]> {
+        let at = &self.at;
+        let rigid = at.mechanism.rigid_axle.as_ref()?;
+        let steering = rigid.steering.as_ref()?;
+        let zero = at.rack.zero();
+        let up = |support: T| match self.is_at_wheel {
+            true => Vector3::new(zero, zero, support),
+            false => Vector3::new(zero, zero, zero),
+        };
+        let (centre, far_centre) = (at.mechanism.wheel_centre, rigid.far_centre);
+        let (force, moment) = (
+            load.point.constant(load.force),
+            load.point.constant(load.moment),
+        );
+        let tension = |knuckle: RockerId| match knuckle == steering.near_knuckle {
+            true => {
+                at.rod_tension(knuckle, load.point, force)
+                    + at.rod_tension_by_couple(knuckle, moment)
+                    + at.rod_tension(knuckle, at.point(centre), up(near))
+            }
+            false => at.rod_tension(knuckle, at.point(far_centre), up(far)),
+        };
+        let knuckles = [steering.near_knuckle, steering.far_knuckle];
+        let is_pulled = |id: &RockerId| at.mechanism.rocker(*id).rod == Rod::DragLink;
+        let first = knuckles.into_iter().find(is_pulled)?;
+        let second = knuckles.into_iter().find(|id| *id != first)?;
+        let tie_rod = tension(second);
+        let rod = at.mechanism.rocker(second);
+        let [own, other] = [rod.outer, rod.inner].map(|id| at.point(id));
+        let pull = (other - own).normalised() * tie_rod;
+        Some([tension(first) + at.rod_tension(first, own, pull), tie_rod])
+    }
+}

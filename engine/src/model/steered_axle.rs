@@ -1,0 +1,252 @@
+//! Steering of a solid axle: a drag link turns the left knuckle about its kingpin, a tie rod turns the right one by it.
+//!
+//! Each knuckle is a rocker of the axle (see `mechanism/rocker.rs`). The rod of the left one is the drag link, from the
+//! steering gear. The rod of the right one is the tie rod, from the left knuckle. Wheel centre and spin axis are on the
+//! knuckle. So the pose of the axle stays the only unknown of the closure equations, and both angles follow from it.
+//!
+//! The steering gear has moved the drag link's end by the displacement s along the unit vector d:
+//!
+//! ```text
+//! place of the end      p + s d                                                                (1)
+//! ```
+//!
+//! p is the hardpoint. The place is a point of the design by itself, so that s is no input of the mechanism. A derivative
+//! by s is the derivative by this place along d.
+//!
+//! A steered wheel centre is higher or lower than the design position while the axle rests. The design holds both centres
+//! after the turn c_n and c_f, the axle at rest. With w_n and w_f their hardpoints, the closure equations count the
+//! travels from c_n and c_f:
+//!
+//! ```text
+//! mean of the equations        = mean travel - (c_n.z - w_n.z + c_f.z - w_f.z)/2               (2)
+//! difference of the equations  = difference of travels - (c_n.z - w_n.z - c_f.z + w_f.z)/2     (3)
+//! ```
+//!
+//! So the design pose obeys them at (0, 0) for every s, and a path to any station begins there: the knuckles turn first,
+//! then the axle moves. The travels of a station are those of the wheel centres from their hardpoints, and stay so.
+
+use super::topology::{Given, Group, NO_LINK, NO_TIE_ROD, optional};
+use super::{
+    Body, Mechanism, Point, PointId, RigidAxle, Rocker, RockerId, Rod, SteeringAxis, rocker,
+};
+use crate::number::Vector3;
+
+/// Drag link, kingpins and tie rod. A study gives all points or none.
+pub(super) static STEERING: Group = Group {
+    what: "the steering",
+    hardpoints: &[
+        optional(
+            "drag_link_body",
+            "drag link at the steering gear on the body; true y",
+        ),
+        optional("drag_link_knuckle", "drag link at the left knuckle; true y"),
+        optional("kingpin_upper", "upper end of the kingpin, on the axle"),
+        optional("kingpin_lower", "lower end of the kingpin, on the axle"),
+        optional("tie_rod_end", "tie rod at the knuckle"),
+    ],
+    complete: &[&[
+        "drag_link_body",
+        "drag_link_knuckle",
+        "kingpin_upper",
+        "kingpin_lower",
+        "tie_rod_end",
+    ]],
+    beside: &[],
+    distinct: &[
+        (
+            "kingpin_upper",
+            "kingpin_lower",
+            "they define the axis of the knuckle",
+        ),
+        ("drag_link_body", "drag_link_knuckle", NO_LINK),
+        ("tie_rod_end", "right_tie_rod_end", NO_TIE_ROD),
+    ],
+};
+
+/// Steering of a solid axle, as the near wheel sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxleSteering {
+    /// Knuckle of the near wheel.
+    pub near_knuckle: RockerId,
+    /// Knuckle of the far wheel.
+    pub far_knuckle: RockerId,
+    /// End of the drag link at the steering gear, in the design position.
+    pub end: PointId,
+    /// Place of this end after a displacement of the steering gear: equation (1).
+    pub place: PointId,
+    /// Centre of the near wheel.
+    pub near_centre: PointId,
+    /// Centres of both wheels after the turn of their knuckles, the axle at rest: c_n and c_f of (2) and (3).
+    pub turned_centres: [PointId; 2],
+    /// Unit vector along which the steering gear moves the end, in the kernel's frame of the near side.
+    pub direction: Vector3<f64>,
+}
+
+impl AxleSteering {
+    /// Points that a study does not give, each with the point where it is while the wheels are not steered.
+    pub(super) fn followers(&self, far_centre: PointId) -> [[PointId; 2]; 3] {
+        let [near, far] = self.turned_centres;
+        [
+            [self.place, self.end],
+            [near, self.near_centre],
+            [far, far_centre],
+        ]
+    }
+}
+
+impl RigidAxle {
+    /// Moves the drag link's end from its hardpoint: (1). The wheel centres are placed as if the wheels were not steered.
+    /// Returns the centres with the points that are to take their places after the turn, the near one first.
+    pub(crate) fn displace(
+        &self,
+        displacement: f64,
+        design: &mut [Vector3<f64>],
+    ) -> [[PointId; 2]; 2] {
+        let Some(steering) = &self.steering else {
+            return [[self.far_centre; 2]; 2];
+        };
+        let followers = steering.followers(self.far_centre);
+        for [point, beside] in followers {
+            design[point.0] = design[beside.0];
+        }
+        let place = &mut design[steering.place.0];
+        *place = *place + steering.direction * displacement;
+        [followers[1], followers[2]]
+    }
+}
+
+/// Puts wheels and steering arms of a steered axle on knuckles. `first` is the number of the left knuckle.
+pub(super) fn body(name: &str, first: RockerId) -> Option<Body> {
+    let is_on_knuckle = matches!(
+        name,
+        "wheel_centre" | "spindle_inner" | "tie_rod_end" | "drag_link_knuckle"
+    );
+    is_on_knuckle.then_some(Body::Rocker(first))
+}
+
+/// Adds the points of [`AxleSteering::followers`] and returns the steering. The far half must be complete.
+pub(super) fn add(given: &mut Given, first: RockerId) -> AxleSteering {
+    let second = RockerId(first.0 + 1);
+    let (end, near_centre) = (given.id("drag_link_body"), given.id("wheel_centre"));
+    let mut add = |name: &str| {
+        given.0.push(Point {
+            name: name.to_owned(),
+            body: Body::Chassis,
+        });
+        PointId(given.0.len() - 1)
+    };
+    let place = add("drag_link_place");
+    let turned_centres = ["turned_wheel_centre", "right_turned_wheel_centre"].map(&mut add);
+    given.0[end.0].body = Body::SteeringGear(place);
+    AxleSteering {
+        near_knuckle: first,
+        far_knuckle: second,
+        end,
+        place,
+        near_centre,
+        turned_centres,
+        direction: Vector3::new(0.0, 1.0, 0.0),
+    }
+}
+
+/// The knuckles as rockers, the left one first.
+pub(super) fn knuckles(find: impl Fn(&str) -> PointId) -> [Rocker; 2] {
+    [
+        Rocker {
+            rod: Rod::DragLink,
+            first: find("kingpin_lower"),
+            second: find("kingpin_upper"),
+            inner: find("drag_link_knuckle"),
+            outer: find("drag_link_body"),
+        },
+        Rocker {
+            rod: Rod::TieRod,
+            first: find("right_kingpin_lower"),
+            second: find("right_kingpin_upper"),
+            inner: find("right_tie_rod_end"),
+            outer: find("tie_rod_end"),
+        },
+    ]
+}
+
+/// Makes a mechanism of a solid axle steered.
+pub(super) fn steer(mechanism: &mut Mechanism, steering: AxleSteering) {
+    let id = |name: &str| {
+        let found = mechanism.point(name);
+        found.expect("the points of the steering are given together")
+    };
+    let knuckles = knuckles(id);
+    let [lower, upper] = ["kingpin_lower", "kingpin_upper"].map(id);
+    let first = mechanism.rockers.len();
+    mechanism.rockers.extend(knuckles);
+    let near = rocker::bodies(&mechanism.rockers).nth(first);
+    mechanism.bodies.extend(near);
+    // The pose of the axle is that of a point which is on the axle itself.
+    mechanism.origin = lower;
+    mechanism.steering_axis = Some(SteeringAxis::Through { lower, upper });
+    if let Some(rigid) = &mut mechanism.rigid_axle {
+        rigid.steering = Some(steering);
+    }
+}
+
+impl RigidAxle {
+    /// The far partner of a point of a pair, or the near one. A point that is in no pair is its own partner.
+    fn partner(&self, id: PointId) -> PointId {
+        let pair = self.pairs.iter().find(|pair| pair.contains(&id));
+        pair.map_or(id, |[near, far]| if *near == id { *far } else { *near })
+    }
+}
+
+impl Mechanism {
+    /// The steering of a solid axle, if it is steered.
+    #[inline(always)]
+    pub fn axle_steering(&self) -> Option<&AxleSteering> {
+        self.rigid_axle.as_ref()?.steering.as_ref()
+    }
+
+    /// The mechanism of a rigid axle as its other wheel sees it. It has the same points. In a steered axle, the drag link
+    /// then turns the far knuckle, and the tie rod the near one.
+    pub fn from_other_wheel(&self) -> Mechanism {
+        let mut turned = self.clone();
+        let Some(rigid) = &mut turned.rigid_axle else {
+            return turned;
+        };
+        let Some(steering) = &self.rigid_axle.as_ref().and_then(|rigid| rigid.steering) else {
+            return turned;
+        };
+        let own = rigid.clone();
+        let (first, second) = (steering.near_knuckle, steering.far_knuckle);
+        rigid.steering = Some(AxleSteering {
+            near_knuckle: second,
+            far_knuckle: first,
+            direction: super::mirrored(steering.direction),
+            ..*steering
+        });
+        for rocker in [first, second] {
+            let rocker = &mut turned.rockers[rocker.0];
+            for id in [
+                &mut rocker.first,
+                &mut rocker.second,
+                &mut rocker.inner,
+                &mut rocker.outer,
+            ] {
+                *id = own.partner(*id);
+            }
+        }
+        for (number, point) in turned.points.iter_mut().enumerate() {
+            // Both knuckles are turned over but for the drag link's end, which stays on the first one.
+            let is_single = own.singles.contains(&PointId(number));
+            point.body = match point.body {
+                Body::Rocker(id) if id == first && !is_single => Body::Rocker(second),
+                Body::Rocker(id) if id == second => Body::Rocker(first),
+                body => body,
+            };
+        }
+        for (_, body) in &mut turned.bodies {
+            if *body == Body::Rocker(first) {
+                *body = Body::Rocker(second);
+            }
+        }
+        turned
+    }
+}

@@ -1,0 +1,184 @@
+//! Forces in links, drag link and tie rod: the six balances of the whole axle, and those of both knuckles about their kingpins,
+//! written with the places of the other formulation.
+
+use super::{Place, World, at, axle, random, study};
+use crate::support::random::Random;
+use hardpoint::axle::axle_curves;
+use std::fmt::Write as _;
+
+type Point = [f64; 3];
+
+fn minus(a: Point, b: Point) -> Point {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: Point, b: Point) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: Point, b: Point) -> Point {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+/// A force with its point.
+type Force = (Point, Point);
+
+fn pull(from: Point, to: Point, tension: f64) -> Force {
+    let way = minus(to, from);
+    let length = dot(way, way).sqrt();
+    (from, way.map(|c| tension * c / length))
+}
+
+/// Forces on the axle with its knuckles, and on each knuckle beside the kingpin.
+struct Forces {
+    outside: Vec<Force>,
+    on_knuckles: [Vec<Force>; 2],
+}
+
+/// The forces of one load, from the columns of the program.
+fn forces(world: &World, place: Place, has_spring: bool, tension: &dyn Fn(&str) -> f64) -> Forces {
+    let solved = world.solve(&at(place, None, None)).unwrap();
+    let on_axle = |side: usize, name: &str| world.place_on_axle(&solved, side, name);
+    let on_knuckle = |side: usize, name: &str| world.place_on_knuckle(&solved, side, name);
+    let on_body = |side: usize, name: &str| {
+        let [x, y, z] = world.at(name).map(|c| c.value);
+        [x, if side == 0 { y } else { -y }, z]
+    };
+    let sides = ["left", "right"];
+    let mut outside = Vec::new();
+    let mut link = |name: &str, side: usize, column: &str| {
+        let (own, body) = (format!("{name}_axle"), format!("{name}_chassis"));
+        outside.push(pull(
+            on_axle(side, &own),
+            on_body(side, &body),
+            tension(column),
+        ));
+    };
+    link("lower_link", 0, "left_lower_link");
+    link("lower_link", 1, "right_lower_link");
+    match world.single {
+        true => {
+            link("upper_link", 0, "upper_link");
+            link("panhard", 0, "panhard");
+        }
+        false => {
+            link("upper_link", 0, "left_upper_link");
+            link("upper_link", 1, "right_upper_link");
+        }
+    }
+    let mut on_knuckles = [Vec::new(), Vec::new()];
+    for side in [0, 1] {
+        if has_spring {
+            let force = tension(&format!("{}_spring", sides[side]));
+            let (lower, upper) = (on_axle(side, "spring_lower"), on_body(side, "spring_upper"));
+            outside.push(pull(lower, upper, -force));
+        } else {
+            let up = tension(&format!("{}_support", sides[side]));
+            on_knuckles[side].push((on_knuckle(side, "wheel_centre"), [0.0, 0.0, up]));
+        }
+    }
+    let end = on_body(0, "drag_link_body");
+    let moved = [0, 1, 2].map(|k| end[k] + place[2] * world.direction[k]);
+    on_knuckles[0].push(pull(
+        on_knuckle(0, "drag_link_knuckle"),
+        moved,
+        tension("drag_link"),
+    ));
+    outside.extend(on_knuckles.iter().flatten());
+    let ties = [0, 1].map(|side| on_knuckle(side, "tie_rod_end"));
+    for side in [0, 1] {
+        on_knuckles[side].push(pull(ties[side], ties[1 - side], tension("tie_rod")));
+    }
+    Forces {
+        outside,
+        on_knuckles,
+    }
+}
+
+/// Loads on either wheel, with springs and with supports at the wheel centres.
+#[test]
+fn members_balance_loads_on_steered_wheels() {
+    let mut generator = Random(465);
+    let mut worst = 0.0_f64;
+    for number in 0..24 {
+        let mut world = random(&mut generator, number % 2 == 0, 30.0);
+        let has_spring = number % 4 < 2;
+        if has_spring {
+            let hyper = |p: Point| p.map(super::Hyper::constant);
+            world
+                .points
+                .push(("spring_upper", hyper([20.0, 460.0, 850.0])));
+            world
+                .points
+                .push(("spring_lower", hyper([20.0, 470.0, 450.0])));
+        }
+        let place = [
+            40.0 * generator.signed(),
+            0.05 * generator.signed(),
+            50.0 * generator.signed(),
+        ];
+        let force = generator.vector(3000.0).to_array();
+        let moment = generator.vector(3e5).to_array();
+        let mut further = format!(
+            "[motion]\nheave = [{:?}]\nroll = [{:?}]\nrack = [{:?}]\n",
+            place[0],
+            place[1].to_degrees(),
+            place[2]
+        );
+        let _ = write!(
+            further,
+            "[outputs]\ncharacteristics = [\"toe\"]\nloads = [{{ name = \"kerb\", at = \"wheel_centre\", force = {force:?}, \
+             moment = {moment:?} }}]\n"
+        );
+        let own = axle(&study(&world, &further));
+        let curves = axle_curves(&own.axle, &own.plan).unwrap().curves;
+        for (side, word) in ["left", "right"].into_iter().enumerate() {
+            let tension = |column: &str| {
+                let name = format!("{word}_kerb_{column}_N");
+                let known = curves.columns.iter().position(|c| c.name == name);
+                let known = known.unwrap_or_else(|| panic!("{name} of {:?}", curves.columns));
+                curves.stations[0].value(known).expect("a force")
+            };
+            let solved = world.solve(&at(place, None, None)).unwrap();
+            let centre = world.place_on_knuckle(&solved, side, "wheel_centre");
+            let mut all = forces(&world, place, has_spring, &tension);
+            all.outside.push((centre, force));
+            all.on_knuckles[side].push((centre, force));
+            let (mut sum, mut about, mut size) = ([0.0; 3], moment, 0.0);
+            for (point, force) in &all.outside {
+                let turning = cross(*point, *force);
+                for i in 0..3 {
+                    sum[i] += force[i];
+                    about[i] += turning[i];
+                    size += force[i].abs();
+                }
+            }
+            // Forces against their sum, moments against that at an arm of a metre.
+            for i in 0..3 {
+                worst = worst
+                    .max(sum[i].abs() / size)
+                    .max(about[i].abs() / (1e3 * size));
+            }
+            for (knuckle, on_it) in all.on_knuckles.iter().enumerate() {
+                let [lower, upper] = ["kingpin_lower", "kingpin_upper"]
+                    .map(|name| world.place_on_axle(&solved, knuckle, name));
+                let axis = minus(upper, lower);
+                let mut turning = match knuckle == side {
+                    true => dot(axis, moment),
+                    false => 0.0,
+                };
+                for (point, force) in on_it {
+                    turning += dot(axis, cross(minus(*point, lower), *force));
+                }
+                worst = worst.max(turning.abs() / (dot(axis, axis).sqrt() * 1e3 * size));
+            }
+        }
+    }
+    println!("{worst:e}");
+    // Positions of both programs agree to 1e-9 mm.
+    assert!(worst < 1e-11, "{worst:e}");
+}

@@ -1,0 +1,128 @@
+//! Studies of steered axles that are refused, with the reason.
+
+use super::{random, study};
+use crate::support::random::Random;
+use hardpoint::study::Study;
+use std::path::Path;
+
+fn refusal(text: &str) -> String {
+    match Study::from_text("steered.toml", text, Path::new("")) {
+        Ok(_) => panic!("accepted:\n{text}"),
+        Err(errors) => errors.to_string(),
+    }
+}
+
+const STILL: &str = "[motion]\nheave = [0.0]\n";
+
+fn steered(further: &str) -> String {
+    study(&random(&mut Random(466), true, 10.0), further)
+}
+
+#[test]
+fn keys_that_a_drag_link_does_not_have_are_refused() {
+    let outputs = "[outputs]\ncharacteristics = [\"steer\"]\n";
+    for (further, reason) in [
+        (
+            "[motion]\nheave = [0.0]\nsteering_wheel_angle = [90.0]\n".to_owned(),
+            "expected rack",
+        ),
+        (
+            format!("[motion]\nheave = [0.0]\nrack = [9.0]\n{outputs}order = \"acceleration\"\n"),
+            "second derivatives by the drag link",
+        ),
+        (
+            format!(
+                "[motion]\nheave = [0.0]\nrack = [9.0]\n{outputs}order = \"velocity\"\nknuckle = true\n"
+            ),
+            "angular velocities by the drag link",
+        ),
+        (
+            format!("{STILL}{outputs}certify = true\n"),
+            "knuckles of a steered axle",
+        ),
+        (
+            format!("{STILL}[outputs]\ncharacteristics = [\"steering_ratio\"]\n"),
+            "wheels that move by themselves",
+        ),
+        (
+            format!("{STILL}[axle.right.hardpoints]\ndrag_link_body = [190.0, 400.0, 545.0]\n"),
+            "once",
+        ),
+        (
+            format!(
+                "{STILL}[compliance]\nrelaxed = \"free\"\n[links.panhard]\naxial_stiffness = 1.0e5\n"
+            ),
+            "elastic parts are not available for a steered solid axle",
+        ),
+    ] {
+        let found = refusal(&steered(&further));
+        assert!(found.contains(reason), "{further}: {found}");
+    }
+    // Without rack in the motion, no derivative is by the drag link.
+    let still = format!("{STILL}{outputs}order = \"acceleration\"\nknuckle = true\n");
+    assert!(Study::from_text("steered.toml", &steered(&still), Path::new("")).is_ok());
+}
+
+#[test]
+fn sections_and_points_that_do_not_fit_are_refused() {
+    let sound = steered(STILL);
+    let line = |name: &str| {
+        let found = sound.lines().find(|line| line.starts_with(name));
+        format!("{}\n", found.unwrap())
+    };
+    let direction = line("direction");
+    for (from, to, reason) in [
+        (
+            direction.clone(),
+            "c_factor = 50.0\n".to_owned(),
+            "direction alone",
+        ),
+        (
+            direction.clone(),
+            "direction = [0.0, 0.0, 0.0]\n".to_owned(),
+            "no length",
+        ),
+        (
+            direction.clone(),
+            "direction = [0.0, 1.0]\n".to_owned(),
+            "three components",
+        ),
+        (line("tie_rod_end"), String::new(), "tie_rod_end"),
+        (
+            line("drag_link_knuckle"),
+            "drag_link_knuckle = [160.0, -560.0, 480.0]\n".to_owned(),
+            "left knuckle",
+        ),
+    ] {
+        let text = sound.replacen(&from, &to, 1);
+        assert_ne!(text, sound);
+        let found = refusal(&text);
+        assert!(found.contains(reason), "{to}: {found}");
+    }
+    let steering = ["kingpin_", "drag_link_", "tie_rod_end"];
+    let lines = sound
+        .lines()
+        .filter(|line| !steering.iter().any(|name| line.starts_with(name)));
+    let without: String = lines.map(|line| format!("{line}\n")).collect();
+    let found = refusal(&without);
+    assert!(found.contains("no drag link"), "{found}");
+    let found = refusal(&without.replacen(&direction, "", 1));
+    assert!(found.contains("needs its drag link"), "{found}");
+}
+
+/// A kingpin through the drag link's end leaves its arm without a length.
+#[test]
+fn arms_without_a_length_are_refused() {
+    let world = random(&mut Random(467), true, 10.0);
+    let mut inline = world.clone();
+    let place = |name: &str| world.at(name);
+    let (upper, lower) = (place("kingpin_upper"), place("kingpin_lower"));
+    let middle = [0, 1, 2].map(|k| (upper[k] + lower[k]).scaled(0.5));
+    for (name, point) in &mut inline.points {
+        if *name == "drag_link_knuckle" {
+            *point = middle;
+        }
+    }
+    let found = refusal(&study(&inline, STILL));
+    assert!(found.contains("left knuckle"), "{found}");
+}

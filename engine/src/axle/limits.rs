@@ -72,7 +72,7 @@ impl<const N: usize> AxleSolver<'_, N> {
     /// # Errors
     /// If the design position of a wheel is singular.
     pub fn limits(&mut self) -> Result<AxleLimits, (Side, DesignFault)> {
-        // A steered axle can always go straight ahead.
+        // Straight ahead is the design itself, so this does not fail.
         let _ = self.steer(0.0);
         let left = self.limits_of(Side::Left)?;
         let right = self.limits_of(Side::Right)?;
@@ -115,7 +115,7 @@ impl<const N: usize> AxleSolver<'_, N> {
             return None;
         }
         let ends = [-1.0, 1.0].map(|sign| self.drag_link_end(sign));
-        // The other limits are those straight ahead.
+        // The remaining limits are those straight ahead.
         let _ = self.steer(0.0);
         Some(ends)
     }
@@ -157,7 +157,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         }
     }
 
-    /// The rod of the knuckle that is nearest to its toggle, with the side of the knuckle; `None` if both are away from theirs.
+    /// The rod that is at its toggle, with the side of the knuckle that it turns. `None` if both rods have leverage.
     fn nearest_toggle(&mut self, placed: &AxlePose) -> Option<(Side, Rod)> {
         self.steer(placed.rack).ok()?;
         let steering = self.axle.left.mechanism.axle_steering()?;

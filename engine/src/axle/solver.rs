@@ -265,7 +265,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    /// Moves the steering gear of a steered axle to a displacement. Everything below reads the axle as it is steered.
+    /// Moves the steering gear of a steered axle to a displacement, for both wheels.
     pub(super) fn steer(&mut self, displacement: f64) -> Result<(), NoPose> {
         let [left, right] = &mut self.corners;
         join_results(left.steer(displacement), right.steer(displacement)).map(|_| ())
@@ -285,7 +285,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     ) -> Result<Balance<'_>, Failure> {
         let corner = &self.corners[side as usize];
         let rack = placed.rack * corner.rack_sign;
-        // The gear stands where the position was read.
+        // The design must be that of this displacement.
         if self.is_steered() && corner.steered.displacement != placed.rack {
             return Err(Failure::Singular);
         }
@@ -424,13 +424,13 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         corner.configuration(design_pose).designed_spin_axis()
     }
 
-    /// The design of a wheel in the frame of its side. In a steered axle, the steering gear is where it was in the last position
-    /// that was read.
+    /// The design of a wheel in the frame of its side. The steering gear of a steered axle is at the displacement of the last
+    /// position that was read.
     pub(super) fn design(&self, side: Side) -> &[Vector3<f64>] {
         self.corners[side as usize].solver.design()
     }
 
-    /// One wheel in a position of the axle as it is steered.
+    /// One wheel in a position. The steering gear must be at the displacement of this position.
     pub(super) fn configuration_of(&self, side: Side, placed: &AxlePose) -> Configuration<'_, f64> {
         self.corners[side as usize].configuration(placed.poses[side as usize])
     }

@@ -582,7 +582,7 @@ impl<T: Real> Configuration<'_, T> {
         let turn = Turn::of(ends);
         let zero = self.rack.zero();
         let none = Vector3::new(zero, zero, zero);
-        // Without a point, any one with no gradient: the axis.
+        // Angle and rotation have no point: a point of the axis with no gradient stands for it.
         let (designed, gradients, moment) = match seed {
             RockerSeed::Point { designed, gradient } => (designed, [gradient, none], zero),
             RockerSeed::Angle(gradient) => (ends[0], [none; 2], gradient * turn.sense(rocker.rod)),

@@ -48,7 +48,7 @@ pub enum Body {
     /// Held in the vehicle, but displaced sideways: as far to one side as a point of the knuckle has moved to the other. For
     /// the mounts of a twist beam.
     Opposite(PointId),
-    /// Held by the steering gear: it stands where the other point stands, which the design places.
+    /// Held by the steering gear, at the place that another point has in the design.
     SteeringGear(PointId),
     /// The wheel carrier.
     Knuckle,

@@ -1,29 +1,43 @@
-//! Steering of a solid axle: a drag link turns the left knuckle about its kingpin, a tie rod turns the right one by it.
+//! Steering of a solid axle: a drag link turns the left knuckle about its kingpin, and a tie rod turns the right knuckle by the
+//! left one.
 //!
 //! Each knuckle is a rocker of the axle (see `mechanism/rocker.rs`). The rod of the left one is the drag link, from the
-//! steering gear. The rod of the right one is the tie rod, from the left knuckle. Wheel centre and spin axis are on the
-//! knuckle. So the pose of the axle stays the only unknown of the closure equations, and both angles follow from it.
+//! steering gear to the knuckle. The rod of the right one is the tie rod, from the left to the right knuckle. Wheel centre and
+//! spin axis are on the knuckle. So the pose of the axle stays the only unknown of the closure equations. Both angles follow from
+//! it by (3) of `mechanism/rocker.rs`, the left one first.
 //!
-//! The steering gear has moved the drag link's end by the displacement s along the unit vector d:
+//! # The steering gear
 //!
-//! ```text
-//! place of the end      p + s d                                                                (1)
-//! ```
-//!
-//! p is the hardpoint. The place is a point of the design by itself, so that s is no input of the mechanism. A derivative
-//! by s is the derivative by this place along d.
-//!
-//! A steered wheel centre is higher or lower than the design position while the axle rests. The design holds both centres
-//! after the turn c_n and c_f, the axle at rest. With w_n and w_f their hardpoints, the closure equations count the
-//! travels from c_n and c_f:
+//! The steering gear has moved the drag link's end by the displacement s along the unit vector d. With its hardpoint p, the end is
+//! at
 //!
 //! ```text
-//! mean of the equations        = mean travel - (c_n.z - w_n.z + c_f.z - w_f.z)/2               (2)
-//! difference of the equations  = difference of travels - (c_n.z - w_n.z - c_f.z + w_f.z)/2     (3)
+//! p' = p + s d                                                                                 (1)
 //! ```
 //!
-//! So the design pose obeys them at (0, 0) for every s, and a path to any station begins there: the knuckles turn first,
-//! then the axle moves. The travels of a station are those of the wheel centres from their hardpoints, and stay so.
+//! The design holds p' as a point of its own, so that s is no input of the mechanism. In `mechanism/rocker.rs`, p' is the present
+//! place o' of the rod's outer end, and p its place o in the design position. Let g be the gradient of a number y by p', as the
+//! adjoint of the closure equations yields it for every point. Then
+//!
+//! ```text
+//! dy/ds = g.d                                                                                  (2)
+//! dy/dp = g + the gradient by p at fixed p', because p' moves with p                           (3)
+//! ```
+//!
+//! # Travels
+//!
+//! While the axle rests, steering lifts or lowers the wheel centres. Let w_n and w_f be the hardpoints of the near and the far
+//! wheel centre, and c_n and c_f their places after the turn, the axle at rest. The closure equations count the travels from c_n
+//! and c_f:
+//!
+//! ```text
+//! mean of the equations        = mean travel - (c_n.z - w_n.z + c_f.z - w_f.z)/2               (4)
+//! difference of the equations  = difference of travels - (c_n.z - w_n.z - c_f.z + w_f.z)/2     (5)
+//! ```
+//!
+//! Both are 0 in the design pose, for every s. So the path to a station begins there: the knuckles turn first, then the axle
+//! moves. The travels of a station are always those of the wheel centres from their hardpoints. Derivatives by hardpoints hold
+//! these travels.
 
 use super::topology::{Given, Group, NO_LINK, NO_TIE_ROD, optional};
 use super::{
@@ -76,14 +90,14 @@ pub struct AxleSteering {
     pub place: PointId,
     /// Centre of the near wheel.
     pub near_centre: PointId,
-    /// Centres of both wheels after the turn of their knuckles, the axle at rest: c_n and c_f of (2) and (3).
+    /// Centres of both wheels after the turn of their knuckles, the axle at rest: c_n and c_f of (4) and (5).
     pub turned_centres: [PointId; 2],
     /// Unit vector along which the steering gear moves the end, in the kernel's frame of the near side.
     pub direction: Vector3<f64>,
 }
 
 impl AxleSteering {
-    /// Points that a study does not give, each with the point where it is while the wheels are not steered.
+    /// Points that a study does not give. Each comes with the hardpoint at which it is while the wheels are not steered.
     pub(super) fn followers(&self, far_centre: PointId) -> [[PointId; 2]; 3] {
         let [near, far] = self.turned_centres;
         [
@@ -95,8 +109,8 @@ impl AxleSteering {
 }
 
 impl RigidAxle {
-    /// Moves the drag link's end from its hardpoint: (1). The wheel centres are placed as if the wheels were not steered.
-    /// Returns the centres with the points that are to take their places after the turn, the near one first.
+    /// Moves the drag link's end from its hardpoint by (1). Puts c_n and c_f of (4) at the hardpoints of the wheel centres.
+    /// Returns the points of c_n and c_f, each with its wheel centre.
     pub(crate) fn displace(
         &self,
         displacement: f64,
@@ -115,7 +129,7 @@ impl RigidAxle {
     }
 }
 
-/// Puts wheels and steering arms of a steered axle on knuckles. `first` is the number of the left knuckle.
+/// The body of a point that is on a knuckle: `first`, the left knuckle. `None` for points of other bodies.
 pub(super) fn body(name: &str, first: RockerId) -> Option<Body> {
     let is_on_knuckle = matches!(
         name,
@@ -181,7 +195,7 @@ pub(super) fn steer(mechanism: &mut Mechanism, steering: AxleSteering) {
     mechanism.rockers.extend(knuckles);
     let near = rocker::bodies(&mechanism.rockers).nth(first);
     mechanism.bodies.extend(near);
-    // The pose of the axle is that of a point which is on the axle itself.
+    // The wheel centre is not on the axle itself, so another point gives its position.
     mechanism.origin = lower;
     mechanism.steering_axis = Some(SteeringAxis::Through { lower, upper });
     if let Some(rigid) = &mut mechanism.rigid_axle {
@@ -234,7 +248,7 @@ impl Mechanism {
             }
         }
         for (number, point) in turned.points.iter_mut().enumerate() {
-            // Both knuckles are turned over but for the drag link's end, which stays on the first one.
+            // Near and far points change places. The drag link's end is single and stays on the first knuckle.
             let is_single = own.singles.contains(&PointId(number));
             point.body = match point.body {
                 Body::Rocker(id) if id == first && !is_single => Body::Rocker(second),

@@ -43,7 +43,7 @@ pub(super) fn steer(
 /// Entries that a solid axle or a twist beam does not support, each with the reason.
 type Refused<'a> = Vec<(Option<Span<usize>>, &'a str)>;
 
-/// Entries that depend on whether a drag link steers the axle.
+/// Entries of motions and `[steering]` that the axle does not support with its drag link, or without one.
 fn refused_steering(file: &File, mechanism: &Mechanism) -> Refused<'static> {
     let is_steered = mechanism.axle_steering().is_some();
     let motions = std::iter::once(&file.motion).chain(file.motions.values());
@@ -159,7 +159,7 @@ pub(super) fn has_five_links(section: &file::Suspension, mechanism: &Mechanism) 
     is_paired && mechanism.rigid_axle.is_some() && mechanism.point("panhard_axle").is_some()
 }
 
-/// The drag link pulls the left knuckle.
+/// Returns true if the drag link's end at the knuckle is on the left side, or if there is none.
 fn drag_link_is_left(
     section: &file::Suspension,
     suspension: &Suspension,
@@ -183,7 +183,7 @@ fn drag_link_is_left(
     false
 }
 
-/// Derivatives by the drag link are first ones.
+/// Refuses outputs that need second derivatives by the drag link; true if there are none.
 fn derivatives_are_known(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool {
     let Some(outputs) = &file.outputs else {
         return true;

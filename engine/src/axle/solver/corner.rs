@@ -25,7 +25,7 @@ pub(super) struct Corner<'a, const N: usize> {
     pub(super) steered: Steered,
 }
 
-/// A steered axle as its steering gear was moved.
+/// State of a steered axle for one displacement of its steering gear.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Steered {
     /// Displacement of the steering gear.
@@ -199,7 +199,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         }
     }
 
-    /// Drive and rack of the closure equations at these travels of a steered axle: (2) and (3) of `model/steered_axle.rs`. They are
+    /// Drive and rack of the closure equations at these travels of a steered axle: (4) and (5) of `model/steered_axle.rs`. They are
     /// the same for other axles.
     pub(super) fn inner(&self, travel: f64, rack: f64) -> (f64, f64) {
         let [drive, held] = self.steered.offsets;
@@ -295,7 +295,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         found.map_err(|failure| self.fails(travel, failure))
     }
 
-    /// A failure of the closure equations with the travels of the wheel centres.
+    /// A failure of the closure equations, its limit as a travel of the wheel centres from their hardpoints.
     fn outer(&self, failure: Failure) -> Failure {
         let [drive, held] = self.steered.offsets;
         match failure {
@@ -391,7 +391,7 @@ impl<'a, const N: usize> Corner<'a, N> {
             self.inner(travel, rack),
             (lines, parts, points),
         )?;
-        // Without its knuckle, the wheel is nowhere.
+        // Beyond the toggle of its knuckle, the wheel has no position.
         if let Some(steering) = self.mechanism.axle_steering() {
             for knuckle in [steering.near_knuckle, steering.far_knuckle] {
                 if toggles.holds(knuckle) {

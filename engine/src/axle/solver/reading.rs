@@ -177,9 +177,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         Ok(found)
     }
 
-    /// The derivatives of quantities and of coordinates of points by the displacement of a steered axle's steering gear, the
-    /// other numbers of the station held. They are those by the place of the drag link's end, along the direction of the gear: (1) of
-    /// `model/steered_axle.rs`.
+    /// The derivatives of quantities and of coordinates of points by the displacement of a steered axle's steering gear: (2) of
+    /// `model/steered_axle.rs`. The other numbers of the station are held.
     fn by_steering_gear(
         &mut self,
         placed: &AxlePose,
@@ -198,8 +197,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         Ok(found)
     }
 
-    /// The gradients by every point of both sides, each point by itself. `by_heave` has the derivatives of the mean travel by
-    /// these points, where it follows from the design.
+    /// The gradients by every point of both sides, also by points that follow other points. `by_heave` has the derivatives of the
+    /// mean travel by the points, if the mean travel follows from a load.
     fn each_gradient(
         &mut self,
         placed: &AxlePose,

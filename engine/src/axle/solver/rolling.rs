@@ -7,7 +7,7 @@ impl<const N: usize> AxleSolver<'_, N> {
     /// Finds positions. Placements in roll at one rack displacement are solved together. Each round solves both wheels at
     /// the travels that the series of the last round predict.
     pub fn place_all(&mut self, placements: &[Placement]) -> Vec<Result<AxlePose, NoPose>> {
-        // Positions with the same rack of the closure equations and the same displacement of a steering gear.
+        // Numbers of the positions for each pair of values: rack of the closure equations, displacement of a steering gear.
         let mut by_rack: Vec<([f64; 2], Vec<usize>)> = Vec::new();
         for (number, placement) in placements.iter().enumerate() {
             if let Placement::Roll { heave, rack, .. } = *placement {
@@ -22,7 +22,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         }
         let mut found: Vec<Option<AxlePose>> = vec![None; placements.len()];
         for ([rack, steered], numbers) in by_rack {
-            // Placed alone, they return the failure.
+            // If the gear cannot be moved, the positions are placed one by one, which returns the failure.
             if self.steer(steered).is_ok() {
                 self.roll_together(rack, &numbers, placements, &mut found);
             }

@@ -15,9 +15,9 @@
 //! f' = 0,   m' = (w x (l_n + s l_f)/2) x z,   q' = 0                (4)
 //! ```
 //!
-//! The heights of a steered axle are over the places that the wheel centres have after their turn, the axle at rest: a number that
-//! makes up for it is held in r (see `model/steered_axle.rs`). A derivative by a hardpoint is that of the height over the hardpoint
-//! itself, because the travel from there is held.
+//! The heights of a steered axle are those over the places that the wheel centres have after their turn, the axle at rest, and r is
+//! smaller by the same amount (see (4) of `model/steered_axle.rs`). Derivatives by hardpoints hold the travel from the hardpoints
+//! themselves, so they are those of the height over the hardpoint.
 //!
 //! F is linear in the pose. The far wheel of a twist beam stands on a rocker of the near half, and both wheels of a
 //! steered axle stand on rockers. Then the wrench of the height and its rate are those of a force on a rocker (see

@@ -30,8 +30,8 @@
 //! k' = (N' - k D')/D,   K' = k' s + k s'                                                         (4)
 //! ```
 //!
-//! The rod may be mounted on another rocker, as the tie rod of a steered axle is: then K is a force on that rocker, and o moves
-//! with it. So (2) to (4) hold again, with K for G.
+//! The rod may be mounted on another rocker, as the tie rod of a steered axle is. Then o moves with that rocker, and K is a force
+//! on it: (2) to (4) hold for it with K in place of G.
 //!
 //! A force on a point of the body that moves sideways opposite to a point c of the knuckle (the mount of a twist beam) is a force on c
 //! along y, of the other sign.

@@ -51,7 +51,6 @@ use crate::number::{Matrix3, Vector3};
 use blocks::{Blocks, Order};
 pub(super) use corner::LinkageCorner;
 use linear::Linear;
-pub(super) use newton::BranchGuard;
 use newton::NewtonSteps;
 pub(crate) use pose::LinkagePose;
 pub(crate) use series::SeriesAdjoint;

@@ -1,10 +1,14 @@
 //! Tests every guard of designs with a closed form at its threshold.
 
 use super::super::boundary::{Judgement, above, below, boundaries, rejection, steady, template};
+use super::super::route::Leg;
+use super::super::{Acceptance, Rejection};
 use super::super::{CornerTracker, Form, Method};
-use super::*;
+use super::{BranchGuard, ByArm};
+use crate::model::Drive;
 use crate::number::Vector3;
 use crate::solve::StationOrder;
+use crate::solve::closed_form::Roles;
 use std::collections::BTreeMap;
 
 fn reason(check: impl FnOnce(&mut Acceptance<f64>)) -> Option<Rejection> {

@@ -43,19 +43,7 @@ impl Measure {
             }
             Measure::FromSpinAxis(_) => (v[0] - v[1]).cross(v[2]).norm(),
             Measure::AlongSpinAxis(_) => (v[0] - v[1]).dot(v[2]),
-            Measure::FromSpinAxisAt(_, offset) => {
-                let [outer, inner, centre, axis, ..] = *v;
-                let beyond = (outer - centre).dot(axis) - centre.x.constant(*offset);
-                let span = (outer - inner).dot(axis);
-                let place = if beyond.value() <= 0.0 {
-                    outer
-                } else if beyond.value() >= span.value() {
-                    inner
-                } else {
-                    outer + (inner - outer) * (beyond / span)
-                };
-                (place - centre).cross(axis).norm()
-            }
+            Measure::FromSpinAxisAt(_, offset) => from_spin_axis_at(v, *offset),
             Measure::OuterShaftJoint(_) => versine(v[1] - v[0], v[2]),
             Measure::InnerShaftJoint(_) => {
                 let shaft = v[1] - v[0];
@@ -63,19 +51,7 @@ impl Measure {
             }
             Measure::Plunge(_) => (v[1] - v[0]).norm() - (v[3] - v[2]).norm(),
             Measure::Clearance(_) => between_segments([v[0], v[1]], [v[2], v[3]]),
-            Measure::BallJoint { .. } => {
-                let [now, designed, front, rear, joint, joint_now] = *v;
-                let axis = (rear - front).normalised();
-                let across = |p: Vector3<T>| p - axis * axis.dot(p);
-                let (radius, radius_now) = (across(joint - front), across(joint_now - front));
-                let inverse = axis.x.one() / radius.norm_squared();
-                let cosine = radius.dot(radius_now) * inverse;
-                let sine = axis.dot(radius.cross(radius_now)) * inverse;
-                // Direction of the stud after its rotation with the arm.
-                let lever = across(designed);
-                let carried = designed - lever + lever * cosine + axis.cross(lever) * sine;
-                versine(now, carried)
-            }
+            Measure::BallJoint { .. } => of_ball_joint(v),
             Measure::RodEnd { .. } => {
                 let angle = |stud: Vector3<T>, joint: Vector3<T>, other: Vector3<T>| {
                     let rod = other - joint;
@@ -94,6 +70,37 @@ impl Measure {
             }
         }
     }
+}
+
+/// Versine of the angle between the stud of a ball joint and its design direction, which rotates with the arm.
+fn of_ball_joint<T: Scalar>(v: &Vectors<T>) -> T {
+    let [now, designed, front, rear, joint, joint_now] = *v;
+    let axis = (rear - front).normalised();
+    let across = |p: Vector3<T>| p - axis * axis.dot(p);
+    let (radius, radius_now) = (across(joint - front), across(joint_now - front));
+    let inverse = axis.x.one() / radius.norm_squared();
+    let cosine = radius.dot(radius_now) * inverse;
+    let sine = axis.dot(radius.cross(radius_now)) * inverse;
+    // Direction of the stud after its rotation with the arm.
+    let lever = across(designed);
+    let carried = designed - lever + lever * cosine + axis.cross(lever) * sine;
+    versine(now, carried)
+}
+
+/// Distance from the spin axis at which a member crosses the plane `offset` outboard of the wheel centre, or that of its
+/// nearer end.
+fn from_spin_axis_at<T: Scalar>(v: &Vectors<T>, offset: f64) -> T {
+    let [outer, inner, centre, axis, ..] = *v;
+    let beyond = (outer - centre).dot(axis) - centre.x.constant(offset);
+    let span = (outer - inner).dot(axis);
+    let place = if beyond.value() <= 0.0 {
+        outer
+    } else if beyond.value() >= span.value() {
+        inner
+    } else {
+        outer + (inner - outer) * (beyond / span)
+    };
+    (place - centre).cross(axis).norm()
 }
 
 /// Versine: 1 minus the cosine of the angle between two directions. The formula has no kink at zero angle, and no

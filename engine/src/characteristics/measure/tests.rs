@@ -78,15 +78,8 @@ fn a_member_is_inside_of_a_rim_where_its_outer_end_and_its_entry_are() {
     }
 }
 
-/// Derivatives near a kink are those of their own side. The test passes each of these kinks at t = 0:
-///
-/// - edge and middle of a box,
-/// - rim of the end of a tube,
-/// - change of the nearest place of a member to its end,
-/// - parallel members,
-/// - end of a member on the edge of a rim.
-#[test]
-fn derivatives_beside_kinks_are_those_of_their_side() {
+/// Measures at their kinks: each case has the measure, its vectors at t = 0, and their rates.
+fn cases_at_kinks() -> Vec<(Measure, Vec<Vector3<f64>>, Vec<Vector3<f64>>)> {
     let ids = [PointId(0); 2];
     let still = vector(0.0, 0.0, 0.0);
     let (x, y, z) = (
@@ -109,13 +102,12 @@ fn derivatives_beside_kinks_are_those_of_their_side() {
     let clearance = Measure::Clearance([ids; 2]);
     let member = [still, x * 10.0];
     let rim = Measure::FromSpinAxisAt(ids, -80.0);
-    // Each case has the measure, its vectors at t = 0, and their rates.
-    let cases = [
-        (&cube, vec![vector(3.0, 2.0, 0.5)], vec![y]),
-        (&cube, vec![vector(1.5, 1.5, 0.2)], vec![y - x * 0.3]),
-        (&tube, vec![vector(2.0, 0.0, 4.0)], vec![x + z * 0.4]),
+    vec![
+        (cube.clone(), vec![vector(3.0, 2.0, 0.5)], vec![y]),
+        (cube.clone(), vec![vector(1.5, 1.5, 0.2)], vec![y - x * 0.3]),
+        (tube, vec![vector(2.0, 0.0, 4.0)], vec![x + z * 0.4]),
         (
-            &clearance,
+            clearance.clone(),
             vec![
                 member[0],
                 member[1],
@@ -125,7 +117,7 @@ fn derivatives_beside_kinks_are_those_of_their_side() {
             vec![still, still, x, x + y * 0.1],
         ),
         (
-            &clearance,
+            clearance.clone(),
             vec![
                 member[0],
                 member[1],
@@ -135,7 +127,7 @@ fn derivatives_beside_kinks_are_those_of_their_side() {
             vec![still, still, z, z * -1.0],
         ),
         (
-            &rim,
+            rim,
             vec![
                 vector(90.0, 620.0, 310.0),
                 vector(40.0, 300.0, 280.0),
@@ -144,8 +136,20 @@ fn derivatives_beside_kinks_are_those_of_their_side() {
             ],
             vec![y, still, still, still],
         ),
-    ];
-    for (number, (measure, at, by)) in cases.into_iter().enumerate() {
+    ]
+}
+
+/// Derivatives near a kink are those of their own side. The test passes each of these kinks at t = 0:
+///
+/// - edge and middle of a box,
+/// - rim of the end of a tube,
+/// - change of the nearest place of a member to its end,
+/// - parallel members,
+/// - end of a member on the edge of a rim.
+#[test]
+fn derivatives_beside_kinks_are_those_of_their_side() {
+    let still = vector(0.0, 0.0, 0.0);
+    for (number, (measure, at, by)) in cases_at_kinks().into_iter().enumerate() {
         let inputs = |t: Dual<f64, 1>| {
             let mut inputs = [still.map(Dual::constant); MOST];
             for (input, (at, by)) in inputs.iter_mut().zip(at.iter().zip(&by)) {

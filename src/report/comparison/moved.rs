@@ -10,7 +10,7 @@ pub(super) struct Moved {
     /// Side, if the wheels of an axle differ.
     side: Option<Side>,
     point: String,
-    pub(super) label: String,
+    label: String,
     by: [f64; 3],
 }
 

@@ -45,7 +45,7 @@ pub(super) struct Notes {
     /// Kind offered at each place that accepts any kind. Without an entry it is a number.
     pub(super) offers: BTreeMap<String, Kind>,
     /// Keys of tables whose type did not announce them.
-    pub(super) keys: BTreeMap<String, Vec<&'static str>>,
+    keys: BTreeMap<String, Vec<&'static str>>,
     /// Key that is withheld.
     pub(super) withheld: Option<String>,
     /// Place of the refused offer.
@@ -98,7 +98,7 @@ impl<'a> Source<'a> {
             .insert(kind);
     }
 
-    pub(super) fn at(&self, path: String) -> Source<'a> {
+    fn at(&self, path: String) -> Source<'a> {
         Source {
             notes: self.notes,
             path,

@@ -22,7 +22,7 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 impl<'a> CarSolver<'a> {
     /// Reads the wheels at these travels. `is_exact` demands poses.
-    pub(super) fn wheels(
+    fn wheels(
         &mut self,
         travels: [f64; 4],
         racks: [f64; 2],
@@ -154,7 +154,7 @@ impl Sizes {
         is_far.then(|| std::array::from_fn(|k| 0.5 * (x[k] + back[k])))
     }
 
-    pub(super) fn of(start: &[f64; UNKNOWNS], car: &Car) -> Self {
+    fn of(start: &[f64; UNKNOWNS], car: &Car) -> Self {
         let loads = start[LOADS..LOADS + 4].iter();
         Sizes {
             metre: car.per_metre(),

@@ -19,7 +19,7 @@ pub(in crate::compliance) struct Equations<T> {
     pub(in crate::compliance) unstable: Option<usize>,
     /// First part with a motion that nothing holds.
     pub(in crate::compliance) loose: Option<usize>,
-    pub(super) joints: usize,
+    joints: usize,
 }
 
 /// Reason for no step of a system.

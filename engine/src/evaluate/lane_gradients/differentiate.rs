@@ -116,7 +116,7 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
 /// Work piece in a separate function, so that poses of one design side by side and poses of many designs share the code.
 struct AtPose<'v, 'r, 't, B: SimdReal, P> {
     differentiating: &'v mut Differentiating<'r, 't, B>,
-    pub(super) station: usize,
+    station: usize,
     at: &'v P,
 }
 

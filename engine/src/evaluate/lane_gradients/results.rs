@@ -37,7 +37,7 @@ impl Found {
     }
 
     #[inline(always)]
-    pub(super) fn number(&self, of: &[f64], row: usize, design: usize) -> f64 {
+    fn number(&self, of: &[f64], row: usize, design: usize) -> f64 {
         assert!(design < self.lanes, "no such design");
         of[row * self.lanes + design]
     }

@@ -12,8 +12,8 @@ pub(crate) struct AlongTravel(pub(super) ByLinkage);
 
 /// Designs in lanes as series along the travel. The series are constant.
 pub(crate) struct SeriesDesign<B> {
-    pub(super) design: Vec<Vector3<Jet<B, 2>>>,
-    pub(super) closure: Closure<Jet<B, 2>>,
+    design: Vec<Vector3<Jet<B, 2>>>,
+    closure: Closure<Jet<B, 2>>,
 }
 
 impl AlongTravel {

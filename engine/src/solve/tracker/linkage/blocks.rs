@@ -13,7 +13,7 @@ pub(super) struct Order {
     rows: [usize; 6],
     columns: [usize; 6],
     /// Position of each row in this order.
-    pub(super) places: [usize; 6],
+    places: [usize; 6],
 }
 
 impl Order {
@@ -76,7 +76,7 @@ struct Inverse<B> {
 
 impl<B: Real> Inverse<B> {
     #[inline(always)]
-    pub(super) fn of([a, b, c]: [Vector3<B>; 3]) -> Self {
+    fn of([a, b, c]: [Vector3<B>; 3]) -> Self {
         let across = b.cross(c);
         let determinant = a.dot(across);
         let inverse = determinant.one() / determinant;

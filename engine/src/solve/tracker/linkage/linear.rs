@@ -9,7 +9,7 @@ use crate::number::{Outlined, SimdReal};
 pub(super) struct Linear<B> {
     pub(super) residuals: [B; 6],
     /// Derivatives by the displacement of the rack.
-    pub(super) by_rack: [B; 6],
+    by_rack: [B; 6],
     pub(super) blocks: Blocks<B>,
 }
 

@@ -20,8 +20,8 @@ const LONGEST: f64 = 0.1;
 /// Newton steps in the six unknowns.
 pub(super) struct NewtonSteps<'w, 'd, B> {
     pub(super) method: &'w ByLinkage,
-    pub(super) linkage: &'w LinkageDesign<'d, B>,
-    pub(super) tolerance: f64,
+    linkage: &'w LinkageDesign<'d, B>,
+    tolerance: f64,
     /// Equations linearised about the latest unknowns.
     pub(super) linear: RefCell<Linear<B>>,
     /// Determinants of A and S in the linearisation with which each lane converged.

@@ -31,7 +31,7 @@ pub(crate) struct LinkagePose<'p, 'd, B> {
 impl<B: SimdReal> LinkagePose<'_, '_, B> {
     /// Equations linearised about the pose, computed at the first request.
     #[inline(always)]
-    pub(super) fn linear(&self) -> Ref<'_, Linear<B>> {
+    fn linear(&self) -> Ref<'_, Linear<B>> {
         if !self.is_linear.replace(true) {
             self.travel.outlined(Linearising {
                 linkage: self.linkage,
@@ -148,10 +148,10 @@ fn slope<B: Real>(vector: Vector3<Jet<B, 2>>) -> Vector3<B> {
 
 /// Computes gradients from the closure equations in a pose.
 struct LinkageAdjoint<'p, B> {
-    pub(super) closure: &'p Closure<B>,
-    pub(super) at: &'p Configuration<'p, B>,
-    pub(super) travel: B,
-    pub(super) linear: Ref<'p, Linear<B>>,
+    closure: &'p Closure<B>,
+    at: &'p Configuration<'p, B>,
+    travel: B,
+    linear: Ref<'p, Linear<B>>,
 }
 
 impl<B: SimdReal> LaneAdjoint<B> for LinkageAdjoint<'_, B> {

@@ -9,9 +9,9 @@ use crate::number::{Jet, Outlined, SimdReal, Vector3};
 
 /// Computes gradients as series along the travel, from the closure equations as series.
 pub(crate) struct SeriesAdjoint<'p, B> {
-    pub(super) closure: &'p Closure<Jet<B, 2>>,
-    pub(super) at: &'p Configuration<'p, Jet<B, 2>>,
-    pub(super) blocks: Blocks<Jet<B, 2>>,
+    closure: &'p Closure<Jet<B, 2>>,
+    at: &'p Configuration<'p, Jet<B, 2>>,
+    blocks: Blocks<Jet<B, 2>>,
 }
 
 impl<B: SimdReal> SeriesAdjoint<'_, B> {
@@ -28,9 +28,9 @@ impl<B: SimdReal> SeriesAdjoint<'_, B> {
 
 /// Work piece that computes the equations along the travel.
 struct FormingSeries<'p, B> {
-    pub(super) closure: &'p Closure<Jet<B, 2>>,
-    pub(super) at: &'p Configuration<'p, Jet<B, 2>>,
-    pub(super) blocks: &'p mut Blocks<Jet<B, 2>>,
+    closure: &'p Closure<Jet<B, 2>>,
+    at: &'p Configuration<'p, Jet<B, 2>>,
+    blocks: &'p mut Blocks<Jet<B, 2>>,
 }
 
 impl<B: SimdReal> Outlined for FormingSeries<'_, B> {

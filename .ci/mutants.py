@@ -31,7 +31,7 @@ LONGEST_WAIT = 600
 ENGINE = "hardpoint-engine"
 # Folder: its files, the integration tests that see it, its crate, and the unit tests of that crate.
 FOLDERS = {
-    "tracker": (["engine/src/solve/tracker/*.rs", "engine/src/solve/closed_form/mod.rs"], ["lanes::"], ENGINE, ["solve::"]),
+    "tracker": (["engine/src/solve/tracker/**/*.rs", "engine/src/solve/closed_form/mod.rs", "engine/src/solve/closed_form/carried.rs"], ["lanes::"], ENGINE, ["solve::"]),
     "certificates": (["engine/src/analyse/certificate/*.rs"], ["certificate::"], ENGINE, ["analyse::"]),
     "tuning": (["engine/src/optimise/*.rs", "engine/src/optimise/constrained/**/*.rs"], ["tuning::"], ENGINE, ["optimise::"]),
     "standard errors": (

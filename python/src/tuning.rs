@@ -91,6 +91,49 @@ fn tune_study(
     })
 }
 
+/// Calls the callback with a start, an iteration and a misfit. Returns true if it ends the tuning.
+fn stops(callback: &Bound<'_, PyAny>, progress: (usize, u32, f64)) -> PyResult<bool> {
+    match callback.call1(progress) {
+        Ok(answer) => answer.is_truthy(),
+        Err(error) if error.is_instance_of::<PyStopIteration>(callback.py()) => Ok(true),
+        Err(error) => Err(error),
+    }
+}
+
+/// Yields that a tuning for yield expects. `None` if the tuning does not raise the yield.
+fn expected_yield<'py>(py: Python<'py>, tuning: &Tuning) -> PyResult<Option<Bound<'py, PyDict>>> {
+    Ok(match &tuning.expected_yield {
+        None => None,
+        Some(Ok(expected)) => {
+            let known = PyDict::new(py);
+            let [without_scatter, tuned] = expected.judged;
+            known.set_item("without_scatter", without_scatter)?;
+            known.set_item("tuned", tuned)?;
+            known.set_item("builds", expected.judged_builds)?;
+            known.set_item("surrogate", expected.surrogate)?;
+            Some(known)
+        }
+        Some(Err(reason)) => return Err(failure(format!("the yield is not raised: {reason}"))),
+    })
+}
+
+/// Adds the tables of a tuning as CSV: side effects, history and front.
+fn add_tables(result: &Bound<'_, PyDict>, found: &Tuned) -> PyResult<()> {
+    let py = result.py();
+    let effects = &found.summary.side_effects;
+    let effects = (!effects.is_empty()).then(|| side_effects_table(effects).csv(None));
+    result.set_item(
+        "side_effects",
+        effects.map(|csv| PyBytes::new(py, csv.as_bytes())),
+    )?;
+    let history = history_csv(&found.tuning.starts);
+    result.set_item("history", PyBytes::new(py, &history))?;
+    result.set_item(
+        "front",
+        found.front.as_deref().map(|csv| PyBytes::new(py, csv)),
+    )
+}
+
 /// Tunes a study towards its targets. `callback(start, iteration, misfit)` is called on this thread. If it returns true or raises
 /// `StopIteration`, the tuning ends with its present result.
 #[pyfunction]
@@ -114,12 +157,7 @@ pub(crate) fn optimise<'py>(
             return Ok(());
         };
         for progress in iterations.try_iter() {
-            let stops = match callback.call1(progress) {
-                Ok(answer) => answer.is_truthy()?,
-                Err(error) if error.is_instance_of::<PyStopIteration>(py) => true,
-                Err(error) => return Err(error),
-            };
-            if stops {
+            if stops(callback, progress)? {
                 flag.store(true, Ordering::Relaxed);
             }
         }
@@ -174,33 +212,9 @@ pub(crate) fn optimise<'py>(
     result.set_item("message", message.join("; "))?;
     let json = serde_json::to_string(summary).map_err(|e| failure(e.to_string()))?;
     result.set_item("summary", json)?;
-    let expected = match &tuning.expected_yield {
-        None => None,
-        Some(Ok(expected)) => {
-            let known = PyDict::new(py);
-            let [without_scatter, tuned] = expected.judged;
-            known.set_item("without_scatter", without_scatter)?;
-            known.set_item("tuned", tuned)?;
-            known.set_item("builds", expected.judged_builds)?;
-            known.set_item("surrogate", expected.surrogate)?;
-            Some(known)
-        }
-        Some(Err(reason)) => return Err(failure(format!("the yield is not raised: {reason}"))),
-    };
-    result.set_item("expected_yield", expected)?;
+    result.set_item("expected_yield", expected_yield(py, tuning)?)?;
     result.set_item("front_record", &found.front_record)?;
-    let effects = &summary.side_effects;
-    let effects = (!effects.is_empty()).then(|| side_effects_table(effects).csv(None));
-    result.set_item(
-        "side_effects",
-        effects.map(|csv| PyBytes::new(py, csv.as_bytes())),
-    )?;
-    let history = history_csv(&tuning.starts);
-    result.set_item("history", PyBytes::new(py, &history))?;
-    result.set_item(
-        "front",
-        found.front.as_deref().map(|csv| PyBytes::new(py, csv)),
-    )?;
+    add_tables(&result, &found)?;
     Ok(result)
 }
 

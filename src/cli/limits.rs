@@ -1,26 +1,29 @@
 //! `hardpoint limits`
 
+mod margin;
+mod row;
+
 use super::elastic_limits;
 use super::exit::{Exit, Stop};
 use super::output::design_fault;
 use super::printer::Printer;
 use super::save::save;
 use super::{LimitsArguments, StudyArguments};
-use crate::analyse::{Limit, Limits, Range, RangeEnd};
+use crate::analyse::{Limits, Range, RangeEnd};
 use crate::axle::{Axle, AxleEnd, AxleLimits, TravelRanges};
 use crate::checked::{NamedCurves, motion_alone};
-use crate::curves::{Curves, curves};
-use crate::derive::MotionPoint;
-use crate::mechanism::{DesignFault, LimitCause, Toggle};
-use crate::model::{self, Axis, PointId, RockerId, Rod, Side};
+use crate::curves::curves;
+use crate::mechanism::{DesignFault, Toggle};
+use crate::model::{self, Axis, RockerId, Side};
 use crate::plan::Plan;
-use crate::report::{
-    Cell, Column, FailureRange, LimitsSheet, Table, as_written, brief, limits_page,
-};
+use crate::report::{FailureRange, LimitsSheet, Table, as_written, limits_page};
 use crate::solve::Solver;
 use crate::solved::Solved;
 use crate::study::{AxleStudy, CarStudy, Drive, Study, Vehicle, WheelStudy};
-use std::ops::ControlFlow;
+use margin::margin;
+pub(super) use margin::travel_left;
+pub(super) use row::{LOST, Row, columns};
+use row::{at_toggle, because, row};
 use std::path::Path;
 
 pub(super) fn run(arguments: &LimitsArguments) -> Result<Exit, Stop> {
@@ -230,34 +233,6 @@ pub(super) fn travel_rows<'l>(axle: &Axle, limits: &'l AxleLimits) -> Vec<(Row, 
     }
 }
 
-/// Cause of a limit for which no singularity was found.
-pub(super) const LOST: &str = "the path could not be followed further";
-
-/// Cause of a limit at which a rod is in toggle position.
-fn at_toggle(rod: Rod) -> String {
-    format!(
-        "the {rod} is at toggle: it turns {} no further",
-        rod.turns()
-    )
-}
-
-/// Row of a quantity with its limits and causes. `factor` multiplies the values; a negative factor swaps the limits.
-fn row(what: [&str; 2], factor: f64, ends: [(f64, String); 2]) -> [Cell; 6] {
-    let [quantity, at] = what.map(Cell::from);
-    let [mut from, mut to] = ends.map(|(value, why)| (value * factor, why));
-    if factor < 0.0 {
-        (from, to) = (to, from);
-    }
-    [
-        quantity,
-        at,
-        from.0.into(),
-        from.1.into(),
-        to.0.into(),
-        to.1.into(),
-    ]
-}
-
 /// Range of the study's drive at each requested rack displacement, in the study's axes.
 pub(super) fn ranges_by_rack(
     plan: &Plan,
@@ -266,122 +241,6 @@ pub(super) fn ranges_by_rack(
     let drive = plan.drive.in_kernel();
     let mut range = |rack: f64| Ok((rack, solver.drive_range(drive, rack * plan.rack_sign)?));
     plan.racks.iter().map(|rack| range(*rack)).collect()
-}
-
-/// Row of the table: a quantity, and the positions at which the other quantities are held.
-pub(super) struct Row {
-    pub(super) quantity: String,
-    pub(super) at: String,
-    /// Factor of printed values; a negative factor swaps the limits.
-    pub(super) factor: f64,
-}
-
-impl Row {
-    pub(super) fn of(&self, study: &Study, lower: &RangeEnd, upper: &RangeEnd) -> [Cell; 6] {
-        let beyond = match (lower, upper) {
-            (RangeEnd::FullTurn, RangeEnd::FullTurn) => "no limit: it turns all the way round",
-            _ => "no limit within half a turn",
-        };
-        let end = |end: &RangeEnd, turn: f64| match end {
-            RangeEnd::Fold(limit) => (limit.value, because(limit, study)),
-            RangeEnd::FullTurn => (turn, beyond.to_owned()),
-            RangeEnd::Toggle { value, rod } => (*value, at_toggle(*rod)),
-            RangeEnd::Unresolved(value) => (*value, LOST.to_owned()),
-        };
-        let turn = std::f64::consts::PI;
-        self.cells([end(lower, -turn), end(upper, turn)])
-    }
-
-    /// Cells of limits with their causes.
-    fn cells(&self, ends: [(f64, String); 2]) -> [Cell; 6] {
-        row([&self.quantity, &self.at], self.factor, ends)
-    }
-
-    /// Limits as the table shows them, the lower one first.
-    pub(super) fn in_table(&self, ends: [f64; 2]) -> [f64; 2] {
-        let mut ends = ends.map(|end| end * self.factor);
-        if self.factor < 0.0 {
-            ends.reverse();
-        }
-        ends
-    }
-
-    /// Row for the travel of one wheel of an axle.
-    pub(super) fn wheel_travel(axle: &Axle, side: Side) -> Self {
-        Row {
-            quantity: format!("{}_travel_{}", side.name(), axle.left.length_unit.symbol()),
-            at: "rack 0".to_owned(),
-            factor: 1.0,
-        }
-    }
-
-    /// Row for the rack of an axle, in the study's axes.
-    pub(super) fn axle_rack(axle: &Axle) -> Self {
-        Row {
-            quantity: format!("rack_{}", axle.left.length_unit.symbol()),
-            at: "travels 0".to_owned(),
-            factor: axle.left.frame.sign(Axis::Y),
-        }
-    }
-
-    /// Row for the roll angle of an axle.
-    pub(super) fn roll() -> Self {
-        Row {
-            quantity: "roll_deg".to_owned(),
-            at: "heave 0, rack 0".to_owned(),
-            factor: 1.0_f64.to_degrees(),
-        }
-    }
-
-    /// Row without a range, for a rack position that the mechanism cannot reach.
-    fn of_no_rack(&self) -> [Cell; 6] {
-        let [quantity, at] = [&self.quantity, &self.at].map(|text| Cell::from(text.as_str()));
-        let [why, also] = [(); 2].map(|()| Cell::from("the rack cannot reach this position"));
-        [
-            quantity,
-            at,
-            None::<f64>.into(),
-            why,
-            None::<f64>.into(),
-            also,
-        ]
-    }
-}
-
-/// Cause of a limit: the part that is singular, or the part nearest to a singularity.
-fn because(limit: &Limit, study: &Study) -> String {
-    let name = |id: &PointId| {
-        let name = study.wheel().mechanism.name(*id);
-        let ends = ["_outer", "_axle", "_rocker"];
-        let link = ends.iter().find_map(|end| name.strip_suffix(end));
-        link.unwrap_or(name).to_owned()
-    };
-    let links: Vec<String> = limit.dependent.iter().map(name).collect();
-    match (limit.cause, &limit.nearest) {
-        (LimitCause::DependentLinks, _) => {
-            format!(
-                "{} have come to a dead centre with each other",
-                links.join(", ")
-            )
-        }
-        (LimitCause::AxleFolds, _) if study.wheel().mechanism.topology.is_twist_beam() => {
-            "the wheel centres rise no further: the arms stand upright, or the halves lock each other"
-                .to_owned()
-        }
-        (cause @ LimitCause::AxleFolds, _) => {
-            format!("{cause}; the largest force is in {}", links.join(", "))
-        }
-        (cause, Some(nearest)) if !cause.is_part() => {
-            let part = match nearest.cause {
-                LimitCause::StrutSquare => "strut",
-                LimitCause::UpperArmStraight => "upper arm",
-                _ => "tie rod",
-            };
-            let angle = nearest.sine.min(1.0).asin().to_degrees();
-            format!("{cause} (nearest: the {part}, {angle:.1} deg)")
-        }
-        (cause, _) => cause.to_string(),
-    }
 }
 
 /// Position of the rack while another quantity moves to its limits.
@@ -438,18 +297,6 @@ fn driven(study: &Study, at: String) -> Row {
     }
 }
 
-/// Columns of the table of limits.
-pub(super) fn columns() -> [Column; 6] {
-    [
-        "quantity".into(),
-        "at".into(),
-        Column::named("lower limit", "from"),
-        Column::named("cause", "because"),
-        Column::named("upper limit", "to"),
-        Column::named("its cause", "because there"),
-    ]
-}
-
 /// Name of the travel at which a rocker's rod is in toggle position.
 pub(super) fn rod_travel(study: &Study, rocker: RockerId) -> String {
     let rod = study.wheel().mechanism.rocker(rocker).rod.to_string();
@@ -489,75 +336,4 @@ fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
         table.push(row([&name, straight(limits)], 1.0, [from, to]));
     }
     table
-}
-
-/// Distance from the drive values to the nearest limit of all these ranges. Negative if a value is beyond it.
-pub(super) fn travel_left<'r>(ranges: impl Iterator<Item = &'r Range>, values: &[f64]) -> f64 {
-    let left = ranges.flat_map(|range| values.iter().map(move |value| range.margin(*value)));
-    left.fold(f64::INFINITY, f64::min)
-}
-
-/// Smallest distance to a singularity over the motion of the study, in words.
-fn margin(
-    study: &Study,
-    plan: &Plan,
-    solver: &mut Solver,
-    by_rack: &[(f64, Range)],
-    moved: &Curves,
-) -> Result<String, DesignFault> {
-    let unit = study.wheel().length_unit.symbol();
-    let drive = plan.drive.in_kernel();
-    let values = plan.station_order.values();
-    let mut least = (f64::INFINITY, 0.0);
-    for rack in &plan.racks {
-        let rack = rack * plan.rack_sign;
-        solver.for_each_pose(drive, &plan.station_order, rack, |solver, station, pose| {
-            let value = values[station];
-            if let Ok(pose) = pose {
-                let point = MotionPoint { drive, value, rack };
-                let distance = solver.conditioning(pose, &point).distance;
-                if distance < least.0 {
-                    least = (distance, value);
-                }
-            }
-            ControlFlow::Continue(())
-        })?;
-    }
-    let (distance, at) = least;
-    let reached = moved.stations.len() - moved.failed();
-    let stations = match moved.failed() {
-        0 => "Over the study's motion".to_owned(),
-        _ => format!(
-            "Over the {reached} of {} stations that the mechanism reaches",
-            moved.stations.len()
-        ),
-    };
-    if reached == 0 {
-        return Ok("The mechanism reaches no station of the study's motion.".to_owned());
-    }
-    let mut text = format!(
-        "{stations} the smallest distance to a singularity is {} {unit}, at {} {}.",
-        brief(distance),
-        plan.drive.name(),
-        as_written(plan.drive.printed(at))
-    );
-    if drive == model::Drive::Travel {
-        let reached = || by_rack.iter().filter(|(_, range)| !range.is_empty());
-        let where_reached = match reached().count() == by_rack.len() {
-            true => "",
-            false => " at the rack positions that are reached",
-        };
-        let left = travel_left(reached().map(|(_, range)| range), values);
-        text += &match left >= 0.0 {
-            true => format!(
-                " Nearest travel limit{where_reached}: {} {unit} away.",
-                brief(left)
-            ),
-            false => format!(
-                " The motion goes {} {unit} beyond the travel limit{where_reached}.",
-                brief(-left)
-            ),
-        };
-    }
-    Ok(text)
 }

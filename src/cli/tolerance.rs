@@ -79,11 +79,27 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     }
     output.finish()?;
 
-    output.say(&format!("{}: {}\n\n", study.name, summary.headline()))?;
+    print(&output, &study.name, &summary, &contributors)?;
+    ended(
+        &output,
+        interrupted,
+        [builds.builds, tolerance.builds],
+        &files,
+    )
+}
+
+/// Prints the tables of a summary, and remarks about builds without values.
+fn print(
+    output: &Output,
+    study: &str,
+    summary: &ToleranceSummary,
+    contributors: &[String],
+) -> Result<(), Stop> {
+    output.say(&format!("{}: {}\n\n", study, summary.headline()))?;
     output.table("values", &summary.values_table())?;
     if summary.bands.is_empty() {
         output.text_only("\nShares of the builds' variance in the design position: first-order shares and the remainder\n\n")?;
-        output.table("shares", &summary.shares_table(&contributors))?;
+        output.table("shares", &summary.shares_table(contributors))?;
     } else {
         output.text_only("\n")?;
         output.table("bands", &summary.bands_table())?;
@@ -92,13 +108,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
         )?;
         output.table("ranking", &summary.ranking_table())?;
     }
-    output.say_remarks(summary.failures())?;
-    ended(
-        &output,
-        interrupted,
-        [builds.builds, tolerance.builds],
-        &files,
-    )
+    output.say_remarks(summary.failures())
 }
 
 /// Prints the number of finished builds of the requested ones, and the files of the run.

@@ -287,9 +287,10 @@ impl File<'_> {
         Ok(())
     }
 
-    fn axle(&self, name: &str, axle: AxlePosition, table: &mut PointTable) -> Result<(), String> {
+    /// Topology of an axle, from its type.
+    fn kind(&self, name: &str, axle: AxlePosition, table: &mut PointTable) -> Result<Kind, String> {
         let kind = self.entry(name, "TYPE").map_or("", |entry| entry.value);
-        let kind = match kind.to_ascii_uppercase().as_str() {
+        Ok(match kind.to_ascii_uppercase().as_str() {
             "DWB" => Kind::Topology("double_wishbone"),
             "STRUT" => Kind::Topology("macpherson"),
             "AXLE" => self.live_axle(axle, table)?,
@@ -300,7 +301,11 @@ impl File<'_> {
             other => Kind::Other(format!(
                 "[{name}] TYPE is {other:?}; expected DWB, STRUT or AXLE"
             )),
-        };
+        })
+    }
+
+    fn axle(&self, name: &str, axle: AxlePosition, table: &mut PointTable) -> Result<(), String> {
+        let kind = self.kind(name, axle, table)?;
         let is_ours = !matches!(kind, Kind::Other(_));
         let is_live = matches!(
             kind,

@@ -73,6 +73,28 @@ pub fn import_car(
     })
 }
 
+/// Keys that the study of an axle lacks for a car.
+fn needs_of(axle: &Imported) -> Vec<&'static str> {
+    let mut needs = Vec::new();
+    if axle.wheel_radius.is_none() {
+        needs.push("radius in [wheel] (--radius)");
+    }
+    let has_spring = axle
+        .hardpoints
+        .iter()
+        .any(|h| ["spring_lower", "strut_lower"].contains(&h.name));
+    if !has_spring {
+        needs.push("spring_upper and spring_lower");
+    }
+    if axle.figures.spring.is_none() || !has_spring {
+        needs.push("rate and force in [spring]");
+    }
+    if axle.figures.unsprung_mass.is_none() {
+        needs.push("unsprung_mass in [vehicle]");
+    }
+    needs
+}
+
 /// Text of the study of the car.
 fn car(
     table: &PointTable,
@@ -82,23 +104,7 @@ fn car(
     missing: &mut Vec<String>,
 ) -> String {
     for (axle, file) in [(front, CAR_FILES[1]), (rear, CAR_FILES[2])] {
-        let mut needs = Vec::new();
-        if axle.wheel_radius.is_none() {
-            needs.push("radius in [wheel] (--radius)");
-        }
-        let has_spring = axle
-            .hardpoints
-            .iter()
-            .any(|h| ["spring_lower", "strut_lower"].contains(&h.name));
-        if !has_spring {
-            needs.push("spring_upper and spring_lower");
-        }
-        if axle.figures.spring.is_none() || !has_spring {
-            needs.push("rate and force in [spring]");
-        }
-        if axle.figures.unsprung_mass.is_none() {
-            needs.push("unsprung_mass in [vehicle]");
-        }
+        let needs = needs_of(axle);
         if !needs.is_empty() {
             missing.push(format!("{file}: {}", needs.join(", ")));
         }

@@ -49,6 +49,27 @@ pub(super) fn drop_incomplete(
         ));
         hardpoints.retain(|h| !loose.contains(&h.name));
     }
+    drop_from_rocker(has_lost_rocker, hardpoints, left_out);
+    // The user named these points, so they must not be dropped.
+    let lost = before.iter().find(|was| {
+        options.names.contains_key(was.name) && !hardpoints.iter().any(|h| h.name == was.name)
+    });
+    match lost {
+        Some(lost) => Err(format!(
+            "--map names {}, which cannot be used: {}",
+            lost.name,
+            left_out.last().map_or("", String::as_str)
+        )),
+        None => Ok(()),
+    }
+}
+
+/// Leaves out a spring and an anti-roll bar that act on a rocker which is not complete.
+fn drop_from_rocker(
+    has_lost_rocker: bool,
+    hardpoints: &mut Vec<Hardpoint>,
+    left_out: &mut Vec<String>,
+) {
     let on_rocker = |name: &str, hardpoints: &[Hardpoint]| {
         let found = hardpoints.iter().find(|h| h.name == name);
         found.is_some_and(|h| h.body.as_deref().or(h.named_body) == Some("rocker"))
@@ -81,18 +102,6 @@ pub(super) fn drop_incomplete(
             "anti_roll_bar_outer",
         ];
         hardpoints.retain(|h| !bar.contains(&h.name));
-    }
-    // The user named these points, so they must not be dropped.
-    let lost = before.iter().find(|was| {
-        options.names.contains_key(was.name) && !hardpoints.iter().any(|h| h.name == was.name)
-    });
-    match lost {
-        Some(lost) => Err(format!(
-            "--map names {}, which cannot be used: {}",
-            lost.name,
-            left_out.last().map_or("", String::as_str)
-        )),
-        None => Ok(()),
     }
 }
 

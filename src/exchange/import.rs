@@ -97,37 +97,27 @@ pub struct Imported {
     pub left_out: Vec<String>,
 }
 
+/// Points of a file that have a role.
+fn named_points<'t>(table: &'t PointTable, roles: &[Option<Role>]) -> Vec<Named<'t>> {
+    let points = table.points.iter().zip(roles);
+    let named = points.filter_map(|(point, role)| {
+        let role = role.clone()?;
+        Some(Named { point, role })
+    });
+    named.collect()
+}
+
 /// Makes the wheel from a file's points.
 pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Imported, Refusal> {
     let mut notes = table.notes.clone();
     let mut left_out = table.left_out.clone();
     let roles = roles_of(table, options)?;
-    let named: Vec<Named<'_>> = table
-        .points
-        .iter()
-        .zip(&roles)
-        .filter_map(|(point, role)| {
-            let role = role.clone()?;
-            Some(Named { point, role })
-        })
-        .collect();
+    let named = named_points(table, &roles);
     let is_optimum = roles::is_optimum(&table.points);
     let mut corner = corner::choose(table, &named, options, &mut notes)?;
     if options.topology.carries_both_wheels() {
-        if options.side == Some(Side::Right) {
-            let reason =
-                "--side right: this axle has both wheels, and its study gives the left half";
-            return Err(Refusal::Wrong(reason.to_owned()));
-        }
         corner.side = Some(Side::Left);
-        let right = right_half(&named, corner);
-        if !right.is_empty() {
-            left_out.push(format!(
-                "points of the right half ({}): the study has the mirror image of the left one; write those that differ under \
-                 [axle.right.hardpoints]",
-                right.join(", ")
-            ));
-        }
+        left_half(&named, corner, options, &mut left_out)?;
     }
     let mut picked = Vec::new();
     for known in options.topology.all_hardpoints() {
@@ -196,6 +186,28 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
     imported.seats = seats::of(&imported, options.bodies)?;
     imported.notes.extend(seats::notes(&imported.seats));
     Ok(imported)
+}
+
+/// Refuses the right half of an axle with both wheels, and notes the points that the file gives for it.
+fn left_half(
+    named: &[Named<'_>],
+    corner: Corner,
+    options: &ImportOptions<'_>,
+    left_out: &mut Vec<String>,
+) -> Result<(), Refusal> {
+    if options.side == Some(Side::Right) {
+        let reason = "--side right: this axle has both wheels, and its study gives the left half";
+        return Err(Refusal::Wrong(reason.to_owned()));
+    }
+    let right = right_half(named, corner);
+    if !right.is_empty() {
+        left_out.push(format!(
+            "points of the right half ({}): the study has the mirror image of the left one; write those that differ under \
+             [axle.right.hardpoints]",
+            right.join(", ")
+        ));
+    }
+    Ok(())
 }
 
 /// Hardpoints of a solid axle that the file also gives for the right half.

@@ -349,10 +349,9 @@ mod tests {
         for (others, name, hardpoint, side, axle, body) in cases {
             let letters = Letters::of(others.iter().copied());
             let role = read(name, topology, letters).unwrap_or_else(|| panic!("{name}"));
-            let marks = Marks { side, axle };
             assert_eq!(
                 (role.hardpoint, role.marks, role.body),
-                (hardpoint, marks, body),
+                (hardpoint, Marks { side, axle }, body),
                 "{name}"
             );
         }

@@ -1,13 +1,20 @@
 //! Curves and points of several designs side by side, in the unit and axes of the first design.
 
+mod moved;
+#[cfg(test)]
+mod tests;
+mod units;
+
 use super::common_motion::CommonMotion;
 use super::curve_table::CurveTable;
 use super::files::csv_of_rows;
 use super::optional;
 use super::record::{Record, readable_unit};
 use super::table::{Cell, Table};
-use crate::model::{Axis, LengthUnit, Side};
+use crate::model::LengthUnit;
+use moved::{Moved, moved};
 use serde::Serialize;
+use units::{in_unit, split};
 
 /// Points of a wheel by name.
 #[derive(Clone, Debug)]
@@ -111,16 +118,6 @@ struct OwnOutput {
     unit: String,
     /// Values of each design at its own stations. `None` if the design does not have the column.
     values: Vec<Option<Vec<Option<f64>>>>,
-}
-
-/// A point whose position differs from that in the first design.
-#[derive(Clone, Debug)]
-struct Moved {
-    /// Side, if the wheels of an axle differ.
-    side: Option<Side>,
-    point: String,
-    label: String,
-    by: [f64; 3],
 }
 
 impl Comparison {
@@ -340,26 +337,6 @@ impl Comparison {
         })
     }
 
-    /// Table of the points that differ from the first design, in its axes and unit.
-    pub fn moved_table(&self) -> Table {
-        let unit = self.unit.symbol();
-        let axes = ["x", "y", "z"].map(|axis| format!("d{axis} {unit}"));
-        let sided = self.moved.iter().any(|moved| moved.side.is_some());
-        let side = sided.then(|| "side".to_owned()).into_iter();
-        let names = side.chain(["hardpoint", "of"].map(str::to_owned));
-        let header = names.chain(axes).chain([format!("moved {unit}")]);
-        let mut table = Table::with_columns(header);
-        for moved in &self.moved {
-            let [x, y, z] = moved.by;
-            let distance = x.hypot(y).hypot(z);
-            let cells = [x, y, z, distance].map(|length| Cell::figure(length, unit));
-            let names = [moved.point.as_str(), moved.label.as_str()].map(Cell::from);
-            let side = sided.then(|| Cell::from(moved.side.map(Side::name)));
-            table.push_row(side.into_iter().chain(names).chain(cells));
-        }
-        table.keyed(if sided { 3 } else { 2 })
-    }
-
     /// Content of `comparison.csv`: one row per station. Each output has a column for each design, and a column for each
     /// difference from the first design.
     pub fn csv(&self) -> Vec<u8> {
@@ -387,111 +364,6 @@ impl Comparison {
         });
         csv_of_rows([header].into_iter().chain(rows))
     }
-}
-
-/// Curves of a design with their lengths in another unit.
-fn in_unit(design: &Compared, unit: LengthUnit) -> CurveTable {
-    let mut table = design.curves.clone();
-    if design.unit == unit {
-        return table;
-    }
-    let ratio = unit.per_metre() / design.unit.per_metre();
-    for (name, column) in table.header.iter_mut().zip(&mut table.columns) {
-        let (renamed, power) = converted(name, design.unit, unit);
-        *name = renamed;
-        let factor = ratio.powi(power);
-        for value in column.iter_mut().flatten() {
-            *value *= factor;
-        }
-    }
-    table
-}
-
-/// Name of a column with another unit of length, and the power of the length in its unit.
-fn converted(name: &str, from: LengthUnit, to: LengthUnit) -> (String, i32) {
-    let mut power = 0;
-    let mut sign = 1;
-    let words = name.split('_').map(|word| {
-        if word == "per" {
-            sign = -1;
-        }
-        let count = match word.strip_prefix(from.symbol()) {
-            Some("") => 1,
-            Some("2") => 2,
-            _ => return word.to_owned(),
-        };
-        power += sign * count;
-        format!("{}{}", to.symbol(), &word[from.symbol().len()..])
-    });
-    let renamed = words.collect::<Vec<_>>().join("_");
-    (renamed, power)
-}
-
-/// Splits a column's name into the part before its unit, and the unit.
-fn split(name: &str) -> (&str, &str) {
-    const UNITS: [&str; 11] = [
-        "deg", "mm", "m", "in", "percent", "N", "lbf", "ft", "per", "rad", "kg",
-    ];
-    let mut start = name.len();
-    for (at, _) in name.rmatch_indices('_') {
-        let word = name[at + 1..].split('_').next().unwrap_or("");
-        if !UNITS.contains(&word.trim_end_matches('2')) {
-            break;
-        }
-        start = at;
-    }
-    match name.get(start + 1..) {
-        Some(unit) => (&name[..start], unit),
-        None => (name, ""),
-    }
-}
-
-/// Points of equal names at different positions. If a design has separate points for the right wheel, both wheels are compared.
-fn moved(designs: &[Compared]) -> Vec<Moved> {
-    let differs = |d: &Compared| matches!(d.points, Some(ComparedPoints::BothWheels(_)));
-    if designs.iter().any(differs) {
-        let wheels = Side::ALL.into_iter().enumerate();
-        let moved = wheels.map(|(number, side)| moved_of(designs, number, Some(side)));
-        return moved.flatten().collect();
-    }
-    moved_of(designs, 0, None)
-}
-
-/// Points of one wheel at different positions.
-fn moved_of(designs: &[Compared], wheel: usize, side: Option<Side>) -> Vec<Moved> {
-    let first = &designs[0];
-    let Some(reference) = first.points.as_ref().map(|points| points.wheel(wheel)) else {
-        return Vec::new();
-    };
-    // A mirror image is in the frame of a left wheel.
-    let is_mirror_image = matches!(first.points, Some(ComparedPoints::OneWheel(_)));
-    let mut signs = reference.signs;
-    if side == Some(Side::Right) && is_mirror_image {
-        signs[Axis::Y as usize] = -signs[Axis::Y as usize];
-    }
-    let mut moved = Vec::new();
-    for (name, from) in &reference.points {
-        for design in &designs[1..] {
-            let Some(points) = &design.points else {
-                continue;
-            };
-            let ratio = first.unit.per_metre() / design.unit.per_metre();
-            let mut points = points.wheel(wheel).points.iter();
-            let Some((_, to)) = points.find(|(known, _)| known == name) else {
-                continue;
-            };
-            let by = [0, 1, 2].map(|axis| signs[axis] * (to[axis] * ratio - from[axis]));
-            if by.iter().any(|by| *by != 0.0) {
-                moved.push(Moved {
-                    side,
-                    point: name.clone(),
-                    label: design.label.clone(),
-                    by,
-                });
-            }
-        }
-    }
-    moved
 }
 
 /// Record with the drawings of all designs. `None` unless all designs have the same points, unit, axes and motion.
@@ -522,90 +394,4 @@ fn mechanisms(designs: &[Compared]) -> Option<Record> {
         front: None,
         ..(*first).clone()
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn design(label: &str, unit: LengthUnit, csv: &str) -> Compared {
-        Compared {
-            label: label.to_owned(),
-            topology: None,
-            curves: CurveTable::read(csv.as_bytes()).unwrap(),
-            unit,
-            mechanism: None,
-            points: Some(ComparedPoints::OneWheel(NamedPoints {
-                points: vec![("strut_top".to_owned(), [0.0, 254.0 / 25.4, 1.0])],
-                signs: [1.0; 3],
-            })),
-        }
-    }
-
-    #[test]
-    fn differences_are_taken_at_common_stations_in_one_unit() {
-        let mm = "travel_mm,camber_deg,bump_steer_deg_per_mm,status\n-25.4,1.0,0.5,ok\n0,2.0,0.5,ok\n7,9,9,ok\n";
-        let inch = "travel_in,camber_deg,bump_steer_deg_per_in,toe_deg,status\n-1,1.5,12.7,0,ok\n0,,12.7,0,ok\n";
-        let designs = [
-            design("a", LengthUnit::Millimetre, mm),
-            design("b", LengthUnit::Inch, inch),
-        ];
-        let comparison = Comparison::of(&designs).unwrap();
-        assert_eq!(comparison.stations, [[-25.4], [0.0]]);
-        assert_eq!(comparison.outputs[0].values[1], [Some(1.5), None]);
-        let steer = &comparison.outputs[1];
-        assert_eq!(
-            (steer.column.as_str(), steer.unit.as_str()),
-            ("bump_steer_deg_per_mm", "°/mm")
-        );
-        assert!((steer.values[1][0].unwrap() - 0.5).abs() < 1e-15);
-        // Each design keeps its own stations, and the outputs that no other design has.
-        let own = |column: &str| {
-            let mut all = comparison.own_outputs.iter();
-            &all.find(|o| o.column == column).unwrap().values
-        };
-        assert_eq!(comparison.own_stations[0].len(), 3);
-        assert_eq!(
-            own("camber_deg")[0],
-            Some(vec![Some(1.0), Some(2.0), Some(9.0)])
-        );
-        assert_eq!(own("toe_deg")[..], [None, Some(vec![Some(0.0); 2])]);
-        assert_eq!(
-            comparison.partial,
-            [("toe_deg".to_owned(), vec!["b".to_owned()])]
-        );
-        let csv = String::from_utf8(comparison.csv()).unwrap();
-        assert!(
-            csv.starts_with("travel_mm,camber_deg [a],camber_deg [b],camber_deg [b - a],"),
-            "{csv}"
-        );
-        assert!(csv.contains("-25.4,1.0,1.5,0.5,"), "{csv}");
-        // 10 in are 254 mm, 1 in is 25.4 mm.
-        let moved = comparison.moved_table().csv(None);
-        assert!(moved.contains("strut_top,b,0.0,244.0,24.4,"), "{moved}");
-    }
-
-    #[test]
-    fn what_cannot_be_compared_says_why() {
-        let table = "travel_mm,camber_deg,status\n0,1.0,ok\n";
-        let other = "travel_mm,camber_deg,status\n1,1.0,ok\n";
-        let mm = LengthUnit::Millimetre;
-        let refused = Comparison::of(&[design("a", mm, table), design("b", mm, other)]);
-        assert!(refused.unwrap_err().contains("share no value of travel_mm"));
-        let third = "travel_mm,toe_deg,status\n0,1.0,ok\n";
-        let refused = Comparison::of(&[design("a", mm, table), design("b", mm, third)]);
-        assert!(refused.unwrap_err().contains("share no output"));
-    }
-
-    #[test]
-    fn units_are_told_from_names() {
-        for (name, title, unit) in [
-            ("camber_deg", "camber", "deg"),
-            ("motion_ratio", "motion_ratio", ""),
-            ("camber_d1_deg_per_mm", "camber_d1", "deg_per_mm"),
-            ("braking_tie_rod_N", "braking_tie_rod", "N"),
-        ] {
-            assert_eq!(split(name), (title, unit));
-        }
-    }
 }

@@ -1,7 +1,7 @@
 //! Regions in which constraints keep points, or which points must avoid, and members that must stay apart, for the drawing.
 
 use crate::characteristics::{Measure, Quantity};
-use crate::model::{Axis, Frame};
+use crate::model::{Axis, Frame, PointId};
 use crate::number::Vector3;
 use crate::study::{Constraint, Limited, Study};
 use serde::{Deserialize, Serialize};
@@ -69,10 +69,6 @@ impl Places {
 
     fn add(&mut self, constraint: &Constraint, frame: &Frame, design: &[Vector3<f64>], size: f64) {
         let name = || constraint.name.clone();
-        let upper_of = |wanted: fn(&Measure) -> bool| {
-            let mut parts = constraint.parts.iter();
-            parts.find(|part| wanted(&part.of))
-        };
         let Some(first) = constraint.parts.first() else {
             return;
         };
@@ -86,23 +82,7 @@ impl Places {
                 return;
             }
             Measure::FromSpinAxis(point) | Measure::FromSpinAxisAt([point, _], _) => {
-                let along = upper_of(|of| matches!(of, Measure::AlongSpinAxis(_)));
-                let edge = constraint.parts.iter().find_map(|part| match part.of {
-                    Measure::FromSpinAxisAt(_, from) => Some(from),
-                    _ => None,
-                });
-                let limit = |limit: fn(&Limited) -> Option<f64>, none: f64| {
-                    along.and_then(limit).unwrap_or(none)
-                };
-                self.rims.push(Rim {
-                    name: name(),
-                    point: point.0,
-                    radius: first.upper.unwrap_or(0.0),
-                    ends: [
-                        edge.unwrap_or_else(|| limit(|p| p.lower, -0.3 * size)),
-                        limit(|p| p.upper, 0.1 * size),
-                    ],
-                });
+                self.rims.push(rim(constraint, *point, size));
                 return;
             }
             Measure::Quantity(Quantity::Coordinate(point, _)) => {
@@ -125,7 +105,7 @@ impl Places {
                 through,
                 along,
             } => {
-                let axial = upper_of(|of| matches!(of, Measure::Height { .. }));
+                let axial = part_of(constraint, |of| matches!(of, Measure::Height { .. }));
                 let half = axial.and_then(|part| part.upper).unwrap_or(0.5 * size);
                 let radius = first.upper.unwrap_or(0.0);
                 (*point, tube_lines(*through, *along, half, radius))
@@ -157,6 +137,33 @@ impl Places {
             point: point.0,
             lines: lines.collect(),
         });
+    }
+}
+
+/// First part of a constraint with a measure of this kind.
+fn part_of(constraint: &Constraint, is_wanted: fn(&Measure) -> bool) -> Option<&Limited> {
+    let mut parts = constraint.parts.iter();
+    parts.find(|part| is_wanted(&part.of))
+}
+
+/// Rim that a point must stay inside. `size` is the size of a wheel.
+fn rim(constraint: &Constraint, point: PointId, size: f64) -> Rim {
+    let along = part_of(constraint, |of| matches!(of, Measure::AlongSpinAxis(_)));
+    let edge = constraint.parts.iter().find_map(|part| match part.of {
+        Measure::FromSpinAxisAt(_, from) => Some(from),
+        _ => None,
+    });
+    let limit =
+        |limit: fn(&Limited) -> Option<f64>, none: f64| along.and_then(limit).unwrap_or(none);
+    let radius = constraint.parts.first().and_then(|part| part.upper);
+    Rim {
+        name: constraint.name.clone(),
+        point: point.0,
+        radius: radius.unwrap_or(0.0),
+        ends: [
+            edge.unwrap_or_else(|| limit(|p| p.lower, -0.3 * size)),
+            limit(|p| p.upper, 0.1 * size),
+        ],
     }
 }
 

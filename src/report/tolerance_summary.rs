@@ -1,17 +1,22 @@
 //! Results of scatter, as tables and files.
 
+mod values;
+
 use super::bands::{BandRecord, in_words, limits_of};
 use super::figure::with_decimals;
 use super::files::csv_of_rows;
 use super::given_columns::GivenColumns;
 use super::table::{Cell, Column, Table};
 use super::text::counted;
-use super::{brief, optional, shortest};
+use super::{brief, optional};
 use crate::assembly::AssemblyError;
-use crate::model::{Axis, Side};
+use crate::model::Side;
 use crate::study::AxleStudy;
 use crate::tolerance::{Expansion, HOLDS, MonteCarlo, PERCENTILES, Problem, Yields};
 use serde::{Deserialize, Serialize};
+pub(super) use values::HistogramRecord;
+pub use values::ValueRecord;
+use values::values;
 
 /// Results of `hardpoint tolerance`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -60,68 +65,6 @@ pub struct RejectRecord {
     pub what: String,
 }
 
-/// Scatter of a value, as printed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ValueRecord {
-    /// Name with unit.
-    pub output: String,
-    /// Wheel travel, in a study of one wheel.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub travel: Option<f64>,
-    /// Rack displacement in the study's axes, in a study of one wheel.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rack: Option<f64>,
-    /// For an axle: values of the coordinates [`ToleranceSummary::places`].
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub place: Vec<f64>,
-    /// Number of builds that have the value.
-    pub builds: u64,
-    /// Value of the nominal design.
-    pub drawn: Option<f64>,
-    /// Mean over the builds.
-    pub mean: Option<f64>,
-    /// Standard error of the mean.
-    pub mean_error: Option<f64>,
-    /// Standard deviation of the builds.
-    pub sigma: Option<f64>,
-    /// Standard error of the standard deviation.
-    pub sigma_error: Option<f64>,
-    /// First-order standard deviation.
-    pub sigma_linear: Option<f64>,
-    /// Second-order term, as a fraction of the first-order variance.
-    pub second_order: Option<f64>,
-    /// True if the first-order estimate holds. `None` if this is unknown.
-    pub linear_holds: Option<bool>,
-    /// Percentiles of the builds, see [`PERCENTILES`].
-    pub percentiles: [Option<f64>; PERCENTILES.len()],
-    /// Smallest and largest value.
-    pub range: [Option<f64>; 2],
-    /// Histogram, for a value that the page shows with its band.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub histogram: Option<HistogramRecord>,
-    /// First-order share of each contributor in the variance, in the order of the study.
-    pub shares: Vec<Option<f64>>,
-    /// Fraction of the builds' variance that is not first order: curvature and interaction.
-    pub remainder: Option<f64>,
-    /// Standard error of the remainder.
-    pub remainder_error: Option<f64>,
-    /// Second-order estimate of this fraction.
-    pub remainder_second_order: Option<f64>,
-    /// True for a value at the design position.
-    at_rest: bool,
-    /// Unit of the value.
-    unit: String,
-}
-
-/// Histogram of a value, as printed numbers. Its bins have equal widths.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct HistogramRecord {
-    /// Smallest and largest value.
-    pub range: [f64; 2],
-    /// Number of builds in each bin.
-    pub counts: Vec<u32>,
-}
-
 /// Effect of a contributor on the yield.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RankingRecord {
@@ -137,28 +80,11 @@ pub struct RankingRecord {
     pub may_be_looser: bool,
 }
 
-fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value + 0.0)
-}
-
 /// Reason for a rejected build. For an axle it names the wheel.
 pub fn rejected(side: Option<Side>, why: &AssemblyError) -> String {
     match side {
         None => why.to_string(),
         Some(side) => side.about(why),
-    }
-}
-
-impl ValueRecord {
-    /// Coordinates that give the position of the value, as table columns.
-    fn place(&self) -> impl Iterator<Item = String> + '_ {
-        let of_wheel = self.travel.into_iter().chain(self.rack);
-        of_wheel.chain(self.place.iter().copied()).map(shortest)
-    }
-
-    /// Fraction of the builds' variance that a contributor causes in first order.
-    fn share_of_builds(&self, contributor: usize) -> Option<f64> {
-        Some(self.shares[contributor]? * (1.0 - self.remainder?))
     }
 }
 
@@ -508,80 +434,4 @@ fn places(problem: &Problem) -> Vec<String> {
     both.map_or_else(Vec::new, |AxleStudy { axle, plan, .. }| {
         GivenColumns { plan, axle }.names()
     })
-}
-
-fn values(
-    problem: &Problem,
-    drawn: &[f64],
-    expansion: &Expansion,
-    builds: &MonteCarlo,
-) -> Vec<ValueRecord> {
-    let stations = problem.stations();
-    let sign = problem.study.wheel().frame.sign(Axis::Y);
-    let mut values = Vec::new();
-    let of_axle = problem.study.axle();
-    for (output, looked) in problem.outputs().iter().enumerate() {
-        let (unit, factor) = (&looked.unit, looked.factor());
-        let scaled = |v: f64| finite(v * factor);
-        for station in 0..stations.count() {
-            let cell = problem.cell(output, station);
-            let spread = &builds.spreads[cell];
-            let travel = stations.values()[stations.value_of(station)];
-            let rack = stations.racks[stations.rack_of(station)];
-            let deviation = expansion.variance[cell].sqrt();
-            // After alignment, only rounding errors are left of an aligned value, and these have no shares.
-            let scatters = deviation > 1e-12 * drawn[cell].abs().max(1.0);
-            let variance = if scatters {
-                deviation * deviation
-            } else {
-                f64::NAN
-            };
-            // If the second order is small but a higher order or the rejected builds matter, the builds show it.
-            let apart = (spread.sigma - deviation).abs();
-            let differs = scatters && apart > HOLDS * deviation + 4.0 * spread.sigma_error;
-            let remainder = expansion.remainder(cell, spread);
-            let of_scatter = |part: f64| finite(part).filter(|_| scatters);
-            let shares = (0..problem.tolerance.scatter.len())
-                .map(|number| finite(expansion.part(problem, cell, number) / variance));
-            values.push(ValueRecord {
-                output: looked.name.clone(),
-                travel: of_axle.is_none().then_some(travel + 0.0),
-                rack: of_axle.is_none().then_some(rack * sign + 0.0),
-                place: of_axle.map_or_else(Vec::new, |AxleStudy { axle, plan, .. }| {
-                    let columns = GivenColumns { plan, axle };
-                    columns.values_anywhere(&problem.placements()[station])
-                }),
-                builds: spread.count,
-                drawn: scaled(drawn[cell]),
-                mean: scaled(spread.mean),
-                mean_error: scaled(spread.sigma / (spread.count as f64).sqrt()),
-                sigma: scaled(spread.sigma),
-                sigma_error: scaled(spread.sigma_error),
-                sigma_linear: scaled(deviation),
-                second_order: finite(expansion.bend(cell)).filter(|_| scatters),
-                linear_holds: match differs {
-                    // Without builds, the estimate cannot be confirmed.
-                    _ if spread.count == 0 => None,
-                    true => Some(false),
-                    false => expansion.holds(cell).filter(|_| scatters),
-                },
-                percentiles: spread.percentiles.map(scaled),
-                range: spread.range.map(scaled),
-                histogram: spread.histogram.and_then(|of| {
-                    let [low, high] = of.range.map(scaled);
-                    Some(HistogramRecord {
-                        range: [low?, high?],
-                        counts: of.counts.to_vec(),
-                    })
-                }),
-                shares: shares.collect(),
-                remainder: of_scatter(remainder.part),
-                remainder_error: of_scatter(remainder.error),
-                remainder_second_order: of_scatter(remainder.second),
-                at_rest: station == stations.design(),
-                unit: unit.clone(),
-            });
-        }
-    }
-    values
 }

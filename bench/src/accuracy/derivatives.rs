@@ -293,6 +293,72 @@ pub(super) fn measure(
     Ok(found)
 }
 
+/// Difference quotients of whole curves by the coordinates of a task.
+struct Differences<'t, 's, 'm> {
+    task: &'t Task<'s>,
+    station_order: &'t StationOrder,
+    solver: Solver<'m>,
+    /// Size of the mechanism.
+    size: f64,
+    moved: Vec<Vector3<f64>>,
+    /// Values of the moved design, and of the unmoved one.
+    values: Vec<f64>,
+    base: Vec<f64>,
+}
+
+impl Differences<'_, '_, '_> {
+    /// Computes all gradients. The curves are solved again for each coordinate.
+    fn differentiate(&mut self, quotient: &Quotient, rule: Step, gradients: &mut Gradients) {
+        let Differences {
+            task,
+            station_order,
+            solver,
+            size,
+            moved,
+            values,
+            base,
+        } = self;
+        gradients.values.fill(Vector3::default());
+        let solve =
+            |solver: &mut Solver<'_>, moved: &[Vector3<f64>], values: &mut [f64]| match solver
+                .prepare(moved)
+            {
+                Ok(()) => task.values(solver, station_order, values),
+                Err(_) => values.fill(f64::NAN),
+            };
+        // All coordinates share one solution of the unmoved design.
+        if quotient.terms[0].0 == 0.0 {
+            solve(solver, moved, base);
+        }
+        for (point, id) in task.points.iter().enumerate() {
+            let home = moved[id.0];
+            for axis in 0..3 {
+                let step = rule.length(home.to_array()[axis], *size);
+                for (offset, weight) in quotient.terms {
+                    let values = match *offset {
+                        0.0 => &*base,
+                        offset => {
+                            let mut to = home.to_array();
+                            to[axis] += offset * step;
+                            moved[id.0] = Vector3::from(to);
+                            solve(solver, moved, values);
+                            &*values
+                        }
+                    };
+                    for (i, value) in values.iter().enumerate() {
+                        *component(gradients, i * task.points.len() + point, axis) +=
+                            weight * value;
+                    }
+                }
+                for i in 0..values.len() {
+                    *component(gradients, i * task.points.len() + point, axis) /= step;
+                }
+            }
+            moved[id.0] = home;
+        }
+    }
+}
+
 /// Times whole curves with their gradients. The analytic method solves the poses and differentiates them. The difference
 /// quotients solve them again for each coordinate.
 fn analytic_and_differences(
@@ -333,52 +399,20 @@ fn analytic_and_differences(
     }];
 
     let count = stations * task.outputs.len();
-    let size = solver.size();
-    let mut moved = suspension.design.clone();
-    let (mut values, mut base) = (vec![0.0; count], vec![0.0; count]);
+    let mut differences = Differences {
+        task,
+        station_order: &station_order,
+        size: solver.size(),
+        solver,
+        moved: suspension.design.clone(),
+        values: vec![0.0; count],
+        base: vec![0.0; count],
+    };
     for quotient in &QUOTIENTS {
         let steps = STEPS.map(Step::OfSize).into_iter();
         for rule in steps.chain((quotient.name == CENTRAL).then_some(Step::Usual)) {
-            let mut differentiate = |gradients: &mut Gradients| {
-                gradients.values.fill(Vector3::default());
-                let solve =
-                    |solver: &mut Solver<'_>, moved: &[Vector3<f64>], values: &mut [f64]| {
-                        match solver.prepare(moved) {
-                            Ok(()) => task.values(solver, &station_order, values),
-                            Err(_) => values.fill(f64::NAN),
-                        }
-                    };
-                // All coordinates share one solution of the unmoved design.
-                if quotient.terms[0].0 == 0.0 {
-                    solve(&mut solver, &moved, &mut base);
-                }
-                for (point, id) in task.points.iter().enumerate() {
-                    let home = moved[id.0];
-                    for axis in 0..3 {
-                        let step = rule.length(home.to_array()[axis], size);
-                        for (offset, weight) in quotient.terms {
-                            let values = match *offset {
-                                0.0 => &base,
-                                offset => {
-                                    let mut to = home.to_array();
-                                    to[axis] += offset * step;
-                                    moved[id.0] = Vector3::from(to);
-                                    solve(&mut solver, &moved, &mut values);
-                                    &values
-                                }
-                            };
-                            for (i, value) in values.iter().enumerate() {
-                                *component(gradients, i * task.points.len() + point, axis) +=
-                                    weight * value;
-                            }
-                        }
-                        for i in 0..count {
-                            *component(gradients, i * task.points.len() + point, axis) /= step;
-                        }
-                    }
-                    moved[id.0] = home;
-                }
-            };
+            let mut differentiate =
+                |gradients: &mut Gradients| differences.differentiate(quotient, rule, gradients);
             differentiate(&mut gradients);
             found.push(Measurement {
                 family: Family::Derivative,

@@ -1,13 +1,15 @@
 //! Results of a car. Each has a name, a unit, a sign and a formula.
 
+mod need;
+
 use super::equations::Balance;
 use super::formulas::{axle, car, wheel};
 use super::rates::Solved;
 use super::{Car, Case, Longitudinal};
 use crate::ask::Unit;
-use crate::axle::{Axle, AxleKind, BumpStop, SpringLaw};
 use crate::model::LengthUnit;
 use crate::number::Scalar;
+pub use need::CarNeed;
 
 /// One of the four wheels: front left, front right, rear left, rear right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -51,83 +53,6 @@ impl AxleEnd {
         match self {
             AxleEnd::Front => "front",
             AxleEnd::Rear => "rear",
-        }
-    }
-}
-
-/// Part or input of a car that a result needs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CarNeed {
-    /// The car's ride-height point of this axle.
-    RideHeight,
-    /// Both ride-height points.
-    RideHeights,
-    /// `[car.aero]`.
-    Air,
-    /// `[car] pitch_inertia`.
-    PitchInertia,
-    /// An anti-roll bar with a rate at this axle.
-    Bar,
-    /// A twist beam with a torsional rate at this axle.
-    Beam,
-    /// `[spring]` at this axle.
-    Spring,
-    /// `[bump_stop]` at this axle.
-    BumpStop,
-    /// `[rebound_stop]` at this axle.
-    ReboundStop,
-    /// `[heave_spring]` at this axle.
-    HeaveSpring,
-    /// `[t_bar]` at this axle.
-    TBar,
-    /// `[heave_bar]` at this axle.
-    HeaveBar,
-    /// Wheels of this axle that move independently.
-    Independent,
-}
-
-impl CarNeed {
-    /// Returns true if an axle has the part. Needs of the car itself are always met here.
-    fn met_by(self, axle: &Axle) -> bool {
-        let setup = &axle.setup;
-        let rockers = &setup.rocker_springs;
-        let has_stop = |of: fn(&SpringLaw) -> &Option<BumpStop>| {
-            let mut laws = setup.springs.iter().flatten();
-            laws.any(|law| of(law).is_some())
-        };
-        match self {
-            CarNeed::RideHeight | CarNeed::RideHeights | CarNeed::Air | CarNeed::PitchInertia => {
-                true
-            }
-            CarNeed::Bar => setup.bar_rate.is_some() && axle.kind() != AxleKind::TwistBeam,
-            CarNeed::Beam => setup.bar_rate.is_some() && axle.kind() == AxleKind::TwistBeam,
-            CarNeed::Spring => setup.springs.is_some(),
-            CarNeed::BumpStop => has_stop(|law| &law.bump_stop),
-            CarNeed::ReboundStop => has_stop(|law| &law.rebound_stop),
-            CarNeed::HeaveSpring => rockers.heave_spring.is_some(),
-            CarNeed::TBar => rockers.t_bar.is_some(),
-            CarNeed::HeaveBar => rockers.heave_bar.is_some(),
-            CarNeed::Independent => !axle.is_rigid(),
-        }
-    }
-
-    /// Keys of the study that meet the need.
-    pub fn key(self) -> &'static str {
-        match self {
-            CarNeed::RideHeight | CarNeed::RideHeights => {
-                "ride_height_point_front and ride_height_point_rear in [car]"
-            }
-            CarNeed::Air => "[car.aero]",
-            CarNeed::PitchInertia => "pitch_inertia in [car]",
-            CarNeed::Bar => "an anti-roll bar with a rate",
-            CarNeed::Beam => "a twist beam with torsional_rate in [twist_beam]",
-            CarNeed::Spring => "[spring]",
-            CarNeed::BumpStop => "[bump_stop]",
-            CarNeed::ReboundStop => "[rebound_stop]",
-            CarNeed::HeaveSpring => "[heave_spring]",
-            CarNeed::TBar => "[t_bar]",
-            CarNeed::HeaveBar => "[heave_bar]",
-            CarNeed::Independent => "wheels that move by themselves, not a solid axle",
         }
     }
 }

@@ -118,14 +118,11 @@ impl<T: Scalar> Balance<T> {
         corners: [Corner<T>; 4],
         x: [T; UNKNOWNS],
     ) -> Self {
-        let like = x[0];
-        let zero = like.zero();
+        let zero = x[0].zero();
         let road = Road::under(x[ROLL], x[PITCH]);
         let masses = masses(held.car, parameters, &corners);
         let bars = bar_torques(held.car, parameters, &corners);
-        let acceleration = road.forward * parameters.body(BodyParameter::Ax).scaled(GRAVITY)
-            + road.left * parameters.body(BodyParameter::Ay).scaled(GRAVITY)
-            + road.up * (parameters.body(BodyParameter::Az) + like.one()).scaled(GRAVITY);
+        let acceleration = acceleration(&road, parameters);
         let rockers = [0, 1].map(|axle| {
             let motions = [0, 1].map(|side| corners[2 * axle + side].rocker);
             let laws = parameters.rocker_springs(held.car, axle);
@@ -166,30 +163,21 @@ impl<T: Scalar> Balance<T> {
             let row = BALANCES + 2 * axle;
             residuals[row..row + 2].copy_from_slice(&rows.residuals);
         }
-        let wheels = {
-            let ([a, b], [c, d]) = (front.wheels, rear.wheels);
-            [a, b, c, d]
-        };
+        let ([a, b], [c, d]) = (front.wheels, rear.wheels);
         let energy = energy(held.car, parameters, &corners, &bars, &rockers);
         let (mass, cg) = masses.sprung;
         on_body.act(cg, -(acceleration * mass));
         let ride_heights = [0, 1].each(|axle| match held.car.ride_height_points[axle] {
             Some(point) => road.up.dot(road.up.constant(point)) - x[GROUND],
-            None => like.constant(f64::NAN),
+            None => zero.constant(f64::NAN),
         });
         let (air, pushes) = air(held.car, parameters, ride_heights);
-        for (point, size, direction) in [
-            (pushes[0], air[0], -road.up),
-            (pushes[1], air[1], -road.up),
-            (pushes[2], air[2], -road.forward),
-        ] {
-            on_body.act(road.up.constant(point), direction * size);
-        }
+        on_body.act_by_air(&air, &pushes, &road);
         residuals[BODY..].copy_from_slice(&on_body.residuals(held, &road));
         Balance {
             unknowns: x,
             road,
-            wheels,
+            wheels: [a, b, c, d],
             sprung: masses.sprung,
             whole: masses.whole,
             design_contact: masses.design_contact,
@@ -204,6 +192,16 @@ impl<T: Scalar> Balance<T> {
     }
 }
 
+/// Acceleration that the masses feel: that of the case, and gravity.
+#[inline]
+fn acceleration<T: Scalar>(road: &Road<T>, parameters: &Parameters<T>) -> Vector3<T> {
+    let along = |own: BodyParameter| parameters.body(own);
+    let az = along(BodyParameter::Az);
+    road.forward * along(BodyParameter::Ax).scaled(GRAVITY)
+        + road.left * along(BodyParameter::Ay).scaled(GRAVITY)
+        + road.up * (az + az.one()).scaled(GRAVITY)
+}
+
 /// Resultant force of everything that acts on the car, and its moment about the origin.
 struct Resultant<T> {
     force: Vector3<T>,
@@ -214,6 +212,18 @@ impl<T: Scalar> Resultant<T> {
     fn act(&mut self, at: Vector3<T>, by: Vector3<T>) {
         self.force = self.force + by;
         self.moment = self.moment + at.cross(by);
+    }
+
+    /// Adds downforces and drag at their points.
+    #[inline]
+    fn act_by_air(&mut self, air: &[T; 3], points: &[Vector3<f64>; 3], road: &Road<T>) {
+        for (point, size, direction) in [
+            (points[0], air[0], -road.up),
+            (points[1], air[1], -road.up),
+            (points[2], air[2], -road.forward),
+        ] {
+            self.act(road.up.constant(point), direction * size);
+        }
     }
 
     /// Computes the residuals of the body. Forces are along i, e and n; the roll moment is about the body's own x axis.

@@ -5,6 +5,7 @@ use super::parameters::{AxleParameter, BodyParameter, Parameter, Parameters};
 use super::rates::{Plain, Solved, settle};
 use super::solver::{Base, CarSolver, Equilibrium};
 use super::{CarQuantity, Case, NoEquilibrium, WholeResult};
+use crate::axle::Axle;
 use crate::model::Side;
 use crate::number::{Scalar, Tape, Tracked, Vector3};
 
@@ -152,18 +153,7 @@ impl<'a> CarSolver<'a> {
         let inputs = linearised.each_ref().map(|axle| axle.inputs());
         let mut gradients = Vec::with_capacity(quantities.len());
         tape.gradients(&values, first[1][1] + inputs[1], |number, by_numbers| {
-            let mut parameters = [0.0; Parameter::COUNT];
-            parameters.copy_from_slice(&by_numbers[..Parameter::COUNT]);
-            if !self.by_rack {
-                for axle in [0, 1] {
-                    parameters[Parameter::Axle(axle, AxleParameter::Rack).place()] = f64::NAN;
-                }
-            }
-            let none = |axle: usize| {
-                let points = self.car.axles[axle].left.mechanism.points.len();
-                vec![Vector3::default(); points]
-            };
-            let mut wheels = [0, 0, 1, 1].map(none);
+            let mut wheels = [0, 0, 1, 1].map(|axle| no_gradients(&self.car.axles[axle]));
             for axle in [0, 1] {
                 for side in Side::ALL {
                     let by = &by_numbers[first[axle][side as usize]..][..inputs[axle]];
@@ -176,19 +166,40 @@ impl<'a> CarSolver<'a> {
                     rigid.gather([left, right]);
                 }
             }
-            let hardpoints = [0, 1].map(|axle| {
-                let [left, right] = [&wheels[2 * axle], &wheels[2 * axle + 1]];
-                let both = left.iter().zip(right);
-                both.map(|(left, right)| *left + *right).collect()
-            });
             gradients.push(CarGradient {
                 value: values[number].value(),
-                hardpoints,
+                hardpoints: of_both_sides(&wheels),
                 wheels,
-                parameters,
+                parameters: of_parameters(by_numbers, self.by_rack),
             });
         });
         self.add_rest(case, quantities, &mut gradients)?;
         Ok(gradients)
     }
+}
+
+/// Derivatives by the parameters, the first numbers of the tape. Derivatives by the racks are NaN if they are not known.
+fn of_parameters(by_numbers: &[f64], by_rack: bool) -> [f64; Parameter::COUNT] {
+    let mut parameters = [0.0; Parameter::COUNT];
+    parameters.copy_from_slice(&by_numbers[..Parameter::COUNT]);
+    if !by_rack {
+        for axle in [0, 1] {
+            parameters[Parameter::Axle(axle, AxleParameter::Rack).place()] = f64::NAN;
+        }
+    }
+    parameters
+}
+
+/// Zero derivatives by the hardpoints of a wheel.
+fn no_gradients(axle: &Axle) -> Vec<Vector3<f64>> {
+    vec![Vector3::default(); axle.left.mechanism.points.len()]
+}
+
+/// Derivatives by the hardpoints of each left wheel, with which those of the right wheel move.
+fn of_both_sides(wheels: &[Vec<Vector3<f64>>; 4]) -> [Vec<Vector3<f64>>; 2] {
+    [0, 1].map(|axle| {
+        let [left, right] = [&wheels[2 * axle], &wheels[2 * axle + 1]];
+        let both = left.iter().zip(right);
+        both.map(|(left, right)| *left + *right).collect()
+    })
 }

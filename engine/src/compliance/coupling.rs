@@ -14,6 +14,29 @@ use crate::number::{Matrix3, Scalar, Vector3};
 /// spring's upper end.
 const EXTRA: usize = 5;
 
+impl<T: Scalar> Coupling<T> {
+    /// Adds forces on the subframe and their derivatives by its own motion, by the carrier's motion, and the derivatives of
+    /// the forces on the carrier. The derivatives are blocks of three by three.
+    #[inline]
+    fn add_subframe(
+        &mut self,
+        force: &[T; 6],
+        [own, by_corner, corner_by]: [&[[Matrix3<T>; 2]; 2]; 3],
+    ) {
+        let entry = |blocks: &[[Matrix3<T>; 2]; 2], i: usize, j: usize| {
+            blocks[i / 3][j / 3].entry(i % 3, j % 3)
+        };
+        for i in 0..6 {
+            self.force[i] = self.force[i] + force[i];
+            for j in 0..6 {
+                self.own[i][j] = self.own[i][j] + entry(own, i, j);
+                self.by_corner[i][j] = self.by_corner[i][j] + entry(by_corner, i, j);
+                self.corner_by[i][j] = self.corner_by[i][j] + entry(corner_by, i, j);
+            }
+        }
+    }
+}
+
 /// Forces of the parts of one holder, in its axes. They depend on the carrier as seen from the holder, and on further
 /// coordinates.
 pub(super) struct InFrame<T> {
@@ -239,17 +262,7 @@ impl<T: Scalar> InFrame<T> {
                 ss[1][1].plus(&turn.crossed_by(p).negated()),
             ];
         }
-        let force = joined(force[0], force[1]);
-        for i in 0..6 {
-            coupling.force[i] = coupling.force[i] + force[i];
-            for j in 0..6 {
-                let entry =
-                    |blocks: &[[Matrix3<T>; 2]; 2]| blocks[i / 3][j / 3].entry(i % 3, j % 3);
-                coupling.own[i][j] = coupling.own[i][j] + entry(&ss);
-                coupling.by_corner[i][j] = coupling.by_corner[i][j] + entry(&of);
-                coupling.corner_by[i][j] = coupling.corner_by[i][j] + entry(&by);
-            }
-        }
+        coupling.add_subframe(&joined(force[0], force[1]), [&ss, &of, &by]);
         self.add_scalars_on_subframe(pose, coupling);
     }
 

@@ -96,18 +96,9 @@ impl<T: Scalar> Swinging<T> {
         self.bar.is_some() || self.seat.as_ref().is_some_and(|(_, seat)| seat.is_across)
     }
 
+    /// Adds the forces of bushings and ball joints at the ends.
     #[inline]
-    pub(super) fn evaluate(
-        &self,
-        at: &Conditions<T>,
-        state: &LimbState<T>,
-        held: &[T; 7],
-        sum: &mut Sum<T>,
-        beside: Option<&mut Beside<T>>,
-    ) -> Option<Evaluated<T>> {
-        let like = at.rack;
-        let mut own = OwnSum::zero(like);
-        let mut own_beside = beside.is_some().then(|| OwnBeside::zero(like));
+    fn add_ends(&self, at: &Conditions<T>, state: &LimbState<T>, own: &mut OwnSum<T>) {
         for end in &self.ends {
             let lever = state.placed.lever(end.lever);
             match &end.bushing {
@@ -121,10 +112,25 @@ impl<T: Scalar> Swinging<T> {
                 None => {
                     let [a, b] = end.normals;
                     let force = a * state.pivot[0] + b * state.pivot[1];
-                    own.add(lever, &PointForce::of(force, Matrix3::null(like)));
+                    own.add(lever, &PointForce::of(force, Matrix3::null(at.rack)));
                 }
             }
         }
+    }
+
+    #[inline]
+    pub(super) fn evaluate(
+        &self,
+        at: &Conditions<T>,
+        state: &LimbState<T>,
+        held: &[T; 7],
+        sum: &mut Sum<T>,
+        beside: Option<&mut Beside<T>>,
+    ) -> Option<Evaluated<T>> {
+        let like = at.rack;
+        let mut own = OwnSum::zero(like);
+        let mut own_beside = beside.is_some().then(|| OwnBeside::zero(like));
+        self.add_ends(at, state, &mut own);
         let mut followers = Followers::none(like);
         let lever = at.carrier.lever(self.joint);
         followers.joint = Some(lever);

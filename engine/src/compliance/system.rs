@@ -16,18 +16,22 @@
     reason = "rows and columns of matrices are named by their numbers"
 )]
 
+mod equations;
+mod state;
+
 use super::algebra::Placed;
 use super::bushing::{Bushing, BushingState};
 use super::floating::Floating;
 use super::ground::{Frames, Holder, Holders, SubframePart, Surroundings};
 use super::legs::{BarPart, LegSeat};
-use super::limb::{Beside, Conditions, Evaluated, Followers, LimbState, LimbStep, Sum};
+use super::limb::{Beside, Conditions, Evaluated, LimbState, LimbStep, Sum};
 use super::loads::{WheelLoads, WheelPart};
 use super::parts::{CarrierSeat, Joint, Mount, MountState, RodPart};
 use super::point::SeatState;
 use super::swinging::Swinging;
-use crate::linear::square::{MOST, SquareLu};
-use crate::number::{Each, Scalar, Vector3, array_of};
+use crate::number::{Scalar, Vector3};
+pub(super) use equations::{Equations, Singular};
+pub(super) use state::{State, Step};
 
 /// Larger of two numbers; NaN if either is NaN, so that no correction with NaN counts as small.
 pub(super) fn larger(a: f64, b: f64) -> f64 {
@@ -77,59 +81,6 @@ pub(super) struct System<T> {
     pub(super) bar_on: Holder,
 }
 
-/// State of all unknowns.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct State<T> {
-    pub(super) carrier: Placed<T>,
-    pub(super) limbs: [LimbState<T>; MOST_LIMBS],
-    pub(super) joints: [T; MOST_JOINTS],
-    /// Vertical force at the contact point that holds the height.
-    pub(super) vertical: T,
-}
-
-impl<T: Scalar> State<T> {
-    pub(super) fn design(like: T) -> Self {
-        State {
-            carrier: Placed::design(like),
-            limbs: [LimbState::design(like); MOST_LIMBS],
-            joints: [like.zero(); MOST_JOINTS],
-            vertical: like.zero(),
-        }
-    }
-
-    pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> State<U> {
-        State {
-            carrier: self.carrier.map(f),
-            limbs: self.limbs.each_ref().each(|limb| limb.map(f)),
-            joints: self.joints.map(f),
-            vertical: f(self.vertical),
-        }
-    }
-}
-
-/// Change of all unknowns, or their rate.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Step<T> {
-    pub(super) carrier: [T; 6],
-    pub(super) limbs: [LimbStep<T>; MOST_LIMBS],
-    pub(super) joints: [T; MOST_JOINTS],
-    pub(super) vertical: T,
-}
-
-impl<T: Scalar> Step<T> {
-    pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Step<U> {
-        Step {
-            carrier: self.carrier.map(f),
-            limbs: self.limbs.each_ref().map(|limb| LimbStep {
-                inner: limb.inner.map(f),
-                slide: f(limb.slide),
-            }),
-            joints: self.joints.map(f),
-            vertical: f(self.vertical),
-        }
-    }
-}
-
 /// Quantity that stays fixed while loads change.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Hold<T> {
@@ -175,31 +126,6 @@ impl<T: Scalar> Held<T> {
             limbs: self.limbs.map(|limb| limb.map(|c| c * share)),
         }
     }
-}
-
-/// Equations in a state.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Equations<T> {
-    pub(super) size: usize,
-    pub(super) residual: [T; MOST],
-    pub(super) matrix: [[T; MOST]; MOST],
-    pub(super) followers: [Followers<T>; MOST_LIMBS],
-    /// Unbalanced forces on inner unknowns.
-    pub(super) inner: [[T; 7]; MOST_LIMBS],
-    /// First part that is unstable by itself.
-    pub(super) unstable: Option<usize>,
-    /// First part with a motion that nothing holds.
-    pub(super) loose: Option<usize>,
-    joints: usize,
-}
-
-/// Reason for no step of a system.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Singular {
-    /// Nothing holds a motion of a part.
-    Limb(usize),
-    /// Nothing holds a motion of the carrier.
-    Carrier,
 }
 
 impl<T: Scalar> Limb<T> {
@@ -263,101 +189,6 @@ impl<T: Scalar> Limb<T> {
         let half = step.slide * a.constant(0.5);
         next.slide = (state.slide + half) / (a.one() - state.slide * half);
         next
-    }
-}
-
-impl<T: Scalar> Equations<T> {
-    /// Makes equations for this many rigid joints, without forces and rows. External forces that hold the carrier are
-    /// included.
-    #[inline]
-    pub(super) fn empty(like: T, joints: usize, held: Option<&Held<T>>) -> Self {
-        let zero = like.zero();
-        let mut residual = [zero; MOST];
-        if let Some(held) = held {
-            for (residual, held) in residual.iter_mut().zip(held.carrier) {
-                *residual = -held;
-            }
-        }
-        Equations {
-            size: 6 + joints,
-            residual,
-            matrix: [[zero; MOST]; MOST],
-            followers: [Followers::none(zero); MOST_LIMBS],
-            inner: [[zero; 7]; MOST_LIMBS],
-            unstable: None,
-            loose: None,
-            joints,
-        }
-    }
-
-    #[inline]
-    pub(super) fn note(&mut self, limb: usize, of: &Evaluated<T>) {
-        if !of.is_stable {
-            self.unstable = self.unstable.or(Some(limb));
-        }
-        // NaN fails this comparison.
-        let is_held = of.least_pivot > LOOSE;
-        if !is_held {
-            self.loose = self.loose.or(Some(limb));
-        }
-        self.followers[limb] = of.followers;
-        self.inner[limb] = of.inner;
-    }
-
-    /// Tangent of the carrier.
-    pub(super) fn tangent(&self) -> [[f64; 6]; 6] {
-        std::array::from_fn(|i| std::array::from_fn(|j| self.matrix[i][j].value()))
-    }
-
-    /// Rows of the carrier that every motion must keep at zero.
-    pub(super) fn rows(&self) -> impl Iterator<Item = [f64; 6]> + '_ {
-        let row = |i: usize| std::array::from_fn(|j| self.matrix[i][j].value());
-        (6..self.size).map(row)
-    }
-
-    /// Sets the row and the column of a rigid joint.
-    #[inline]
-    pub(super) fn set_joint(&mut self, number: usize, miss: T, row: [T; 6]) {
-        let k = 6 + number;
-        self.residual[k] = miss;
-        for i in 0..6 {
-            self.matrix[k][i] = row[i];
-            self.matrix[i][k] = row[i];
-        }
-    }
-
-    pub(super) fn factors(&self) -> Option<SquareLu<T>> {
-        SquareLu::of(self.matrix, self.size)
-    }
-
-    /// Computes all unknowns from those of equation (1). With `is_rate` they are rates along motions in balance.
-    #[inline]
-    pub(super) fn step(&self, solution: &[T; MOST], is_rate: bool) -> Step<T> {
-        let carrier: [T; 6] = array_of(|i| solution[i]);
-        self.step_seen(solution, |_, limb| limb.step(&carrier, None, is_rate))
-    }
-
-    /// Same as `step`, with the step of each limb from `of_limb`, by the limb's index.
-    #[inline]
-    pub(super) fn step_seen(
-        &self,
-        solution: &[T; MOST],
-        of_limb: impl Fn(usize, &Followers<T>) -> LimbStep<T>,
-    ) -> Step<T> {
-        let carrier: [T; 6] = array_of(|i| solution[i]);
-        let zero = carrier[0].zero();
-        let mut joints = [zero; MOST_JOINTS];
-        joints[..self.joints].copy_from_slice(&solution[6..6 + self.joints]);
-        Step {
-            carrier,
-            limbs: array_of(|k| of_limb(k, &self.followers[k])),
-            joints,
-            vertical: if self.size > 6 + self.joints {
-                solution[6 + self.joints]
-            } else {
-                zero
-            },
-        }
     }
 }
 

@@ -6,7 +6,7 @@ use crate::ask::NoValue;
 use crate::characteristics::{Characteristic, Quantity};
 use crate::compliance::{KcRun, KcValue, Parameter};
 use crate::mechanism::DesignFault;
-use crate::model::{Axis, LengthUnit, Suspension};
+use crate::model::{Axis, LengthUnit, PointId, Suspension};
 use crate::number::Tape;
 use crate::plan::Plan;
 use crate::study::{ComplianceStudy, ElasticFigure};
@@ -67,9 +67,8 @@ pub(super) fn elastic_curves(
         columns(suspension.length_unit, plan).into_iter().unzip();
     let wanted: Vec<KcValue> = reads.iter().map(|read| read.value).collect();
     let points = plan.sensitivities.iter();
-    let inputs: Vec<_> = points
-        .flat_map(|point| Axis::ALL.map(|axis| (*point, axis)))
-        .collect();
+    let inputs = points.flat_map(|point| Axis::ALL.map(|axis| (*point, axis)));
+    let inputs: Vec<(PointId, Axis)> = inputs.collect();
     let parameters: Vec<Parameter> = inputs
         .iter()
         .map(|(point, axis)| Parameter::Point(*point, *axis))
@@ -115,16 +114,15 @@ pub(super) fn elastic_curves(
             for (column, by) in gradients {
                 let factor = curves.columns[column].factor();
                 let slopes = inputs.iter().zip(by);
-                curves
-                    .sensitivities
-                    .extend(slopes.map(|((point, axis), by)| Sensitivity {
-                        station,
-                        column,
-                        side: None,
-                        point: *point,
-                        axis: *axis,
-                        value: by * factor * suspension.frame.sign(*axis),
-                    }));
+                let slope = |((point, axis), by): (&(PointId, Axis), f64)| Sensitivity {
+                    station,
+                    column,
+                    side: None,
+                    point: *point,
+                    axis: *axis,
+                    value: by * factor * suspension.frame.sign(*axis),
+                };
+                curves.sensitivities.extend(slopes.map(slope));
             }
             curves.stations.push(Station {
                 at: place(plan, number, *travel, *rack),

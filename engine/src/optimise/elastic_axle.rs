@@ -61,6 +61,15 @@ struct Rows<'a> {
     slopes: Vec<f64>,
 }
 
+/// Indices of the quantities, among `count`, that targets or limits of a station use.
+fn used_by(station: &AxleStation, count: usize) -> Vec<usize> {
+    let is_used = |k: &usize| {
+        let is_wanted = station.samples.iter().any(|own| own.of == *k);
+        is_wanted || station.limits.iter().any(|own| own.of == *k)
+    };
+    (0..count).filter(is_used).collect()
+}
+
 impl RowsBeside for Rows<'_> {
     fn evaluate(
         &mut self,
@@ -94,12 +103,7 @@ impl RowsBeside for Rows<'_> {
             let at = placement
                 .on_level_pads()
                 .ok_or_else(|| Infeasible::Refused(format!("{placement} is of rigid axles")))?;
-            let used: Vec<usize> = (0..layout.quantities.len())
-                .filter(|k| {
-                    let is_wanted = samples.iter().any(|own| own.of == *k);
-                    is_wanted || limits.iter().any(|own| own.of == *k)
-                })
-                .collect();
+            let used = used_by(station, layout.quantities.len());
             let reads = used.iter().map(|k| layout.quantities[*k].into());
             let reads: Vec<AxleRead> = reads.collect();
             let mut is_found = vec![false; used.len()];
@@ -112,12 +116,8 @@ impl RowsBeside for Rows<'_> {
                     };
                     slopes.fill(0.0);
                     for (side, (_, ways)) in sides.iter().zip(&wheels) {
-                        let of_side = |parameter| {
-                            slope(AxleParameter {
-                                parameter,
-                                side: *side,
-                            })
-                        };
+                        let side = *side;
+                        let of_side = |parameter| slope(AxleParameter { parameter, side });
                         add_points(ways, of_side, slopes);
                     }
                     add_rates(moved, |parameter| slope(parameter.into()), slopes);
@@ -135,10 +135,8 @@ impl RowsBeside for Rows<'_> {
                     }
                 });
             if let Err(why) = found {
-                let message = format!(
-                    "the axle has no equilibrium at {placement}: {}",
-                    NoPose::from(why)
-                );
+                let why = NoPose::from(why);
+                let message = format!("the axle has no equilibrium at {placement}: {why}");
                 return Err(Infeasible::Refused(message));
             }
             if let Some(missing) = is_found.iter().position(|found| !found) {

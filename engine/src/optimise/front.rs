@@ -196,15 +196,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             last.amounts[0] - first.amounts[0],
             first.amounts[1] - last.amounts[1],
         ];
-        // If one criterion is equally good along the whole front, the front is only the end that is best in the other
-        // criterion.
-        let same = |k: usize, most: f64| extent[k] <= (NO_BETTER * most).max(good);
-        let alone = match (same(0, last.amounts[0]), same(1, first.amounts[1])) {
-            (true, _) => Some(last),
-            (false, true) => Some(first),
-            (false, false) => None,
-        };
-        if let Some(end) = alone {
+        if let Some(end) = single_end([first, last], extent, good) {
             return Traced {
                 points: vec![end.clone()],
                 breaks: Vec::new(),
@@ -364,6 +356,17 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             buys
         });
         found
+    }
+}
+
+/// The end that is the whole front, if one criterion is equally good along all of it: the end that is best in the other
+/// criterion.
+fn single_end<'f>([first, last]: [&'f Found; 2], extent: [f64; 2], good: f64) -> Option<&'f Found> {
+    let same = |k: usize, most: f64| extent[k] <= (NO_BETTER * most).max(good);
+    match (same(0, last.amounts[0]), same(1, first.amounts[1])) {
+        (true, _) => Some(last),
+        (false, true) => Some(first),
+        (false, false) => None,
     }
 }
 

@@ -147,6 +147,25 @@ impl<'a> LevenbergMarquardt<'a> {
         reduction
     }
 
+    /// Moves `x` to the trial point. Returns the length of the step.
+    fn accept(&mut self, x: &mut DVector<f64>) -> f64 {
+        let step = self.record.bounds.distance(x, &self.trial_x);
+        std::mem::swap(x, &mut self.trial_x);
+        std::mem::swap(&mut self.current, &mut self.trial);
+        if !self.record.has_ended() {
+            self.rebuild_model(x);
+        }
+        step
+    }
+
+    /// Ends the run, because a step no longer changes the variables visibly.
+    fn end_below_resolution(&mut self, obstacle: Option<Infeasible>) {
+        self.record.end(match obstacle {
+            Some(reason) => Termination::NoFeasibleStep(reason),
+            None => Termination::StepBelowResolution,
+        });
+    }
+
     /// Evaluates the trial point.
     fn evaluate_trial(&mut self, problem: &mut impl LeastSquares) -> Result<(), Infeasible> {
         problem.evaluate(&self.trial_x, &mut self.trial)?;
@@ -188,6 +207,15 @@ impl<'a> LevenbergMarquardt<'a> {
             }
         }
         (CORRECTIONS, Ok(()))
+    }
+}
+
+/// Factor by which an accepted step changes the damping. `ratio` is the reduction found, relative to the predicted one.
+fn change_of_damping(ratio: f64, shortened: bool) -> f64 {
+    match ratio {
+        ratio if ratio < POOR => 4.0,
+        ratio if ratio > GOOD && !shortened => 0.1,
+        _ => 1.0,
     }
 }
 
@@ -241,10 +269,7 @@ impl<P: LeastSquares> Solver<P, ArgminState> for LevenbergMarquardt<'_> {
         self.model.solve(damping);
         loop {
             if self.model.largest_component() <= self.record.options.step_below {
-                self.record.end(match obstacle {
-                    Some(reason) => Termination::NoFeasibleStep(reason),
-                    None => Termination::StepBelowResolution,
-                });
+                self.end_below_resolution(obstacle);
                 break;
             }
             if !self.record.may_evaluate() {
@@ -282,18 +307,9 @@ impl<P: LeastSquares> Solver<P, ArgminState> for LevenbergMarquardt<'_> {
                 accepted = outcome.is_ok() && acceptable(cost - self.trial.cost());
             }
             if accepted {
-                let change = match (cost - self.trial.cost()) / predicted {
-                    ratio if ratio < POOR => 4.0,
-                    ratio if ratio > GOOD && !shortened => 0.1,
-                    _ => 1.0,
-                };
+                let change = change_of_damping((cost - self.trial.cost()) / predicted, shortened);
                 self.damping_factor = change * damping / (2.0 * cost);
-                step = self.record.bounds.distance(&x, &self.trial_x);
-                std::mem::swap(&mut x, &mut self.trial_x);
-                std::mem::swap(&mut self.current, &mut self.trial);
-                if !self.record.has_ended() {
-                    self.rebuild_model(&x);
-                }
+                step = self.accept(&mut x);
             }
             if accepted || self.record.has_ended() {
                 break;

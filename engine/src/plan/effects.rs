@@ -136,30 +136,8 @@ impl Plan {
         let rocker =
             |(name, id): (_, Option<_>)| Effect::of(name, id.and_then(|id| self.rocker(study, id)));
         effects.extend(rockers.map(rocker));
-        let loads = || {
-            let names: Vec<_> = self.loads.iter().map(|load| load.name.as_str()).collect();
-            let support = match mechanism.spring {
-                Some(_) => "the spring",
-                None => "a vertical force at the wheel centre",
-            };
-            (
-                format!(
-                    "{}: forces in links and joints, against {support}",
-                    names.join(", ")
-                ),
-                written(&["outputs", "loads"], "outputs.loads"),
-                cost::BALANCE + cost::LOAD * self.loads.len() as f64,
-            )
-        };
-        effects.push(Effect::of("loads", (!self.loads.is_empty()).then(loads)));
-        let certificate = || {
-            (
-                "proof of every pose, and that they are one branch".to_owned(),
-                written(&["outputs", "certify"], "outputs.certify"),
-                cost::CERTIFICATE,
-            )
-        };
-        effects.push(Effect::of("certificate", self.certify.then(certificate)));
+        effects.push(Effect::of("loads", self.load_forces(study)));
+        effects.push(Effect::of("certificate", self.certificate(study)));
         // Converts the costs to poses of this topology.
         if !has_closed_form(mechanism) {
             let per_pose = |e: &&mut Effect| e.name != "position" && e.name != "rack";
@@ -168,6 +146,37 @@ impl Plan {
             }
         }
         effects
+    }
+
+    /// Description, reason and cost of the forces under the plan's loads.
+    fn load_forces(&self, study: &Study) -> Option<(String, String, f64)> {
+        if self.loads.is_empty() {
+            return None;
+        }
+        let names: Vec<_> = self.loads.iter().map(|load| load.name.as_str()).collect();
+        let support = match study.wheel().mechanism.spring {
+            Some(_) => "the spring",
+            None => "a vertical force at the wheel centre",
+        };
+        Some((
+            format!(
+                "{}: forces in links and joints, against {support}",
+                names.join(", ")
+            ),
+            written(study, &["outputs", "loads"], "outputs.loads"),
+            cost::BALANCE + cost::LOAD * self.loads.len() as f64,
+        ))
+    }
+
+    /// Description, reason and cost of the certificate.
+    fn certificate(&self, study: &Study) -> Option<(String, String, f64)> {
+        self.certify.then(|| {
+            (
+                "proof of every pose, and that they are one branch".to_owned(),
+                written(study, &["outputs", "certify"], "outputs.certify"),
+                cost::CERTIFICATE,
+            )
+        })
     }
 
     /// Description, reason and cost of a rocker (of the spring or the anti-roll bar), if a requested quantity depends on it.

@@ -268,6 +268,42 @@ pub(super) fn subject_of(quantities: Vec<Quantity>, name: &str, axle: &Axle) -> 
     }
 }
 
+/// Keys of coordinates, for messages.
+fn keys(of: &[Coordinate]) -> String {
+    of.iter().map(|c| c.key()).collect::<Vec<_>>().join(", ")
+}
+
+/// Coordinate that varies: the named one, or the only one that moves.
+fn over(
+    written: &Where,
+    place: Span<usize>,
+    motion: &file::Motion,
+    available: &[Coordinate],
+    problems: &mut Problems,
+) -> Option<Coordinate> {
+    let moving: Vec<Coordinate> = available
+        .iter()
+        .copied()
+        .filter(|c| moved(motion, *c, problems).len() > 1)
+        .collect();
+    match (written.over, moving.as_slice()) {
+        (Some(text), _) => {
+            let options: Vec<_> = available.iter().map(|c| (c.key(), *c)).collect();
+            choose(text, "over", &options, problems)
+        }
+        (None, [one]) => Some(*one),
+        (None, []) => Some(available[0]),
+        (None, [first, ..]) if written.is_of_design => Some(*first),
+        (None, several) => {
+            let message = format!(
+                "several coordinates of the motion move; expected over = one of {}",
+                keys(several)
+            );
+            problems.refuse(place, message)
+        }
+    }
+}
+
 fn site(
     written: &Where,
     place: Span<usize>,
@@ -286,28 +322,7 @@ fn site(
         Coordinate::SteeringWheel => by_wheel,
         _ => true,
     });
-    let keys = |of: &[Coordinate]| of.iter().map(|c| c.key()).collect::<Vec<_>>().join(", ");
-    let moving: Vec<Coordinate> = available
-        .iter()
-        .copied()
-        .filter(|c| moved(motion, *c, problems).len() > 1)
-        .collect();
-    let over = match (written.over, moving.as_slice()) {
-        (Some(text), _) => {
-            let options: Vec<_> = available.iter().map(|c| (c.key(), *c)).collect();
-            choose(text, "over", &options, problems)?
-        }
-        (None, [one]) => *one,
-        (None, []) => available[0],
-        (None, [first, ..]) if written.is_of_design => *first,
-        (None, several) => {
-            let message = format!(
-                "several coordinates of the motion move; expected over = one of {}",
-                keys(several)
-            );
-            return problems.refuse(place, message);
-        }
-    };
+    let over = over(written, place, motion, &available, problems)?;
     let mut words = String::new();
     for coordinate in Coordinate::ALL {
         let given = written.held_at(coordinate);

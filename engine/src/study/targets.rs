@@ -1,5 +1,7 @@
 //! `targets` of `[optimise]`: target curves, values and bands.
 
+mod stations;
+
 use super::axle_targets;
 use super::curve_file::{self, WantedColumns};
 use super::elastic_targets;
@@ -12,6 +14,7 @@ use super::subject::{site, subject};
 use super::suspension::above_zero;
 use super::value::{LimitText, Number, Text};
 use super::{Interpolation, Limit, Motion, Site, Target, TargetQuantity, Wanted};
+use stations::{added_stations, rack_displacements};
 use std::ops::Range as Span;
 use toml::Spanned;
 
@@ -153,54 +156,6 @@ fn quantity_and_site(
     };
     let site = site(&written.motion, &written.rack, context, problems);
     (of, site, None)
-}
-
-/// Rack displacements of a site.
-fn rack_displacements(site: &Site, motion: &Motion) -> Vec<f64> {
-    match (site.racks.as_slice(), motion.rack_moves) {
-        ([], true) => vec![0.0],
-        ([], false) => vec![motion.rack[0]],
-        (racks, _) => racks.to_vec(),
-    }
-}
-
-/// Stations in addition to those of the motion. They are needed if a curve has fewer stations between its ends than points
-/// within the motion. Otherwise too few stations would represent the curve.
-fn added_stations(wanted: &Wanted, motion: &Motion) -> Vec<f64> {
-    let (lowest, highest) = ends(&motion.values);
-    let curves: Vec<&[[f64; 2]]> = match wanted {
-        Wanted::Curve { points, .. } => vec![points],
-        Wanted::Band {
-            at: None,
-            lower,
-            upper,
-        } => {
-            let limits = [lower, upper].into_iter().flatten();
-            let curves = limits.filter_map(|limit| match limit {
-                Limit::Value(_) => None,
-                Limit::Curve { points, .. } => Some(points.as_slice()),
-            });
-            curves.collect()
-        }
-        _ => Vec::new(),
-    };
-    let mut added = Vec::new();
-    for points in curves {
-        let on_curve = points[0][0]..=points[points.len() - 1][0];
-        let own = motion
-            .values
-            .iter()
-            .filter(|v| on_curve.contains(v))
-            .count();
-        let knots = points.iter().map(|p| p[0]);
-        let knots: Vec<f64> = knots.filter(|k| (lowest..=highest).contains(k)).collect();
-        if own < knots.len() {
-            added.extend(knots.iter().filter(|k| !motion.values.contains(k)));
-        }
-    }
-    added.sort_by(f64::total_cmp);
-    added.dedup();
-    added
 }
 
 /// Checks that the number is positive and not tiny, so that quotients by it, and their squares, do not overflow.

@@ -1,20 +1,22 @@
 //! `[tolerance]`: scatter of parts, and the bands that builds must keep.
 
-use super::axle_targets;
-use super::elastic_targets::{self, RateKeys, rate_keys};
+mod band;
+mod jig;
+
+use super::elastic_targets::{RateKeys, rate_keys};
 use super::error::Problems;
 use super::file;
 use super::members::{axis, member};
 use super::names::choose;
-use super::outputs::{characteristic, hardpoint};
+use super::outputs::hardpoint;
 use super::resolve::{Context, each, some};
 use super::suspension::above_zero;
-use super::targets::ends;
-use super::value::{MemberName, Number, Text};
-use super::{AxleStudy, Band, Contributor, Drive, Law, Setup, Source, TargetQuantity, Tolerance};
+use super::value::{MemberName, Text};
+use super::{AxleStudy, Contributor, Drive, Law, Setup, Source, Tolerance};
 use crate::assembly::BuildParameter;
 use crate::model::{Axis, PointId, Side, Suspension};
-use crate::number::Vector3;
+use band::band;
+use jig::jig;
 use std::ops::Range as Span;
 use toml::Spanned;
 
@@ -367,155 +369,4 @@ fn law(written: &file::Scatter, place: Span<usize>, problems: &mut Problems) -> 
             problems.refuse(place, message)
         }
     }
-}
-
-/// Points that a jig moves and rotates together, about their centroid.
-fn jig(
-    names: &Spanned<Vec<Text>>,
-    written: &file::Scatter,
-    place: Span<usize>,
-    suspension: &Suspension,
-    problems: &mut Problems,
-) -> Option<Contributor> {
-    for (span, key) in [
-        (written.sigma.as_ref().map(|n| n.span.clone()), "sigma"),
-        (written.limits.as_ref().map(Spanned::span), "limits"),
-        (written.axis.as_ref().map(Spanned::span), "axis"),
-    ] {
-        if let Some(span) = span {
-            problems.add(span, format!("a jig has shift and turn, not {key}"));
-        }
-    }
-    let points: Option<Vec<PointId>> = names
-        .get_ref()
-        .iter()
-        .map(|name| hardpoint(name, suspension, problems))
-        .collect();
-    let points = points?;
-    if points.len() < 2 {
-        return problems.refuse(names.span(), "expected two hardpoints or more in a jig");
-    }
-    let sigma = |number: &Option<Number>, problems: &mut Problems| match number {
-        None => Some(0.0),
-        Some(number) => above_zero(number, problems),
-    };
-    let (shift, turn) = (
-        sigma(&written.shift, problems)?,
-        sigma(&written.turn, problems)?,
-    );
-    if shift == 0.0 && turn == 0.0 {
-        return problems.refuse(place, "expected shift, turn (degrees) or both");
-    }
-    let places = points.iter().map(|id| suspension.design[id.0]);
-    let sum = places.clone().fold(Vector3::default(), |a, b| a + b);
-    let centre = sum * (1.0 / points.len() as f64);
-    let name = names.get_ref().iter().map(|n| n.get_ref().as_str());
-    let name = format!("jig {}", name.collect::<Vec<_>>().join("+"));
-    let mut sources = Vec::new();
-    let changes = |moves: &dyn Fn(Vector3<f64>) -> Vector3<f64>| {
-        let mut changes = Vec::new();
-        for (id, place) in points.iter().zip(places.clone()) {
-            for (axis, by) in Axis::ALL.into_iter().zip(moves(place - centre).to_array()) {
-                if by != 0.0 {
-                    changes.push((BuildParameter::Coordinate(*id, axis), by));
-                }
-            }
-        }
-        changes
-    };
-    for axis in Axis::ALL {
-        let mut unit = [0.0; 3];
-        unit[axis as usize] = 1.0;
-        let unit = Vector3::from(unit);
-        if shift > 0.0 {
-            sources.push(Source {
-                name: format!("{name} shift {}", axis.name()),
-                changes: changes(&|_| unit * suspension.frame.sign(axis)),
-                rate: None,
-                law: Law::Normal { sigma: shift },
-                side: None,
-            });
-        }
-        if turn > 0.0 {
-            sources.push(Source {
-                name: format!("{name} turn {}", axis.name()),
-                changes: changes(&|lever| unit.cross(lever) * suspension.frame.turn_sign(axis)),
-                rate: None,
-                law: Law::Normal {
-                    sigma: turn.to_radians(),
-                },
-                side: None,
-            });
-        }
-    }
-    Some(Contributor { name, sources })
-}
-
-fn band(spanned: &Spanned<file::Band>, context: &Context, problems: &mut Problems) -> Option<Band> {
-    let place = spanned.span();
-    let written = spanned.get_ref();
-    let length = context.suspension.length_unit;
-    let of = match context.axle {
-        Some(axle) => axle_targets::band(spanned, axle, context, problems),
-        None => {
-            axle_targets::Where::from(written).refuse(true, problems);
-            let name = &written.characteristic;
-            let found = match context.elastic {
-                Some(elastic) => {
-                    elastic_targets::quantity(name, elastic, context.suspension, problems)
-                        .map(|found| found.subject(length))
-                }
-                // Errors in the elastic parts are already reported.
-                None if context.file.compliance.is_some() => None,
-                None => characteristic(name, context.suspension, problems)
-                    .map(|found| TargetQuantity::characteristic(found, length)),
-            };
-            found.map(|subject| (subject, None))
-        }
-    };
-    let site = of.as_ref().and_then(|(_, site)| site.as_ref());
-    let values = match (site, context.axle) {
-        (Some(site), _) => Some(&site.values),
-        (None, None) => context.motion.map(|motion| &motion.values),
-        // Errors in the stations are already reported.
-        (None, Some(_)) => None,
-    };
-    let at = match (&written.at, values) {
-        (None, _) => Some(None),
-        (Some(at), Some(values)) => {
-            let (lowest, highest) = ends(values);
-            if at.value < lowest || at.value > highest {
-                let message = format!(
-                    "{} is outside of the motion, which runs from {lowest} to {highest}",
-                    at.value
-                );
-                problems.refuse(at.span.clone(), message)
-            } else {
-                Some(Some(at.value))
-            }
-        }
-        (Some(_), None) => None,
-    };
-    let ends = match (&written.between, &written.at_least, &written.at_most) {
-        (Some(between), None, None) => match between.get_ref().as_slice() {
-            [low, high] if low.value < high.value => Some([low.value, high.value]),
-            _ => {
-                let message = "expected between = [lowest, highest], the first below the second";
-                problems.refuse(between.span(), message)
-            }
-        },
-        (None, Some(low), None) => Some([low.value, f64::INFINITY]),
-        (None, None, Some(high)) => Some([f64::NEG_INFINITY, high.value]),
-        _ => {
-            let message = "expected one of between = [lowest, highest], at_least and at_most";
-            problems.refuse(place, message)
-        }
-    };
-    let (of, site) = of?;
-    Some(Band {
-        at: at?,
-        between: ends?.map(|end| of.from_printed(end)),
-        of,
-        site,
-    })
 }

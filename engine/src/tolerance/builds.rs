@@ -76,7 +76,7 @@ impl Problem<'_> {
 }
 
 /// A build that could not be assembled: its number, its wheel for an axle, and the reason.
-type Unbuilt = (u64, Option<Side>, AssemblyError);
+pub(super) type Unbuilt = (u64, Option<Side>, AssemblyError);
 
 /// Failed builds of a block.
 pub(super) struct Outcome {

@@ -37,18 +37,9 @@ pub(super) fn append_rates(tolerance: &Tolerance, draws: &[f64], into: &mut Vec<
     into.extend(sources.filter_map(|(source, z)| Some(source.rate.as_ref()?.scattered(*z)[0])));
 }
 
-/// Prepares the tolerances of a study with elastic parts: characteristics over the motion, test figures in the design
-/// position.
-pub(super) fn problem<'a>(
-    study: &'a Study,
-    own: &WheelStudy,
-    elastic: &ComplianceStudy,
-    tolerance: &'a Tolerance,
-) -> Result<Problem<'a>, SetUpError> {
+/// Values of the study's outputs and of bands, each once, with their columns.
+fn reads(own: &WheelStudy, tolerance: &Tolerance) -> (Vec<KcValue>, Vec<Column>) {
     let length = own.suspension.length_unit;
-    let wheel_assembler = WheelAssembler::of(study, tolerance, &own.suspension, None)?;
-    let further: Vec<f64> = tolerance.bands.iter().filter_map(|band| band.at).collect();
-    let stations = Stations::of(&own.motion, &own.suspension.frame, &further);
     let (mut reads, mut columns) = (Vec::new(), Vec::new());
     let mut add = |value: KcValue, column: Column| {
         if !reads.contains(&value) {
@@ -69,6 +60,21 @@ pub(super) fn problem<'a>(
             (None, None) => {}
         }
     }
+    (reads, columns)
+}
+
+/// Prepares the tolerances of a study with elastic parts: characteristics over the motion, test figures in the design
+/// position.
+pub(super) fn problem<'a>(
+    study: &'a Study,
+    own: &WheelStudy,
+    elastic: &ComplianceStudy,
+    tolerance: &'a Tolerance,
+) -> Result<Problem<'a>, SetUpError> {
+    let wheel_assembler = WheelAssembler::of(study, tolerance, &own.suspension, None)?;
+    let further: Vec<f64> = tolerance.bands.iter().filter_map(|band| band.at).collect();
+    let stations = Stations::of(&own.motion, &own.suspension.frame, &further);
+    let (reads, columns) = reads(own, tolerance);
     let banded = |band: &Band| -> Banded {
         let TargetKind::Elastic(value) = band.of.kind else {
             return (Vec::new(), band.between);

@@ -43,7 +43,7 @@ use crate::compliance::KcValue;
 use crate::curves::Column;
 use crate::evaluate::{AxleStations, ElasticAxleParts, Request, Stations};
 use crate::model::Side;
-use crate::study::{AxleStudy, Band, Study, TargetKind, Tolerance, Vehicle, WheelStudy};
+use crate::study::{AxleSite, AxleStudy, Band, Study, TargetKind, Tolerance, Vehicle, WheelStudy};
 use crate::threads::Interrupt;
 use std::borrow::Cow;
 use std::sync::atomic::AtomicBool;
@@ -73,6 +73,16 @@ pub struct Problem<'a> {
 
 /// Values of a band as [output, station], and the limits of the band.
 type Banded = (Vec<[usize; 2]>, [f64; 2]);
+
+/// Poses of a band at these stations: at its own value, or over the motion.
+fn placements_of(band: &Band, site: &AxleSite, axle: &Axle) -> Vec<Placement> {
+    let values = band
+        .at
+        .as_ref()
+        .map_or(&site.values[..], std::slice::from_ref);
+    let values = values.iter();
+    values.flat_map(|at| site.placements(*at, axle)).collect()
+}
 
 impl<'a> Problem<'a> {
     /// Returns the problem with a flag that stops the builds. The block during which it is raised is left out.
@@ -186,14 +196,7 @@ impl<'a> Problem<'a> {
                 // Test figures apply to the design position.
                 None if band.of.is_figure() => at_design.clone(),
                 None => of_motion.clone(),
-                Some(site) => {
-                    let values = band
-                        .at
-                        .as_ref()
-                        .map_or(&site.values[..], std::slice::from_ref);
-                    let values = values.iter();
-                    values.flat_map(|at| site.placements(*at, &axle)).collect()
-                }
+                Some(site) => placements_of(band, site, &axle),
             };
             wanted.push((quantities, placements, between));
         }

@@ -1,6 +1,6 @@
 //! Monte Carlo analysis: results of many builds.
 
-use super::builds::{Builder, Outcome};
+use super::builds::{Builder, Outcome, Unbuilt};
 use super::histogram::Histogram;
 use super::order::{Order, Sifted};
 use super::{PERCENTILES, Problem};
@@ -69,6 +69,20 @@ pub struct Spread {
 }
 
 impl MonteCarlo {
+    /// Counts the rejected builds of a block.
+    fn add_rejects(&mut self, rejects: Vec<Unbuilt>) {
+        for (first, side, why) in rejects {
+            let entry = self.rejects.entry(why.word());
+            let entry = entry.or_insert(Rejected {
+                builds: 0,
+                first,
+                side,
+                why,
+            });
+            entry.builds += 1;
+        }
+    }
+
     /// Number of builds that could not be assembled.
     pub fn rejected(&self) -> u64 {
         self.rejects.values().map(|rejected| rejected.builds).sum()
@@ -230,16 +244,7 @@ pub fn monte_carlo_in(
         for (kept, of_block) in total.in_bands.iter_mut().zip(&sums.in_bands) {
             *kept += of_block;
         }
-        for (first, side, why) in outcome.rejects {
-            let entry = total.rejects.entry(why.word());
-            let entry = entry.or_insert(Rejected {
-                builds: 0,
-                first,
-                side,
-                why,
-            });
-            entry.builds += 1;
-        }
+        total.add_rejects(outcome.rejects);
         match note(total.builds) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(()),

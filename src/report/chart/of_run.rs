@@ -98,6 +98,29 @@ pub(in crate::report) struct Family {
     pub is_present: bool,
 }
 
+/// Classes of a curve's colour and stroke. `is_last` is true for the curves of the last design.
+fn class_of(
+    family: &Family,
+    is_last: bool,
+    side: Option<&'static str>,
+    [several, is_scatter]: [bool; 2],
+) -> String {
+    let colour = match (is_last, side, several) {
+        (true, Some(side), _) => side.to_owned(),
+        (true, None, true) => format!("shade{}", family.shade),
+        (true, None, false) => "main".to_owned(),
+        (false, ..) => "former".to_owned(),
+    };
+    let stroke = match (is_last, family.is_present) {
+        (true, true) => " strong",
+        (true, false) if side.is_some() => " faint",
+        (false, false) => " faint",
+        _ if is_scatter && !is_last => " fine",
+        _ => "",
+    };
+    colour + stroke
+}
+
 impl Chart {
     fn add_output(
         &mut self,
@@ -123,6 +146,7 @@ impl Chart {
             let several = families.len() > 1;
             for family in families {
                 let apart = moving.first().map(|name| in_words(name, family.place));
+                let class = class_of(&family, is_last, side, [several, is_scatter]);
                 let source = Source {
                     table: number,
                     x: abscissa.to_owned(),
@@ -153,19 +177,6 @@ impl Chart {
                         (family.is_present && side != Some("right")).then(|| design.label.clone())
                     }
                 };
-                let colour = match (is_last, side, several) {
-                    (true, Some(side), _) => side.to_owned(),
-                    (true, None, true) => format!("shade{}", family.shade),
-                    (true, None, false) => "main".to_owned(),
-                    (false, ..) => "former".to_owned(),
-                };
-                let stroke = match (is_last, family.is_present) {
-                    (true, true) => " strong",
-                    (true, false) if side.is_some() => " faint",
-                    (false, false) => " faint",
-                    _ if is_scatter && !is_last => " fine",
-                    _ => "",
-                };
                 let told = match (main, alone) {
                     (Some(main), true) => main,
                     (Some(main), false) => format!("{}, {main}", design.label),
@@ -174,7 +185,7 @@ impl Chart {
                 self.lines.push(Line {
                     label,
                     told,
-                    class: colour + stroke,
+                    class,
                     is_main: is_last && family.is_present,
                     has_dots: false,
                     source,

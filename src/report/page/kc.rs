@@ -100,6 +100,33 @@ fn charts(results: &KcResults<'_>) -> (String, String) {
     (results.station_name(station), figures)
 }
 
+/// Adds the levels of a test to the columns of a table. Loads are divided by `scale`.
+fn add_levels(test: &KcOutcome, load: TestLoad, scale: f64, columns: &mut [Vec<Option<f64>>]) {
+    let wheel = match test.test.mode {
+        TestMode::Single(side) => side as usize,
+        _ => 0,
+    };
+    let of_level = |level: &KcLevel| Some(level.state.as_ref().ok()?.wheels[wheel].clone());
+    let unloaded = test.levels.iter().find(|level| level.level == 0);
+    let unloaded = unloaded.and_then(of_level);
+    for level in &test.levels {
+        let state = of_level(level);
+        let angle = |of: fn(&KcWheelState) -> f64| Some(of(state.as_ref()?).to_degrees());
+        let cells = [
+            Some(level.load / scale),
+            angle(|state| state.figures.toe),
+            angle(|state| state.figures.camber),
+            state
+                .as_ref()
+                .zip(unloaded.as_ref())
+                .map(|(state, from)| moved(load, state, from)),
+        ];
+        for (column, cell) in columns.iter_mut().zip(cells) {
+            column.push(cell);
+        }
+    }
+}
+
 /// Charts of toe, camber and displacement over one load, with one line per test.
 fn charts_of_load(
     results: &KcResults<'_>,
@@ -114,29 +141,7 @@ fn charts_of_load(
     let mut rows = Vec::new();
     for test in tests {
         let start = columns[0].len();
-        let wheel = match test.test.mode {
-            TestMode::Single(side) => side as usize,
-            _ => 0,
-        };
-        let of_level = |level: &KcLevel| Some(level.state.as_ref().ok()?.wheels[wheel].clone());
-        let unloaded = test.levels.iter().find(|level| level.level == 0);
-        let unloaded = unloaded.and_then(of_level);
-        for level in &test.levels {
-            let state = of_level(level);
-            let angle = |of: fn(&KcWheelState) -> f64| Some(of(state.as_ref()?).to_degrees());
-            let cells = [
-                Some(level.load / scale),
-                angle(|state| state.figures.toe),
-                angle(|state| state.figures.camber),
-                state
-                    .as_ref()
-                    .zip(unloaded.as_ref())
-                    .map(|(state, from)| moved(load, state, from)),
-            ];
-            for (column, cell) in columns.iter_mut().zip(cells) {
-                column.push(cell);
-            }
-        }
+        add_levels(test, load, scale, &mut columns);
         rows.push((start..columns[0].len()).collect::<Vec<usize>>());
     }
     let table = charts.tables.len();

@@ -93,6 +93,26 @@ fn row(svg: &mut String, top: f64, band: &BandRecord, value: &ValueRecord) {
     if let Some(histogram) = &value.histogram {
         bars(svg, top + 4.0 + HISTOGRAM, histogram, x);
     }
+    spread(svg, middle, value, x);
+    let _ = write!(
+        svg,
+        "<text x=\"{WIDTH}\" y=\"{:.1}\" text-anchor=\"end\">{:.2} % in band</text>",
+        name,
+        100.0 * band.kept
+    );
+    let known = value.mean.zip(value.sigma);
+    if let Some((mean, sigma)) = known.filter(|(_, sigma)| *sigma > 0.0) {
+        let words = capability([band.low, band.high], mean, sigma);
+        let _ = write!(
+            svg,
+            "<text class=\"small\" x=\"{WIDTH}\" y=\"{:.1}\" text-anchor=\"end\">{words}</text>",
+            name + 16.0
+        );
+    }
+}
+
+/// Draws range, percentiles, median and nominal of a value, at half of their height.
+fn spread(svg: &mut String, middle: f64, value: &ValueRecord, x: impl Fn(f64) -> f64) {
     if let [Some(least), Some(most)] = value.range {
         let _ = write!(
             svg,
@@ -126,21 +146,6 @@ fn row(svg: &mut String, top: f64, band: &BandRecord, value: &ValueRecord) {
             svg,
             "<circle class=\"nominal\" cx=\"{:.1}\" cy=\"{middle}\" r=\"3\"/>",
             x(nominal)
-        );
-    }
-    let _ = write!(
-        svg,
-        "<text x=\"{WIDTH}\" y=\"{:.1}\" text-anchor=\"end\">{:.2} % in band</text>",
-        name,
-        100.0 * band.kept
-    );
-    let known = value.mean.zip(value.sigma);
-    if let Some((mean, sigma)) = known.filter(|(_, sigma)| *sigma > 0.0) {
-        let words = capability([band.low, band.high], mean, sigma);
-        let _ = write!(
-            svg,
-            "<text class=\"small\" x=\"{WIDTH}\" y=\"{:.1}\" text-anchor=\"end\">{words}</text>",
-            name + 16.0
         );
     }
 }

@@ -98,19 +98,7 @@ impl Search<'_> {
         let within = place(&rods);
         let (mut looked_at, mut tries, mut unsearched) = (0, 0, 0.0);
         for flip in [[1., 1., 1.], [1., -1., -1.], [-1., 1., -1.], [-1., -1., 1.]] {
-            let flipped = |v: Vector3<Interval>| {
-                let [x, y, z] = flip;
-                Vector3::new(v.x.scaled(x), v.y.scaled(y), v.z.scaled(z))
-            };
-            let chart = Chart {
-                rods: rods.map(|rod| Rod {
-                    lever: flipped(rod.lever),
-                    ..rod
-                }),
-                wheel_lever: flipped(wheel_lever),
-                height,
-                flip,
-            };
+            let chart = Chart::of(&rods, wheel_lever, height, flip);
             let turn = Interval::bounds(-1.0, 1.0);
             let [x, y, z] = within.to_array();
             let mut cells = vec![[x, y, z, turn, turn, turn]];
@@ -152,13 +140,7 @@ impl Search<'_> {
                     self.leave_open(middle(&chart.pose(&cell)));
                     continue;
                 }
-                let Interval { low, high } = cell[widest];
-                // The box is not divided in the middle, where the design may lie.
-                let cut = low + 0.4871 * (high - low);
-                let (mut below, mut above) = (cell, cell);
-                below[widest] = Interval::bounds(low, cut);
-                above[widest] = Interval::bounds(cut, high);
-                cells.extend([below, above]);
+                cells.extend(halves(&cell, widest));
             }
         }
         self.all.looked_at += looked_at;
@@ -244,6 +226,28 @@ struct Linearised {
 }
 
 impl Chart {
+    /// Equations for the D with this diagonal.
+    fn of(
+        rods: &[Rod; 5],
+        wheel_lever: Vector3<Interval>,
+        height: Interval,
+        flip: [f64; 3],
+    ) -> Chart {
+        let flipped = |v: Vector3<Interval>| {
+            let [x, y, z] = flip;
+            Vector3::new(v.x.scaled(x), v.y.scaled(y), v.z.scaled(z))
+        };
+        Chart {
+            rods: rods.map(|rod| Rod {
+                lever: flipped(rod.lever),
+                ..rod
+            }),
+            wheel_lever: flipped(wheel_lever),
+            height,
+            flip,
+        }
+    }
+
     fn verdict(&self, mut cell: Cell) -> Verdict {
         if self.narrowed(&mut cell).is_none() {
             return Verdict::None;
@@ -412,6 +416,16 @@ fn inverse(matrix: &[[Interval; 6]; 6]) -> Option<[[f64; 6]; 6]> {
     let rows = Lu6::new(matrix.map(|row| row.map(Scalar::value)), 1.0)?.inverse();
     let finite = rows.as_flattened().iter().all(|entry| entry.is_finite());
     finite.then_some(rows)
+}
+
+/// Divides a box across a variable. The box is not divided in the middle, where the design may lie.
+fn halves(cell: &Cell, across: usize) -> [Cell; 2] {
+    let Interval { low, high } = cell[across];
+    let cut = low + 0.4871 * (high - low);
+    let (mut below, mut above) = (*cell, *cell);
+    below[across] = Interval::bounds(low, cut);
+    above[across] = Interval::bounds(cut, high);
+    [below, above]
 }
 
 /// Middle of some poses. It is a rotation up to their width.

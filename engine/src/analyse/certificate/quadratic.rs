@@ -72,6 +72,26 @@ pub(crate) struct PoseBend {
     pub off: f64,
 }
 
+/// Second derivatives by pairs of the pose's numbers, in the order of the pairs.
+fn pose_bends(bends: &[Bend]) -> Vec<PoseBend> {
+    // Both orders of two different variables count.
+    let of_pose = bends.iter().filter(|b| b.by <= b.and_by && b.and_by < N);
+    let mut pose_bends: Vec<_> = of_pose
+        .map(|b| {
+            let both = b.value.times(if b.by == b.and_by { 1.0 } else { 2.0 });
+            let middle = both.middle();
+            PoseBend {
+                equation: b.equation,
+                pair: N * b.by + b.and_by,
+                middle,
+                off: radius(both, middle) + ROUNDING * middle.abs(),
+            }
+        })
+        .collect();
+    pose_bends.sort_by_key(|b| b.pair);
+    pose_bends
+}
+
 impl Quadratic {
     pub(crate) fn new(
         mechanism: &Mechanism,
@@ -138,28 +158,13 @@ impl Quadratic {
                 }
             }
         }
-        // Both orders of two different variables count.
-        let of_pose = bends.iter().filter(|b| b.by <= b.and_by && b.and_by < N);
-        let mut pose_bends: Vec<_> = of_pose
-            .map(|b| {
-                let both = b.value.times(if b.by == b.and_by { 1.0 } else { 2.0 });
-                let middle = both.middle();
-                PoseBend {
-                    equation: b.equation,
-                    pair: N * b.by + b.and_by,
-                    middle,
-                    off: radius(both, middle) + ROUNDING * middle.abs(),
-                }
-            })
-            .collect();
-        pose_bends.sort_by_key(|b| b.pair);
         Quadratic {
             drive,
             scale,
             origin,
             constant: first,
             linear,
-            pose_bends,
+            pose_bends: pose_bends(&bends),
             bends,
         }
     }

@@ -25,18 +25,15 @@
 //! - the margin of the upper end.
 
 mod adjoint;
+mod carried;
 mod circle;
 mod conditioning;
 mod roles;
 mod series;
+#[cfg(test)]
+mod tests;
 mod upper;
 mod velocity;
-
-pub(crate) use adjoint::{Adjoint, Members};
-pub(crate) use circle::Circle;
-pub use roles::Roles;
-pub(crate) use roles::UpperRoles;
-use upper::Upper;
 
 use crate::mechanism::DesignFault;
 use crate::mechanism::Pose;
@@ -44,40 +41,12 @@ use crate::model::Mechanism;
 use crate::number::Jet;
 use crate::number::{Matrix3, Vector3};
 use crate::number::{Real, SimdReal};
-
-/// Products of a knuckle vector x0 that determine its image, for v = m + s u: products with m, u, t0, m x t0 and u x t0.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Carried<T> {
-    by_m: T,
-    by_u: T,
-    by_t: T,
-    by_mt: T,
-    by_ut: T,
-}
-
-/// Makes the [`Carried`] vectors of one design.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Carrier<T> {
-    m: Vector3<T>,
-    u: Vector3<T>,
-    tie: Vector3<T>,
-    foot_tie: Vector3<T>,
-    slide_tie: Vector3<T>,
-}
-
-impl<T: Real> Carrier<T> {
-    /// Products of a knuckle vector, given in the design position.
-    #[inline(always)]
-    pub(crate) fn carried(&self, x: Vector3<T>) -> Carried<T> {
-        Carried {
-            by_m: x.dot(self.m),
-            by_u: x.dot(self.u),
-            by_t: x.dot(self.tie),
-            by_mt: x.dot(self.foot_tie),
-            by_ut: x.dot(self.slide_tie),
-        }
-    }
-}
+pub(crate) use adjoint::{Adjoint, Members};
+pub(crate) use carried::{Carried, Carrier};
+pub(crate) use circle::Circle;
+pub use roles::Roles;
+pub(crate) use roles::UpperRoles;
+use upper::Upper;
 
 /// The constants of one design.
 #[derive(Clone, Copy, Debug)]
@@ -472,92 +441,5 @@ impl<T: Real> ArmState<T> {
             (b * self.be).minus_product(k * self.ga, self.dd),
             (b * self.ga).plus_product(k, self.be),
         )
-    }
-}
-
-impl<T: Real> Carried<T> {
-    #[inline]
-    fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Carried<U> {
-        Carried {
-            by_m: f(self.by_m),
-            by_u: f(self.by_u),
-            by_t: f(self.by_t),
-            by_mt: f(self.by_mt),
-            by_ut: f(self.by_ut),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::mechanism::{Closure, Configuration, Driver};
-    use crate::model::Topology;
-    use crate::study::Study;
-    use std::path::Path;
-
-    /// At each arm angle all assemblies have the lengths of the design, and they differ from each other. The first one is
-    /// the design's.
-    #[test]
-    fn assemblies_keep_every_length() {
-        let mut seen = 0;
-        for topology in Topology::ALL {
-            let study = Study::from_text("closed.toml", topology.template, Path::new(".")).unwrap();
-            let suspension = study.wheel();
-            let (mechanism, design) = (&suspension.mechanism, &suspension.design);
-            let Some(form) = ClosedForm::of(mechanism, design).unwrap() else {
-                continue;
-            };
-            seen += 1;
-            let closure = Closure::new(mechanism, design);
-            for angle in [0.0, 0.12, -0.17] {
-                let (sine, cosine) = f64::sin_cos(angle);
-                let poses = [(false, false), (false, true), (true, false), (true, true)].map(
-                    |(upper_across, tie_rod_across)| {
-                        let form = form.assembled(upper_across, tie_rod_across);
-                        form.pose(&form.at(cosine, sine, 0.0))
-                    },
-                );
-                // Some of the other assemblies do not exist.
-                let is_real = |pose: &&Pose<f64>| !pose.rotation.columns[0].x.is_nan();
-                assert!(is_real(&&poses[0]));
-                let poses: Vec<_> = poses.iter().filter(is_real).collect();
-                assert!(poses.len() >= 2, "{}", topology.name);
-                for (number, pose) in poses.iter().enumerate() {
-                    let at = Configuration::new(mechanism, design, **pose, 0.0);
-                    let off = closure.residuals(&at, Driver::ArmAngle { sine, cosine });
-                    let most = off.iter().fold(0.0, |most: f64, r| most.max(r.abs()));
-                    assert!(most < 1e-9 * suspension.size().powi(2), "{number}: {off:?}");
-                    for other in &poses[..number] {
-                        let [a, b] = [*pose, *other].map(|pose| pose.rotation.columns);
-                        let apart = (0..3).map(|k| (a[k] - b[k]).norm()).sum::<f64>();
-                        assert!(apart > 0.01, "{} {number}: {apart}", topology.name);
-                    }
-                }
-                if angle == 0.0 {
-                    let [x, y, z] = poses[0].rotation.columns;
-                    assert!((x.x - 1.0).abs() + (y.y - 1.0).abs() + (z.z - 1.0).abs() < 1e-12);
-                }
-            }
-        }
-        assert!(seen >= 2);
-    }
-
-    /// In a state beyond a toggle by rounding, the tie rod's end moves into the plane. Any other state does not change.
-    #[test]
-    fn a_state_beyond_a_toggle_is_put_at_it() {
-        let study = Topology::ALL.iter().find_map(|topology| {
-            let study = Study::from_text("closed.toml", topology.template, Path::new(".")).ok()?;
-            let suspension = study.wheel();
-            ClosedForm::of(&suspension.mechanism, &suspension.design).ok()?
-        });
-        let mut state = study.unwrap().at(1.0, 0.0, 0.0);
-        let ga = state.ga;
-        state.at_toggle_if_beyond();
-        assert_eq!(state.ga, ga);
-        assert!(ga != 0.0);
-        state.ga = f64::NAN;
-        state.at_toggle_if_beyond();
-        assert_eq!(state.ga, 0.0);
     }
 }

@@ -24,6 +24,7 @@
 //! So a lane is either correct or rejected. Its own design alone decides which.
 
 mod acceptance;
+mod along_travel;
 mod arm;
 #[cfg(test)]
 mod boundary;
@@ -36,13 +37,13 @@ mod track;
 use super::closed_form::{Carried, Members, Roles};
 use super::path::StationOrder;
 use crate::derive::Gradient;
-use crate::mechanism::{Closure, Configuration, Pose, Twist, Wrench};
+use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{Drive, Mechanism, PointId, SteeringAxis};
-use crate::number::{Jet, MOST_LANES, Matrix3, SimdReal, Vector3, outlined};
+use crate::number::{MOST_LANES, SimdReal, Vector3, outlined};
 pub use acceptance::{Acceptance, Rejection};
+pub(crate) use along_travel::{AlongTravel, SeriesDesign};
 use arm::{ArmDesign, ByArm};
 pub(crate) use arm::{FARTHEST, STEEPEST};
-pub(crate) use linkage::SeriesAdjoint;
 use linkage::{ByLinkage, LinkageDesign};
 pub use pair::{AxleTracker, GroundContact, PairDrive, PairStations, VisitPair};
 pub(crate) use poses::{PoseTracker, TrackedPoses};
@@ -372,80 +373,6 @@ impl<'a> CornerTracker<'a> {
                 track(&mut corner, places, accepted, history)
             }
             _ => unreachable!("a design of another tracker"),
-        }
-    }
-}
-
-/// Computes gradients of quantities that contain velocities, with the closure equations as series along the travel.
-#[derive(Clone, Debug)]
-pub(crate) struct AlongTravel(ByLinkage);
-
-/// Designs in lanes as series along the travel. The series are constant.
-pub(crate) struct SeriesDesign<B> {
-    design: Vec<Vector3<Jet<B, 2>>>,
-    closure: Closure<Jet<B, 2>>,
-}
-
-impl AlongTravel {
-    /// Prepares for designs of this mechanism near `base`, driven by the travel. `None` if they cannot be tracked.
-    pub(crate) fn of(mechanism: &Mechanism, base: &[Vector3<f64>]) -> Option<Self> {
-        ByLinkage::of(mechanism, base, Drive::Travel, mechanism.size(base)).map(AlongTravel)
-    }
-
-    /// Makes the designs as series.
-    #[inline(always)]
-    pub(crate) fn design<B: SimdReal>(
-        &self,
-        mechanism: &Mechanism,
-        design: &[Vector3<B>],
-    ) -> SeriesDesign<B> {
-        let mut series = Vec::with_capacity(design.len());
-        for point in design {
-            series.push(point.with_rate(point.zero()));
-        }
-        SeriesDesign {
-            closure: Closure::new(mechanism, &series),
-            design: series,
-        }
-    }
-
-    /// Prepares gradients at a configuration of [`SeriesDesign::along`].
-    #[inline(always)]
-    pub(crate) fn adjoint<'p, B: SimdReal>(
-        &self,
-        design: &'p SeriesDesign<B>,
-        at: &'p Configuration<'p, Jet<B, 2>>,
-    ) -> SeriesAdjoint<'p, B> {
-        self.0.series_adjoint(&design.closure, at)
-    }
-}
-
-impl<B: SimdReal> SeriesDesign<B> {
-    /// The configuration as a first-order series along the travel, from the rates of the knuckle.
-    #[inline(always)]
-    pub(crate) fn along<'p>(
-        &'p self,
-        at: &Configuration<'p, B>,
-        rates: &LaneRates<B>,
-    ) -> Configuration<'p, Jet<B, 2>> {
-        let Twist { shift, turn } = rates.twist();
-        let [x, y, z] = at.pose.rotation.columns;
-        let zero = at.rack.zero();
-        Configuration {
-            mechanism: at.mechanism,
-            design: &self.design,
-            pose: Pose {
-                origin: at.pose.origin.with_rate(shift),
-                rotation: Matrix3 {
-                    columns: [
-                        x.with_rate(turn.cross(x)),
-                        y.with_rate(turn.cross(y)),
-                        z.with_rate(turn.cross(z)),
-                    ],
-                },
-            },
-            rack: Jet([at.rack, zero]),
-            steering: None,
         }
     }
 }

@@ -80,34 +80,11 @@ impl Route {
         longest: f64,
         longest_of_lead: f64,
     ) -> Route {
-        let mut is_complete = true;
-        let mut design_station = None;
-        let mut stations: Vec<(f64, Option<usize>, Leg, f64)> = Vec::new();
-        for (leg, side) in [Leg::Up, Leg::Down].into_iter().zip(station_order.sides()) {
-            let mut before = 0.0;
-            for &station in side {
-                let value = station_order.values()[station];
-                if value == before {
-                    if value != 0.0 || design_station.is_some() {
-                        is_complete = false;
-                    } else {
-                        design_station = Some(station);
-                    }
-                    continue;
-                }
-                let Some(steps) = steps(before, value, longest) else {
-                    is_complete = false;
-                    break;
-                };
-                let step = (value - before) / steps.len() as f64;
-                let last = steps.len() - 1;
-                for (k, place) in steps.into_iter().enumerate() {
-                    stations.push((place, (k == last).then_some(station), leg, step));
-                }
-                before = value;
-            }
-        }
-        stations.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()).then(b.0.total_cmp(&a.0)));
+        let Legs {
+            stations,
+            design_station,
+            is_complete,
+        } = Legs::of(station_order, longest);
 
         let at_zero = |rack: f64, heave: f64, number: usize| RouteStep {
             value: 0.0,
@@ -166,6 +143,55 @@ impl Route {
         }
         Route {
             places,
+            is_complete,
+        }
+    }
+}
+
+/// Places on both legs of a route, from the design position outwards.
+struct Legs {
+    /// Value of the drive, station at this place, leg, and step to this place.
+    stations: Vec<(f64, Option<usize>, Leg, f64)>,
+    /// Station in the design position.
+    design_station: Option<usize>,
+    /// True if the legs visit every station.
+    is_complete: bool,
+}
+
+impl Legs {
+    /// Places in steps of at most `longest`.
+    fn of(station_order: &StationOrder, longest: f64) -> Legs {
+        let mut is_complete = true;
+        let mut design_station = None;
+        let mut stations = Vec::new();
+        for (leg, side) in [Leg::Up, Leg::Down].into_iter().zip(station_order.sides()) {
+            let mut before = 0.0;
+            for &station in side {
+                let value = station_order.values()[station];
+                if value == before {
+                    if value != 0.0 || design_station.is_some() {
+                        is_complete = false;
+                    } else {
+                        design_station = Some(station);
+                    }
+                    continue;
+                }
+                let Some(steps) = steps(before, value, longest) else {
+                    is_complete = false;
+                    break;
+                };
+                let step = (value - before) / steps.len() as f64;
+                let last = steps.len() - 1;
+                for (k, place) in steps.into_iter().enumerate() {
+                    stations.push((place, (k == last).then_some(station), leg, step));
+                }
+                before = value;
+            }
+        }
+        stations.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()).then(b.0.total_cmp(&a.0)));
+        Legs {
+            stations,
+            design_station,
             is_complete,
         }
     }

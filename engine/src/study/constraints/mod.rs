@@ -1,26 +1,27 @@
 //! `constraints` of `[optimise]`: limits that a design must satisfy.
 
+mod aligned;
 mod joints;
+mod limits;
+mod of_axle;
 mod regions;
 
-use super::axle_targets::quantities_of_side;
 use super::elastic_targets;
 use super::error::Problems;
 use super::file::{self, Constraint as Written, Coordinates};
-use super::names::choose;
 use super::outputs::characteristic;
 use super::resolve::{Context, each};
-use super::subject::{force, length, member, point, site};
+use super::subject::{force, length, member};
 use super::suspension::three;
 use super::targets::refuse_keys_of_cars;
-use super::value::{Number, Text};
-use super::{AxleStudy, Constraint, Limited, Motion, Site};
+use super::value::Text;
+use super::{Constraint, Limited, Site};
 use crate::ask::Unit;
 use crate::characteristics::{Measure, Quantity};
 use crate::compliance::KcValue;
-use crate::mechanism::DEGENERATE;
-use crate::model::{Axis, LengthUnit, Side, Suspension};
+use crate::model::{LengthUnit, Side, Suspension};
 use crate::number::Vector3;
+use limits::{LIMITS, Limits, words};
 use std::ops::Range as Span;
 use toml::Spanned;
 
@@ -60,12 +61,6 @@ struct Reader<'a> {
     context: &'a Context<'a>,
 }
 
-/// Keys of limits.
-const LIMITS: [&str; 3] = ["between", "at_least", "at_most"];
-
-/// Lower and upper limit, in the units of the file.
-type Limits = [Option<f64>; 2];
-
 impl Reader<'_> {
     /// Reads the constraint. With a motion of an axle there is one for each wheel.
     fn constraint(&self, problems: &mut Problems) -> Option<Vec<Constraint>> {
@@ -76,47 +71,8 @@ impl Reader<'_> {
             return self.of_elastic_axle(both, name, problems);
         }
         let sites = self.sites(problems)?;
-        let is_design = match &written.at {
-            None => false,
-            Some(text) if text.get_ref() == "design" => true,
-            Some(text) => {
-                let message = format!("expected \"design\", found {:?}", text.get_ref());
-                return problems.refuse(text.span(), message);
-            }
-        };
-        let subjects = [
-            written.length.is_some(),
-            written.point.is_some(),
-            written.members.is_some(),
-            written.articulation.is_some(),
-            written.plunge.is_some(),
-            written.characteristic.is_some(),
-            written.load.is_some(),
-            written.coplanar.is_some(),
-            written.line.is_some(),
-        ];
-        if subjects.iter().filter(|given| **given).count() != 1 {
-            let message = "expected one of length, point, members, articulation, plunge, characteristic, load, \
-                           coplanar and line";
-            return problems.refuse(self.place.clone(), message);
-        }
-        let (name, parts) = if let Some(written) = &written.length {
-            self.length(written, problems)?
-        } else if let Some(name) = &written.characteristic {
-            self.characteristic(name, problems)?
-        } else if let Some(name) = &written.load {
-            self.load(name, problems)?
-        } else if let Some(name) = &written.articulation {
-            self.articulation(name, problems)?
-        } else if let Some(ends) = &written.plunge {
-            self.plunge(ends, problems)?
-        } else if let Some(names) = &written.members {
-            self.members(names, problems)?
-        } else if let Some(name) = &written.point {
-            self.point(name, problems)?
-        } else {
-            self.aligned(problems)?
-        };
+        let is_design = self.is_of_design(problems)?;
+        let (name, parts) = self.subject(problems)?;
         let mechanism = &self.suspension().mechanism;
         let is_of_pose = |part: &Limited| {
             let is_still = is_design && !matches!(part.of, Measure::Carried(_));
@@ -159,114 +115,54 @@ impl Reader<'_> {
         Some(sites.into_iter().map(of_wheel).collect())
     }
 
-    /// Limits of a quantity of an elastic axle in the design position, one for each wheel that has it.
-    fn of_elastic_axle(
-        &self,
-        both: &AxleStudy,
-        name: &Text,
-        problems: &mut Problems,
-    ) -> Option<Vec<Constraint>> {
-        self.takes(&LIMITS, problems);
-        let written = self.written;
-        let places = [
-            written.motion.as_ref().map(Text::span),
-            written.rack.as_ref().map(Spanned::span),
-            written
-                .at
-                .as_ref()
-                .filter(|at| at.get_ref() != "design")
-                .map(Text::span),
-        ];
-        if let Some(place) = places.into_iter().flatten().next() {
-            let message = "limits of an elastic axle hold in the design position; a target with between, at_least or at_most \
-                           holds over a motion";
-            return problems.refuse(place, message);
+    /// Returns true if the constraint holds in the design position only.
+    fn is_of_design(&self, problems: &mut Problems) -> Option<bool> {
+        match &self.written.at {
+            None => Some(false),
+            Some(text) if text.get_ref() == "design" => Some(true),
+            Some(text) => {
+                let message = format!("expected \"design\", found {:?}", text.get_ref());
+                problems.refuse(text.span(), message)
+            }
         }
-        let quantities = quantities_of_side(name, &written.side, &both.axle, problems)?;
-        let limits = self.needed_limits(problems)?;
-        let called = written.name.as_ref().map(|name| name.get_ref().clone());
-        let called = called.unwrap_or_else(|| format!("{} {}", name.get_ref(), words(limits)));
-        let constraint = |quantity: &crate::axle::Quantity| Constraint {
-            name: match quantity.side() {
-                Some(side) => format!("{called}, {} wheel", side.name()),
-                None => called.clone(),
-            },
-            parts: vec![self.limited_as_printed(
-                Measure::OfAxle(*quantity),
-                quantity.info().unit,
-                limits,
-            )],
-            site: None,
-        };
-        Some(quantities.iter().map(constraint).collect())
     }
 
-    /// Motion and rack displacements of the constraint. A motion of an axle becomes a motion of each wheel, in the axes of a
-    /// left wheel.
-    fn sites(&self, problems: &mut Problems) -> Option<Vec<(Option<Side>, Site)>> {
+    /// Reads the subject of the constraint: its name, and its parts with limits.
+    fn subject(&self, problems: &mut Problems) -> Option<(String, Vec<Limited>)> {
         let written = self.written;
-        let of_axle = written.motion.as_ref().zip(self.context.axle);
-        let of_axle = of_axle.and_then(|(text, both)| {
-            let named = both.motions.iter().find(|(name, _)| name == text.get_ref());
-            Some((text, both, named?))
-        });
-        let side = match &written.side {
-            None => None,
-            Some(text) => {
-                if of_axle.is_none() {
-                    let message = "side needs a motion of an axle: heave, or travel_left and travel_right, in [motions.NAME]";
-                    return problems.refuse(text.span(), message);
-                }
-                let sides = Side::ALL.map(|side| (side.name(), side));
-                Some(choose(text, "side", &sides, problems)?)
-            }
-        };
-        if let Some((text, both, _)) = of_axle
-            && both.axle.is_rigid()
-        {
-            let message = "constraints of this axle hold in the design position: expected at = \"design\", and no motion";
-            return problems.refuse(text.span(), message);
-        }
-        let Some((text, both, (name, motion))) = of_axle else {
-            let site = site(&written.motion, &written.rack, self.context, problems)?;
-            return Some(vec![(None, site)]);
-        };
-        if let Some(rack) = &written.rack {
-            let message = format!("the motion {name} gives the rack; leave rack out");
-            return problems.refuse(rack.span(), message);
-        }
-        let Some(travels) = motion.wheel_travels() else {
-            let message = format!(
-                "on a plane ground the travels of the wheels follow from the design, and a constraint needs them: expected \
-                 heave on pads, or travel_left and travel_right, in [motions.{name}]"
-            );
-            return problems.refuse(text.span(), message);
-        };
-        if both.axle.right.is_some() && side != Some(Side::Left) {
-            let message = "the right wheel has dimensions of its own, which constraints do not reach: expected side = \"left\"";
+        let subjects = [
+            written.length.is_some(),
+            written.point.is_some(),
+            written.members.is_some(),
+            written.articulation.is_some(),
+            written.plunge.is_some(),
+            written.characteristic.is_some(),
+            written.load.is_some(),
+            written.coplanar.is_some(),
+            written.line.is_some(),
+        ];
+        if subjects.iter().filter(|given| **given).count() != 1 {
+            let message = "expected one of length, point, members, articulation, plunge, characteristic, load, \
+                           coplanar and line";
             return problems.refuse(self.place.clone(), message);
         }
-        let sign = self.suspension().frame.sign(Axis::Y);
-        let of_side = |side: Side| {
-            // The right wheel is treated as a left wheel, so its rack moves with the opposite sign.
-            let outwards = if side == Side::Left { sign } else { -sign };
-            let racks: Vec<f64> = motion.racks.iter().map(|r| outwards * r + 0.0).collect();
-            let motion = Motion {
-                values: travels[side as usize].to_vec(),
-                rack: racks.clone(),
-                rack_moves: true,
-                ..Motion::still()
-            };
-            Site {
-                motion: Some((name.clone(), motion)),
-                racks,
-                axle: None,
-            }
-        };
-        let sides = Side::ALL
-            .into_iter()
-            .filter(|own| side.is_none_or(|s| s == *own));
-        Some(sides.map(|side| (Some(side), of_side(side))).collect())
+        if let Some(written) = &written.length {
+            self.length(written, problems)
+        } else if let Some(name) = &written.characteristic {
+            self.characteristic(name, problems)
+        } else if let Some(name) = &written.load {
+            self.load(name, problems)
+        } else if let Some(name) = &written.articulation {
+            self.articulation(name, problems)
+        } else if let Some(ends) = &written.plunge {
+            self.plunge(ends, problems)
+        } else if let Some(names) = &written.members {
+            self.members(names, problems)
+        } else if let Some(name) = &written.point {
+            self.point(name, problems)
+        } else {
+            self.aligned(problems)
+        }
     }
 
     fn suspension(&self) -> &Suspension {
@@ -276,73 +172,6 @@ impl Reader<'_> {
     /// Length of 1 mm in the study's unit: the smallest visible length.
     fn length_scale(&self) -> f64 {
         self.suspension().length_unit.per_metre() / 1000.0
-    }
-
-    /// Reads `between`, `at_least` and `at_most`.
-    fn limits(&self, problems: &mut Problems) -> Option<Limits> {
-        let written = self.written;
-        let value = |number: &Option<Number>| number.as_ref().map(|n| n.value);
-        let limits = match &written.between {
-            None => [value(&written.at_least), value(&written.at_most)],
-            Some(between) => {
-                let [low, high] = between.get_ref().as_slice() else {
-                    let message = format!(
-                        "expected two limits [lower, upper], found {}",
-                        between.get_ref().len()
-                    );
-                    return problems.refuse(between.span(), message);
-                };
-                if written.at_least.is_some() || written.at_most.is_some() {
-                    let message =
-                        "between says both limits; expected it alone, or at_least and at_most";
-                    return problems.refuse(between.span(), message);
-                }
-                [Some(low.value), Some(high.value)]
-            }
-        };
-        if let [Some(low), Some(high)] = limits
-            && low > high
-        {
-            let message = format!("the limits are reversed: {low} is above {high}");
-            return problems.refuse(self.place.clone(), message);
-        }
-        Some(limits)
-    }
-
-    /// Reads limits. At least one is required.
-    fn needed_limits(&self, problems: &mut Problems) -> Option<Limits> {
-        let limits = self.limits(problems)?;
-        if limits == [None, None] {
-            let message = "expected a limit: between = [lower, upper], at_least or at_most";
-            return problems.refuse(self.place.clone(), message);
-        }
-        Some(limits)
-    }
-
-    /// Refuses all keys that are not in `keys`.
-    fn takes(&self, keys: &[&str], problems: &mut Problems) {
-        self.refuse(|key| !keys.contains(&key), problems);
-    }
-
-    fn refuse(&self, is_refused: impl Fn(&str) -> bool, problems: &mut Problems) {
-        let w = self.written;
-        let number = |n: &Option<Number>| n.as_ref().map(|n| n.span.clone());
-        let given = [
-            ("kept", w.kept.as_ref().map(Spanned::span)),
-            ("inside", w.inside.as_ref().map(Spanned::span)),
-            ("outside", w.outside.as_ref().map(Spanned::span)),
-            ("clearance", number(&w.clearance)),
-            ("radii", w.radii.as_ref().map(Spanned::span)),
-            ("between", w.between.as_ref().map(Spanned::span)),
-            ("at_least", number(&w.at_least)),
-            ("at_most", number(&w.at_most)),
-        ];
-        for (key, place) in given {
-            if let Some(place) = place.filter(|_| is_refused(key)) {
-                let message = format!("{key} has no meaning for this kind of constraint");
-                problems.add(place, message);
-            }
-        }
     }
 
     fn length(
@@ -497,91 +326,6 @@ impl Reader<'_> {
             visible: self.length_scale(),
             unit: self.suspension().length_unit.symbol().to_owned(),
         }
-    }
-
-    /// Reads `coplanar` and `line`.
-    fn aligned(&self, problems: &mut Problems) -> Option<(String, Vec<Limited>)> {
-        self.takes(&[], problems);
-        let written = self.written;
-        let (names, least, what) = match (&written.coplanar, &written.line) {
-            (Some(names), _) => (names, 4, "plane"),
-            (None, Some(names)) => (names, 3, "line"),
-            (None, None) => return None,
-        };
-        let list = names.get_ref();
-        if list.len() < least {
-            let message = format!(
-                "expected at least {least} points of a {what}, found {}: fewer always are on one",
-                list.len()
-            );
-            return problems.refuse(names.span(), message);
-        }
-        let ids = each(list, |name| point(name, self.suspension(), problems))?;
-        for (number, id) in ids.iter().enumerate() {
-            if let Some(first) = ids[..number].iter().position(|earlier| earlier == id) {
-                let message = format!("{} is listed twice", list[number].get_ref());
-                let error = problems.add(list[number].span(), message);
-                error.related(list[first].span(), "here");
-                return None;
-            }
-        }
-        let leading: Vec<_> = ids[..least - 1]
-            .iter()
-            .map(|id| self.suspension().design[id.0])
-            .collect();
-        if !span_a_flat(&leading) {
-            let message = format!(
-                "the first {} points do not define a {what} in the design position; begin with others",
-                least - 1
-            );
-            return problems.refuse(names.span(), message);
-        }
-        let zero = Some(0.0);
-        let mut parts = Vec::new();
-        if what == "plane" {
-            for id in &ids[3..] {
-                let of = Measure::OffPlane([ids[0], ids[1], ids[2], *id]);
-                parts.push(self.limited(of, zero, zero));
-            }
-        } else {
-            let design = &self.suspension().design;
-            let along = (design[ids[1].0] - design[ids[0].0])
-                .to_array()
-                .map(f64::abs);
-            // The line has its largest component along `most`. Conditions in the two other axes are sufficient.
-            let most = (0..3).max_by(|a, b| along[*a].total_cmp(&along[*b]))?;
-            for id in &ids[2..] {
-                for axis in (0..3).filter(|axis| *axis != most) {
-                    let of = Measure::OffLine([ids[0], ids[1], *id], axis);
-                    parts.push(self.limited(of, zero, zero));
-                }
-            }
-        }
-        let list: Vec<&str> = list.iter().map(|name| name.get_ref().as_str()).collect();
-        Some((format!("{} on one {what}", list.join(", ")), parts))
-    }
-}
-
-/// Returns true if two points define a line, or if three define a plane, in double precision.
-fn span_a_flat(points: &[Vector3<f64>]) -> bool {
-    let along = points[1] - points[0];
-    let farthest = points.iter().map(|p| p.norm()).fold(0.0, f64::max);
-    let is_line = along.norm() > DEGENERATE * farthest;
-    is_line
-        && points.get(2).is_none_or(|third| {
-            let other = *third - points[0];
-            along.cross(other).norm() > DEGENERATE * along.norm() * other.norm()
-        })
-}
-
-/// Describes limits in words.
-fn words(limits: Limits) -> String {
-    match limits {
-        [Some(low), Some(high)] if low == high => format!("equal to {low}"),
-        [Some(low), Some(high)] => format!("between {low} and {high}"),
-        [Some(low), None] => format!("at least {low}"),
-        [None, Some(high)] => format!("at most {high}"),
-        [None, None] => String::new(),
     }
 }
 

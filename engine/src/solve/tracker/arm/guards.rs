@@ -1,16 +1,39 @@
 //! Tests every guard of designs with a closed form at its threshold.
 
 use super::super::boundary::{Judgement, above, below, boundaries, rejection, steady, template};
+use super::super::route::Leg;
+use super::super::{Acceptance, Rejection};
 use super::super::{CornerTracker, Form, Method};
-use super::*;
+use super::{BranchGuard, ByArm};
+use crate::model::Drive;
 use crate::number::Vector3;
 use crate::solve::StationOrder;
+use crate::solve::closed_form::{ClosedForm, Roles};
 use std::collections::BTreeMap;
 
 fn reason(check: impl FnOnce(&mut Acceptance<f64>)) -> Option<Rejection> {
     let mut accepted = Acceptance::everywhere(0.0);
     check(&mut accepted);
     accepted.reason(0)
+}
+
+/// Slope of the half tangent by the travel, from differences of the closed form's own travel.
+fn slope_by_travel(form: &ClosedForm<f64>, tangent: f64, rack: f64) -> f64 {
+    let travel = |t: f64| form.travel(&form.at_half_tangent(t, rack));
+    let h = 1e-3;
+    let rise = (45.0 * (travel(tangent + h) - travel(tangent - h))
+        - 9.0 * (travel(tangent + 2.0 * h) - travel(tangent - 2.0 * h))
+        + (travel(tangent + 3.0 * h) - travel(tangent - 3.0 * h)))
+        / (60.0 * h);
+    1.0 / rise
+}
+
+fn judgement(guard: &'static str, reason: Rejection, slack: f64) -> Judgement {
+    Judgement {
+        guard,
+        reason,
+        slack,
+    }
 }
 
 /// Judgements of the guards at all places of an accepted design, by their formulas and published thresholds.
@@ -35,13 +58,7 @@ fn judge(
     for (place, tangent) in tracker.routes[rack].places.iter().zip(history) {
         let tangent = *tangent;
         let state = design.form.at_half_tangent(tangent, place.rack);
-        let mut add = |guard, reason, slack| {
-            judged.push(Judgement {
-                guard,
-                reason,
-                slack,
-            });
-        };
+        let mut add = |guard, reason, slack| judged.push(judgement(guard, reason, slack));
         let squares = state.squares();
         for (guard, (square, whole)) in ["first sine", "second sine", "third sine"]
             .into_iter()
@@ -70,20 +87,7 @@ fn judge(
         let rate = match before {
             Some((known, ..)) if is_on_leg => (tangent - known) / place.step,
             _ if tracker.drive == Drive::ArmAngle => 0.5,
-            _ => {
-                // Slope of the half tangent by the travel, from differences of the closed form's own travel.
-                let travel = |t: f64| {
-                    design
-                        .form
-                        .travel(&design.form.at_half_tangent(t, place.rack))
-                };
-                let h = 1e-3;
-                let rise = (45.0 * (travel(tangent + h) - travel(tangent - h))
-                    - 9.0 * (travel(tangent + 2.0 * h) - travel(tangent - 2.0 * h))
-                    + (travel(tangent + 3.0 * h) - travel(tangent - 3.0 * h)))
-                    / (60.0 * h);
-                1.0 / rise
-            }
+            _ => slope_by_travel(&design.form, tangent, place.rack),
         };
         let ahead = match before {
             Some((_, known, _)) if is_on_leg => 2.0 * rate - known,

@@ -2,8 +2,16 @@
 
 use super::super::boundary::{Judgement, above, below, boundaries, steady, template};
 use super::super::route::Leg;
+use super::super::track::PlaceEquations;
+use super::super::{Acceptance, LanePose, Rejection, Visit};
 use super::super::{CornerTracker, Form, Method};
-use super::*;
+use super::corner::at_place;
+use super::newton::BranchGuard;
+use super::newton::NewtonSteps;
+use super::{ByLinkage, LinkageDesign, UNKNOWNS};
+use crate::mechanism::Twist;
+use crate::model::Drive;
+use crate::number::Vector3;
 use std::collections::BTreeMap;
 
 fn reason(check: impl FnOnce(&mut Acceptance<f64>)) -> Option<Rejection> {

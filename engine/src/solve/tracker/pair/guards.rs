@@ -1,7 +1,10 @@
 //! Tests the guard of two wheels on one ground at its threshold.
 
 use super::super::boundary::{Noise, template};
-use super::*;
+use super::super::{Acceptance, LanePose, Rejection};
+use super::{AxleTracker, GroundContact, PairDrive, PairStations, VisitPair, WheelOnKnuckle};
+use crate::number::Vector3;
+use crate::solve::StationOrder;
 
 /// Smallest rise of a contact point per travel of its wheel, over the places of an axle.
 struct Rises {

@@ -1,0 +1,133 @@
+//! Readings of the wheels in a state, from poses or from curves.
+
+use super::super::corner::{Corner, Steps};
+use super::super::equations::{Balance, Held, TRAVELS, UNKNOWNS};
+use super::super::parameters::{AxleParameter, Parameters};
+use crate::axle::{AxlePose, Carriers, Read, Reading, WheelParts};
+use crate::model::Side;
+use crate::number::{Each, Real, Scalar};
+
+/// Wheels of a state during the iteration to equilibrium.
+pub(in crate::car) enum Wheels<'a> {
+    /// Wheels from their curves.
+    Near(Box<[Reading<f64>; 4]>),
+    /// Wheels from poses.
+    Exact(Box<Readings<'a>>),
+}
+
+impl<'a> Wheels<'a> {
+    /// Inputs from which nearby states are evaluated.
+    pub(in crate::car) fn base<'h>(
+        &self,
+        held: Held<'h>,
+        travels: [f64; 4],
+    ) -> Base<'h, '_, Reading<f64>> {
+        match self {
+            Wheels::Exact(readings) => readings.base(held),
+            Wheels::Near(wheels) => Base {
+                held,
+                racks: None,
+                carriers: [Carriers::Independent; 2],
+                readings: wheels.each_ref(),
+                travels,
+            },
+        }
+    }
+}
+
+/// Readings of the wheels in a state.
+pub(in crate::car) struct Readings<'a> {
+    pub placed: [AxlePose; 2],
+    /// True if the readings include the dependence of the wheels on the racks.
+    pub by_rack: bool,
+    pub axles: [Read<'a>; 2],
+}
+
+impl Readings<'_> {
+    /// Readings in order: front left, front right, rear left, rear right.
+    pub(in crate::car) fn wheels(&self) -> [&Reading<f64>; 4] {
+        let [front, rear] = &self.axles;
+        let ([a, b], [c, d]) = (&front.state.readings, &rear.state.readings);
+        [a, b, c, d]
+    }
+
+    /// Returns the inputs from which nearby states are evaluated.
+    pub(in crate::car) fn base<'h>(&self, held: Held<'h>) -> Base<'h, '_, Reading<f64>> {
+        let [front, rear] = &self.placed;
+        Base {
+            held,
+            racks: self.by_rack.then(|| self.placed.map(|placed| placed.rack)),
+            carriers: self.axles.each_ref().map(|read| read.state.carriers),
+            readings: self.wheels(),
+            travels: [
+                front.travels[0],
+                front.travels[1],
+                rear.travels[0],
+                rear.travels[1],
+            ],
+        }
+    }
+}
+
+/// Inputs of a state, with readings of the wheels at their travels.
+pub(in crate::car) struct Base<'h, 'r, R> {
+    pub held: Held<'h>,
+    /// Wheels in the frames of their sides: front left, front right, rear left, rear right.
+    pub readings: [&'r R; 4],
+    /// Travels of the readings.
+    pub travels: [f64; 4],
+    /// Racks of both axles in the readings, if these include the dependence on the racks.
+    pub racks: Option<[f64; 2]>,
+    /// Type of the wheel carriers of each axle.
+    pub carriers: [Carriers; 2],
+}
+
+impl<R> Base<'_, '_, R> {
+    /// Computes a state with its forces. `lift` converts the wheels' numbers to numbers of this kind.
+    pub(in crate::car) fn balance<T: Scalar, U: Real>(
+        &self,
+        parameters: &Parameters<T>,
+        x: [T; UNKNOWNS],
+        lift: impl Fn(U) -> T + Copy,
+    ) -> Balance<T>
+    where
+        R: WheelParts<U>,
+    {
+        let corners = [0, 1, 2, 3].each(|number: usize| {
+            let travels = [number, number ^ 1].each(|wheel| x[TRAVELS + wheel]);
+            self.corner(parameters, number, travels, lift)
+        });
+        Balance::of(&self.held, parameters, corners, x)
+    }
+
+    /// Computes a wheel at its own travel and the other wheel's travel.
+    pub(in crate::car) fn corner<T: Scalar, U: Real>(
+        &self,
+        parameters: &Parameters<T>,
+        number: usize,
+        [own, other]: [T; 2],
+        lift: impl Fn(U) -> T + Copy,
+    ) -> Corner<T>
+    where
+        R: WheelParts<U>,
+    {
+        let axle = number / 2;
+        let sign = Side::ALL[number % 2].sign();
+        let rack = self.racks.map(|racks| {
+            let rack = parameters.axle(axle, AxleParameter::Rack);
+            (rack - rack.constant(racks[axle])).scaled(sign)
+        });
+        let steps = Steps {
+            own: own - own.constant(self.travels[number]),
+            other: other - other.constant(self.travels[number ^ 1]),
+            rack,
+        };
+        Corner::read(
+            self.readings[number],
+            (sign, self.carriers[axle]),
+            parameters.offset(axle),
+            steps,
+            lift,
+        )
+    }
+}

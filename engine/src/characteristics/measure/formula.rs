@@ -1,0 +1,175 @@
+//! Formulas of the geometric measures, over vectors.
+
+use super::{Measure, Vectors};
+use crate::number::{Scalar, Vector3};
+
+impl Measure {
+    /// Evaluates the formula for the vectors that `inputs` names.
+    pub(crate) fn formula<T: Scalar>(&self, v: &Vectors<T>) -> T {
+        match self {
+            Measure::Quantity(_)
+            | Measure::Carried(_)
+            | Measure::Elastic(_)
+            | Measure::OfAxle(_) => v[0].x.constant(f64::NAN),
+            Measure::Length(_) => (v[0] - v[1]).norm(),
+            Measure::Height { over, normal, .. } => {
+                let p = v[0];
+                (p - p.constant(*over)).dot(p.constant(*normal))
+            }
+            Measure::DistanceFrom(_, centre) => length(v[0] - v[0].constant(*centre)),
+            Measure::FromLine { through, along, .. } => {
+                let (p, along) = (v[0], v[0].constant(*along));
+                length((p - p.constant(*through)).cross(along))
+            }
+            Measure::FromBox { middle, half, .. } => {
+                let away = (v[0] - v[0].constant(*middle)).to_array();
+                let half = half.to_array();
+                outside(&std::array::from_fn::<T, 3, _>(|i| {
+                    magnitude(away[i]) - away[i].constant(half[i])
+                }))
+            }
+            Measure::FromTube {
+                middle,
+                along,
+                half,
+                radius,
+                ..
+            } => {
+                let (p, along) = (v[0], v[0].constant(*along));
+                let away = p - p.constant(*middle);
+                let radial = away.cross(along).norm() - away.x.constant(*radius);
+                let axial = magnitude(away.dot(along)) - away.x.constant(*half);
+                outside(&[radial, axial])
+            }
+            Measure::FromSpinAxis(_) => (v[0] - v[1]).cross(v[2]).norm(),
+            Measure::AlongSpinAxis(_) => (v[0] - v[1]).dot(v[2]),
+            Measure::FromSpinAxisAt(_, offset) => from_spin_axis_at(v, *offset),
+            Measure::OuterShaftJoint(_) => versine(v[1] - v[0], v[2]),
+            Measure::InnerShaftJoint(_) => {
+                let shaft = v[1] - v[0];
+                versine(shaft, shaft.constant(Vector3::new(0.0, 1.0, 0.0)))
+            }
+            Measure::Plunge(_) => (v[1] - v[0]).norm() - (v[3] - v[2]).norm(),
+            Measure::Clearance(_) => between_segments([v[0], v[1]], [v[2], v[3]]),
+            Measure::BallJoint { .. } => of_ball_joint(v),
+            Measure::RodEnd { .. } => {
+                let angle = |stud: Vector3<T>, joint: Vector3<T>, other: Vector3<T>| {
+                    let rod = other - joint;
+                    stud.cross(rod).norm().atan2(stud.dot(rod))
+                };
+                angle(v[0], v[2], v[3]) - angle(v[1], v[4], v[5])
+            }
+            Measure::OffPlane(_) => {
+                let normal = (v[1] - v[0]).cross(v[2] - v[0]).normalised();
+                normal.dot(v[3] - v[0])
+            }
+            Measure::OffLine(_, axis) => {
+                let along = (v[1] - v[0]).normalised();
+                let away = v[2] - v[0];
+                (away - along * along.dot(away)).to_array()[*axis]
+            }
+        }
+    }
+}
+
+/// Versine of the angle between the stud of a ball joint and its design direction, which rotates with the arm.
+fn of_ball_joint<T: Scalar>(v: &Vectors<T>) -> T {
+    let [now, designed, front, rear, joint, joint_now] = *v;
+    let axis = (rear - front).normalised();
+    let across = |p: Vector3<T>| p - axis * axis.dot(p);
+    let (radius, radius_now) = (across(joint - front), across(joint_now - front));
+    let inverse = axis.x.one() / radius.norm_squared();
+    let cosine = radius.dot(radius_now) * inverse;
+    let sine = axis.dot(radius.cross(radius_now)) * inverse;
+    // Direction of the stud after its rotation with the arm.
+    let lever = across(designed);
+    let carried = designed - lever + lever * cosine + axis.cross(lever) * sine;
+    versine(now, carried)
+}
+
+/// Distance from the spin axis at which a member crosses the plane `offset` outboard of the wheel centre, or that of its
+/// nearer end.
+fn from_spin_axis_at<T: Scalar>(v: &Vectors<T>, offset: f64) -> T {
+    let [outer, inner, centre, axis, ..] = *v;
+    let beyond = (outer - centre).dot(axis) - centre.x.constant(offset);
+    let span = (outer - inner).dot(axis);
+    let place = if beyond.value() <= 0.0 {
+        outer
+    } else if beyond.value() >= span.value() {
+        inner
+    } else {
+        outer + (inner - outer) * (beyond / span)
+    };
+    (place - centre).cross(axis).norm()
+}
+
+/// Versine: 1 minus the cosine of the angle between two directions. The formula has no kink at zero angle, and no
+/// cancellation.
+pub(super) fn versine<T: Scalar>(a: Vector3<T>, b: Vector3<T>) -> T {
+    (a.normalised() - b.normalised()).norm_squared().scaled(0.5)
+}
+
+/// Length |v|. At v = 0 its derivative is 0, the mean over all directions.
+fn length<T: Scalar>(v: Vector3<T>) -> T {
+    let square = v.norm_squared();
+    if square.value() == 0.0 {
+        square
+    } else {
+        square.sqrt()
+    }
+}
+
+/// Absolute value |x|. Its derivative is the sign of x.
+fn magnitude<T: Scalar>(x: T) -> T {
+    if x.value() < 0.0 { -x } else { x }
+}
+
+/// Distance from the region in which all of `excess` are negative. Outside it is the norm of the positive ones as a vector,
+/// inside it is the largest one.
+fn outside<T: Scalar>(excess: &[T]) -> T {
+    let mut largest = excess[0];
+    let mut square = largest.zero();
+    let mut positive = 0;
+    for &e in excess {
+        if e.value() > largest.value() {
+            largest = e;
+        }
+        if e.value() > 0.0 {
+            square = square + e.squared();
+            positive += 1;
+        }
+    }
+    match positive {
+        0 | 1 => largest,
+        _ => square.sqrt(),
+    }
+}
+
+/// Distance of two segments. The nearest places are found in plain numbers. The distance has its minimum there, so to first
+/// order the derivative does not depend on a move of these places.
+pub(super) fn between_segments<T: Scalar>(first: [Vector3<T>; 2], second: [Vector3<T>; 2]) -> T {
+    let plain = |v: Vector3<T>| v.map(|c| c.value());
+    let (p, q) = (plain(first[0]), plain(second[0]));
+    let (u, w) = (plain(first[1]) - p, plain(second[1]) - q);
+    let (uu, ww, uw) = (u.dot(u), w.dot(w), u.dot(w));
+    let apart = p - q;
+    let (ua, wa) = (u.dot(apart), w.dot(apart));
+    let determinant = uu * ww - uw * uw;
+    let on_second = |s: f64| ((uw * s + wa) / ww).clamp(0.0, 1.0);
+    let on_first = |t: f64| ((uw * t - ua) / uu).clamp(0.0, 1.0);
+    let (s, t) = if determinant > 1e-12 * uu * ww {
+        let s = ((uw * wa - ww * ua) / determinant).clamp(0.0, 1.0);
+        let t = on_second(s);
+        (on_first(t), t)
+    } else {
+        // Parallel members: the middle of their overlap.
+        let ends = [on_first(0.0), on_first(1.0)];
+        let s = 0.5 * (ends[0] + ends[1]);
+        (s, on_second(s))
+    };
+    let place = |ends: [Vector3<T>; 2], share: f64| {
+        let share = ends[0].x.constant(share);
+        ends[0] + (ends[1] - ends[0]) * share
+    };
+    (place(first, s) - place(second, t)).norm()
+}

@@ -1,0 +1,127 @@
+//! Residuals of a system, and their derivatives.
+
+use super::super::limb::{Evaluated, Followers, LimbStep};
+use super::state::Step;
+use super::{Held, LOOSE, MOST_JOINTS, MOST_LIMBS};
+use crate::linear::square::{MOST, SquareLu};
+use crate::number::{Scalar, array_of};
+
+/// Equations in a state.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::compliance) struct Equations<T> {
+    pub(in crate::compliance) size: usize,
+    pub(in crate::compliance) residual: [T; MOST],
+    pub(in crate::compliance) matrix: [[T; MOST]; MOST],
+    pub(in crate::compliance) followers: [Followers<T>; MOST_LIMBS],
+    /// Unbalanced forces on inner unknowns.
+    pub(in crate::compliance) inner: [[T; 7]; MOST_LIMBS],
+    /// First part that is unstable by itself.
+    pub(in crate::compliance) unstable: Option<usize>,
+    /// First part with a motion that nothing holds.
+    pub(in crate::compliance) loose: Option<usize>,
+    joints: usize,
+}
+
+/// Reason for no step of a system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::compliance) enum Singular {
+    /// Nothing holds a motion of a part.
+    Limb(usize),
+    /// Nothing holds a motion of the carrier.
+    Carrier,
+}
+
+impl<T: Scalar> Equations<T> {
+    /// Makes equations for this many rigid joints, without forces and rows. External forces that hold the carrier are
+    /// included.
+    #[inline]
+    pub(in crate::compliance) fn empty(like: T, joints: usize, held: Option<&Held<T>>) -> Self {
+        let zero = like.zero();
+        let mut residual = [zero; MOST];
+        if let Some(held) = held {
+            for (residual, held) in residual.iter_mut().zip(held.carrier) {
+                *residual = -held;
+            }
+        }
+        Equations {
+            size: 6 + joints,
+            residual,
+            matrix: [[zero; MOST]; MOST],
+            followers: [Followers::none(zero); MOST_LIMBS],
+            inner: [[zero; 7]; MOST_LIMBS],
+            unstable: None,
+            loose: None,
+            joints,
+        }
+    }
+
+    #[inline]
+    pub(in crate::compliance) fn note(&mut self, limb: usize, of: &Evaluated<T>) {
+        if !of.is_stable {
+            self.unstable = self.unstable.or(Some(limb));
+        }
+        // NaN fails this comparison.
+        let is_held = of.least_pivot > LOOSE;
+        if !is_held {
+            self.loose = self.loose.or(Some(limb));
+        }
+        self.followers[limb] = of.followers;
+        self.inner[limb] = of.inner;
+    }
+
+    /// Tangent of the carrier.
+    pub(in crate::compliance) fn tangent(&self) -> [[f64; 6]; 6] {
+        std::array::from_fn(|i| std::array::from_fn(|j| self.matrix[i][j].value()))
+    }
+
+    /// Rows of the carrier that every motion must keep at zero.
+    pub(in crate::compliance) fn rows(&self) -> impl Iterator<Item = [f64; 6]> + '_ {
+        let row = |i: usize| std::array::from_fn(|j| self.matrix[i][j].value());
+        (6..self.size).map(row)
+    }
+
+    /// Sets the row and the column of a rigid joint.
+    #[inline]
+    pub(in crate::compliance) fn set_joint(&mut self, number: usize, miss: T, row: [T; 6]) {
+        let k = 6 + number;
+        self.residual[k] = miss;
+        for i in 0..6 {
+            self.matrix[k][i] = row[i];
+            self.matrix[i][k] = row[i];
+        }
+    }
+
+    pub(in crate::compliance) fn factors(&self) -> Option<SquareLu<T>> {
+        SquareLu::of(self.matrix, self.size)
+    }
+
+    /// Computes all unknowns from those of equation (1). With `is_rate` they are rates along motions in balance.
+    #[inline]
+    pub(in crate::compliance) fn step(&self, solution: &[T; MOST], is_rate: bool) -> Step<T> {
+        let carrier: [T; 6] = array_of(|i| solution[i]);
+        self.step_seen(solution, |_, limb| limb.step(&carrier, None, is_rate))
+    }
+
+    /// Same as `step`, with the step of each limb from `of_limb`, by the limb's index.
+    #[inline]
+    pub(in crate::compliance) fn step_seen(
+        &self,
+        solution: &[T; MOST],
+        of_limb: impl Fn(usize, &Followers<T>) -> LimbStep<T>,
+    ) -> Step<T> {
+        let carrier: [T; 6] = array_of(|i| solution[i]);
+        let zero = carrier[0].zero();
+        let mut joints = [zero; MOST_JOINTS];
+        joints[..self.joints].copy_from_slice(&solution[6..6 + self.joints]);
+        Step {
+            carrier,
+            limbs: array_of(|k| of_limb(k, &self.followers[k])),
+            joints,
+            vertical: if self.size > 6 + self.joints {
+                solution[6 + self.joints]
+            } else {
+                zero
+            },
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Weights that just meet the levels of earlier goals.
+
+use super::super::super::active_set::Outcome;
+use super::ConvexModel;
+
+/// Relative accuracy to which a level is met. A tenth of the violation that counts as kept is accurate enough in any case.
+pub(super) const LEVEL_MET: f64 = 1e-7;
+/// Largest number of programs in the search for the multiplier of a level.
+const SECANTS: usize = 30;
+
+impl<'a> ConvexModel<'a> {
+    /// Logarithm of the ratio between the norm after the step and the level.
+    fn excess(&mut self, k: usize) -> f64 {
+        // A level of zero could be approached but never reached.
+        let goal = self.levels[k].max(1e-12);
+        let norm = self.held[k].norm_after(&self.step, &mut self.scratch);
+        (norm / goal).ln()
+    }
+
+    /// Finds the weights that just meet the levels from the k-th on; a slack level gets weight zero. A norm falls as its
+    /// weight grows. So the search is a secant over the logarithms of norm and weight, kept between weights on either side.
+    /// The later levels are met anew for each trial weight.
+    pub(super) fn meet_levels(&mut self, k: usize, curved: bool) {
+        if k == self.levels.len() {
+            return;
+        }
+        self.meet_levels(k + 1, curved);
+        if self.excess(k) <= self.met[k] {
+            return;
+        }
+        let scale = self.goal.largest_pivot() / self.held[k].largest_pivot();
+        let scale = if scale.is_finite() && scale > 0.0 {
+            scale * scale
+        } else {
+            1.0
+        };
+        let mut low = None;
+        let mut high: Option<(f64, f64)> = None;
+        let mut weight = self.last_weights[k].unwrap_or(scale);
+        for _ in 0..SECANTS {
+            // Nested levels multiply the number of programs. So all levels of a step share a budget.
+            if self.programs == 0 {
+                break;
+            }
+            self.programs -= 1;
+            self.weights[k] = weight;
+            self.weights[k + 1..].fill(0.0);
+            if self.program(curved) != Outcome::Solved {
+                break;
+            }
+            self.meet_levels(k + 1, curved);
+            let at = (weight.ln(), self.excess(k));
+            if at.1.abs() <= self.met[k] {
+                break;
+            }
+            match at.1 > 0.0 {
+                true => low = Some(at),
+                false => high = Some(at),
+            }
+            weight = match (low, high) {
+                // Beyond this weight the model cannot meet the level. The step comes as near as it can.
+                (Some(low), None) if low.0 > (1e14 * scale).ln() => break,
+                (Some(low), None) => low.0.exp() * 30.0,
+                (None, Some(high)) if high.0 < (1e-14 * scale).ln() => break,
+                (None, Some(high)) => high.0.exp() / 30.0,
+                (Some(low), Some(high)) => {
+                    let share = low.1 / (low.1 - high.1);
+                    (low.0 + share.clamp(0.05, 0.95) * (high.0 - low.0)).exp()
+                }
+                (None, None) => unreachable!("one of the two was just set"),
+            };
+            if let (Some(low), Some(high)) = (low, high)
+                && high.0 - low.0 < 1e-12
+            {
+                break;
+            }
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! Tests of the assemblies of the closed form.
+
+use super::ClosedForm;
+use crate::mechanism::Pose;
+use crate::mechanism::{Closure, Configuration, Driver};
+use crate::model::Topology;
+use crate::study::Study;
+use std::path::Path;
+
+/// At each arm angle all assemblies have the lengths of the design, and they differ from each other. The first one is
+/// the design's.
+#[test]
+fn assemblies_keep_every_length() {
+    let mut seen = 0;
+    for topology in Topology::ALL {
+        let study = Study::from_text("closed.toml", topology.template, Path::new(".")).unwrap();
+        let suspension = study.wheel();
+        let (mechanism, design) = (&suspension.mechanism, &suspension.design);
+        let Some(form) = ClosedForm::of(mechanism, design).unwrap() else {
+            continue;
+        };
+        seen += 1;
+        let closure = Closure::new(mechanism, design);
+        for angle in [0.0, 0.12, -0.17] {
+            let (sine, cosine) = f64::sin_cos(angle);
+            let poses = [(false, false), (false, true), (true, false), (true, true)].map(
+                |(upper_across, tie_rod_across)| {
+                    let form = form.assembled(upper_across, tie_rod_across);
+                    form.pose(&form.at(cosine, sine, 0.0))
+                },
+            );
+            // Some of the other assemblies do not exist.
+            let is_real = |pose: &&Pose<f64>| !pose.rotation.columns[0].x.is_nan();
+            assert!(is_real(&&poses[0]));
+            let poses: Vec<_> = poses.iter().filter(is_real).collect();
+            assert!(poses.len() >= 2, "{}", topology.name);
+            for (number, pose) in poses.iter().enumerate() {
+                let at = Configuration::new(mechanism, design, **pose, 0.0);
+                let off = closure.residuals(&at, Driver::ArmAngle { sine, cosine });
+                let most = off.iter().fold(0.0, |most: f64, r| most.max(r.abs()));
+                assert!(most < 1e-9 * suspension.size().powi(2), "{number}: {off:?}");
+                for other in &poses[..number] {
+                    let [a, b] = [*pose, *other].map(|pose| pose.rotation.columns);
+                    let apart = (0..3).map(|k| (a[k] - b[k]).norm()).sum::<f64>();
+                    assert!(apart > 0.01, "{} {number}: {apart}", topology.name);
+                }
+            }
+            if angle == 0.0 {
+                let [x, y, z] = poses[0].rotation.columns;
+                assert!((x.x - 1.0).abs() + (y.y - 1.0).abs() + (z.z - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+    assert!(seen >= 2);
+}
+
+/// In a state beyond a toggle by rounding, the tie rod's end moves into the plane. Any other state does not change.
+#[test]
+fn a_state_beyond_a_toggle_is_put_at_it() {
+    let study = Topology::ALL.iter().find_map(|topology| {
+        let study = Study::from_text("closed.toml", topology.template, Path::new(".")).ok()?;
+        let suspension = study.wheel();
+        ClosedForm::of(&suspension.mechanism, &suspension.design).ok()?
+    });
+    let mut state = study.unwrap().at(1.0, 0.0, 0.0);
+    let ga = state.ga;
+    state.at_toggle_if_beyond();
+    assert_eq!(state.ga, ga);
+    assert!(ga != 0.0);
+    state.ga = f64::NAN;
+    state.at_toggle_if_beyond();
+    assert_eq!(state.ga, 0.0);
+}

@@ -1,0 +1,173 @@
+//! Newton steps in the six unknowns, and the guards of their branch.
+
+use super::super::{Acceptance, Rejection, within_half};
+use super::linear::{Linear, Linearising};
+use super::pose::LinkagePose;
+use super::{ByLinkage, LinkageDesign, UNKNOWNS, moved};
+use crate::mechanism::{Configuration, Driver, Twist};
+use crate::number::{SimdReal, Vector3};
+use std::cell::{Cell, RefCell};
+
+/// Smallest determinant of a block, as a share of the base design's.
+const LEAST: f64 = 0.25;
+
+/// Largest correction of a prediction, in sizes.
+const LARGEST_CORRECTION: f64 = 0.02;
+/// Largest rotation of the knuckle in one step, as the tangent of half the angle. Together with the limits of the
+/// determinants this keeps Newton's method on its branch. `tests/it/lanes.rs` compares every lane with the continuation.
+const LONGEST: f64 = 0.1;
+
+/// Newton steps in the six unknowns.
+pub(super) struct NewtonSteps<'w, 'd, B> {
+    pub(super) method: &'w ByLinkage,
+    linkage: &'w LinkageDesign<'d, B>,
+    tolerance: f64,
+    /// Equations linearised about the latest unknowns.
+    pub(super) linear: RefCell<Linear<B>>,
+    /// Determinants of A and S in the linearisation with which each lane converged.
+    pub(super) determinants: [B; 2],
+}
+
+impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
+    #[inline(always)]
+    pub(super) fn of(
+        method: &'w ByLinkage,
+        linkage: &'w LinkageDesign<'d, B>,
+        tolerance: f64,
+    ) -> Self {
+        let zero = linkage.design[0].x.zero();
+        NewtonSteps {
+            method,
+            linkage,
+            tolerance,
+            linear: RefCell::new(Linear::unformed(method, zero)),
+            determinants: [zero; 2],
+        }
+    }
+
+    /// Linearises the equations about unknowns. Determinants of settled lanes do not change. Returns the configuration there
+    /// and the Newton step.
+    #[inline(always)]
+    pub(super) fn linearise(
+        &mut self,
+        unknowns: &[B; UNKNOWNS],
+        [rack, travel]: [B; 2],
+        settled: B::Mask,
+    ) -> (Configuration<'d, B>, Twist<B>) {
+        let at = self.linkage.configuration(*unknowns, rack);
+        let linear = self.linear.get_mut();
+        travel.outlined(Linearising {
+            linkage: self.linkage,
+            at: &at,
+            travel,
+            linear,
+        });
+        let [a, s] = linear.blocks.determinants();
+        let [known_a, known_s] = self.determinants;
+        self.determinants = [
+            B::select(settled, known_a, a),
+            B::select(settled, known_s, s),
+        ];
+        let step = -linear.blocks.solve(linear.residuals);
+        (at, step)
+    }
+
+    /// Lanes in which a step is within the permitted error of a prediction.
+    #[inline(always)]
+    pub(super) fn is_near(&self, step: &Twist<B>) -> B::Mask {
+        let like = step.shift.x;
+        let largest = like.constant(LARGEST_CORRECTION);
+        let inverse_size = like.constant(1.0 / self.method.size);
+        is_less(step.shift * inverse_size, largest) & is_less(step.turn, largest)
+    }
+
+    /// Checks the unknowns after a step. Returns the configuration, the lanes whose residuals are rounding, and the unknowns
+    /// after one more correction with the present Jacobian, which rates need.
+    #[inline(always)]
+    pub(super) fn check_residual(
+        &mut self,
+        unknowns: &[B; UNKNOWNS],
+        [rack, travel]: [B; 2],
+    ) -> (Configuration<'d, B>, B::Mask, [B; UNKNOWNS]) {
+        let at = self.linkage.configuration(*unknowns, rack);
+        let driver = Driver::Travel(travel);
+        let missed = self.linkage.closure.residuals_inlined(&at, driver);
+        let [a, b, c, d, e, g] = missed;
+        let tolerance = travel.constant(self.tolerance);
+        let is_settled =
+            is_less(Vector3::new(a, b, c), tolerance) & is_less(Vector3::new(d, e, g), tolerance);
+        let rest = -self.linear.get_mut().blocks.solve(missed);
+        (at, is_settled, moved(*unknowns, &rest))
+    }
+
+    /// Accepts lanes that are well conditioned and on their branch.
+    #[inline(always)]
+    pub(super) fn guard(
+        &self,
+        &[_, _, _, x, y, z]: &[B; UNKNOWNS],
+        before: &Option<BranchGuard<B>>,
+        accepted: &mut Acceptance<B>,
+    ) -> BranchGuard<B> {
+        let guard = BranchGuard {
+            turned: Vector3::new(x, y, z),
+            determinants: self.determinants,
+        };
+        guard.check(&self.method.determinants, accepted);
+        if let Some(before) = before {
+            guard.check_step(before, accepted);
+        }
+        guard
+    }
+
+    #[inline(always)]
+    pub(super) fn pose(
+        &self,
+        unknowns: &[B; UNKNOWNS],
+        [rack, travel]: [B; 2],
+    ) -> LinkagePose<'_, 'd, B> {
+        LinkagePose {
+            linkage: self.linkage,
+            at: self.linkage.configuration(*unknowns, rack),
+            travel,
+            linear: &self.linear,
+            is_linear: Cell::new(false),
+        }
+    }
+}
+
+/// Numbers whose change along the path is guarded.
+#[derive(Clone, Copy)]
+pub(in crate::solve::tracker) struct BranchGuard<B> {
+    /// Rotation of the knuckle, as tan(angle/2) times the axis.
+    pub(super) turned: Vector3<B>,
+    pub(super) determinants: [B; 2],
+}
+
+impl<B: SimdReal> BranchGuard<B> {
+    /// Accepts lanes in which the Jacobian is about as well conditioned as in the base design. Rejects NaN.
+    #[inline(always)]
+    pub(super) fn check(&self, base: &[f64; 2], accepted: &mut Acceptance<B>) {
+        let [a, s] = self.determinants;
+        let is_conditioned = a.constant(LEAST * base[0].abs()).less(a.abs())
+            & s.constant(LEAST * base[1].abs()).less(s.abs());
+        accepted.require(is_conditioned, Rejection::IllConditioned);
+    }
+
+    /// Accepts lanes in which no determinant could have vanished since the previous place and the knuckle has not rotated
+    /// far. A determinant could have vanished if it changed too much.
+    #[inline(always)]
+    pub(super) fn check_step(&self, before: &Self, accepted: &mut Acceptance<B>) {
+        let [a, s] = self.determinants;
+        let is_steady =
+            within_half(a, before.determinants[0]) & within_half(s, before.determinants[1]);
+        accepted.require(is_steady, Rejection::ChangedTooMuch);
+        let is_short = is_less(self.turned - before.turned, a.constant(LONGEST));
+        accepted.require(is_short, Rejection::TurnedFar);
+    }
+}
+
+/// Lanes in which the absolute value of every component is below a bound.
+#[inline(always)]
+fn is_less<B: SimdReal>(vector: Vector3<B>, bound: B) -> B::Mask {
+    vector.x.abs().less(bound) & vector.y.abs().less(bound) & vector.z.abs().less(bound)
+}

@@ -1,0 +1,99 @@
+//! Gradients as series along the travel, from the closure equations as series.
+
+use super::ByLinkage;
+use super::blocks::Blocks;
+use crate::derive::sensitivity::HardpointGradient;
+use crate::mechanism::{Closure, Configuration, Driver, RowSet, Wrench};
+use crate::number::Real;
+use crate::number::{Jet, Outlined, SimdReal, Vector3};
+
+/// Computes gradients as series along the travel, from the closure equations as series.
+pub(crate) struct SeriesAdjoint<'p, B> {
+    closure: &'p Closure<Jet<B, 2>>,
+    at: &'p Configuration<'p, Jet<B, 2>>,
+    blocks: Blocks<Jet<B, 2>>,
+}
+
+impl<B: SimdReal> SeriesAdjoint<'_, B> {
+    /// The same as [`LaneAdjoint::subtract`], for series along the travel.
+    #[inline(always)]
+    pub(crate) fn subtract(&self, wrench: &Wrench<Jet<B, 2>>, gradient: &mut [Vector3<Jet<B, 2>>]) {
+        self.at.rack.0[0].outlined(SubtractingSeries {
+            adjoint: self,
+            wrench,
+            gradient,
+        });
+    }
+}
+
+/// Work piece that computes the equations along the travel.
+struct FormingSeries<'p, B> {
+    closure: &'p Closure<Jet<B, 2>>,
+    at: &'p Configuration<'p, Jet<B, 2>>,
+    blocks: &'p mut Blocks<Jet<B, 2>>,
+}
+
+impl<B: SimdReal> Outlined for FormingSeries<'_, B> {
+    type Output = ();
+
+    #[inline(always)]
+    fn work(self) {
+        // The rows do not depend on the value of the travel.
+        let driver = Driver::Travel(self.at.rack.zero());
+        for number in 0..6 {
+            let (_, wrench) = self.closure.row(number, self.at, driver);
+            self.blocks.put(number, &wrench);
+        }
+        self.blocks.eliminate();
+    }
+}
+
+/// Work piece that subtracts the closure equations' part of a derivative by the pose from a gradient.
+struct SubtractingSeries<'p, B> {
+    adjoint: &'p SeriesAdjoint<'p, B>,
+    wrench: &'p Wrench<Jet<B, 2>>,
+    gradient: &'p mut [Vector3<Jet<B, 2>>],
+}
+
+impl<B: SimdReal> Outlined for SubtractingSeries<'_, B> {
+    type Output = ();
+
+    #[inline(always)]
+    fn work(self) {
+        let SeriesAdjoint {
+            closure,
+            at,
+            blocks,
+        } = self.adjoint;
+        let mut multipliers = blocks.solve_transposed(self.wrench);
+        for multiplier in &mut multipliers {
+            *multiplier = -*multiplier;
+        }
+        let driver = Driver::Travel(at.rack.zero());
+        let mut sink = HardpointGradient(self.gradient);
+        closure.differential_inlined(RowSet::ALL, at, driver, &multipliers, &mut sink);
+    }
+}
+
+impl ByLinkage {
+    /// Adjoint at a configuration along the travel.
+    #[inline(always)]
+    pub(crate) fn series_adjoint<'p, B: SimdReal>(
+        &self,
+        closure: &'p Closure<Jet<B, 2>>,
+        at: &'p Configuration<'p, Jet<B, 2>>,
+    ) -> SeriesAdjoint<'p, B> {
+        let like = at.rack.0[0];
+        let mut blocks = Blocks::unformed(self.order, at.rack.constant(1.0 / self.size));
+        like.outlined(FormingSeries {
+            closure,
+            at,
+            blocks: &mut blocks,
+        });
+        SeriesAdjoint {
+            closure,
+            at,
+            blocks,
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! Rows of a sheet about an axle: their figure and their station.
+
+use super::super::AxleStudy;
+use super::super::axle_targets::{self, AxleSite};
+use super::super::error::StudyErrors;
+use super::{Reader, Row, SheetFigure};
+use crate::axle::{Coordinate, Quantity, TestFigure, WheelMotion};
+use crate::model::Side;
+
+impl Reader<'_> {
+    /// Figure of a row: of one wheel, of the axle, or of both wheels if the row names none.
+    pub(super) fn figure_of_axle(
+        &self,
+        both: &AxleStudy,
+        row: &Row<'_>,
+        is_secant: bool,
+    ) -> Result<Option<SheetFigure>, StudyErrors> {
+        let wheel = row.cell("wheel");
+        let side = match wheel {
+            "" | "axle" => None,
+            name => match Side::ALL.into_iter().find(|side| side.name() == name) {
+                Some(side) => Some(side),
+                None => {
+                    return row.wrong(format!(
+                        "expected left, right or axle as wheel, found {name:?}"
+                    ));
+                }
+            },
+        };
+        let mut found: Vec<TestFigure> = Vec::new();
+        for figure in both.axle.figures() {
+            let same_wheel = wheel.is_empty() || figure.side() == side;
+            if figure.is_secant == is_secant
+                && figure.quantity == row.cell("quantity")
+                && same_wheel
+                && self.is_of(row, &figure.test)?
+            {
+                found.push(*figure);
+            }
+        }
+        // A row without a wheel means the axle's own figure, if there is one.
+        if let Some(own) = found.iter().find(|figure| figure.side().is_none()).copied()
+            && wheel.is_empty()
+        {
+            found.retain(|figure| figure.side().is_none() || figure.stem() != own.stem());
+        }
+        let mut stems: Vec<String> = found.iter().map(TestFigure::stem).collect();
+        stems.dedup();
+        let u = self.context.suspension.length_unit.symbol();
+        let columns = format!("mode, trail_{u}, hold, anti_roll_bar, steering and wheel");
+        let stem = Self::only_one(row, is_secant, stems, &columns)?;
+        Ok(stem.map(|name| SheetFigure {
+            of: axle_targets::subject_of(
+                found.iter().map(|f| Quantity::Figure(*f)).collect(),
+                &name,
+                &both.axle,
+            ),
+            name,
+            side,
+        }))
+    }
+
+    /// Station of a row in the motion of an axle: the site, the value of the varying coordinate, and the keys of a target.
+    pub(super) fn place_of_axle(
+        &self,
+        both: &AxleStudy,
+        row: &Row<'_>,
+    ) -> Result<AxlePlace, StudyErrors> {
+        let axle = &both.axle;
+        let u = axle.left.length_unit.symbol();
+        let travel = |side: &str| -> Result<f64, StudyErrors> {
+            let own = row.number(&format!("travel_{side}_{u}"))?;
+            Ok(own.or(row.number(&format!("travel_{u}"))?).unwrap_or(0.0))
+        };
+        let [left, right] = [travel("left")?, travel("right")?];
+        let rack = row.number(&format!("rack_{u}"))?.unwrap_or(0.0);
+        let mut held = both.plan.motion.clone();
+        let by_wheel = held.steering_wheel.take().is_some();
+        if by_wheel && rack != 0.0 {
+            return row.wrong(
+                "the motion of this study has steering_wheel_angle: expected rack in [motion]"
+                    .to_owned(),
+            );
+        }
+        let mut put = |coordinate: Coordinate, value: f64| {
+            if let Some(along) = held.along(coordinate) {
+                *along = vec![coordinate.in_kernel(value, axle)];
+            }
+        };
+        put(Coordinate::Rack, rack);
+        let is_heave = matches!(both.plan.motion.wheels, WheelMotion::Heave(_));
+        let over = if is_heave {
+            Coordinate::Heave
+        } else {
+            Coordinate::TravelLeft
+        };
+        if is_heave && left != right {
+            return row.wrong("the motion of this study is heave: expected equal travels, or travel_left and travel_right in [motion]".to_owned());
+        }
+        put(over, left);
+        let mut numbers = vec![("at", left)];
+        if !is_heave {
+            put(Coordinate::TravelRight, right);
+            numbers.push(("travel_right", right));
+        }
+        if !by_wheel {
+            numbers.push(("rack", rack));
+        }
+        let words = match rack {
+            0.0 => String::new(),
+            rack => format!(", rack {rack}"),
+        };
+        let values = vec![left];
+        Ok(AxlePlace {
+            site: AxleSite {
+                over,
+                values,
+                held,
+                words,
+            },
+            numbers,
+        })
+    }
+}
+
+/// Station of a row in the motion of an axle.
+pub(super) struct AxlePlace {
+    pub(super) site: AxleSite,
+    /// Keys of a target with numbers that describe the station.
+    pub(super) numbers: Vec<(&'static str, f64)>,
+}

@@ -1,0 +1,52 @@
+//! Stations of targets in a motion.
+
+use super::super::{Limit, Motion, Site, Wanted};
+use super::ends;
+
+/// Rack displacements of a site.
+pub(super) fn rack_displacements(site: &Site, motion: &Motion) -> Vec<f64> {
+    match (site.racks.as_slice(), motion.rack_moves) {
+        ([], true) => vec![0.0],
+        ([], false) => vec![motion.rack[0]],
+        (racks, _) => racks.to_vec(),
+    }
+}
+
+/// Stations in addition to those of the motion. They are needed if a curve has fewer stations between its ends than points
+/// within the motion. Otherwise too few stations would represent the curve.
+pub(super) fn added_stations(wanted: &Wanted, motion: &Motion) -> Vec<f64> {
+    let (lowest, highest) = ends(&motion.values);
+    let curves: Vec<&[[f64; 2]]> = match wanted {
+        Wanted::Curve { points, .. } => vec![points],
+        Wanted::Band {
+            at: None,
+            lower,
+            upper,
+        } => {
+            let limits = [lower, upper].into_iter().flatten();
+            let curves = limits.filter_map(|limit| match limit {
+                Limit::Value(_) => None,
+                Limit::Curve { points, .. } => Some(points.as_slice()),
+            });
+            curves.collect()
+        }
+        _ => Vec::new(),
+    };
+    let mut added = Vec::new();
+    for points in curves {
+        let on_curve = points[0][0]..=points[points.len() - 1][0];
+        let own = motion
+            .values
+            .iter()
+            .filter(|v| on_curve.contains(v))
+            .count();
+        let knots = points.iter().map(|p| p[0]);
+        let knots: Vec<f64> = knots.filter(|k| (lowest..=highest).contains(k)).collect();
+        if own < knots.len() {
+            added.extend(knots.iter().filter(|k| !motion.values.contains(k)));
+        }
+    }
+    added.sort_by(f64::total_cmp);
+    added.dedup();
+    added
+}

@@ -1,0 +1,82 @@
+//! Bands of `[tolerance]`.
+
+use super::super::elastic_targets;
+use super::super::error::Problems;
+use super::super::outputs::characteristic;
+use super::super::resolve::Context;
+use super::super::targets::ends;
+use super::super::{Band, TargetQuantity, axle_targets, file};
+use toml::Spanned;
+
+pub(super) fn band(
+    spanned: &Spanned<file::Band>,
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<Band> {
+    let place = spanned.span();
+    let written = spanned.get_ref();
+    let length = context.suspension.length_unit;
+    let of = match context.axle {
+        Some(axle) => axle_targets::band(spanned, axle, context, problems),
+        None => {
+            axle_targets::Where::from(written).refuse(true, problems);
+            let name = &written.characteristic;
+            let found = match context.elastic {
+                Some(elastic) => {
+                    elastic_targets::quantity(name, elastic, context.suspension, problems)
+                        .map(|found| found.subject(length))
+                }
+                // Errors in the elastic parts are already reported.
+                None if context.file.compliance.is_some() => None,
+                None => characteristic(name, context.suspension, problems)
+                    .map(|found| TargetQuantity::characteristic(found, length)),
+            };
+            found.map(|subject| (subject, None))
+        }
+    };
+    let site = of.as_ref().and_then(|(_, site)| site.as_ref());
+    let values = match (site, context.axle) {
+        (Some(site), _) => Some(&site.values),
+        (None, None) => context.motion.map(|motion| &motion.values),
+        // Errors in the stations are already reported.
+        (None, Some(_)) => None,
+    };
+    let at = match (&written.at, values) {
+        (None, _) => Some(None),
+        (Some(at), Some(values)) => {
+            let (lowest, highest) = ends(values);
+            if at.value < lowest || at.value > highest {
+                let message = format!(
+                    "{} is outside of the motion, which runs from {lowest} to {highest}",
+                    at.value
+                );
+                problems.refuse(at.span.clone(), message)
+            } else {
+                Some(Some(at.value))
+            }
+        }
+        (Some(_), None) => None,
+    };
+    let ends = match (&written.between, &written.at_least, &written.at_most) {
+        (Some(between), None, None) => match between.get_ref().as_slice() {
+            [low, high] if low.value < high.value => Some([low.value, high.value]),
+            _ => {
+                let message = "expected between = [lowest, highest], the first below the second";
+                problems.refuse(between.span(), message)
+            }
+        },
+        (None, Some(low), None) => Some([low.value, f64::INFINITY]),
+        (None, None, Some(high)) => Some([f64::NEG_INFINITY, high.value]),
+        _ => {
+            let message = "expected one of between = [lowest, highest], at_least and at_most";
+            problems.refuse(place, message)
+        }
+    };
+    let (of, site) = of?;
+    Some(Band {
+        at: at?,
+        between: ends?.map(|end| of.from_printed(end)),
+        of,
+        site,
+    })
+}

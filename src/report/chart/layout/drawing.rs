@@ -1,0 +1,283 @@
+//! Writes a layout as SVG.
+
+use super::super::lettering::{Anchor, Lettering, Words, text};
+use super::super::mark::{number, path};
+use super::{EndLabel, LETTER, Layout, SIZE};
+use crate::report::figure::power_of_ten;
+use std::fmt::Write;
+
+/// Largest deviation that the strip shows, in tolerances.
+const MOST_DEVIATION: f64 = 2.0;
+/// Width of a letter in the title beside the plot.
+const TITLE_LETTER: f64 = 7.0;
+
+impl Layout {
+    /// Chart as an SVG group, moved by `shift` to the right and down.
+    pub(in crate::report) fn group(&self, shift: [f64; 2], lettering: &Lettering) -> String {
+        let [across, down] = shift.map(number);
+        format!(
+            "<g transform=\"translate({across} {down})\">\n{}</g>\n",
+            self.content(lettering)
+        )
+    }
+
+    /// Chart as an SVG element for a page.
+    pub(in crate::report) fn element(&self) -> String {
+        let [width, height] = self.size;
+        format!(
+            "<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{}\">\n{}</svg>",
+            text(&self.description()).replace('"', "&quot;"),
+            self.content(&Lettering::Text)
+        )
+    }
+
+    fn content(&self, lettering: &Lettering) -> String {
+        let mut svg = String::new();
+        self.heading(&mut svg, lettering);
+        svg += "<g class=\"axes\">\n";
+        self.axes(&mut svg, lettering);
+        svg += "</g>\n<g class=\"inner\">\n";
+        for (fan, [low, high]) in self.chart.fans.iter().zip(&self.fans) {
+            let pairs: Vec<_> = (low.iter().zip(high)).map(|(a, b)| (*a).zip(*b)).collect();
+            for piece in pairs.split(Option::is_none) {
+                let below = piece.iter().flatten().map(|(a, _)| *a);
+                let above = piece.iter().flatten().rev().map(|(_, b)| *b);
+                let outline = below.chain(above).map(|p| self.place(p));
+                path(&mut svg, fan.class, outline, true);
+            }
+        }
+        let place = |p: [f64; 2]| self.place(p);
+        for wanted in &self.chart.wanted {
+            wanted.draw(&mut svg, &place);
+        }
+        for missed in &self.chart.missed {
+            path(&mut svg, "missed", [place(*missed)].into_iter(), false);
+        }
+        for (line, points) in self.chart.lines.iter().zip(&self.points) {
+            let class = format!("line {}", line.class);
+            for piece in points.split(Option::is_none) {
+                let places = piece.iter().flatten().map(|p| place(*p));
+                path(&mut svg, &class, places, false);
+            }
+            let class = format!("dot {}", line.class);
+            for point in points.iter().flatten().filter(|_| line.has_dots) {
+                path(&mut svg, &class, [place(*point)].into_iter(), false);
+            }
+        }
+        svg += "</g>\n";
+        self.gaps(&mut svg);
+        self.strip(&mut svg, lettering);
+        svg += "<g class=\"labels\">\n";
+        for EndLabel {
+            text,
+            class,
+            at,
+            end,
+        } in &self.labels
+        {
+            if (at[1] - end[1]).abs() > 5.0 || at[0] - end[0] > 14.0 {
+                let ends = [[end[0] + 2.0, end[1]], [at[0] - 2.0, at[1]]];
+                path(&mut svg, "leader", ends.into_iter(), false);
+            }
+            let class = format!("end {}", colour_of(class));
+            let place = [at[0], at[1] + 4.0];
+            lettering.write(
+                &mut svg,
+                &Words::new(text, place, Anchor::Start).class(&class),
+            );
+            svg.push('\n');
+        }
+        svg + "</g>\n"
+    }
+
+    /// Writes the name on its own line, with remarks below it.
+    fn heading(&self, svg: &mut String, lettering: &Lettering) {
+        let mut name = self.chart.y.name.chars();
+        let name: String = name
+            .next()
+            .into_iter()
+            .flat_map(char::to_uppercase)
+            .chain(name)
+            .collect();
+        lettering.write(
+            svg,
+            &Words::new(&name, [10.0, 20.0], Anchor::Start)
+                .label()
+                .class("name"),
+        );
+        svg.push('\n');
+        let mut at = 10.0;
+        let own = self
+            .chart
+            .wanted
+            .first()
+            .map(|wanted| ("wanted", wanted.in_words(&self.chart.y.unit)));
+        let missed = (!self.chart.missed.is_empty()).then(|| ("bad", "missed".to_owned()));
+        let failed = (!self.chart.failed.is_empty()).then(|| ("bad", "not solved".to_owned()));
+        let notes = self.chart.notes.iter().cloned();
+        for (class, text) in own.into_iter().chain(missed).chain(failed).chain(notes) {
+            let room = ((SIZE[0] - 8.0 - at) / LETTER) as usize;
+            let text = match text.chars().count() > room {
+                true if at > 10.0 => break,
+                true => text
+                    .chars()
+                    .take(room.saturating_sub(1))
+                    .chain(['…'])
+                    .collect(),
+                false => text,
+            };
+            let width = LETTER * text.chars().count() as f64;
+            let class = format!("note {class}");
+            lettering.write(
+                svg,
+                &Words::new(&text, [at, 37.0], Anchor::Start).class(&class),
+            );
+            svg.push('\n');
+            at += width + 16.0;
+        }
+    }
+
+    fn axes(&self, svg: &mut String, lettering: &Lettering) {
+        let [left, top, right, bottom] = self.plot;
+        let [x, y] = &self.scales;
+        let foot = self.strip.map_or(bottom, |[_, end]| end);
+        for (at, label) in &self.x.ticks {
+            let line = number(*at);
+            let _ = writeln!(svg, "<path class=\"grid\" d=\"M{line} {top}V{foot}\"/>");
+            let place = [*at, foot + 16.0];
+            lettering.write(
+                svg,
+                &Words::new(label, place, Anchor::Middle).class("axis-text"),
+            );
+            svg.push('\n');
+        }
+        for (at, label) in &self.y.ticks {
+            let line = number(*at);
+            let _ = writeln!(svg, "<path class=\"grid\" d=\"M{left} {line}H{right}\"/>");
+            let place = [left - 7.0, at + 4.0];
+            lettering.write(
+                svg,
+                &Words::new(label, place, Anchor::End).class("axis-text"),
+            );
+            svg.push('\n');
+        }
+        if !y.is_log && y.low < 0.0 && y.high > 0.0 {
+            let line = number(y.place(0.0));
+            let _ = writeln!(svg, "<path class=\"zero\" d=\"M{left} {line}H{right}\"/>");
+        }
+        let below = in_power(&self.chart.x.title(), x.power());
+        let middle = [(left + right) / 2.0, foot + 35.0];
+        lettering.write(
+            svg,
+            &Words::new(&below, middle, Anchor::Middle)
+                .label()
+                .class("axis-text"),
+        );
+        svg.push('\n');
+        // A title that is longer than the plot is high is shortened, but keeps its unit.
+        let mut beside = in_power(&self.y_title(), y.power());
+        if beside.chars().count() as f64 * TITLE_LETTER > bottom - top + 30.0 {
+            beside = match (beside.rfind('['), self.chart.y.unit.as_str()) {
+                (Some(unit), _) => beside[unit..].to_owned(),
+                (None, _) => String::new(),
+            };
+        }
+        let up = [15.0, (top + bottom) / 2.0];
+        lettering.write(
+            svg,
+            &Words::new(&beside, up, Anchor::Middle)
+                .label()
+                .class("axis-text")
+                .upward(),
+        );
+        svg.push('\n');
+    }
+
+    /// Draws crosses at the positions without a value.
+    fn gaps(&self, svg: &mut String) {
+        for failed in &self.chart.failed {
+            let [x, y] = [self.scales[0].place(*failed) - 3.0, self.plot[3] - 3.0].map(number);
+            let _ = writeln!(svg, "<path class=\"failed\" d=\"M{x} {y}l6 6m0 -6l-6 6\"/>");
+        }
+    }
+
+    /// Draws the strip of deviations. Allowed deviations are inside its band.
+    fn strip(&self, svg: &mut String, lettering: &Lettering) {
+        let Some([top, bottom]) = self.strip else {
+            return;
+        };
+        let [left, _, right, _] = self.plot;
+        let (middle, half) = ((top + bottom) / 2.0, (bottom - top) / 2.0);
+        let y = |deviation: f64| {
+            let shown = deviation.clamp(-MOST_DEVIATION, MOST_DEVIATION);
+            middle - half * shown / MOST_DEVIATION
+        };
+        let corners = [
+            [left, y(1.0)],
+            [right, y(1.0)],
+            [right, y(-1.0)],
+            [left, y(-1.0)],
+        ];
+        svg.push_str("<g class=\"strip\">\n");
+        path(svg, "band", corners.into_iter(), true);
+        path(
+            svg,
+            "zero",
+            [[left, middle], [right, middle]].into_iter(),
+            false,
+        );
+        for (value, label) in [(1.0, "1"), (-1.0, "\u{2212}1")] {
+            let place = [left - 7.0, y(value) + 4.0];
+            lettering.write(
+                svg,
+                &Words::new(label, place, Anchor::End).class("axis-text"),
+            );
+            svg.push('\n');
+        }
+        lettering.write(
+            svg,
+            &Words::new("tol.", [15.0, middle], Anchor::Middle)
+                .class("axis-text")
+                .upward(),
+        );
+        svg.push('\n');
+        for deviations in &self.deviations {
+            let place = |[at, deviation]: [f64; 2]| [self.scales[0].place(at), y(deviation)];
+            if deviations.len() > 1 {
+                path(
+                    svg,
+                    "line main",
+                    deviations.iter().map(|d| place(*d)),
+                    false,
+                );
+            }
+            for deviation in deviations {
+                let outside = deviation[1].abs() > 1.0;
+                if outside || deviations.len() == 1 {
+                    let class = if outside { "dot bad" } else { "dot main" };
+                    path(svg, class, [place(*deviation)].into_iter(), false);
+                }
+            }
+        }
+        svg.push_str("</g>\n");
+    }
+}
+
+/// Class of a curve's colour, without its stroke.
+fn colour_of(class: &str) -> String {
+    let strokes = ["strong", "faint", "fine", "inner"];
+    let kept: Vec<&str> = class.split(' ').filter(|c| !strokes.contains(c)).collect();
+    kept.join(" ")
+}
+
+/// Adds the power of ten of the ticks to an axis title: `camber gain [10⁻³ °/mm]`.
+fn in_power(title: &str, power: i32) -> String {
+    if power == 0 {
+        return title.to_owned();
+    }
+    let factor = power_of_ten(power);
+    match title.split_once('[') {
+        Some((name, unit)) => format!("{name}[{factor} {unit}"),
+        None => format!("{title} [{factor}]"),
+    }
+}

@@ -1,0 +1,85 @@
+//! Points at different positions in the compared designs.
+
+use super::super::table::{Cell, Table};
+use super::{Compared, ComparedPoints, Comparison};
+use crate::model::{Axis, Side};
+
+/// A point whose position differs from that in the first design.
+#[derive(Clone, Debug)]
+pub(super) struct Moved {
+    /// Side, if the wheels of an axle differ.
+    side: Option<Side>,
+    point: String,
+    label: String,
+    by: [f64; 3],
+}
+
+impl Comparison {
+    /// Table of the points that differ from the first design, in its axes and unit.
+    pub fn moved_table(&self) -> Table {
+        let unit = self.unit.symbol();
+        let axes = ["x", "y", "z"].map(|axis| format!("d{axis} {unit}"));
+        let sided = self.moved.iter().any(|moved| moved.side.is_some());
+        let side = sided.then(|| "side".to_owned()).into_iter();
+        let names = side.chain(["hardpoint", "of"].map(str::to_owned));
+        let header = names.chain(axes).chain([format!("moved {unit}")]);
+        let mut table = Table::with_columns(header);
+        for moved in &self.moved {
+            let [x, y, z] = moved.by;
+            let distance = x.hypot(y).hypot(z);
+            let cells = [x, y, z, distance].map(|length| Cell::figure(length, unit));
+            let names = [moved.point.as_str(), moved.label.as_str()].map(Cell::from);
+            let side = sided.then(|| Cell::from(moved.side.map(Side::name)));
+            table.push_row(side.into_iter().chain(names).chain(cells));
+        }
+        table.keyed(if sided { 3 } else { 2 })
+    }
+}
+
+/// Points of equal names at different positions. If a design has separate points for the right wheel, both wheels are compared.
+pub(super) fn moved(designs: &[Compared]) -> Vec<Moved> {
+    let differs = |d: &Compared| matches!(d.points, Some(ComparedPoints::BothWheels(_)));
+    if designs.iter().any(differs) {
+        let wheels = Side::ALL.into_iter().enumerate();
+        let moved = wheels.map(|(number, side)| moved_of(designs, number, Some(side)));
+        return moved.flatten().collect();
+    }
+    moved_of(designs, 0, None)
+}
+
+/// Points of one wheel at different positions.
+fn moved_of(designs: &[Compared], wheel: usize, side: Option<Side>) -> Vec<Moved> {
+    let first = &designs[0];
+    let Some(reference) = first.points.as_ref().map(|points| points.wheel(wheel)) else {
+        return Vec::new();
+    };
+    // A mirror image is in the frame of a left wheel.
+    let is_mirror_image = matches!(first.points, Some(ComparedPoints::OneWheel(_)));
+    let mut signs = reference.signs;
+    if side == Some(Side::Right) && is_mirror_image {
+        signs[Axis::Y as usize] = -signs[Axis::Y as usize];
+    }
+    let mut moved = Vec::new();
+    for (name, from) in &reference.points {
+        for design in &designs[1..] {
+            let Some(points) = &design.points else {
+                continue;
+            };
+            let ratio = first.unit.per_metre() / design.unit.per_metre();
+            let mut points = points.wheel(wheel).points.iter();
+            let Some((_, to)) = points.find(|(known, _)| known == name) else {
+                continue;
+            };
+            let by = [0, 1, 2].map(|axis| signs[axis] * (to[axis] * ratio - from[axis]));
+            if by.iter().any(|by| *by != 0.0) {
+                moved.push(Moved {
+                    side,
+                    point: name.clone(),
+                    label: design.label.clone(),
+                    by,
+                });
+            }
+        }
+    }
+    moved
+}

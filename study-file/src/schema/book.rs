@@ -1,0 +1,113 @@
+//! Writes the schema from the notes of the reader and the manual.
+
+use super::Root;
+use super::source::{Kind, Place, key_path};
+use serde_json::{Map, Value, json};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Description of each key, by section and name.
+pub(super) fn manual(root: Root) -> BTreeMap<(String, String), String> {
+    let mut said = BTreeMap::new();
+    for section in root.manual().split("\n## ").skip(1) {
+        let (name, rows) = section.split_once('\n').unwrap_or((section, ""));
+        let (name, sibling) = name.split_once(" (and ").unwrap_or((name, ""));
+        let name = name.split(" (").next().unwrap_or(name);
+        // `gg_map.ax (and ay)` describes both keys.
+        let sibling = sibling
+            .strip_suffix(')')
+            .map(|sibling| match name.rsplit_once('.') {
+                Some((table, _)) => format!("{table}.{sibling}"),
+                None => sibling.to_owned(),
+            });
+        for row in rows.lines() {
+            let cells: Vec<&str> = row
+                .split(" | ")
+                .map(|cell| cell.trim_matches([' ', '|']))
+                .collect();
+            let key = row.strip_prefix("| `").and_then(|row| row.split_once('`'));
+            if let (Some((key, _)), Some(what)) = (key, cells.last()) {
+                for table in [Some(name), sibling.as_deref()].into_iter().flatten() {
+                    said.insert((table.to_owned(), key.to_owned()), (*what).to_owned());
+                }
+            }
+        }
+    }
+    said
+}
+
+/// Text in the manual for keys that the study of one wheel or an axle only knows in order to refuse them.
+const OF_CARS: &str = "only in the [study of a car](car.md)";
+
+/// All known facts, while the schema is written.
+pub(super) struct Book {
+    pub(super) root: Root,
+    pub(super) places: BTreeMap<String, Place>,
+    pub(super) needed: BTreeSet<String>,
+    pub(super) manual: BTreeMap<(String, String), String>,
+    pub(super) names: fn(Root, &str) -> Option<Vec<String>>,
+}
+
+impl Book {
+    pub(super) fn of(&self, path: &str) -> Value {
+        let Some(place) = self.places.get(path) else {
+            return json!({});
+        };
+        let kinds = place.kinds.iter().map(|kind| match kind {
+            Kind::Number => json!({ "type": "number" }),
+            Kind::Whole => json!({ "type": "integer" }),
+            Kind::Truth => json!({ "type": "boolean" }),
+            Kind::Text => match (self.names)(self.root, path) {
+                Some(names) => json!({ "type": "string", "enum": names }),
+                None => json!({ "type": "string" }),
+            },
+            Kind::List => json!({ "type": "array", "items": self.of(&format!("{path}[]")) }),
+            Kind::Names => {
+                let value = self.of(&format!("{path}{{}}"));
+                match (self.names)(self.root, path) {
+                    Some(names) => {
+                        let named = names.into_iter().map(|name| (name, value.clone()));
+                        let properties: Map<String, Value> = named.collect();
+                        json!({ "type": "object", "properties": properties, "additionalProperties": false })
+                    }
+                    None => json!({ "type": "object", "additionalProperties": value }),
+                }
+            }
+            Kind::Table => self.table(path, place),
+        });
+        let mut kinds: Vec<Value> = kinds.collect();
+        match kinds.len() {
+            1 => kinds.remove(0),
+            _ => json!({ "anyOf": kinds }),
+        }
+    }
+
+    fn table(&self, path: &str, place: &Place) -> Value {
+        let section = path.replace("[]", "").replace("{}", ".NAME");
+        let mut properties = Map::new();
+        for key in &place.keys {
+            let mut value = self.of(&key_path(path, key));
+            let said = |section: &str| self.manual.get(&(section.to_owned(), (*key).to_owned()));
+            // The manual describes ranges only once.
+            let said = said(&section).or_else(|| said("motion.travel"));
+            if self.root == Root::Suspension && said.is_some_and(|said| said.contains(OF_CARS)) {
+                continue;
+            }
+            if let (Some(said), Value::Object(value)) = (said, &mut value) {
+                value.insert("description".to_owned(), json!(said));
+            }
+            properties.insert((*key).to_owned(), value);
+        }
+        let is_needed = |key: &&&str| self.needed.contains(&key_path(path, key));
+        let needed: Vec<_> = place.keys.iter().filter(is_needed).collect();
+        let mut table = json!({
+            "type": "object",
+            "properties": properties,
+            "additionalProperties": false,
+        });
+        // Draft 4 does not allow an empty list here.
+        if !needed.is_empty() {
+            table["required"] = json!(needed);
+        }
+        table
+    }
+}

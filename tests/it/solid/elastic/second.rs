@@ -357,11 +357,6 @@ impl Axle {
         matrix.lu().solve(&-by).expect("regular")
     }
 
-    /// The energy of links and springs.
-    pub fn energy_at(&self, pose: &Pose) -> f64 {
-        self.energy(&self.frame(&pose.x, 6), &[]).value
-    }
-
     /// Tension of each link.
     pub fn tensions(&self, pose: &Pose) -> Vec<f64> {
         let frame = self.frame(&pose.x, 6);

@@ -166,7 +166,7 @@ impl Equilibria {
             }
         };
         let mut levels = || {
-            let mut at = station.clone();
+            let mut at = station;
             for k in 1..=LOADS {
                 let mut load = WheelLoads::none(0.0);
                 load.side = LARGEST * k as f64 / LOADS as f64;

@@ -92,7 +92,7 @@ fn tune_study(
 }
 
 /// Calls the callback with a start, an iteration and a misfit. Returns true if it ends the tuning.
-fn stops(callback: &Bound<'_, PyAny>, progress: (usize, u32, f64)) -> PyResult<bool> {
+fn stops(callback: &Bound<'_, PyAny>, progress: (usize, u64, f64)) -> PyResult<bool> {
     match callback.call1(progress) {
         Ok(answer) => answer.is_truthy(),
         Err(error) if error.is_instance_of::<PyStopIteration>(callback.py()) => Ok(true),

@@ -361,7 +361,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
 
 /// The end that is the whole front, if one criterion is equally good along all of it: the end that is best in the other
 /// criterion.
-fn single_end<'f>([first, last]: [&'f Found; 2], extent: [f64; 2], good: f64) -> Option<&'f Found> {
+fn single_end([first, last]: [&Found; 2], extent: [f64; 2], good: f64) -> Option<&Found> {
     let same = |k: usize, most: f64| extent[k] <= (NO_BETTER * most).max(good);
     match (same(0, last.amounts[0]), same(1, first.amounts[1])) {
         (true, _) => Some(last),

@@ -18,7 +18,7 @@ pub struct ValueRecord {
     /// Rack displacement in the study's axes, in a study of one wheel.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rack: Option<f64>,
-    /// For an axle: values of the coordinates [`ToleranceSummary::places`].
+    /// For an axle: values of the coordinates [`ToleranceSummary::places`](super::ToleranceSummary::places).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub place: Vec<f64>,
     /// Number of builds that have the value.

@@ -78,8 +78,11 @@ fn a_member_is_inside_of_a_rim_where_its_outer_end_and_its_entry_are() {
     }
 }
 
-/// Measures at their kinks: each case has the measure, its vectors at t = 0, and their rates.
-fn cases_at_kinks() -> Vec<(Measure, Vec<Vector3<f64>>, Vec<Vector3<f64>>)> {
+/// A measure, its vectors at t = 0, and their rates.
+type AtKink = (Measure, Vec<Vector3<f64>>, Vec<Vector3<f64>>);
+
+/// Measures at their kinks.
+fn cases_at_kinks() -> Vec<AtKink> {
     let ids = [PointId(0); 2];
     let still = vector(0.0, 0.0, 0.0);
     let (x, y, z) = (

@@ -10,6 +10,11 @@
 //!
 //! Rows of rigid links and of both heights stay beside it. So the axle has six unknowns and two travel rows.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "rows and columns of matrices are named by their numbers"
+)]
+
 use super::super::limb::is_positive;
 use super::super::solve::{Bounds, Obstacle, is_definite};
 use super::super::system::{Equations, LOOSE};

@@ -9,11 +9,6 @@
 //!
 //! The right wheel is the mirror image of a left wheel, with the signs [`MIRROR`] of the shared unknowns.
 
-#![expect(
-    clippy::needless_range_loop,
-    reason = "rows and columns of matrices are named by their numbers"
-)]
-
 use super::super::floating::Floating;
 use super::super::ground::{Coupling, Frames, MIRROR, RACK, SHARED, Surroundings, TWIST};
 use super::super::preload::NoPreload;

@@ -77,7 +77,8 @@ pub struct Scatter {
 /// A random axle: the text of its study, and the same in true coordinates. `further` ends the text.
 pub fn made(kind: Kind, scatter: Scatter, random: &mut Random, further: &str) -> Made {
     let mut near = |place: [f64; 3]| place.map(|c| c + scatter.points * random.signed());
-    let mut points: Vec<(&str, [f64; 3])> = POINTS.iter().map(|(n, p)| (*n, near(*p))).collect();
+    let mut points: Vec<(&'static str, [f64; 3])> =
+        POINTS.iter().map(|(n, p)| (*n, near(*p))).collect();
     let uppers = match kind {
         Kind::FourLink => Some(SPLAYED),
         Kind::ThreeLinkPanhard => Some(SINGLE),
@@ -142,42 +143,18 @@ pub fn made(kind: Kind, scatter: Scatter, random: &mut Random, further: &str) ->
         false => Vec::new(),
     };
 
-    let mut text = String::from("[suspension]\ntopology = \"solid_axle\"\n");
-    if kind == Kind::ThreeLinkPanhard {
-        text += "single = [\"upper_link\"]\n";
-    }
-    text += "[suspension.hardpoints]\n";
-    let rod = if kind == Kind::FourLink {
-        &[][..]
-    } else {
-        &rod
-    };
-    for (name, place) in points.iter().chain(&seats).chain(rod) {
-        text += &line(name, *place);
-    }
-    text += &line("wheel_centre", centre);
-    if !right.is_empty() {
-        let _ = write!(text, "[axle.right.hardpoints]\n{right}");
-    }
-    let _ = write!(
-        text,
-        "[wheel]\nradius = {RADIUS:?}\nstatic_camber = {camber:?}\nstatic_toe = {toe:?}\n\
-         [compliance]\nrelaxed = \"free\"\n[links.lower_link]\naxial_stiffness = {:?}\n\
-         [links.upper_link]\naxial_stiffness = {:?}\n",
-        rates[0], rates[1]
-    );
-    if kind != Kind::FourLink {
-        let _ = writeln!(text, "[links.panhard]\naxial_stiffness = {:?}", rates[2]);
-    }
-    if right_lower != rates[0] {
-        let _ = writeln!(
-            text,
-            "[axle.right.links.lower_link]\naxial_stiffness = {right_lower:?}"
-        );
-    }
-    if scatter.springs {
-        let _ = writeln!(text, "[spring]\nforce = {force:?}\nrate = {spring_rate:?}");
-    }
+    points.extend(seats.iter().copied());
+    points.extend(rod.iter().copied().filter(|_| kind != Kind::FourLink));
+    points.push(("wheel_centre", centre));
+    let text = text_of(&Written {
+        kind,
+        points,
+        right,
+        angles: [camber, toe],
+        rates,
+        right_lower,
+        spring: scatter.springs.then_some([force, spring_rate]),
+    });
     Made {
         text: text + further,
         axle: Axle {
@@ -187,6 +164,56 @@ pub fn made(kind: Kind, scatter: Scatter, random: &mut Random, further: &str) ->
             radius: RADIUS,
         },
     }
+}
+
+/// Entries of a study.
+struct Written {
+    kind: Kind,
+    points: Vec<(&'static str, [f64; 3])>,
+    /// Lines of the points of the right half.
+    right: String,
+    /// Static camber and toe.
+    angles: [f64; 2],
+    rates: [f64; 3],
+    right_lower: f64,
+    /// Force and rate.
+    spring: Option<[f64; 2]>,
+}
+
+fn text_of(own: &Written) -> String {
+    let mut text = String::from("[suspension]\ntopology = \"solid_axle\"\n");
+    if own.kind == Kind::ThreeLinkPanhard {
+        text += "single = [\"upper_link\"]\n";
+    }
+    text += "[suspension.hardpoints]\n";
+    for (name, place) in &own.points {
+        text += &line(name, *place);
+    }
+    if !own.right.is_empty() {
+        let _ = write!(text, "[axle.right.hardpoints]\n{}", own.right);
+    }
+    let ([camber, toe], rates) = (own.angles, own.rates);
+    let _ = write!(
+        text,
+        "[wheel]\nradius = {RADIUS:?}\nstatic_camber = {camber:?}\nstatic_toe = {toe:?}\n\
+         [compliance]\nrelaxed = \"free\"\n[links.lower_link]\naxial_stiffness = {:?}\n\
+         [links.upper_link]\naxial_stiffness = {:?}\n",
+        rates[0], rates[1]
+    );
+    if own.kind != Kind::FourLink {
+        let _ = writeln!(text, "[links.panhard]\naxial_stiffness = {:?}", rates[2]);
+    }
+    if own.right_lower != rates[0] {
+        let rate = own.right_lower;
+        let _ = writeln!(
+            text,
+            "[axle.right.links.lower_link]\naxial_stiffness = {rate:?}"
+        );
+    }
+    if let Some([force, rate]) = own.spring {
+        let _ = writeln!(text, "[spring]\nforce = {force:?}\nrate = {rate:?}");
+    }
+    text
 }
 
 /// A motion that tests of states do not read.

@@ -56,7 +56,7 @@ impl AxleKcRun<'_> {
             let (_, quantity) = TENSIONS.iter().find(|(link, _)| *link == name)?;
             let is_single = rigid.singles.contains(&inner);
             Some(AxleFigure {
-                quantity: *quantity,
+                quantity,
                 unit: Unit::Force,
                 value: Some(tension),
                 secant: None,

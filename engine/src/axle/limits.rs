@@ -108,8 +108,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         })
     }
 
-    /// The range of the steering gear of a steered axle at zero travel, up to the toggle of drag link or tie rod. `None` for other
-    /// axles.
+    /// The range of the steering gear of a steered axle, up to which it has a position at zero travel. `None` for other axles.
     fn drag_link_range(&mut self) -> Option<[AxleEnd; 2]> {
         if !self.is_steered() {
             return None;

@@ -218,8 +218,9 @@ fn the_template_runs_in_all_commands() {
     let rows = rows_by_column(&std::fs::read(here.join("kc/kc.csv")).unwrap());
     let of = |quantity: &str, wheel: &str| -> f64 {
         let mut rows = rows.iter();
-        let row = rows
-            .find(|row| row["quantity"] == quantity && row["wheel"] == wheel && row["value"] != "");
+        let row = rows.find(|row| {
+            row["quantity"] == quantity && row["wheel"] == wheel && !row["value"].is_empty()
+        });
         row.unwrap_or_else(|| panic!("{quantity} {wheel}"))["value"]
             .parse()
             .unwrap()

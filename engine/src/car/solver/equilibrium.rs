@@ -53,6 +53,7 @@ impl Equilibrium {
     }
 
     /// Travels of the wheels.
+    #[inline]
     pub(in crate::car) fn travels(&self) -> [f64; 4] {
         [0, 1, 2, 3].map(|k| self.unknowns[TRAVELS + k])
     }

@@ -118,6 +118,7 @@ impl<'a> CarSolver<'a> {
 }
 
 /// Residuals of the equations at `x`, with the factors of a tangent: the given ones, or those of the tangent there.
+#[inline]
 fn linearised(
     base: &Base<'_, '_, Reading<f64>>,
     parameters: &Parameters<f64>,

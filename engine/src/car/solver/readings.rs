@@ -17,6 +17,7 @@ pub(in crate::car) enum Wheels<'a> {
 
 impl<'a> Wheels<'a> {
     /// Inputs from which nearby states are evaluated.
+    #[inline]
     pub(in crate::car) fn base<'h>(
         &self,
         held: Held<'h>,
@@ -45,6 +46,7 @@ pub(in crate::car) struct Readings<'a> {
 
 impl Readings<'_> {
     /// Readings in order: front left, front right, rear left, rear right.
+    #[inline]
     pub(in crate::car) fn wheels(&self) -> [&Reading<f64>; 4] {
         let [front, rear] = &self.axles;
         let ([a, b], [c, d]) = (&front.state.readings, &rear.state.readings);
@@ -52,6 +54,7 @@ impl Readings<'_> {
     }
 
     /// Returns the inputs from which nearby states are evaluated.
+    #[inline]
     pub(in crate::car) fn base<'h>(&self, held: Held<'h>) -> Base<'h, '_, Reading<f64>> {
         let [front, rear] = &self.placed;
         Base {

@@ -73,6 +73,7 @@ impl Measure {
 }
 
 /// Versine of the angle between the stud of a ball joint and its design direction, which rotates with the arm.
+#[inline]
 fn of_ball_joint<T: Scalar>(v: &Vectors<T>) -> T {
     let [now, designed, front, rear, joint, joint_now] = *v;
     let axis = (rear - front).normalised();
@@ -89,6 +90,7 @@ fn of_ball_joint<T: Scalar>(v: &Vectors<T>) -> T {
 
 /// Distance from the spin axis at which a member crosses the plane `offset` outboard of the wheel centre, or that of its
 /// nearer end.
+#[inline]
 fn from_spin_axis_at<T: Scalar>(v: &Vectors<T>, offset: f64) -> T {
     let [outer, inner, centre, axis, ..] = *v;
     let beyond = (outer - centre).dot(axis) - centre.x.constant(offset);
@@ -105,11 +107,13 @@ fn from_spin_axis_at<T: Scalar>(v: &Vectors<T>, offset: f64) -> T {
 
 /// Versine: 1 minus the cosine of the angle between two directions. The formula has no kink at zero angle, and no
 /// cancellation.
+#[inline]
 pub(super) fn versine<T: Scalar>(a: Vector3<T>, b: Vector3<T>) -> T {
     (a.normalised() - b.normalised()).norm_squared().scaled(0.5)
 }
 
 /// Length |v|. At v = 0 its derivative is 0, the mean over all directions.
+#[inline]
 fn length<T: Scalar>(v: Vector3<T>) -> T {
     let square = v.norm_squared();
     if square.value() == 0.0 {
@@ -120,12 +124,14 @@ fn length<T: Scalar>(v: Vector3<T>) -> T {
 }
 
 /// Absolute value |x|. Its derivative is the sign of x.
+#[inline]
 fn magnitude<T: Scalar>(x: T) -> T {
     if x.value() < 0.0 { -x } else { x }
 }
 
 /// Distance from the region in which all of `excess` are negative. Outside it is the norm of the positive ones as a vector,
 /// inside it is the largest one.
+#[inline]
 fn outside<T: Scalar>(excess: &[T]) -> T {
     let mut largest = excess[0];
     let mut square = largest.zero();

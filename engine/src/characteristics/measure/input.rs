@@ -15,6 +15,7 @@ pub enum Stud {
 }
 
 impl Stud {
+    #[inline]
     fn designed<T: Scalar>(self, at: &Configuration<T>) -> Vector3<T> {
         match self {
             Stud::Between(from, to) => at.designed(to) - at.designed(from),
@@ -22,6 +23,7 @@ impl Stud {
         }
     }
 
+    #[inline]
     fn push_designed<T: Scalar>(self, gradient: Vector3<T>, seeds: &mut Seeds<'_, '_, T>) {
         if let Stud::Between(from, to) = self {
             seeds.hardpoint(to, gradient);
@@ -46,6 +48,7 @@ pub(crate) enum Input {
 }
 
 impl Input {
+    #[inline]
     pub(super) fn read<T: Scalar>(self, at: &Configuration<T>) -> Vector3<T> {
         match self {
             Input::Now(point) => at.point(point),
@@ -56,6 +59,7 @@ impl Input {
         }
     }
 
+    #[inline]
     pub(super) fn push<T: Scalar>(
         self,
         gradient: Vector3<T>,

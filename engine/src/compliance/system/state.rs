@@ -16,6 +16,7 @@ pub(in crate::compliance) struct State<T> {
 }
 
 impl<T: Scalar> State<T> {
+    #[inline]
     pub(in crate::compliance) fn design(like: T) -> Self {
         State {
             carrier: Placed::design(like),
@@ -25,6 +26,7 @@ impl<T: Scalar> State<T> {
         }
     }
 
+    #[inline]
     pub(in crate::compliance) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> State<U> {
         State {
             carrier: self.carrier.map(f),
@@ -45,6 +47,7 @@ pub(in crate::compliance) struct Step<T> {
 }
 
 impl<T: Scalar> Step<T> {
+    #[inline]
     pub(in crate::compliance) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Step<U> {
         Step {
             carrier: self.carrier.map(f),

@@ -255,7 +255,7 @@ fn mistakes_in_a_right_wheel_are_named() {
         ),
         (
             STEEP,
-            "[axle.right.hardpoints]\nlower_arm_rear = [160.0, -380.0, 190.0]\n",
+            "[axle.right.hardpoints]\nlower_arm_rear = [130.0, -380.0, 190.0]\n",
             SOFT,
             "right wheel: lower_arm_rear coincides with lower_arm_front",
         ),

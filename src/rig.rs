@@ -1,8 +1,8 @@
 //! `kc` tests on a study: tables and summary for the command line and for other programs.
 
 use crate::axle::{AxleMotion, Placement};
-use crate::compliance::{AxleCompliance, AxleKcRun, AxleVehicle, Compliance, KcRun, KcTest};
-use crate::model::{Constraint, Side, Suspension};
+use crate::compliance::{AxleCompliance, AxleKcRun, Compliance, KcRun, KcTest};
+use crate::model::{Constraint, Suspension};
 use crate::report::{KcResults, OtherProgram};
 use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Drive, Study};
 use serde_json::{Value, json};
@@ -74,10 +74,7 @@ impl<'s> RigTests<'s> {
                     .to_owned(),
             );
         }
-        let vehicle = AxleVehicle {
-            suspensions: Side::ALL.map(|side| axle.axle.suspension(side)),
-            tyre_rate: elastic.tyre_rate,
-        };
+        let vehicle = axle.axle.on_rig(elastic.tyre_rate);
         let suspension = &axle.axle.left;
         let run = AxleKcRun::new(vehicle, &elastic.parts)
             .map_err(|fault| fault.describe(&elastic.parts.wheels, suspension))?;

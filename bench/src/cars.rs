@@ -1,9 +1,9 @@
 //! States of a car per second: from a neighbour, by themselves, with results, member loads and derivatives; and a tuning.
 
 use super::{Clock, Job, JobTime, Unmeasurable};
-use hardpoint_engine::car::{CarQuantity, CarSolver, Case, Equilibrium, Longitudinal};
+use hardpoint_engine::car::{CarQuantity, CarSolver, Case, Equilibrium};
 use hardpoint_engine::optimise::Control;
-use hardpoint_engine::study::CarStudy;
+use hardpoint_engine::study::{CarStudy, GgMap};
 use std::hint::black_box;
 
 /// Number of accelerations of each axis, if the study has no g-g map.
@@ -25,24 +25,18 @@ fn map(study: &CarStudy) -> Vec<Vec<Case>> {
         let at = |k: usize| from + (to - from) * k as f64 / (COUNT - 1) as f64;
         (0..COUNT).map(at).collect()
     };
-    let (ax, ay, common) = match &study.gg_map {
-        Some(map) => (map.ax.clone(), map.ay.clone(), map.case.clone()),
-        None => {
-            let mut case = Case::at_rest("map");
-            case.setting.elastic_tyres = study.car.tyres.is_some();
-            (between(AX), between(AY), case)
+    let usual = || {
+        let mut case = Case::at_rest("map");
+        case.setting.elastic_tyres = study.car.tyres.is_some();
+        GgMap {
+            ax: between(AX),
+            ay: between(AY),
+            case,
         }
     };
-    let case = |ax: f64, ay: f64| {
-        let mut case = common.clone();
-        (case.ax, case.ay) = (ax, ay);
-        if ax < 0.0 {
-            case.setting.longitudinal = Longitudinal::Brake;
-        }
-        case
-    };
-    let row = |ax: &f64| ay.iter().map(|ay| case(*ax, *ay)).collect();
-    ax.iter().map(row).collect()
+    let map = study.gg_map.clone().unwrap_or_else(usual);
+    let row = |ax: &f64| map.ay.iter().map(|ay| map.at(*ax, *ay)).collect();
+    map.ax.iter().map(row).collect()
 }
 
 /// A case that has a state, with the state before it in its row.

@@ -3,10 +3,10 @@
 use super::{Clock, Job, JobTime, Unmeasurable};
 use hardpoint_engine::bench_hooks::wheel_figures;
 use hardpoint_engine::compliance::{
-    AxialStiffness, AxleKcRun, AxleVehicle, Compliance, ElasticAxle, ElasticWheel, Equilibrium,
-    HeldQuantity, KcRun, KcValue, Parameter, Shape, WheelLoads, quantities,
+    AxialStiffness, AxleKcRun, Compliance, ElasticAxle, ElasticWheel, Equilibrium, HeldQuantity,
+    KcRun, KcValue, Parameter, Shape, WheelLoads, quantities,
 };
-use hardpoint_engine::model::{Axis, PointId, Side, Suspension};
+use hardpoint_engine::model::{Axis, PointId, Suspension};
 use hardpoint_engine::number::{Tape, Vector3};
 use hardpoint_engine::study::{AxleStudy, Study, WheelStudy};
 use std::hint::black_box;
@@ -33,6 +33,15 @@ fn loads() -> Vec<WheelLoads> {
         load
     };
     (0..LOADS).map(load).collect()
+}
+
+/// Side forces that rise to the largest one.
+fn side_forces() -> impl Iterator<Item = WheelLoads> {
+    (1..=LOADS).map(|k| {
+        let mut load = WheelLoads::none(0.0);
+        load.side = LARGEST * k as f64 / LOADS as f64;
+        load
+    })
 }
 
 /// All hardpoints and rates of a wheel with elastic parts.
@@ -78,16 +87,14 @@ impl Equilibria {
             let found = own.loaded_about(&station, from, load, HeldQuantity::WheelHeight);
             found.ok().map(|at| (wheel_figures(&own, &at), at))
         };
-        let mut from_design = || {
+        let from_design = || {
             for load in &loads {
                 black_box(solved(&station, load));
             }
         };
-        let mut levels = || {
+        let levels = || {
             let mut at = station;
-            for k in 1..=LOADS {
-                let mut load = WheelLoads::none(0.0);
-                load.side = LARGEST * k as f64 / LOADS as f64;
+            for load in side_forces() {
                 if let Some((_, next)) = black_box(solved(&at, &load)) {
                     at = next;
                 }
@@ -110,7 +117,7 @@ impl Equilibria {
         }
         let parameters = parameters(suspension, parts);
         let mut tape = Tape::default();
-        let mut sheet = || {
+        let sheet = || {
             black_box(run.run(&[0.0], &[0.0], &elastic.tests));
             let mut sum = 0.0;
             let read = run.gradients([0.0, 0.0], &wanted, &parameters, &mut tape, &mut |found| {
@@ -123,31 +130,16 @@ impl Equilibria {
             "equilibrium from the level before",
             "sheet of one wheel with all derivatives",
         ];
-        let mut jobs = [
-            Job {
-                items: LOADS,
-                work: Box::new(&mut from_design),
-            },
-            Job {
-                items: LOADS,
-                work: Box::new(&mut levels),
-            },
-            Job {
-                items: 1,
-                work: Box::new(&mut sheet),
-            },
-        ];
-        Ok(Equilibria::timed(names, &mut jobs, clock))
+        let works: [Box<dyn FnMut()>; 3] =
+            [Box::new(from_design), Box::new(levels), Box::new(sheet)];
+        Ok(Equilibria::timed(names, works, clock))
     }
 
     fn of_axle(both: &AxleStudy, clock: &Clock) -> Result<Self, Unmeasurable> {
         let axle = &both.axle;
         let elastic = axle.elastic.as_ref().ok_or(Unmeasurable::Rigid)?;
         let parts = &elastic.parts;
-        let vehicle = AxleVehicle {
-            suspensions: Side::ALL.map(|side| axle.suspension(side)),
-            tyre_rate: elastic.tyre_rate,
-        };
+        let vehicle = axle.on_rig(elastic.tyre_rate);
         let fault = |fault: hardpoint_engine::compliance::AxleFault| {
             Unmeasurable::Axle(fault.describe(&parts.wheels, &axle.left))
         };
@@ -158,18 +150,16 @@ impl Equilibria {
             return Err(Unmeasurable::NoEquilibrium);
         };
         let loads = loads();
-        let mut from_design = || {
+        let from_design = || {
             for (k, left) in loads.iter().enumerate() {
                 let both = [*left, loads[(k + 1) % LOADS]];
                 let found = own.loaded_about(&station, &station, &both, HeldQuantity::WheelHeight);
                 black_box(found.is_ok());
             }
         };
-        let mut levels = || {
+        let levels = || {
             let mut at = station;
-            for k in 1..=LOADS {
-                let mut load = WheelLoads::none(0.0);
-                load.side = LARGEST * k as f64 / LOADS as f64;
+            for load in side_forces() {
                 let held = HeldQuantity::WheelHeight;
                 if let Ok(next) = black_box(own.loaded_about(&station, &at, &[load; 2], held)) {
                     at = next;
@@ -178,7 +168,7 @@ impl Equilibria {
         };
         let parameters = parameters(&axle.left, &parts.wheels[0]);
         let mut tape = Tape::default();
-        let mut sheet = || {
+        let sheet = || {
             black_box(run.run(&[([0.0; 2], 0.0)], &elastic.tests));
             for test in &elastic.tests {
                 let found = run.gradients([0.0; 2], 0.0, test, &parameters, &mut tape);
@@ -190,25 +180,17 @@ impl Equilibria {
             "equilibrium of both wheels from the level before",
             "sheet of both wheels with all derivatives",
         ];
-        let mut jobs = [
-            Job {
-                items: LOADS,
-                work: Box::new(&mut from_design),
-            },
-            Job {
-                items: LOADS,
-                work: Box::new(&mut levels),
-            },
-            Job {
-                items: 1,
-                work: Box::new(&mut sheet),
-            },
-        ];
-        Ok(Equilibria::timed(names, &mut jobs, clock))
+        let works: [Box<dyn FnMut()>; 3] =
+            [Box::new(from_design), Box::new(levels), Box::new(sheet)];
+        Ok(Equilibria::timed(names, works, clock))
     }
 
-    fn timed(names: [&'static str; 3], jobs: &mut [Job<'_>; 3], clock: &Clock) -> Self {
-        let measured = names.into_iter().zip(clock.in_rounds(jobs));
+    /// Times all sample loads from the design, all side forces from the level before, and one sheet of tests.
+    fn timed(names: [&'static str; 3], works: [Box<dyn FnMut() + '_>; 3], clock: &Clock) -> Self {
+        let items = [LOADS, LOADS, 1].into_iter();
+        let jobs = items.zip(works).map(|(items, work)| Job { items, work });
+        let mut jobs: Vec<Job<'_>> = jobs.collect();
+        let measured = names.into_iter().zip(clock.in_rounds(&mut jobs));
         let measurements = measured.map(|(job, timing)| JobTime { job, timing });
         Equilibria {
             measurements: measurements.collect(),

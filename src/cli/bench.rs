@@ -81,10 +81,7 @@ impl Subject {
     fn digest(&self) -> String {
         match self {
             Subject::Study(study) => study_digest(study),
-            Subject::Car(study) => {
-                let texts = [&study.text, &study.axles[0].text, &study.axles[1].text];
-                digest_of_texts(&texts.map(String::as_str))
-            }
+            Subject::Car(study) => digest_of_texts(&study.texts()),
         }
     }
 

@@ -107,13 +107,12 @@ fn open(arguments: &RunArguments, study: &CarStudy, command: &str) -> Result<Out
     }
     let (out, format) = (arguments.out.as_deref(), arguments.study.format);
     let destination = Destination::of(out, &study.name, arguments.force, format)?;
-    let texts = [&study.text, &study.axles[0].text, &study.axles[1].text];
     Output::at(
         &destination,
         Claim {
             command,
             study: &study.name,
-            digest: digest_of_texts(&texts.map(String::as_str)),
+            digest: digest_of_texts(&study.texts()),
             files: &FILES,
             inputs: &study.inputs,
             ..Claim::default()

@@ -4,8 +4,8 @@ use super::StudyArguments;
 use super::exit::{Exit, Stop};
 use super::output::design_fault;
 use super::printer::Printer;
-use crate::compliance::{AxleKcRun, AxleVehicle, Compliance, ElasticWheel, KcWheelState, Relaxed};
-use crate::model::{LengthUnit, Side};
+use crate::compliance::{AxleKcRun, Compliance, ElasticWheel, KcWheelState, Relaxed};
+use crate::model::LengthUnit;
 use crate::report::{Table, brief, elastic_parts, no_equilibrium, plausibility};
 use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Study};
 
@@ -90,10 +90,7 @@ fn say_axle_design(
     study: &AxleStudy,
     elastic: &AxleComplianceStudy,
 ) -> Result<bool, Stop> {
-    let vehicle = AxleVehicle {
-        suspensions: Side::ALL.map(|side| study.axle.suspension(side)),
-        tyre_rate: elastic.tyre_rate,
-    };
+    let vehicle = study.axle.on_rig(elastic.tyre_rate);
     // The study was already built once when it was read, so this does not fail.
     let Ok(run) = AxleKcRun::new(vehicle, &elastic.parts) else {
         return Ok(false);

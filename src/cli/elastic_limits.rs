@@ -10,8 +10,8 @@ use super::output::design_fault;
 use super::printer::Printer;
 use crate::checked::{NamedCurves, motion_alone};
 use crate::compliance::{
-    AxleKcRun, AxleVehicle, AxleWay, DrivingForce, EndCause, EquilibriumEnd, Event, HeldQuantity,
-    KcRun, KcTest, LARGEST_FORCE, NoEquilibrium, TestLoad, TestMode,
+    AxleKcRun, AxleWay, DrivingForce, EndCause, EquilibriumEnd, Event, HeldQuantity, KcRun, KcTest,
+    LARGEST_FORCE, NoEquilibrium, TestLoad, TestMode,
 };
 use crate::model::{Axis, Body, LengthUnit, Side};
 use crate::report::{Cell, Table, as_written, brief, no_equilibrium, weakest_motion};
@@ -292,10 +292,7 @@ pub(super) fn of_axle(
 ) -> Result<Exit, Stop> {
     let axle = &both.axle;
     let stop = |why| Stop::in_file(&arguments.study, why);
-    let vehicle = AxleVehicle {
-        suspensions: Side::ALL.map(|side| axle.suspension(side)),
-        tyre_rate: elastic.tyre_rate,
-    };
+    let vehicle = axle.on_rig(elastic.tyre_rate);
     let run = AxleKcRun::new(vehicle, &elastic.parts)
         .map_err(|why| stop(why.describe(&elastic.parts.wheels, &axle.left)))?;
     let unit = axle.left.length_unit.symbol();

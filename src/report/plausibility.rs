@@ -171,8 +171,7 @@ fn across(left: &Suspension, right: &Suspension) -> Option<String> {
         .iter()
         .zip(left.design.iter().zip(&right.design));
     // A single point of a rigid axle belongs to both wheels.
-    let rigid = left.mechanism.rigid_axle.as_ref();
-    let is_single = |number: usize| rigid.is_some_and(|r| r.singles.contains(&PointId(number)));
+    let is_single = |number: usize| left.mechanism.is_single(PointId(number));
     let across = points.enumerate().filter(|(number, (_, (left, right)))| {
         left.y > off && right.y < -off && !is_single(*number)
     });

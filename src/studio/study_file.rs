@@ -85,8 +85,7 @@ impl Opened {
 pub(super) fn check_geometry(study: &Study) -> Result<(), String> {
     let right = study.axle().and_then(|both| both.axle.right.as_ref());
     for (wheel, side) in [(Some(study.wheel()), ""), (right, "right wheel: ")] {
-        if let Some(fault) = wheel.and_then(|wheel| GeometryFault::all_of(wheel).into_iter().next())
-        {
+        if let Some(fault) = wheel.and_then(GeometryFault::first_of) {
             return Err(format!("{side}{fault}"));
         }
     }

@@ -79,7 +79,7 @@ impl Support {
     }
 }
 
-/// Factors of a matrix. For a matrix of series, those of its constant part.
+/// Factors of a matrix. A matrix of series is factorised by its constant part.
 #[derive(Clone, Copy)]
 pub struct Factors<'f>(pub(super) &'f Lu6<f64>);
 

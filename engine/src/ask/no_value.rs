@@ -9,7 +9,7 @@ pub enum NoValue {
     StraightAhead,
     /// The quantity is the intersection of two normals, and they are parallel.
     ParallelNormals,
-    /// The quantity is a derivative along roll on a plane ground, and the wheels stand on pads of different heights.
+    /// The wheels stand on pads of different heights, and the quantity is a derivative along roll on a plane ground.
     NoPlane,
     /// A rocker is at a toggle or beyond it.
     Toggle,

@@ -7,7 +7,7 @@
 //! a <- a - M (w(parts + a) - wanted)
 //! ```
 //!
-//! converges faster, the closer the parts are to nominal. With derivative numbers it corrects order by order. Pose and
+//! converges faster if the parts are closer to nominal. With derivative numbers it corrects order by order. Pose and
 //! adjustments settle together (module `settle`), with the derivative of the pose by each adjustment.
 
 use super::assembler::{Assembler, AssemblyError};

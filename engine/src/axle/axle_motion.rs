@@ -40,7 +40,7 @@ pub enum WheelMotion {
         heave: Vec<f64>,
         /// Roll angles.
         roll: Vec<f64>,
-        /// True if the mean travel follows from the load. The load is that of the level axle at this heave.
+        /// True if the axle carries the same load as when it is level at this heave. The mean travel follows from that load.
         at_load: bool,
     },
     /// Travels of both wheels, in all combinations.

@@ -69,7 +69,7 @@ impl AxleColumn {
         }
     }
 
-    /// Value or coordinate of which the column is a derivative, if it has derivatives by hardpoints.
+    /// Quantity or coordinate that the column shows or differentiates. `None` if it has no derivatives by hardpoints.
     pub(super) fn sought(&self) -> Option<Sought> {
         match self.of {
             Of::Quantity(quantity) => Some(Sought::Quantity(quantity)),

@@ -322,10 +322,10 @@ fn values(
             .then_some(printed)
             .ok_or(NoValue::NotFinite)
     };
-    let quantities = columns
-        .iter()
-        .zip(by_drag_link)
-        .filter_map(|(c, by)| Some(value(c.evaluate(read, time, *by)?, c)));
+    let quantities = columns.iter().enumerate().filter_map(|(k, c)| {
+        let by = by_drag_link.get(k).copied().flatten();
+        Some(value(c.evaluate(read, time, by)?, c))
+    });
     let values: Vec<_> = quantities.chain(forces).collect();
     let differentiates = columns
         .iter()

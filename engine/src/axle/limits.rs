@@ -1,8 +1,8 @@
 //! Limits of an axle: the travel of each wheel, the rack of both wheels, and roll.
 //!
 //! The rack is fixed, and both wheel centres are at the travels heave +- s. Roll continues until the first wheel reaches the
-//! end of its travel. A rigid axle rolls until its links fold. The roll angle at the end is that of the plane under both
-//! wheels.
+//! end of its travel. A rigid axle rolls until its links fold. The plane under both wheels
+//! gives the roll angle at the end.
 
 use super::Axle;
 use super::solver::{AxlePose, AxleSolver, Placement};
@@ -16,8 +16,8 @@ use crate::solve::Solver;
 pub struct AxleLimits {
     /// Ranges of the travels.
     pub travels: TravelRanges,
-    /// The least and the largest displacement of the rack towards the left wheel's outside, at zero travel. Of a steered solid
-    /// axle those of its drag link. `None` if nothing steers the wheels.
+    /// The least and the largest displacement of the rack towards the left wheel's outside, at zero travel. For a
+    /// steered solid axle, the displacement of its drag link. `None` if nothing steers the wheels.
     pub rack: Option<[AxleEnd; 2]>,
     /// Smallest and largest roll angle (radians) at zero heave, with the rack in the middle. `None` if it is not known.
     pub roll: [Option<AxleEnd>; 2],

@@ -42,7 +42,8 @@ fn rack_end(failure: &NoPose) -> Option<f64> {
     }
 }
 
-/// Joins the results of both wheels. If neither wheel can follow the rack, the failure is that of the wheel that ends first.
+/// Joins the results of both wheels. If neither wheel can follow the rack, it returns the failure of the
+/// wheel whose range ends first.
 pub(super) fn join_results<T>(
     left: Result<T, NoPose>,
     right: Result<T, NoPose>,

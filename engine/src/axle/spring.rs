@@ -92,7 +92,15 @@ impl<T: Scalar> SpringLaw<T> {
     }
 }
 
-impl<T> SpringLaw<T> {
+impl<T: Copy> SpringLaw<T> {
+    /// Rate of a linear spring, force per length; `None` for a curve.
+    pub(crate) fn rate(&self) -> Option<T> {
+        match self.spring {
+            Law::Linear { rate, .. } => Some(rate),
+            Law::Curve(_) => None,
+        }
+    }
+
     /// Sets the rate of a linear spring. The force in the design position stays, and a curve does not change.
     pub(crate) fn set_rate(&mut self, value: T) {
         if let Law::Linear { rate, .. } = &mut self.spring {

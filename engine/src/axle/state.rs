@@ -72,13 +72,20 @@ impl Carriers {
         self != Carriers::Independent
     }
 
+    /// The travel of a rigid axle that is held; `None` for independent wheels.
+    #[inline(always)]
+    pub(crate) fn held(self) -> Option<AxleTravel> {
+        match self {
+            Carriers::Independent => None,
+            Carriers::Rigid(held) | Carriers::Steered(held) => Some(held),
+        }
+    }
+
     /// Powers of a first derivative by the wheel's own share of the difference of travels, for a rigid axle.
     #[inline(always)]
     pub(crate) fn by_difference(self) -> [usize; 2] {
-        match self {
-            Carriers::Rigid(AxleTravel::Difference) | Carriers::Steered(AxleTravel::Difference) => {
-                [0, 1]
-            }
+        match self.held() {
+            Some(AxleTravel::Difference) => [0, 1],
             _ => [1, 0],
         }
     }
@@ -329,12 +336,10 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
     #[inline(always)]
     fn rises(&self) -> [T; 2] {
         let [left, right] = self.wheels();
-        match self.carriers {
+        match self.carriers.is_rigid() {
             // The contact points of a rigid axle rise by each wheel's own share of the difference.
-            Carriers::Rigid(_) | Carriers::Steered(_) => {
-                [left, right].each(|wheel| wheel.rise_by_difference())
-            }
-            Carriers::Independent => [left.rise(), right.rise()],
+            true => [left, right].each(|wheel| wheel.rise_by_difference()),
+            false => [left.rise(), right.rise()],
         }
     }
 
@@ -403,9 +408,9 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         if self.hold == Hold::TravelsOnPlane && is_one_sided {
             let [left, right] = self.rises();
             let [z_left, z_right] = rates.travel;
-            let mismatch = match self.carriers {
-                Carriers::Independent => left * z_left - right * z_right,
-                Carriers::Rigid(_) | Carriers::Steered(_) => {
+            let mismatch = match self.carriers.is_rigid() {
+                false => left * z_left - right * z_right,
+                true => {
                     let (mean, difference) = ((z_left + z_right), (z_left - z_right));
                     (difference * (left + right) + mean * self.mismatch_by_mean()).scaled(0.5)
                 }
@@ -419,10 +424,10 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
     #[inline(always)]
     fn own_rates(&self, side: Side, rates: &Rates<T>) -> (T, Option<T>) {
         let [left, right] = rates.travel;
-        match (self.carriers, side) {
-            (Carriers::Independent, Side::Left) => (left, rates.rack),
-            (Carriers::Independent, Side::Right) => (right, rates.rack.map(|rack| -rack)),
-            (Carriers::Rigid(held) | Carriers::Steered(held), side) => {
+        match (self.carriers.held(), side) {
+            (None, Side::Left) => (left, rates.rack),
+            (None, Side::Right) => (right, rates.rack.map(|rack| -rack)),
+            (Some(held), side) => {
                 let mean = (left + right).scaled(0.5);
                 let difference = match side {
                     Side::Left => left - right,

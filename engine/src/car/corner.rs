@@ -199,9 +199,9 @@ struct Displacement<T> {
 
 impl<T: Real> Displacement<T> {
     fn of(carriers: Carriers, steps: &Steps<T>) -> Self {
-        let (first, second) = match carriers {
-            Carriers::Independent => (steps.own, steps.rack),
-            Carriers::Rigid(held) | Carriers::Steered(held) => {
+        let (first, second) = match carriers.held() {
+            None => (steps.own, steps.rack),
+            Some(held) => {
                 let mean = (steps.own + steps.other).scaled(0.5);
                 let difference = (steps.own - steps.other).scaled(0.5);
                 match held {
@@ -255,9 +255,8 @@ fn rates<T: Real>(
         spring,
         bar,
     };
-    let held = match carriers {
-        Carriers::Independent => return (of(centres[0], turns[0], springs[0], bars[0]), None),
-        Carriers::Rigid(held) | Carriers::Steered(held) => held,
+    let Some(held) = carriers.held() else {
+        return (of(centres[0], turns[0], springs[0], bars[0]), None);
     };
     let vectors = |[first, second]: [Vector3<T>; 2]| {
         let [x, y, z] = [

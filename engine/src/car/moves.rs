@@ -124,10 +124,7 @@ impl Moves {
             Moves::Rate { axle, parameter } => {
                 let setup = &car.axles[axle].setup;
                 match parameter {
-                    AxleParameter::SpringRate => match &setup.springs.as_ref()?[0].spring {
-                        Law::Linear { rate, .. } => Some(*rate),
-                        Law::Curve(_) => None,
-                    },
+                    AxleParameter::SpringRate => setup.springs.as_ref()?[0].rate(),
                     _ if !parameter.is_of(&car.axles[axle]) => None,
                     AxleParameter::BarRate => setup.bar_rate,
                     AxleParameter::HeaveSpringRate => Some(setup.rocker_springs.heave_spring?.rate),

@@ -163,10 +163,9 @@ impl<T: Scalar> Builder<'_, T> {
 
     /// Returns true for a link of the other half of a solid axle.
     fn is_elsewhere(&self, inner: PointId) -> bool {
-        let (Some(half), Some(rigid)) = (self.of_axle.half, &self.mechanism.rigid_axle) else {
-            return false;
-        };
-        rigid.is_far(inner) || (!half.has_singles && rigid.singles.contains(&inner))
+        self.of_axle.half.is_some_and(|half| {
+            self.mechanism.is_far(inner) || (!half.has_singles && self.mechanism.is_single(inner))
+        })
     }
 
     /// Body that holds a point of the vehicle.

@@ -1,7 +1,7 @@
 //! Elastic parts as a study names them: bushings at hardpoints, links with axial stiffness, and their relaxed position.
 
 use super::law::Shape;
-use crate::axle::{Law, SpringLaw};
+use crate::axle::SpringLaw;
 use crate::model::{Body, Constraint, Mechanism, PointId, RockerId};
 use crate::number::{Scalar, Vector3};
 
@@ -145,10 +145,7 @@ impl Compliance {
 
     /// Rate of the spring, force per length. `None` without a spring, or if its force is a curve.
     pub fn spring_rate(&self) -> Option<f64> {
-        match self.spring.as_ref()?.spring {
-            Law::Linear { rate, .. } => Some(rate),
-            Law::Curve(_) => None,
-        }
+        self.spring.as_ref()?.rate()
     }
 
     /// Returns true if the design position is an equilibrium.

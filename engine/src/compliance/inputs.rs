@@ -83,33 +83,11 @@ impl AxleParameter {
 }
 
 impl Compliance {
-    /// Sets the rate of a bushing, a link or a linear spring; of a bushing's curve, the factor of its forces. Other
-    /// parameters have none. Nor has the right half of a solid axle those of parts that the axle has once.
+    /// Sets the number of a parameter, such as the rate of a bushing, a link or a linear spring. For a bushing's curve the rate
+    /// is the factor of its forces. A parameter that these parts do not have changes nothing. The right half of a solid axle does
+    /// not have the parts that the axle has once.
     pub fn set_rate(&mut self, parameter: Parameter, value: f64) {
-        let number = match parameter {
-            Parameter::Stiffness(bushing, axis) => {
-                let part = self.bushings.get_mut(bushing);
-                part.map(|part| match &mut part.shapes[axis] {
-                    Shape::Cubic { rate, .. } => rate,
-                    Shape::Curve { scale, .. } => scale,
-                })
-            }
-            Parameter::Link(link) => {
-                let part = self.links.get_mut(link);
-                part.map(|part| match &mut part.stiffness {
-                    AxialStiffness::Rate(rate) => rate,
-                    AxialStiffness::PerStrain(force) => force,
-                })
-            }
-            Parameter::SpringRate => {
-                if let Some(law) = &mut self.spring {
-                    law.set_rate(value);
-                }
-                None
-            }
-            _ => None,
-        };
-        if let Some(number) = number {
+        if let Some(number) = law_of(self, parameter) {
             *number = value;
         }
     }
@@ -124,11 +102,8 @@ pub struct OnTape<'t> {
     added: Vec<(Parameter, Tracked<'t>)>,
 }
 
-/// Location of the parameter's number in a bushing's law.
-pub(super) fn law_of<'c, 't>(
-    parts: &'c mut Compliance<Tracked<'t>>,
-    parameter: Parameter,
-) -> Option<&'c mut Tracked<'t>> {
+/// Number of a parameter in the laws of bushings, links and spring; `None` if the parts do not have it.
+pub(super) fn law_of<T>(parts: &mut Compliance<T>, parameter: Parameter) -> Option<&mut T> {
     match parameter {
         Parameter::Stiffness(bushing, axis) => {
             match &mut parts.bushings.get_mut(bushing)?.shapes[axis] {

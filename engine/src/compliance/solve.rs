@@ -95,6 +95,19 @@ impl Bounds {
     }
 }
 
+impl Equations<f64> {
+    /// Refuses a state that is not stable.
+    pub(super) fn check_stable(&self, bounds: Bounds) -> Result<(), Obstacle> {
+        if self.unstable.is_some() {
+            return Err(Obstacle::Unstable(self.unstable));
+        }
+        match is_definite(self, bounds, 0.0) {
+            true => Ok(()),
+            false => Err(Obstacle::Unstable(None)),
+        }
+    }
+}
+
 impl System<f64> {
     /// Newton's method from a state.
     #[inline]
@@ -120,28 +133,13 @@ impl System<f64> {
             let verdict = judge.judge(self.size_of(&step))?;
             state = self.stepped(&state, &step);
             if verdict == Verdict::Settled {
-                self.check_stable(&equations, bounds)?;
+                equations.check_stable(bounds)?;
                 return Ok(Solution {
                     state,
                     task: *task,
                     steps: judge.steps(),
                 });
             }
-        }
-    }
-
-    /// Refuses a state that is not stable.
-    pub(super) fn check_stable(
-        &self,
-        equations: &Equations<f64>,
-        bounds: Bounds,
-    ) -> Result<(), Obstacle> {
-        if equations.unstable.is_some() {
-            return Err(Obstacle::Unstable(equations.unstable));
-        }
-        match is_definite(equations, bounds, 0.0) {
-            true => Ok(()),
-            false => Err(Obstacle::Unstable(None)),
         }
     }
 

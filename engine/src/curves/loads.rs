@@ -21,9 +21,9 @@ pub(crate) struct Loads<'a> {
 /// Adds the name of its side to a member of a rigid axle's halves. Both halves carry a load on one wheel. A member that the
 /// axle has only once keeps its name.
 fn with_side(member: Member, mechanism: &Mechanism, frame: Frame) -> Member {
-    let Some(rigid) = &mechanism.rigid_axle else {
+    if mechanism.rigid_axle.is_none() {
         return member;
-    };
+    }
     let near = frame.meaning().1;
     let far = match near {
         Side::Left => Side::Right,
@@ -31,7 +31,7 @@ fn with_side(member: Member, mechanism: &Mechanism, frame: Frame) -> Member {
     };
     let is_single = match member.what {
         Carried::Tension(inner, outer) => {
-            [inner, outer].iter().any(|id| rigid.singles.contains(id))
+            [inner, outer].into_iter().any(|id| mechanism.is_single(id))
         }
         Carried::WattRod(_) | Carried::DragLink | Carried::TieRod => true,
         _ => false,

@@ -160,7 +160,8 @@ impl<const N: usize> FindsSlopes for OneByOne<'_, N> {
             for (k, column) in self.stations.gains.iter().enumerate() {
                 let gain = read.as_ref().and_then(|(read, by_drag_link)| {
                     let time = ByTime::at(None, 0);
-                    column.evaluate(read, time, by_drag_link[k])?.ok()
+                    let by = by_drag_link.get(k).copied().flatten();
+                    column.evaluate(read, time, by)?.ok()
                 });
                 block.put_slope(number, k, gain.unwrap_or(f64::NAN));
             }

@@ -223,7 +223,7 @@ impl SuspensionBuilder {
             tyre_width: self.tyre_width,
             vehicle: self.vehicle,
         };
-        match GeometryFault::all_of(&suspension).into_iter().next() {
+        match GeometryFault::first_of(&suspension) {
             Some(fault) => Err(BuildError::Geometry(Box::new(fault))),
             None => Ok(suspension),
         }

@@ -6,15 +6,11 @@ use crate::model::RockerId;
 use crate::number::{Each, Scalar, Vector3};
 
 impl<T: Scalar> Configuration<'_, T> {
-    /// Tension in the rod of a rocker for a force of one at a point of the rocker: moments about the axis.
+    /// Tension in the rod of a rocker for a force at a point of the rocker.
     pub(crate) fn rod_tension(&self, id: RockerId, at: Vector3<T>, force: Vector3<T>) -> T {
         let rocker = self.mechanism.rocker(id);
-        let ends = [rocker.first, rocker.second].each(|id| self.designed(id));
-        let [first, second] = ends.each(|end| self.out_of_base(rocker, end));
-        let axis = second - first;
-        let [inner, outer] = [rocker.inner, rocker.outer].each(|id| self.point(id));
-        let moment = |at: Vector3<T>, force: Vector3<T>| axis.dot((at - first).cross(force));
-        -moment(at, force) / moment(inner, (outer - inner).normalised())
+        let first = self.out_of_base(rocker, self.designed(rocker.first));
+        self.rod_tension_by_couple(id, (at - first).cross(force))
     }
 
     /// Tension in the rod of a rocker for a couple on the rocker.

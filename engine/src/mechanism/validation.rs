@@ -182,6 +182,11 @@ pub enum GeometryFault {
 }
 
 impl GeometryFault {
+    /// Returns the first fault of a suspension; `None` for a sound one.
+    pub fn first_of(suspension: &Suspension) -> Option<GeometryFault> {
+        GeometryFault::all_of(suspension).into_iter().next()
+    }
+
     /// Finds the errors of a suspension. Only the first kind of error is reported, because other kinds follow from it.
     pub fn all_of(suspension: &Suspension) -> Vec<GeometryFault> {
         let checks = [

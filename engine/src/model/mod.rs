@@ -316,6 +316,12 @@ impl Mechanism {
             .is_some_and(|rigid| rigid.is_far(id))
     }
 
+    /// Returns true for a point that a rigid axle has once, such as an end of a Panhard rod.
+    pub fn is_single(&self, id: PointId) -> bool {
+        let rigid = self.rigid_axle.as_ref();
+        rigid.is_some_and(|rigid| rigid.singles.contains(&id))
+    }
+
     /// Name of a link, derived from the name of its end at the body.
     pub fn link_name(&self, inner: PointId) -> &str {
         let name = self.name(inner);

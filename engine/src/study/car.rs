@@ -74,6 +74,18 @@ pub struct GgMap {
     pub case: Case,
 }
 
+impl GgMap {
+    /// Case with these accelerations forward and to the left. A deceleration is by the brakes.
+    pub fn at(&self, ax: f64, ay: f64) -> Case {
+        let mut case = self.case.clone();
+        (case.ax, case.ay) = (ax, ay);
+        if ax < 0.0 {
+            case.setting.longitudinal = Longitudinal::Brake;
+        }
+        case
+    }
+}
+
 /// Tuning of a car.
 #[derive(Clone, Debug)]
 pub struct CarOptimise {
@@ -172,6 +184,12 @@ const RESERVED: [&str; 5] = ["front", "rear", "left", "right", "static"];
 const MOST_STATES: i64 = 100_000;
 
 impl CarStudy {
+    /// Texts of the car, of its front and of its rear axle.
+    pub fn texts(&self) -> [&str; 3] {
+        let [front, rear] = &self.axles;
+        [&self.text, &front.text, &rear.text]
+    }
+
     /// Returns true if the file is a study of a car.
     pub fn is_at(path: &Path) -> bool {
         path != Path::new("-")

@@ -8,7 +8,7 @@ use crate::model::{Axis, Frame, Mechanism, Suspension};
 use crate::number::Vector3;
 pub(super) use inside::{with_bushings_inside, with_curves_inside};
 use std::path::{Component, Path};
-use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, Value};
+use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
 
 impl Study {
     /// Returns the study's text with the points of another design (kernel frame, indexed by
@@ -287,11 +287,8 @@ fn leave_out_rates(root: &mut Table) -> Vec<String> {
         let lists = entries.filter_map(|key| section.get(key)?.as_array());
         let is_rate = |entry: &Value| {
             let entry = entry.as_inline_table();
-            let names_part = |own: &InlineTable| {
-                let keys = ["bushing", "link", "rate"].into_iter();
-                keys.filter(|key| own.contains_key(key)).count() > 0
-            };
-            entry.is_some_and(names_part)
+            let names = ["bushing", "link", "rate"];
+            entry.is_some_and(|own| names.iter().any(|key| own.contains_key(key)))
         };
         lists.flatten().any(is_rate)
     };

@@ -61,7 +61,7 @@ pub(super) fn right_wheel(
         let message = "the right wheel's wheel_centre is on the left side: its hardpoints are in the study's axes, with their true y";
         return problems.refuse(place, message);
     }
-    if let Some(fault) = GeometryFault::all_of(&right).into_iter().next() {
+    if let Some(fault) = GeometryFault::first_of(&right) {
         return problems.refuse(place, format!("right wheel: {fault}"));
     }
     if let Err(fault) = Solver::new(&right.mechanism, &right.design) {

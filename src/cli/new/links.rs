@@ -50,8 +50,9 @@ pub(super) fn with_links(text: &str) -> String {
         } else if !is_target && !is_of_spring(line) {
             // The lines that are left out stand between two empty ones.
             let is_second = line.is_empty() && written.ends_with("\n\n");
-            written += if is_second { "" } else { line };
-            written += if is_second { "" } else { "\n" };
+            if !is_second {
+                let _ = writeln!(written, "{line}");
+            }
         }
     }
     written += SECTIONS;

@@ -138,11 +138,7 @@ impl<'s> CarResults<'s> {
         for ax in &map.ax {
             let mut before: Option<Equilibrium> = None;
             for ay in &map.ay {
-                let mut case = map.case.clone();
-                (case.ax, case.ay) = (*ax, *ay);
-                if *ax < 0.0 {
-                    case.setting.longitudinal = Longitudinal::Brake;
-                }
+                let case = map.at(*ax, *ay);
                 let state = state(solver, &case, before.as_ref());
                 shown.push(&state, &case);
                 let mut row = vec![

@@ -164,12 +164,10 @@ impl KcResults<'_> {
             cells.extend(torque.to_array().map(|torque| Some(torque / per_metre)));
         }
         // The right wheel of a solid axle lacks the last bushings and links: those that the axle has once.
-        cells.resize(WHEEL_CELLS + BUSHING_CELLS * self.bushings.len(), None);
+        let before_links = WHEEL_CELLS + BUSHING_CELLS * self.bushings.len();
+        cells.resize(before_links, None);
         cells.extend(state.tensions.iter().copied().map(Some));
-        cells.resize(
-            WHEEL_CELLS + BUSHING_CELLS * self.bushings.len() + self.links.len(),
-            None,
-        );
+        cells.resize(before_links + self.links.len(), None);
         cells
     }
 }

@@ -47,8 +47,7 @@ pub(in crate::studio) struct OpenedCar {
 
 impl OpenedCar {
     fn of(files: CarFiles, study: CarStudy) -> Self {
-        let texts = [&study.text, &study.axles[0].text, &study.axles[1].text];
-        let digest = digest_of_texts(&texts.map(String::as_str));
+        let digest = digest_of_texts(&study.texts());
         OpenedCar {
             files,
             base: digest.clone(),
@@ -76,8 +75,7 @@ impl OpenedCar {
 
     /// Texts of the car, of its front and of its rear axle.
     fn texts(&self) -> [String; 3] {
-        let [front, rear] = &self.study.axles;
-        [&self.study.text, &front.text, &rear.text].map(String::clone)
+        self.study.texts().map(str::to_owned)
     }
 
     /// Coordinates of the front axle's points, and of the rear axle's.

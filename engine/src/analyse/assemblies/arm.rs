@@ -210,10 +210,10 @@ impl Branch {
         ([upper_square, state.toggle_square()[0]], miss)
     }
 
-    /// State of the mechanism on a piece, and the square under the root for its upper end. Near their zeros, this square and
-    /// that of the tie-rod end's distance from its plane are small differences of large terms. The zeros may be double ones,
-    /// if parallel arms are in line with each other and the steering axis. Their mean-value forms are far narrower than
-    /// direct evaluation.
+    /// State of the mechanism on a piece, and the square under the root for its upper end. Two squares are small differences of
+    /// large terms near their zeros: this one, and the square of the tie-rod end's distance from its plane. The zeros are double
+    /// if parallel arms are in line with each other and with the steering axis. So both squares have mean-value forms, which give
+    /// far narrower intervals than direct evaluation.
     fn state(&self, form: &ClosedForm<Value>, angle: Interval) -> (ArmState<Value>, Interval) {
         let middle = Interval::point(angle.middle());
         let around = angle - middle;

@@ -8,7 +8,7 @@
 //! are the exact derivatives, weighted by `D`: a tenth of a degree counts as much as a millimetre.
 //!
 //! *Aims of the threads.* The threads can meet as many aims as `W_x` has rank. Gram-Schmidt with pivoting over its rows
-//! takes them one by one, each time the aim that the threads still change most:
+//! chooses these aims. Each step takes the aim that the threads still change most:
 //!
 //! ```text
 //! i = argmax |w_i|,   u = w_i / |w_i|,   w_j <- w_j - (w_j . u) u                      (1)

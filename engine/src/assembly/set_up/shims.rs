@@ -127,8 +127,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Amounts with whole shims near those of a state, in the order of the linear model (6). The nearest amounts are
-    /// included.
+    /// Amounts with whole shims near the amounts of a state, in the order of the linear model (6). They include the nearest
+    /// ones.
     pub(super) fn neighbours(&self, real: &AdjustedSuspension, levels: &Levels) -> Vec<Vec<f64>> {
         let mut nearest = real.amounts.clone();
         let mut open = Vec::new();

@@ -300,6 +300,14 @@ fn of<T: Copy>(figure: &TestFigure, all: &[AxleFigure<T>]) -> Option<T> {
     }
 }
 
+/// Tests of the figures among these values.
+fn tests(wanted: &[AxleRead]) -> impl Iterator<Item = &KcTest> {
+    wanted.iter().filter_map(|read| match &read.quantity {
+        Quantity::Figure(figure) => Some(&figure.test),
+        _ => None,
+    })
+}
+
 /// Groups the indices of the values by conditions. The usual conditions come first, because they decide whether the station
 /// has an equilibrium.
 fn by_conditions(wanted: &[AxleRead]) -> Vec<(Conditions, Vec<usize>)> {
@@ -322,6 +330,14 @@ pub(crate) struct Equilibria<'a> {
 }
 
 impl Axle {
+    /// Both wheels for the tests of a rig, on tyres with this rate (force per length).
+    pub fn on_rig(&self, tyre_rate: Option<f64>) -> AxleVehicle<'_> {
+        AxleVehicle {
+            suspensions: Side::ALL.map(|side| self.suspension(side)),
+            tyre_rate,
+        }
+    }
+
     /// Equilibria of the axle with its own hardpoints and elastic parts. An error if it has no elastic model.
     pub(crate) fn own_equilibria(
         &self,
@@ -337,10 +353,7 @@ impl Axle {
         designs: [&[Vector3<f64>]; 2],
         parts: &AxleCompliance,
     ) -> Result<Equilibria<'_>, (Side, DesignFault)> {
-        let vehicle = AxleVehicle {
-            suspensions: Side::ALL.map(|side| self.suspension(side)),
-            tyre_rate: self.elastic.as_ref().and_then(|own| own.tyre_rate),
-        };
+        let vehicle = self.on_rig(self.elastic.as_ref().and_then(|own| own.tyre_rate));
         let run = AxleKcRun::of(vehicle, designs, parts).map_err(|fault| {
             let words = fault.describe(&parts.wheels, &self.left);
             let side = fault.side.unwrap_or(Side::Left);
@@ -362,8 +375,9 @@ impl Equilibria<'_> {
     ) -> Result<Vec<Option<f64>>, NoEquilibrium> {
         let mut found = vec![None; wanted.len()];
         for (conditions, numbers) in by_conditions(wanted) {
-            let mut here = self.run.here(conditions, travels, self.along * rack)?;
             let own: Vec<AxleRead> = numbers.iter().map(|k| wanted[*k]).collect();
+            let rack = self.along * rack;
+            let mut here = self.run.here(conditions, travels, rack, tests(&own))?;
             let values = read(&self.run, &mut here, &own, |here, test| {
                 self.run.window_secants(here, test)
             });
@@ -390,7 +404,9 @@ impl Equilibria<'_> {
             softest: None,
         };
         for (conditions, numbers) in by_conditions(wanted) {
-            let plain = self.run.here(conditions, travels, self.along * rack)?;
+            let own: Vec<AxleRead> = numbers.iter().map(|k| wanted[*k]).collect();
+            let rack = self.along * rack;
+            let plain = self.run.here(conditions, travels, rack, tests(&own))?;
             if numbers.is_empty() {
                 continue;
             }
@@ -398,7 +414,6 @@ impl Equilibria<'_> {
             let tape = &*tape;
             let station = self.run.on_tape(conditions, &plain, parameters, tape);
             let mut station = station.ok_or_else(lost)?;
-            let own: Vec<AxleRead> = numbers.iter().map(|k| wanted[*k]).collect();
             let values = read(&self.run, &mut station, &own, |station, test| {
                 self.run.secants_on_tape(&plain, station, test)
             });

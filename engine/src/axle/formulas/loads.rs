@@ -136,7 +136,7 @@ pub(crate) fn roll_moment<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) 
 }
 
 /// Roll moment per roll angle on a rig. Body and rack are fixed, and the wheels on level pads move equally and oppositely.
-/// The roll angle is that of the line through both contact points, as rigs measure it.
+/// As on a rig, the line through both contact points gives the roll angle.
 pub(crate) fn roll_stiffness<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let pads = state.on_pads();
     let rig = pads.moving(Motion::OpposedTravels);

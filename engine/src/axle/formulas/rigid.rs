@@ -21,8 +21,8 @@
 //! height v.e/(w.i)        to the left -v.n/(w.i)                                               (2)
 //! ```
 //!
-//! The wheels of a steered axle turn about its kingpins as it moves. The forces of (1) see that: C_b,h and C_b,d are then the
-//! velocities of the knuckles' points. The roll centre (2), pinion angle and direction are those of the axle itself.
+//! The wheels of a steered axle turn about its kingpins as it moves. This changes the forces of (1): C_b,h and C_b,d are then the
+//! velocities of points of the knuckles. The roll centre (2), pinion angle and direction describe the axle itself.
 //!
 //! The height of a pad changes with both travels of the wheel centres:
 //!

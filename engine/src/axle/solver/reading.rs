@@ -151,15 +151,16 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     }
 
     /// First derivatives of columns by the displacement of a steered axle's steering gear. `None` for every other column.
+    /// Empty for an axle that no drag link steers.
     pub(crate) fn by_drag_link(
         &mut self,
         placed: &AxlePose,
         columns: &[AxleColumn],
     ) -> Result<Vec<Option<f64>>, NoPose> {
-        let mut found = vec![None; columns.len()];
         if !self.is_steered() {
-            return Ok(found);
+            return Ok(Vec::new());
         }
+        let mut found = vec![None; columns.len()];
         let numbers = 0..columns.len();
         let moved = numbers.filter(|number| columns[*number].by == Some(Motion::Rack));
         let (numbers, sought): (Vec<_>, Vec<_>) = moved

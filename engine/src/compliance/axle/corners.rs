@@ -163,21 +163,23 @@ impl Corners<f64> {
         bounds: Bounds,
     ) -> Result<(), (Option<usize>, Obstacle)> {
         for (side, of) in sides.iter().enumerate() {
-            let unstable = Obstacle::Unstable(of.equations.unstable);
-            if of.equations.unstable.is_some() {
-                return Err((Some(side), unstable));
-            }
-            if let Corners::Apart(_) = self
-                && !is_definite(&of.equations, bounds, 0.0)
-            {
-                return Err((Some(side), unstable));
-            }
+            let own = &of.equations;
+            let stable = match self {
+                Corners::Apart(_) => own.check_stable(bounds),
+                // The tangent of one side alone may be indefinite.
+                Corners::Joined(_) => match own.unstable {
+                    Some(_) => Err(Obstacle::Unstable(own.unstable)),
+                    None => Ok(()),
+                },
+            };
+            stable.map_err(|why| (Some(side), why))?;
         }
         match self {
-            Corners::Joined(own) if !is_definite(&own.equations, bounds, 0.0) => {
-                Err((None, Obstacle::Unstable(None)))
-            }
-            _ => Ok(()),
+            Corners::Apart(_) => Ok(()),
+            Corners::Joined(own) => own
+                .equations
+                .check_stable(bounds)
+                .map_err(|why| (None, why)),
         }
     }
 

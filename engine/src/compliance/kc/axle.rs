@@ -202,12 +202,13 @@ impl<'a> AxleKcRun<'a> {
         found
     }
 
-    /// Solves the station at these travels and this rack displacement along the study's +y.
-    pub(crate) fn here(
+    /// Solves the station at these travels and this rack displacement along the study's +y, ready for these tests.
+    pub(crate) fn here<'t>(
         &self,
         conditions: Conditions,
         travels: [f64; 2],
         rack: f64,
+        tests: impl IntoIterator<Item = &'t KcTest>,
     ) -> Result<Here, NoEquilibrium> {
         let along = self.vehicle.suspensions[0].frame.sign(Axis::Y);
         let axle = self.variant(conditions).map_err(|_| NoEquilibrium {
@@ -216,7 +217,10 @@ impl<'a> AxleKcRun<'a> {
             softest: None,
         })?;
         let at = axle.at(travels, along * rack)?;
-        let links = axle.on_its_links().and_then(|links| {
+        // Only the roll test has a figure of the links alone.
+        let rolls = tests.into_iter().any(|test| test.load == TestLoad::Roll);
+        let alone = rolls.then(|| axle.on_its_links()).flatten();
+        let links = alone.and_then(|links| {
             let at = links.at(travels, along * rack).ok()?;
             Some((links, at))
         });
@@ -233,7 +237,8 @@ impl<'a> AxleKcRun<'a> {
         for test in tests {
             let conditions = test.conditions();
             if !known.iter().any(|(of, _)| *of == conditions) {
-                known.push((conditions, self.here(conditions, travels, rack)));
+                let own = tests.iter().filter(|test| test.conditions() == conditions);
+                known.push((conditions, self.here(conditions, travels, rack, own)));
             }
             let Some((_, here)) = known.iter_mut().find(|(of, _)| *of == conditions) else {
                 continue;
@@ -386,11 +391,6 @@ impl<'a> AxleKcRun<'a> {
         }
     }
 
-    /// Derivatives of roll angle and roll moment (1) along opposite travels.
-    fn roll<T: Scalar>(&self, here: &Here<T>, by: &[WheelFigures<T>; 2]) -> [T; 2] {
-        roll((&here.axle, &here.at), by)
-    }
-
     fn wheel_figures<T: Scalar>(
         &self,
         here: &mut Here<T>,
@@ -403,7 +403,7 @@ impl<'a> AxleKcRun<'a> {
         let units = match test.load {
             TestLoad::Heave | TestLoad::Steering => [one; 2],
             TestLoad::Roll => match &by {
-                Some(by) => [one / self.roll(here, by)[0]; 2],
+                Some(by) => [one / roll((&here.axle, &here.at), by)[0]; 2],
                 None => [one; 2],
             },
             _ => test.factors().map(|factor| one.scaled(factor)),
@@ -484,13 +484,15 @@ impl<'a> AxleKcRun<'a> {
         let has_spring = here.axle.spring(&here.at, Side::Left).is_some();
         match (test.load, test.mode) {
             (TestLoad::Roll, _) => {
-                let angle = by.map_or(like.constant(f64::NAN), |by| self.roll(here, &by)[0]);
+                let angle = by.map_or(like.constant(f64::NAN), |by| {
+                    roll((&here.axle, &here.at), &by)[0]
+                });
                 push("steer_by_roll", Unit::AnglePerAngle, &|by| {
                     steer(by) / angle
                 });
                 if has_spring {
                     push("compliant_roll_stiffness", Unit::TorquePerAngle, &|by| {
-                        self.roll(here, by)[1] / angle
+                        roll((&here.axle, &here.at), by)[1] / angle
                     });
                 }
             }

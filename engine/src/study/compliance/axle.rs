@@ -12,7 +12,7 @@ use super::{
     subframe, tests, tyre_rate, wheel_parts,
 };
 use crate::axle::{Axle, AxleMotion, TestFigure, WheelMotion};
-use crate::compliance::{AxleCompliance, AxleKcRun, AxleVehicle, KcTest, SteeringColumn, TestLoad};
+use crate::compliance::{AxleCompliance, AxleKcRun, KcTest, SteeringColumn, TestLoad};
 use crate::model::{Side, Suspension};
 use std::f64::consts::TAU;
 use std::ops::Range as Span;
@@ -117,11 +117,7 @@ pub(in super::super) fn axle_compliance<'m>(
         column: column.filter(|_| steers),
         bar_rate: setup.bar_rate,
     };
-    let vehicle = AxleVehicle {
-        suspensions: Side::ALL.map(|side| axle.suspension(side)),
-        tyre_rate,
-    };
-    match AxleKcRun::new(vehicle, &parts) {
+    match AxleKcRun::new(axle.on_rig(tyre_rate), &parts) {
         Ok(run) => Some(Some(AxleComplianceStudy {
             figures: figures(&run, &tests),
             parts,

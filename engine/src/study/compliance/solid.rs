@@ -4,22 +4,12 @@ use super::super::error::Problems;
 use super::super::file;
 use super::super::value::Text;
 use super::WheelParts;
-use crate::compliance::{BushingPart, LinkMember, LinkPart};
-use crate::model::{Mechanism, PointId};
-
-/// Returns true for a point that the axle has once.
-fn is_single(mechanism: &Mechanism, id: PointId) -> bool {
-    let rigid = mechanism.rigid_axle.as_ref();
-    rigid.is_some_and(|rigid| rigid.singles.contains(&id))
-}
-
-fn is_single_bushing(mechanism: &Mechanism, part: &BushingPart) -> bool {
-    is_single(mechanism, part.point)
-}
+use crate::compliance::{LinkMember, LinkPart};
+use crate::model::Mechanism;
 
 fn is_single_link(mechanism: &Mechanism, part: &LinkPart) -> bool {
     match part.member {
-        LinkMember::Rod { inner, .. } => is_single(mechanism, inner),
+        LinkMember::Rod { inner, .. } => mechanism.is_single(inner),
         LinkMember::RockerRod(_) => false,
     }
 }
@@ -28,7 +18,7 @@ impl WheelParts {
     /// Puts the parts that the axle has once behind all others, so that those of both halves have the same numbers.
     pub(super) fn order(&mut self, mechanism: &Mechanism) {
         self.bushings
-            .sort_by_key(|part| is_single_bushing(mechanism, part));
+            .sort_by_key(|part| mechanism.is_single(part.point));
         self.links
             .sort_by_key(|(_, part)| is_single_link(mechanism, part));
     }
@@ -36,7 +26,7 @@ impl WheelParts {
     /// Takes away the parts that the axle has once: they belong to its left half.
     pub(super) fn remove_singles(&mut self, mechanism: &Mechanism) {
         self.bushings
-            .retain(|part| !is_single_bushing(mechanism, part));
+            .retain(|part| !mechanism.is_single(part.point));
         self.links
             .retain(|(_, part)| !is_single_link(mechanism, part));
     }
@@ -51,7 +41,7 @@ pub(super) fn refuse_single_rates(
     let once = |name: &&Text| {
         let ends = ["", "_chassis"].map(|end| format!("{}{end}", name.get_ref()));
         let mut ends = ends.iter().filter_map(|name| mechanism.point(name));
-        ends.any(|id| is_single(mechanism, id))
+        ends.any(|id| mechanism.is_single(id))
     };
     let names = own.bushings.keys().chain(own.links.keys());
     let found: Vec<&Text> = names.filter(once).collect();

@@ -7,7 +7,7 @@ use crate::compliance::{AxleWay, NoEquilibrium};
 impl AxleKcRun<'_> {
     /// Smallest and largest load of a test that the axle carries, under the conditions of the test.
     pub fn load_ends(&self, test: &KcTest) -> Result<[EquilibriumEnd; 2], NoEquilibrium> {
-        let here = self.here(test.conditions(), [0.0; 2], 0.0)?;
+        let here = self.here(test.conditions(), [0.0; 2], 0.0, [])?;
         let suspension = self.vehicle.suspensions[0];
         let (load, _) = test.unit_load(&suspension.vehicle);
         let unit = test.factors().map(|factor| end_loads(&load, factor));

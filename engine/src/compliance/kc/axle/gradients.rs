@@ -22,7 +22,7 @@ impl AxleKcRun<'_> {
     ) -> Option<Vec<FigureGradients>> {
         tape.clear();
         let tape = &*tape;
-        let plain = self.here(test.conditions(), travels, rack).ok()?;
+        let plain = self.here(test.conditions(), travels, rack, [test]).ok()?;
         let inputs: Vec<AxleParameter> = parameters.iter().map(|p| (*p).into()).collect();
         let mut station = self.on_tape(test.conditions(), &plain, &inputs, tape)?;
         let secants = match test.load.is_motion() || test.levels == 0 {

@@ -43,9 +43,9 @@ impl AxleKcRun<'_> {
     /// Tensions of the elastic links of a side.
     fn tensions<T: Scalar>(&self, here: &Here<T>, side: Side) -> Vec<AxleFigure<T>> {
         let mechanism = &self.vehicle.suspensions[0].mechanism;
-        let Some(rigid) = &mechanism.rigid_axle else {
+        if mechanism.rigid_axle.is_none() {
             return Vec::new();
-        };
+        }
         let parts = self.parts.wheels[side as usize].links.iter();
         let tensions = here.axle.tensions(&here.at, side);
         let figure = |(member, tension): (LinkMember, T)| {
@@ -54,13 +54,12 @@ impl AxleKcRun<'_> {
             };
             let name = mechanism.link_name(inner);
             let (_, quantity) = TENSIONS.iter().find(|(link, _)| *link == name)?;
-            let is_single = rigid.singles.contains(&inner);
             Some(AxleFigure {
                 quantity,
                 unit: Unit::Force,
                 value: Some(tension),
                 secant: None,
-                of: match is_single {
+                of: match mechanism.is_single(inner) {
                     true => KcSubject::Axle,
                     false => KcSubject::Wheel(side),
                 },

@@ -429,12 +429,10 @@ impl DesignFunction {
         let mut left = self.suspension.design.clone();
         self.design(x, &offsets, &mut left);
         let mut moved = study.at_design(left.clone());
-        if let Some(own) = &self.right {
+        if let Some(own) = study.axle().and_then(|both| both.axle.own_right()) {
             let mut design = own.design.clone();
             self.right_design(own, &offsets, &left, &mut design);
-            if let Some(right) = moved.axle_mut().and_then(|both| both.axle.right.as_mut()) {
-                right.design = design;
-            }
+            moved.set_own_right(design);
         }
         moved
     }

@@ -10,7 +10,8 @@
 //! converges faster if the parts are closer to nominal. With derivative numbers it corrects order by order. Pose and
 //! adjustments settle together (module `settle`), with the derivative of the pose by each adjustment.
 
-use super::assembler::{Assembler, AssemblyError};
+use super::assembler::Assembler;
+use super::assembly_error::AssemblyError;
 use super::parts::{BuildParameter, Parts};
 use super::rest::{Built, Rest};
 use super::set_up::SetUpError;

@@ -21,63 +21,21 @@
 //! - The upper part of a strut rotates with the knuckle about its mount.
 
 use super::alignment::Alignment;
+use super::assembly_error::AssemblyError;
+use super::frames::{ArmFrame, Tilt};
 use super::parts::{BuildParameter, Member, Parts, is_of_body};
 use super::settle::Settling;
 use crate::linear::lu::{Lu6, Matrix6, Vector6};
 use crate::mechanism::Twist;
 use crate::mechanism::{Closure, Configuration, DesignFault, Driver, Pose, ROUNDING, Turn};
 use crate::model::Point;
-use crate::model::{Body, Rod, SpinAxis, Suspension};
+use crate::model::{Body, SpinAxis, Suspension};
 use crate::model::{PointId, RockerId, SPINDLE_INNER};
-use crate::number::{Dual, Matrix3, Outlined, Real, Vector3};
+use crate::number::{Dual, Outlined, Real, Vector3};
 use crate::solve::Solver;
 
 /// Shortest step from the nominal to the built parts.
 const SHORTEST_STEP: f64 = 1.0 / 1024.0;
-
-/// Reason why parts cannot be assembled.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum AssemblyError {
-    /// Between the nominal parts and these, the mechanism reaches a singular position. Beyond it, the links are too short or
-    /// too long.
-    #[error(
-        "the links cannot reach: the mechanism can be assembled with up to {:.0} % of these deviations",
-        100.0 * share
-    )]
-    OutOfReach {
-        /// Share of the deviations with which it can still be assembled, from 0 to 1.
-        share: f64,
-    },
-    /// The rod of a rocker is too short or too long, or at a toggle.
-    #[error("the {0} cannot reach, or is at toggle")]
-    Rod(Rod),
-    /// The named member would have a length of zero or less.
-    #[error("{0} would have no length")]
-    NoLength(String),
-    /// The spring does not have its length at any height nearby.
-    #[error("at no height nearby does the spring have its length")]
-    Spring,
-    /// Toe and camber cannot be set to their nominal values.
-    #[error("toe and camber cannot be set to their design values")]
-    Unaligned,
-    /// The parts can be assembled, but the result cannot move.
-    #[error("the assembled mechanism cannot move")]
-    Immovable(DesignFault),
-}
-
-impl AssemblyError {
-    /// Name of the reason, for counts.
-    pub fn word(&self) -> &'static str {
-        match self {
-            AssemblyError::OutOfReach { .. } => "out_of_reach",
-            AssemblyError::Rod(_) => "rod_out_of_reach",
-            AssemblyError::NoLength(_) => "no_length",
-            AssemblyError::Spring => "no_rest",
-            AssemblyError::Unaligned => "not_aligned",
-            AssemblyError::Immovable(_) => "immovable",
-        }
-    }
-}
 
 /// Assembles the parts of one suspension, build after build.
 #[derive(Clone, Debug)]
@@ -460,64 +418,6 @@ impl Assembler {
             }
         }
         Ok(())
-    }
-}
-
-/// Frame of an arm: its outer joint, the direction of its axis, and the direction from the axis to the joint.
-struct ArmFrame<T> {
-    origin: Vector3<T>,
-    axes: Matrix3<T>,
-}
-
-impl<T: Real> ArmFrame<T> {
-    #[inline(always)]
-    fn of(front: Vector3<T>, rear: Vector3<T>, outer: Vector3<T>) -> Self {
-        let axis = (rear - front).normalised();
-        let from_front = outer - front;
-        let radial = (from_front - axis * axis.dot(from_front)).normalised();
-        ArmFrame {
-            origin: outer,
-            axes: Matrix3 {
-                columns: [axis, radial, axis.cross(radial)],
-            },
-        }
-    }
-
-    /// Coordinates of a point in the frame.
-    #[inline(always)]
-    fn read(&self, point: Vector3<T>) -> Vector3<T> {
-        self.axes.apply_transposed(point - self.origin)
-    }
-
-    /// Point with these coordinates.
-    #[inline(always)]
-    fn place(&self, coordinates: Vector3<T>) -> Vector3<T> {
-        self.origin + self.axes.apply(coordinates)
-    }
-}
-
-/// Smallest rotation from one direction to another. With k = a x b and c = a.b of the unit vectors it is v + k x v + k x (k
-/// x v)/(1 + c).
-struct Tilt<T> {
-    across: Vector3<T>,
-    factor: T,
-}
-
-impl<T: Real> Tilt<T> {
-    #[inline(always)]
-    fn between(from: Vector3<T>, to: Vector3<T>) -> Self {
-        let (from, to) = (from.normalised(), to.normalised());
-        let cosine = from.dot(to);
-        Tilt {
-            across: from.cross(to),
-            factor: cosine.one() / (cosine.one() + cosine),
-        }
-    }
-
-    #[inline(always)]
-    fn apply(&self, v: Vector3<T>) -> Vector3<T> {
-        let once = self.across.cross(v);
-        v + once + self.across.cross(once) * self.factor
     }
 }
 

@@ -24,7 +24,9 @@
 
 mod alignment;
 mod assembler;
+mod assembly_error;
 mod derivatives;
+mod frames;
 mod parts;
 mod rest;
 mod set_up;
@@ -32,7 +34,8 @@ mod settle;
 mod settle_series;
 
 pub(crate) use alignment::Alignment;
-pub use assembler::{Assembler, AssemblyError};
+pub use assembler::Assembler;
+pub use assembly_error::AssemblyError;
 pub use derivatives::{BuiltCurves, built_curves};
 pub use parts::{BuildParameter, Member, Parts};
 pub use rest::{Built, Direction, Rest};

@@ -1,6 +1,7 @@
 //! Static position of a built mechanism.
 
-use super::assembler::{Assembler, AssemblyError, Linearised};
+use super::assembler::{Assembler, Linearised};
+use super::assembly_error::AssemblyError;
 use super::parts::{BuildParameter, Parts};
 use crate::model::Suspension;
 use crate::number::{Dual, Jet, Real, Vector3};

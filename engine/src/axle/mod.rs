@@ -8,6 +8,7 @@
 mod adjoint;
 mod at_load;
 mod axle_motion;
+mod carriers;
 mod catalogue;
 mod certificate;
 mod column;
@@ -32,6 +33,7 @@ mod wheel_curve;
 
 pub use crate::mechanism::Ground;
 pub use axle_motion::{AxleMotion, AxleTime, WheelMotion};
+pub use carriers::Carriers;
 pub use catalogue::{AxleQuantity, Quantity, WheelQuantity};
 pub use certificate::{AxleCertifier, AxleProof};
 pub use column::{AxleColumn, Of};
@@ -49,7 +51,7 @@ pub use rocker_springs::{Preloaded, RockerForces, RockerMotion, RockerSprings};
 pub use setup::Setup;
 pub use solver::{AxlePose, AxleSolver, Placement, Read, WheelRead};
 pub use spring::{BumpStop, ForceCurve, Law, SpringLaw};
-pub use state::{AxleState, Carriers, Hold, Motion, WheelState};
+pub use state::{AxleState, Hold, Motion, WheelState};
 pub use taylor::{Line, Taylor};
 pub(crate) use wheel_curve::WheelCurve;
 
@@ -93,6 +95,12 @@ impl Axle {
             (Side::Right, Some(right)) => right,
             _ => &self.left,
         }
+    }
+
+    /// Right wheel with hardpoints of its own that no other wheel decides. `None` for a mirror image, and if one mechanism
+    /// carries both wheels.
+    pub fn own_right(&self) -> Option<&Suspension> {
+        self.right.as_ref().filter(|_| !self.is_rigid())
     }
 
     /// Returns true if one mechanism carries both wheels: for a solid axle and a twist beam.

@@ -2,8 +2,8 @@
 //!
 //! Everything is in the kernel's frame of a left wheel. A right wheel is read as its mirror image.
 
+use super::carriers::Carriers;
 use super::moving::Moving;
-use super::state::Carriers;
 use super::taylor::{Line, Taylor};
 use crate::characteristics::{
     Constants, DesignWheel, Inputs, NumberPart, Slot, Slots, VectorPart, Wheel,

@@ -15,9 +15,10 @@ pub use placement::Placement;
 
 use super::adjoint::{add_gradient, inputs_on_tape};
 use super::at_load::LOAD_TERMS;
+use super::carriers::Carriers;
 use super::reading::{Parts, Reading, Snapshot, WheelParts, along};
 use super::setup::Setup;
-use super::state::{AxleState, Carriers, Hold, Motion};
+use super::state::{AxleState, Hold, Motion};
 use super::taylor::{Line, Taylor};
 use super::{Axle, AxleColumn, Quantity};
 use crate::analyse::{Balance, Certifier, Limits, Support};

@@ -25,10 +25,11 @@
 //! [`Motion::Rack`] depend on this choice, since the given coordinates of the station stay constant. Formulas of the
 //! catalogue must not depend on it, so they use the other motions.
 
+use super::Quantity;
+use super::carriers::Carriers;
 use super::moving::Moving;
 use super::reading::{Reading, WheelParts};
 use super::setup::Setup;
-use super::{Axle, Quantity};
 use crate::mechanism::Ground;
 use crate::model::{AxleTravel, Side};
 use crate::number::{Each, Jet, Real, Vector3, outlined};
@@ -42,60 +43,6 @@ pub enum Hold {
     TravelsOnPlane,
     /// Both travels are constant, the body is level, and each wheel is on a level pad.
     TravelsOnPads,
-}
-
-/// Bodies that carry the wheels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Carriers {
-    /// Each wheel has its own carrier, which moves with its own travel and the rack.
-    Independent,
-    /// One body carries both wheels. Readings are functions of its two travels. The first is the one that is not held; the
-    /// held one takes the place of the rack.
-    Rigid(AxleTravel),
-    /// The same, but each wheel is on a knuckle that turns in this body.
-    Steered(AxleTravel),
-}
-
-impl Carriers {
-    /// Carriers of an axle.
-    pub(crate) fn of(axle: &Axle) -> Self {
-        match &axle.left.mechanism.rigid_axle {
-            Some(rigid) if rigid.steering.is_some() => Carriers::Steered(rigid.held),
-            Some(rigid) => Carriers::Rigid(rigid.held),
-            None => Carriers::Independent,
-        }
-    }
-
-    /// Returns true if one body carries both wheels.
-    #[inline(always)]
-    pub fn is_rigid(self) -> bool {
-        self != Carriers::Independent
-    }
-
-    /// The travel of a rigid axle that is held; `None` for independent wheels.
-    #[inline(always)]
-    pub(crate) fn held(self) -> Option<AxleTravel> {
-        match self {
-            Carriers::Independent => None,
-            Carriers::Rigid(held) | Carriers::Steered(held) => Some(held),
-        }
-    }
-
-    /// Powers of a first derivative by the wheel's own share of the difference of travels, for a rigid axle.
-    #[inline(always)]
-    pub(crate) fn by_difference(self) -> [usize; 2] {
-        match self.held() {
-            Some(AxleTravel::Difference) => [0, 1],
-            _ => [1, 0],
-        }
-    }
-
-    /// Powers of a first derivative by the mean travel, for a rigid axle.
-    #[inline(always)]
-    pub(crate) fn by_mean(self) -> [usize; 2] {
-        let [travel, rack] = self.by_difference();
-        [rack, travel]
-    }
 }
 
 /// Motion of the axle, along which derivatives are taken.

@@ -98,27 +98,27 @@ pub fn moved_design(
 
 impl Study {
     /// Returns the study with the variables of its tuning moved by `offsets`. A right wheel with its own hardpoints moves by
-    /// the same offsets.
+    /// the same offsets. If one body carries both wheels, its far half follows the near half.
     pub fn moved(&self, offsets: &[f64]) -> Study {
-        let mut moved = self.clone();
         let Some(optimise) = &self.optimise else {
-            return moved;
+            return self.clone();
         };
         let (frame, x) = (&self.wheel().frame, DVector::from_column_slice(offsets));
-        let by_variables = |wheel: &mut Suspension| {
-            let design = wheel.design.clone();
-            moved_design(&design, frame, &optimise.variables, &x, &mut wheel.design);
+        let by_variables = |wheel: &Suspension| {
+            let mut design = wheel.design.clone();
+            moved_design(&wheel.design, frame, &optimise.variables, &x, &mut design);
+            design
         };
-        by_variables(moved.wheel_mut());
+        let mut moved = self.at_design(by_variables(self.wheel()));
+        if let Some(own) = self.axle().and_then(|both| both.axle.own_right()) {
+            moved.set_own_right(by_variables(own));
+        }
         for (variable, offset) in optimise.variables.iter().zip(offsets) {
             if let Some(rate) = &variable.rate {
                 moved
                     .vehicle
                     .set_rate(rate.parameter.into(), rate.at(*offset)[0]);
             }
-        }
-        if let Some(both) = moved.axle_mut() {
-            both.axle.right.as_mut().map(by_variables);
         }
         moved
     }

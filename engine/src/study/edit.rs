@@ -87,6 +87,13 @@ impl Study {
         moved
     }
 
+    /// Sets the design of a right wheel with hardpoints of its own.
+    pub(crate) fn set_own_right(&mut self, design: Vec<Vector3<f64>>) {
+        if let Some(right) = self.axle_mut().and_then(|both| both.axle.right.as_mut()) {
+            right.design = design;
+        }
+    }
+
     /// Returns the text with the moved points of this study, including the right wheel's own points.
     pub fn with_points_of(&self, moved: &Study) -> String {
         self.text_with_points_of(&self.text, moved)

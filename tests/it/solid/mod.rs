@@ -11,6 +11,7 @@ mod rates;
 mod reference;
 mod refused;
 mod steered;
+mod tuned;
 mod twist_beam;
 mod units;
 mod watt;

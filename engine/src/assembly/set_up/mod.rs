@@ -66,7 +66,8 @@ mod levels;
 mod problem;
 mod shims;
 
-use super::assembler::{Assembler, AssemblyError};
+use super::assembler::Assembler;
+use super::assembly_error::AssemblyError;
 use super::rest::Built;
 use crate::characteristics::Characteristic;
 use crate::mechanism::DesignFault;

@@ -35,8 +35,9 @@
 
 use super::loads::{bar_torque, spring_force};
 use super::roll::FARTHEST_MEETING;
+use crate::axle::Carriers;
 use crate::axle::reading::WheelParts;
-use crate::axle::state::{AxleState, Carriers, Motion, WheelState};
+use crate::axle::state::{AxleState, Motion, WheelState};
 use crate::characteristics::NumberPart;
 use crate::model::Side;
 use crate::number::{Each, Real, Scalar, Vector3};

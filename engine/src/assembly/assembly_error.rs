@@ -1,0 +1,48 @@
+//! Reasons why parts cannot be assembled.
+
+use crate::mechanism::DesignFault;
+use crate::model::Rod;
+
+/// Reason why parts cannot be assembled.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum AssemblyError {
+    /// Between the nominal parts and these, the mechanism reaches a singular position. Beyond it, the links are too short or
+    /// too long.
+    #[error(
+        "the links cannot reach: the mechanism can be assembled with up to {:.0} % of these deviations",
+        100.0 * share
+    )]
+    OutOfReach {
+        /// Share of the deviations with which it can still be assembled, from 0 to 1.
+        share: f64,
+    },
+    /// The rod of a rocker is too short or too long, or at a toggle.
+    #[error("the {0} cannot reach, or is at toggle")]
+    Rod(Rod),
+    /// The named member would have a length of zero or less.
+    #[error("{0} would have no length")]
+    NoLength(String),
+    /// The spring does not have its length at any height nearby.
+    #[error("at no height nearby does the spring have its length")]
+    Spring,
+    /// Toe and camber cannot be set to their nominal values.
+    #[error("toe and camber cannot be set to their design values")]
+    Unaligned,
+    /// The parts can be assembled, but the result cannot move.
+    #[error("the assembled mechanism cannot move")]
+    Immovable(DesignFault),
+}
+
+impl AssemblyError {
+    /// Name of the reason, for counts.
+    pub fn word(&self) -> &'static str {
+        match self {
+            AssemblyError::OutOfReach { .. } => "out_of_reach",
+            AssemblyError::Rod(_) => "rod_out_of_reach",
+            AssemblyError::NoLength(_) => "no_length",
+            AssemblyError::Spring => "no_rest",
+            AssemblyError::Unaligned => "not_aligned",
+            AssemblyError::Immovable(_) => "immovable",
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! Bodies that carry the wheels of an axle.
+
+use super::Axle;
+use crate::model::AxleTravel;
+
+/// Bodies that carry the wheels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Carriers {
+    /// Each wheel has its own carrier, which moves with its own travel and the rack.
+    Independent,
+    /// One body carries both wheels. Readings are functions of its two travels. The first is the one that is not held; the
+    /// held one takes the place of the rack.
+    Rigid(AxleTravel),
+    /// The same, but each wheel is on a knuckle that turns in this body.
+    Steered(AxleTravel),
+}
+
+impl Carriers {
+    /// Carriers of an axle.
+    pub(crate) fn of(axle: &Axle) -> Self {
+        match &axle.left.mechanism.rigid_axle {
+            Some(rigid) if rigid.steering.is_some() => Carriers::Steered(rigid.held),
+            Some(rigid) => Carriers::Rigid(rigid.held),
+            None => Carriers::Independent,
+        }
+    }
+
+    /// Returns true if one body carries both wheels.
+    #[inline(always)]
+    pub fn is_rigid(self) -> bool {
+        self != Carriers::Independent
+    }
+
+    /// The travel of a rigid axle that is held; `None` for independent wheels.
+    #[inline(always)]
+    pub(crate) fn held(self) -> Option<AxleTravel> {
+        match self {
+            Carriers::Independent => None,
+            Carriers::Rigid(held) | Carriers::Steered(held) => Some(held),
+        }
+    }
+
+    /// Powers of a first derivative by the wheel's own share of the difference of travels, for a rigid axle.
+    #[inline(always)]
+    pub(crate) fn by_difference(self) -> [usize; 2] {
+        match self.held() {
+            Some(AxleTravel::Difference) => [0, 1],
+            _ => [1, 0],
+        }
+    }
+
+    /// Powers of a first derivative by the mean travel, for a rigid axle.
+    #[inline(always)]
+    pub(crate) fn by_mean(self) -> [usize; 2] {
+        let [travel, rack] = self.by_difference();
+        [rack, travel]
+    }
+}

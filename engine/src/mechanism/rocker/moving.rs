@@ -1,0 +1,198 @@
+//! Points and angles of rockers with their velocities, in SIMD lanes.
+
+use super::Turn;
+use crate::mechanism::pose::{Configuration, Twist};
+use crate::mechanism::rod_reach::RodReach;
+use crate::model::{Body, PointId, Rocker, RockerId};
+use crate::number::{SimdReal, Vector3, outlined};
+
+/// Rotation of a rocker and its rate.
+struct Turning<T> {
+    rocker: Rocker,
+    turn: Turn<T>,
+    /// Angular rate about the axis.
+    speed: T,
+    /// Smallest w^2/(r.r l.l) among this rocker and the rockers that turn it.
+    leverage_squared: T,
+}
+
+/// Point with its velocity.
+#[derive(Clone, Copy, Debug)]
+pub struct MovingPoint<T> {
+    /// Present position.
+    pub now: Vector3<T>,
+    /// Velocity.
+    pub rate: Vector3<T>,
+    /// Square of the smallest leverage among the rockers that move the point; 1 without a rocker.
+    pub leverage_squared: T,
+}
+
+/// Angle of a rocker, with its rate.
+#[derive(Clone, Copy, Debug)]
+pub struct MovingAngle<T> {
+    /// Angle as in [`Configuration::rocker_angle`].
+    pub now: T,
+    /// Rate of change.
+    pub rate: T,
+    /// Square of the smallest leverage among this rocker and the rockers that turn it.
+    pub leverage_squared: T,
+}
+
+/// Rockers and their points in SIMD lanes. Their velocities follow from that of the knuckle, without recursion.
+impl<B: SimdReal> Configuration<'_, B> {
+    #[inline(always)]
+    fn turning(&self, id: RockerId, motion: &Twist<B>) -> Turning<B> {
+        outlined!(
+            [B: SimdReal] self.rack;
+            at: &'p Configuration<'p, B> = self, id: RockerId = id, motion: &'p Twist<B> = motion => Turning<B> {
+                at.turning_inline(id, motion)
+            }
+        )
+    }
+
+    #[inline(always)]
+    fn turning_inline(&self, id: RockerId, motion: &Twist<B>) -> Turning<B> {
+        let mechanism = self.mechanism;
+        let before = |depth: usize| {
+            let carrying = mechanism.rockers_moving(mechanism.rocker(id).outer);
+            std::iter::once(id).chain(carrying).nth(depth)
+        };
+        let mut depth = 0;
+        while before(depth + 1).is_some() {
+            depth += 1;
+        }
+        let mut rocker = mechanism.rocker(before(depth).unwrap_or(id));
+        let [mut outer, mut rate] = self.moving_below_rockers(rocker.outer, motion);
+        let mut least = outer.x.one();
+        loop {
+            [outer, rate] = self.moving_in_base(rocker, [outer, rate], motion);
+            let (first, inner) = (self.designed(rocker.first), self.designed(rocker.inner));
+            let (second, designed) = (self.designed(rocker.second), self.designed(rocker.outer));
+            let turn = Turn::of([first, second, inner, designed, outer]);
+            // The rod keeps its length, so both ends have the same velocity along it.
+            let end = turn.moved(inner);
+            let rod = end - outer;
+            let speed = rod.dot(rate) / rod.dot(turn.axis.cross(end - first));
+            // This selection keeps NaN.
+            least = B::select(
+                least.less(turn.leverage_squared),
+                least,
+                turn.leverage_squared,
+            );
+            if depth == 0 {
+                return Turning {
+                    rocker,
+                    turn,
+                    speed,
+                    leverage_squared: least,
+                };
+            }
+            depth -= 1;
+            rocker = mechanism.rocker(before(depth).unwrap_or(id));
+            outer = turn.moved(self.designed(rocker.outer));
+            rate = turn.axis.cross(outer - first) * speed;
+            // The rocker that this one turns can have another base.
+            [outer, rate] =
+                self.moving_out_of_base(before(depth + 1).unwrap_or(id), [outer, rate], motion);
+        }
+    }
+
+    /// Present position and velocity of a point.
+    #[inline(always)]
+    pub fn moving_point(&self, id: PointId, motion: &Twist<B>) -> MovingPoint<B> {
+        match self.mechanism.body(id) {
+            Body::Rocker(rocker) => {
+                let Turning {
+                    turn,
+                    speed,
+                    leverage_squared,
+                    ..
+                } = self.turning(rocker, motion);
+                let now = turn.moved(self.designed(id));
+                let rate = turn.axis.cross(now - turn.first) * speed;
+                let [now, rate] = self.moving_out_of_base(rocker, [now, rate], motion);
+                MovingPoint {
+                    now,
+                    rate,
+                    leverage_squared,
+                }
+            }
+            _ => {
+                let [now, rate] = self.moving_below_rockers(id, motion);
+                MovingPoint {
+                    now,
+                    rate,
+                    leverage_squared: now.x.one(),
+                }
+            }
+        }
+    }
+
+    /// Rod of a rocker in this pose, as seen from the rocker.
+    #[inline(always)]
+    pub fn moving_rod(&self, id: RockerId, motion: &Twist<B>) -> RodReach<B> {
+        let rocker = self.mechanism.rocker(id);
+        let now = self.moving_point(rocker.outer, motion).now;
+        RodReach::of(self.ends_with(rocker, now))
+    }
+
+    /// Rod of a rocker in the design position, as seen from the rocker.
+    #[inline(always)]
+    pub fn designed_rod(&self, id: RockerId) -> RodReach<B> {
+        let rocker = self.mechanism.rocker(id);
+        RodReach::of(self.ends_in_base(rocker, self.designed(rocker.outer)))
+    }
+
+    /// Position and velocity of a point in the base of a rocker.
+    #[inline(always)]
+    fn moving_in_base(
+        &self,
+        rocker: Rocker,
+        [now, rate]: [Vector3<B>; 2],
+        motion: &Twist<B>,
+    ) -> [Vector3<B>; 2] {
+        match self.is_on_axle(rocker) {
+            false => [now, rate],
+            true => {
+                let carried = motion.shift + motion.turn.cross(now - self.pose.origin);
+                let rate = self.pose.rotation.apply_transposed(rate - carried);
+                [self.in_base(rocker, now), rate]
+            }
+        }
+    }
+
+    /// Inverse of [`Configuration::moving_in_base`].
+    #[inline(always)]
+    fn moving_out_of_base(
+        &self,
+        id: RockerId,
+        [now, rate]: [Vector3<B>; 2],
+        motion: &Twist<B>,
+    ) -> [Vector3<B>; 2] {
+        let rocker = self.mechanism.rocker(id);
+        match self.is_on_axle(rocker) {
+            false => [now, rate],
+            true => {
+                let now = self.out_of_base(rocker, now);
+                let carried = motion.shift + motion.turn.cross(now - self.pose.origin);
+                [now, carried + self.pose.rotation.apply(rate)]
+            }
+        }
+    }
+
+    /// Angle of a rocker and its derivative.
+    #[inline(always)]
+    pub fn moving_rocker(&self, id: RockerId, motion: &Twist<B>) -> MovingAngle<B> {
+        let Turning {
+            rocker,
+            turn,
+            speed,
+            leverage_squared,
+        } = self.turning(id, motion);
+        MovingAngle {
+            now: turn.angle(rocker.rod),
+            rate: speed * turn.sense(rocker.rod),
+            leverage_squared,
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! A tuned axle is the axle that its written study describes.
+
+use assert_cmd::Command;
+use hardpoint::study::Study;
+use std::path::Path;
+
+/// Axles of both kinds with mirrored halves, a part in one half only, steering, and a tuning each.
+const AXLES: [(&str, &str); 5] = [
+    ("solid_axle", "optimise"),
+    ("solid_axle", "panhard,optimise"),
+    ("solid_axle", "watt,optimise"),
+    ("solid_axle", "panhard,drag_link,optimise"),
+    ("twist_beam", "optimise"),
+];
+
+fn new(topology: &str, with: &str) -> String {
+    let mut command = Command::cargo_bin("hardpoint").unwrap();
+    command.args(["new", topology, "--with", with]);
+    let output = command.assert().success().get_output().stdout.clone();
+    String::from_utf8(output).unwrap()
+}
+
+/// The tuning moves the points of the left half. All points of both halves, as seen from either wheel, must be those of the
+/// written study.
+#[test]
+fn both_halves_of_a_moved_axle_are_those_of_its_text() {
+    for (topology, with) in AXLES {
+        let read = |text: &str| {
+            let study = Study::from_text("tuned.toml", text, Path::new(""));
+            study.unwrap_or_else(|errors| panic!("{topology} with {with}: {errors}\n{text}"))
+        };
+        let study = read(&new(topology, with));
+        let optimise = study.optimise.as_ref().unwrap();
+        let offsets: Vec<f64> = (1..=optimise.variables.len())
+            .map(|k| 1.5 + k as f64)
+            .collect();
+        let moved = study.moved(&offsets);
+        let written = read(&study.with_points_of(&moved));
+        let designs = |study: &Study| {
+            let axle = &study.axle().unwrap().axle;
+            let right = axle.right.as_ref().map(|wheel| wheel.design.clone());
+            (axle.left.design.clone(), right)
+        };
+        assert_ne!(
+            designs(&moved).0,
+            designs(&study).0,
+            "{topology} with {with}"
+        );
+        assert_eq!(designs(&moved), designs(&written), "{topology} with {with}");
+    }
+}

@@ -94,7 +94,12 @@ fn effect(
                 true => asked.shift_at(&before.output, stations[station].drive()),
                 false => wanted.shift_at(stations, station),
             };
-            let amount = to - from - shift;
+            // A value has no side effect if it stays, or if it changes as a target asks.
+            let [plain, beyond] = [to - from, to - from - shift];
+            let amount = match plain.abs() <= beyond.abs() {
+                true => plain,
+                false => beyond,
+            };
             if largest
                 .as_ref()
                 .is_none_or(|l| amount.abs() > l.amount.abs())

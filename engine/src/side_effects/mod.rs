@@ -6,11 +6,13 @@
 //!
 //! ```text
 //! c(s) = a(s) - b(s)                              if no target concerns the quantity,           (1)
-//! c(s) = (a(s) - b(s)) - (a(n) - b(n))            n the station nearest to s at which one does. (2)
+//! c(s) = (a(s) - b(s)) - (a(n) - b(n))            n the station nearest to s at which one does, (2)
 //! ```
 //!
+//! or (1) where it is smaller than (2): a value that stays has no side effect.
+//!
 //! Example: a target asks for a caster in the design position. Then caster may change by the same amount over the whole
-//! travel; only a change of the curve's shape is a side effect. Distances between stations are in shares of the motion's
+//! travel, or stay elsewhere; any other change is a side effect. Distances between stations are in shares of the motion's
 //! ranges. Over a named motion without a target for the quantity, n is the station of `[motion]` with the nearest drive
 //! value.
 //!

@@ -1,20 +1,17 @@
 //! Doubts about a suspension: points may be swapped, or a sign or unit may be wrong. Unusual suspensions exist, so doubts are
 //! only reported.
 
+mod axle;
+
+pub use axle::{axle_plausibility, both_wheels_plausibility};
+
 use super::figure::{brief, with_decimals};
-use super::station_label::place_in_words;
-use super::{Directions, Reading, shortest};
-use crate::ask::Need;
-use crate::axle::{
-    Axle, AxleCurves, AxlePlan, BeyondCurve, ForcePart, Law, Quantity, WheelQuantity, axle_curves,
-};
+use super::{Directions, Reading};
+use crate::axle::axle_curves;
 use crate::characteristics::{Characteristic, Constants, WheelReading};
-use crate::curves::Column;
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::DesignFault;
-use crate::model::{
-    Axis, Body, Constraint, Drive, LengthUnit, PointId, Seat, Side, SteeringAxis, Suspension,
-};
+use crate::model::{Body, Constraint, Drive, PointId, Seat, Side, SteeringAxis, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::solve::Solver;
 use crate::study::{AxleStudy, Designs, Move, Study};
@@ -32,6 +29,10 @@ const CG_HEIGHT: [f64; 2] = [0.01, 5.0];
 /// Smallest plausible distance of a wheel from the centre plane, relative to its distance from the points on the
 /// body.
 const WHEEL_AT_CENTRE: f64 = 0.5;
+/// Largest plausible distance of a point from the wheel centre, in wheel radii.
+const FAR: f64 = 12.0;
+/// Plausible range of this distance in metres, for the farthest point of a study without a wheel radius.
+const REACH: [f64; 2] = [0.05, 4.0];
 /// Largest plausible deviation of a wheel from half the track, as a fraction of it.
 const OFF_TRACK: f64 = 0.1;
 
@@ -43,6 +44,7 @@ pub fn plausibility(suspension: &Suspension) -> Result<Vec<String>, DesignFault>
     };
     remarks.axes();
     remarks.wheel_at_the_centre_plane();
+    remarks.distances();
     remarks.rods();
     remarks.seats();
     remarks.front_and_rear();
@@ -50,141 +52,6 @@ pub fn plausibility(suspension: &Suspension) -> Result<Vec<String>, DesignFault>
     remarks.figures();
     remarks.angles()?;
     Ok(remarks.found)
-}
-
-/// Doubts about an axle, one per line: about its curves, and about both wheels in the design position. For a right wheel with its
-/// own hardpoints, only doubts that the left wheel does not have.
-pub fn both_wheels_plausibility(
-    axle: &Axle,
-    plan: &AxlePlan,
-    curves: &AxleCurves,
-) -> Result<Vec<String>, (Side, DesignFault)> {
-    let mut found = plausibility(&axle.left).map_err(|fault| (Side::Left, fault))?;
-    if let Some(own) = &axle.right {
-        let of_right = plausibility(own).map_err(|fault| (Side::Right, fault))?;
-        let new: Vec<_> = of_right.iter().filter(|d| !found.contains(d)).collect();
-        let named = |doubt: &&String| doubt.replacen("doubtful: ", "doubtful: right wheel: ", 1);
-        found.extend(new.iter().map(named).collect::<Vec<_>>());
-        found.extend(across(&axle.left, own));
-    }
-    found.extend(axle_plausibility(
-        axle,
-        plan,
-        curves,
-        axle.turns_against(plan),
-    ));
-    Ok(found)
-}
-
-/// Doubt about a soft spring of an axle in inches. Its rate may be in pounds-force per inch.
-fn soft_spring(axle: &Axle) -> Option<String> {
-    // 7 N/mm is softer than the springs of cars.
-    const LEAST: f64 = 40.0 * 4.448_221_615_260_5;
-    let Law::Linear { rate, .. } = &axle.setup.springs.as_ref()?[0].spring else {
-        return None;
-    };
-    let is_soft = axle.left.length_unit == LengthUnit::Inch && *rate < LEAST;
-    is_soft.then(|| {
-        format!(
-            "doubtful: the rate of [spring] is {rate} N/in. For rates in lbf/in give force_unit = \"lbf\" in [suspension]"
-        )
-    })
-}
-
-/// Doubts about the curves of an axle, one per line.
-pub fn axle_plausibility(
-    axle: &Axle,
-    plan: &AxlePlan,
-    found: &AxleCurves,
-    turns_against: bool,
-) -> Vec<String> {
-    let mut remarks: Vec<String> = soft_spring(axle).into_iter().collect();
-    if turns_against {
-        let c_factor = axle.setup.c_factor.unwrap_or(0.0) * axle.left.frame.sign(Axis::Y);
-        remarks.push(format!(
-            "doubtful: with c_factor = {c_factor} the wheels turn against the steering wheel; behind the \
-             wheel centres a rack moves to the right in a left turn"
-        ));
-    }
-    remarks.extend(lifted(plan, found));
-    let reads_springs = |quantity: &Quantity| {
-        let needs = quantity.info().needs;
-        needs.contains(&Need::SpringForce) || needs.contains(&Need::Springs)
-    };
-    if plan.quantities.iter().any(reads_springs) {
-        let beyond = axle.beyond_force_curves(found);
-        remarks.extend(beyond.iter().map(|beyond| beyond_curve(axle, beyond)));
-    }
-    remarks
-}
-
-/// Warning about the station with the smallest wheel load, if the load is below 0.
-fn lifted(plan: &AxlePlan, found: &AxleCurves) -> Option<String> {
-    let curves = &found.curves;
-    let loads = plan
-        .quantities
-        .iter()
-        .filter_map(|quantity| match quantity {
-            Quantity::Wheel(side, WheelQuantity::WheelLoad) => Some((*side, quantity.name())),
-            _ => None,
-        });
-    let values = loads.flat_map(|(side, name)| {
-        let is_load = |column: &Column| column.by.is_none() && column.output == name;
-        let column = curves.columns.iter().position(is_load);
-        let stations = curves.stations.iter().enumerate();
-        stations.filter_map(move |(k, station)| Some((station.value(column?)?, side, k)))
-    });
-    let (load, side, station) = values.min_by(|(a, ..), (b, ..)| a.total_cmp(b))?;
-    let side = side.name();
-    (load < 0.0).then(|| {
-        format!(
-            "warning: the load of the {side} wheel falls to {} N at {}: there it would lift off the ground",
-            shortest(load.round()),
-            place_in_words(curves, station)
-        )
-    })
-}
-
-/// Doubt about a spring or bump stop that leaves the range of its force curve.
-fn beyond_curve(axle: &Axle, beyond: &BeyondCurve) -> String {
-    let unit = axle.left.length_unit.symbol();
-    let [value, end, travel] = [beyond.value, beyond.end, beyond.travel].map(brief);
-    let side = beyond.side.name();
-    let (part, is) = match beyond.part {
-        ForcePart::Spring => ("spring", format!("{value} {unit} long")),
-        ForcePart::BumpStop => ("bump stop", format!("compressed by {value} {unit}")),
-    };
-    format!(
-        "doubtful: {side} wheel at travel {travel} {unit}: the {part} is {is}, beyond the end of its force_curve at \
-         {end} {unit}. There its force follows the straight line through that end. Add points to the curve"
-    )
-}
-
-/// Doubt about hardpoints of a right wheel on the side of the left wheel, well away from the centre plane. Probably their y has
-/// the wrong sign. Each design is in the kernel's frame of a wheel on its own side.
-fn across(left: &Suspension, right: &Suspension) -> Option<String> {
-    let centre = |of: &Suspension| of.design[of.mechanism.wheel_centre.0].y.abs();
-    let off = 0.1 * centre(left);
-    let points = left
-        .mechanism
-        .points
-        .iter()
-        .zip(left.design.iter().zip(&right.design));
-    // A single point of a rigid axle belongs to both wheels.
-    let is_single = |number: usize| left.mechanism.is_single(PointId(number));
-    let across = points.enumerate().filter(|(number, (_, (left, right)))| {
-        left.y > off && right.y < -off && !is_single(*number)
-    });
-    let names: Vec<&str> = across.map(|(_, (point, _))| point.name.as_str()).collect();
-    (!names.is_empty()).then(|| {
-        format!(
-            "doubtful: right wheel: {} at the left wheel's side: points of [axle.right.hardpoints] have their true y",
-            match names.as_slice() {
-                [one] => format!("{one} is"),
-                _ => format!("{} are", names.join(", ")),
-            }
-        )
-    })
 }
 
 /// Doubts about a study, one per line: about its wheel, or its axle over the motion, and about its variables.
@@ -310,6 +177,50 @@ impl<'a> PlausibilityRemarks<'a> {
             self.say(format!(
                 "the wheel centre is {wheel} {unit} from the centre plane, y = 0. Is the origin at the wheel? Roll \
                  centre and track need true y: add half the track to every y"
+            ));
+        }
+    }
+
+    /// Doubts about points far from the wheel or below the ground. Probably a coordinate has another unit or the wrong sign.
+    fn distances(&mut self) {
+        let suspension = self.suspension;
+        let centre = self.at(suspension.mechanism.wheel_centre);
+        let unit = suspension.length_unit.symbol();
+        let points = suspension.mechanism.points.iter().zip(&suspension.design);
+        let away = |at: &Vector3<f64>| (*at - centre).norm();
+        let farthest = points
+            .clone()
+            .max_by(|a, b| away(a.1).total_cmp(&away(b.1)));
+        let Some((point, at)) = farthest else { return };
+        let (name, reach) = (&point.name, away(at));
+        let metres = reach / suspension.length_unit.per_metre();
+        let (is_far, is_near) = match suspension.wheel_radius {
+            Some(radius) => (reach > FAR * radius, false),
+            None => (metres > REACH[1], metres < REACH[0]),
+        };
+        let reach = brief(reach);
+        if is_far {
+            self.say(format!(
+                "{name} is {reach} {unit} away from wheel_centre. Is one of them in another unit?"
+            ));
+        }
+        if is_near {
+            self.say(format!(
+                "no point is more than {reach} {unit} away from wheel_centre. Is length_unit right?"
+            ));
+        }
+        let Some(radius) = suspension.wheel_radius else {
+            return;
+        };
+        let ground = centre.z - radius;
+        let lowest = points.min_by(|a, b| a.1.z.total_cmp(&b.1.z));
+        if let Some((point, at)) = lowest
+            && at.z < ground
+        {
+            let depth = brief(ground - at.z);
+            self.say(format!(
+                "{} is {depth} {unit} below the ground. Does z have the wrong sign?",
+                point.name
             ));
         }
     }

@@ -677,6 +677,11 @@ fn doubtful_studies_are_called_so() {
         };
         good.lines().map(rename).collect::<Vec<_>>().join("\n")
     };
+    let rear_pivot = |place: &str| {
+        let is_pivot = |line: &&str| line.starts_with("lower_arm_rear ");
+        let line = good.lines().find(is_pivot).unwrap();
+        good.replace(line, &format!("lower_arm_rear = {place}"))
+    };
     let cases = [
         (
             swapped("upper_ball_joint", "lower_ball_joint"),
@@ -701,6 +706,14 @@ fn doubtful_studies_are_called_so() {
         (
             good.replace("[motion]", "[vehicle]\ntrack = 1000.0\n\n[motion]"),
             "620 mm from the centre plane",
+        ),
+        (
+            rear_pivot("[-180.0, 220.0, -138.0]"),
+            "lower_arm_rear is 138 mm below the ground",
+        ),
+        (
+            rear_pivot("[-4572.0, 220.0, 138.0]"),
+            "mm away from wheel_centre. Is one of them in another unit?",
         ),
     ];
     let directory = tempfile::tempdir().unwrap();

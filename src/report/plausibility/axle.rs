@@ -1,0 +1,149 @@
+//! Doubts about an axle, over its motion and between its wheels.
+
+use super::plausibility;
+use crate::ask::Need;
+use crate::axle::{
+    Axle, AxleCurves, AxlePlan, BeyondCurve, ForcePart, Law, Quantity, WheelQuantity,
+};
+use crate::curves::Column;
+use crate::mechanism::DesignFault;
+use crate::model::{Axis, LengthUnit, PointId, Side, Suspension};
+use crate::report::figure::brief;
+use crate::report::shortest;
+use crate::report::station_label::place_in_words;
+
+/// Doubts about an axle, one per line: about its curves, and about both wheels in the design position. For a right wheel with its
+/// own hardpoints, only doubts that the left wheel does not have.
+pub fn both_wheels_plausibility(
+    axle: &Axle,
+    plan: &AxlePlan,
+    curves: &AxleCurves,
+) -> Result<Vec<String>, (Side, DesignFault)> {
+    let mut found = plausibility(&axle.left).map_err(|fault| (Side::Left, fault))?;
+    if let Some(own) = &axle.right {
+        let of_right = plausibility(own).map_err(|fault| (Side::Right, fault))?;
+        let new: Vec<_> = of_right.iter().filter(|d| !found.contains(d)).collect();
+        let named = |doubt: &&String| doubt.replacen("doubtful: ", "doubtful: right wheel: ", 1);
+        found.extend(new.iter().map(named).collect::<Vec<_>>());
+        found.extend(across(&axle.left, own));
+    }
+    found.extend(axle_plausibility(
+        axle,
+        plan,
+        curves,
+        axle.turns_against(plan),
+    ));
+    Ok(found)
+}
+
+/// Doubt about a soft spring of an axle in inches. Its rate may be in pounds-force per inch.
+fn soft_spring(axle: &Axle) -> Option<String> {
+    // 7 N/mm is softer than the springs of cars.
+    const LEAST: f64 = 40.0 * 4.448_221_615_260_5;
+    let Law::Linear { rate, .. } = &axle.setup.springs.as_ref()?[0].spring else {
+        return None;
+    };
+    let is_soft = axle.left.length_unit == LengthUnit::Inch && *rate < LEAST;
+    is_soft.then(|| {
+        format!(
+            "doubtful: the rate of [spring] is {rate} N/in. For rates in lbf/in give force_unit = \"lbf\" in [suspension]"
+        )
+    })
+}
+
+/// Doubts about the curves of an axle, one per line.
+pub fn axle_plausibility(
+    axle: &Axle,
+    plan: &AxlePlan,
+    found: &AxleCurves,
+    turns_against: bool,
+) -> Vec<String> {
+    let mut remarks: Vec<String> = soft_spring(axle).into_iter().collect();
+    if turns_against {
+        let c_factor = axle.setup.c_factor.unwrap_or(0.0) * axle.left.frame.sign(Axis::Y);
+        remarks.push(format!(
+            "doubtful: with c_factor = {c_factor} the wheels turn against the steering wheel; behind the \
+             wheel centres a rack moves to the right in a left turn"
+        ));
+    }
+    remarks.extend(lifted(plan, found));
+    let reads_springs = |quantity: &Quantity| {
+        let needs = quantity.info().needs;
+        needs.contains(&Need::SpringForce) || needs.contains(&Need::Springs)
+    };
+    if plan.quantities.iter().any(reads_springs) {
+        let beyond = axle.beyond_force_curves(found);
+        remarks.extend(beyond.iter().map(|beyond| beyond_curve(axle, beyond)));
+    }
+    remarks
+}
+
+/// Warning about the station with the smallest wheel load, if the load is below 0.
+fn lifted(plan: &AxlePlan, found: &AxleCurves) -> Option<String> {
+    let curves = &found.curves;
+    let loads = plan
+        .quantities
+        .iter()
+        .filter_map(|quantity| match quantity {
+            Quantity::Wheel(side, WheelQuantity::WheelLoad) => Some((*side, quantity.name())),
+            _ => None,
+        });
+    let values = loads.flat_map(|(side, name)| {
+        let is_load = |column: &Column| column.by.is_none() && column.output == name;
+        let column = curves.columns.iter().position(is_load);
+        let stations = curves.stations.iter().enumerate();
+        stations.filter_map(move |(k, station)| Some((station.value(column?)?, side, k, column?)))
+    });
+    let (load, side, station, column) = values.min_by(|(a, ..), (b, ..)| a.total_cmp(b))?;
+    let side = side.name();
+    (load < 0.0).then(|| {
+        format!(
+            "warning: the load of the {side} wheel falls to {} {} at {}: there it would lift off the ground",
+            shortest(load.round()),
+            curves.columns[column].unit,
+            place_in_words(curves, station)
+        )
+    })
+}
+
+/// Doubt about a spring or bump stop that leaves the range of its force curve.
+fn beyond_curve(axle: &Axle, beyond: &BeyondCurve) -> String {
+    let unit = axle.left.length_unit.symbol();
+    let [value, end, travel] = [beyond.value, beyond.end, beyond.travel].map(brief);
+    let side = beyond.side.name();
+    let (part, is) = match beyond.part {
+        ForcePart::Spring => ("spring", format!("{value} {unit} long")),
+        ForcePart::BumpStop => ("bump stop", format!("compressed by {value} {unit}")),
+    };
+    format!(
+        "doubtful: {side} wheel at travel {travel} {unit}: the {part} is {is}, beyond the end of its force_curve at \
+         {end} {unit}. There its force follows the straight line through that end. Add points to the curve"
+    )
+}
+
+/// Doubt about hardpoints of a right wheel on the side of the left wheel, well away from the centre plane. Probably their y has
+/// the wrong sign. Each design is in the kernel's frame of a wheel on its own side.
+fn across(left: &Suspension, right: &Suspension) -> Option<String> {
+    let centre = |of: &Suspension| of.design[of.mechanism.wheel_centre.0].y.abs();
+    let off = 0.1 * centre(left);
+    let points = left
+        .mechanism
+        .points
+        .iter()
+        .zip(left.design.iter().zip(&right.design));
+    // A single point of a rigid axle belongs to both wheels.
+    let is_single = |number: usize| left.mechanism.is_single(PointId(number));
+    let across = points.enumerate().filter(|(number, (_, (left, right)))| {
+        left.y > off && right.y < -off && !is_single(*number)
+    });
+    let names: Vec<&str> = across.map(|(_, (point, _))| point.name.as_str()).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "doubtful: right wheel: {} at the left wheel's side: points of [axle.right.hardpoints] have their true y",
+            match names.as_slice() {
+                [one] => format!("{one} is"),
+                _ => format!("{} are", names.join(", ")),
+            }
+        )
+    })
+}

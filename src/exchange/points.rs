@@ -53,11 +53,13 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
         sheet,
         decimals,
         columns: (!has_header).then_some(first),
+        last_title: None,
         section: Marks::default(),
         table,
     };
     for (place, row) in rows.iter().enumerate() {
         if is_header[place] {
+            reader.last_title = sheet.row(*row).map(|(column, _)| column).max();
             let above = place.checked_sub(1).map(|place| rows[place]);
             reader.columns = header(sheet, *row, above)?.map(|found| found.columns);
             // Titles above two sets of coordinates belong to these columns.
@@ -80,6 +82,8 @@ struct Rows<'a> {
     sheet: &'a Sheet,
     decimals: Decimals,
     columns: Option<Columns>,
+    /// Last column with a title.
+    last_title: Option<u32>,
     /// Wheel and axle of the last title. They apply to the rows below it.
     section: Marks,
     table: PointTable,
@@ -100,7 +104,10 @@ impl Rows<'_> {
             .map(|triple| triple.columns.map(|column| sheet.cell(row, column)))
             .collect();
         let filled = numbers.iter().flatten().flatten().count();
-        let Some(name) = sheet.cell(row, columns.name).and_then(text) else {
+        let own_name = sheet.cell(row, columns.name).and_then(text);
+        // Sheets write values of the wheel in their first column, also if the names of points are in another one.
+        let first = texts.first().copied().filter(|text| figure(text).is_some());
+        let Some(name) = own_name.or(first.filter(|_| has_number)) else {
             return match has_number {
                 true => Ok(()),
                 false => self.title(row, &texts, false),
@@ -120,13 +127,18 @@ impl Rows<'_> {
         if !has_number && self.attachment(&texts) {
             return Ok(());
         }
+        self.check_decimals(row)?;
         self.frame(row, &columns)?;
         let marks = self.marks(row, &columns)?;
         let alone = |cells: &[Option<&Cell>; 3]| {
             cells.iter().flatten().count() <= 1
                 && (cells[0].is_some() || cells.iter().all(Option::is_none))
         };
-        let only = |cells: &[Option<&Cell>; 3]| cells.iter().flatten().count() <= 1;
+        let only = |cells: &[Option<&Cell>; 3]| {
+            let unit = cells[1].and_then(text).and_then(unit_of_value);
+            let units = usize::from(cells[0].is_some() && unit.is_some());
+            cells.iter().flatten().count() <= 1 + units
+        };
         if numbers.iter().all(alone) || (figure(name).is_some() && numbers.iter().all(only)) {
             return self.figures(row, name, &columns, &numbers, marks.0);
         }
@@ -161,6 +173,28 @@ impl Rows<'_> {
             });
         }
         Ok(())
+    }
+
+    /// Refuses a row of whole numbers with more cells than titles. There a comma is probably both the separator and the
+    /// decimal sign.
+    fn check_decimals(&self, row: u32) -> Result<(), String> {
+        let Some(last) = self.last_title else {
+            return Ok(());
+        };
+        let cells = self.sheet.row(row);
+        let numbers = cells.filter_map(|(column, cell)| {
+            let number = self.decimals.number(cell).ok()?;
+            Some((column, number))
+        });
+        let numbers: Vec<(u32, f64)> = numbers.collect();
+        let surplus = numbers.iter().filter(|(column, _)| *column > last).count();
+        if surplus < 2 || numbers.iter().any(|(_, number)| number.fract() != 0.0) {
+            return Ok(());
+        }
+        Err(format!(
+            "{}: {surplus} numbers have no title. If the decimal sign is a comma, separate the cells by semicolons",
+            self.sheet.row_place(row)
+        ))
     }
 
     /// Wheel and axle of the section, for a name without a side.
@@ -293,12 +327,21 @@ impl Rows<'_> {
                 Err(reason) => return Err(format!("{place}: {reason}")),
             };
             // A single column of numbers applies to both wheels, so its title gives no side.
-            let is_alone = numbers.iter().flatten().flatten().count() == 1;
+            let is_alone = numbers
+                .iter()
+                .filter(|cells| cells.iter().any(Option::is_some))
+                .count()
+                == 1;
+            // A unit in the next cell counts as if it were written after the name.
+            let unit = cells[1].and_then(text).and_then(unit_of_value);
             let side = triple.side.filter(|_| !is_alone);
             let marks = Marks { side, axle: None }.or(marks).or(section);
             self.table.figures.push(Figure {
                 name: name.to_owned(),
-                read_as: name.to_owned(),
+                read_as: match unit {
+                    Some(unit) => format!("{name} {unit}"),
+                    None => name.to_owned(),
+                },
                 value,
                 marks,
                 remark: remark.join(" "),
@@ -346,6 +389,13 @@ fn unit_above(texts: &[&str]) -> Option<LengthUnit> {
     // In running text, "in" and "m" have other meanings.
     words.find_map(|word| unit_of(&word).filter(|_| word != "in" && word != "m"))
 }
+/// Unit of a length or an angle, as the text of a cell.
+fn unit_of_value(text: &str) -> Option<&str> {
+    let word = text.trim().to_lowercase();
+    let is_angle = ["deg", "degrees", "rad"].contains(&word.as_str());
+    (is_angle || unit_of(&word).is_some()).then_some(text)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -422,6 +472,33 @@ mod tests {
         let read = table("name,x,y,z\na,1,2,3\nwheel radius,300,,\nstatic_camber,-0.5,,\n");
         let figures: Vec<f64> = read.figures.iter().map(|figure| figure.value).collect();
         assert_eq!((figures, read.points.len()), (vec![300.0, -0.5], 1));
+    }
+
+    /// Values stand in the first column, beside points that are named in the second, with their units in the next cell.
+    #[test]
+    fn figures_in_the_first_column_keep_their_units() {
+        let read = table(
+            "Ref,Description,X,Y,Z\nP1,a,1,2,3\nStatic camber,,-1.5,deg,\nTyre radius,,10.3,in,\n",
+        );
+        let figures: Vec<(&str, f64)> = read
+            .figures
+            .iter()
+            .map(|f| (&f.read_as[..], f.value))
+            .collect();
+        let wanted = [("Static camber deg", -1.5), ("Tyre radius in", 10.3)];
+        assert_eq!((figures.as_slice(), read.points.len()), (&wanted[..], 1));
+    }
+
+    #[test]
+    fn commas_between_and_inside_of_numbers_are_refused() {
+        let refused = refusal("name,x,y,z\na,110,5,240,0,290,2\nb,1,0,2,5,3,0\n");
+        assert!(
+            refused.contains("separate the cells by semicolons"),
+            "{refused}"
+        );
+        // Numbers that a sheet has beside the points, with or without a title.
+        assert_eq!(table("name,x,y,z,mass\na,110,5,240,3\n").points.len(), 1);
+        assert_eq!(table("name,x,y,z\na,110,5,240,3\n").points.len(), 1);
     }
 
     #[test]

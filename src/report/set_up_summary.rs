@@ -6,7 +6,7 @@ use super::text::counted;
 use crate::assembly::{
     Aim, BuildParameter, MissedTarget, PARTS_OF_A_TURN, SetUp, SetUpError, Static,
 };
-use crate::model::{Axis, LengthUnit};
+use crate::model::{Axis, LengthUnit, Suspension};
 use crate::study::{Adjustment, Increment, Setup, Study};
 use serde::Serialize;
 
@@ -139,7 +139,7 @@ impl SetUpSummary {
             let after = found.steps.get(place).unwrap_or(&found.drawn);
             let adjustment = &setup.adjust[*k];
             let instruction =
-                instruction(adjustment, side, found.rounded.amounts[*k] + 0.0, length);
+                instruction(adjustment, study.wheel(), found.rounded.amounts[*k] + 0.0);
             adjustment_record(adjustment, *k, found, &after.values, instruction)
         });
         SetUpSummary {
@@ -351,56 +351,49 @@ fn adjustment_record(
     }
 }
 
-/// Instruction for a mechanic, such as "shorten 1 3/16 turns" or "add 3 shims: 1.5 mm towards +y".
-fn instruction(
-    adjustment: &Adjustment,
-    side: Option<SetUpSide>,
-    amount: f64,
-    length: LengthUnit,
-) -> String {
+/// Instruction for a mechanic, such as "shorten by 1 3/16 turns" or "move outboard by 3 shims: 1.5 mm". Directions are those of
+/// the vehicle, so they hold for both wheels and for any axes of the study.
+fn instruction(adjustment: &Adjustment, suspension: &Suspension, amount: f64) -> String {
     let size = |amount: f64| {
         // The amount is a multiple of a decimal step, so digits from rounding errors are removed.
         let text = format!("{:.6}", amount.abs());
         let text = text.trim_end_matches('0').trim_end_matches('.');
-        format!("{text} {}", length.symbol())
+        format!("{text} {}", suspension.length_unit.symbol())
     };
     if amount == 0.0 {
         return "leave as it is".to_owned();
     }
-    let (verb, way) = match adjustment.change.0 {
-        BuildParameter::Length(_) if amount > 0.0 => ("lengthen", String::new()),
-        BuildParameter::Length(_) => ("shorten", String::new()),
-        BuildParameter::Coordinate(_, axis) => ("move", towards(axis, side, amount)),
+    let verb = match adjustment.change.0 {
+        BuildParameter::Length(_) if amount > 0.0 => "lengthen".to_owned(),
+        BuildParameter::Length(_) => "shorten".to_owned(),
+        BuildParameter::Coordinate(_, axis) => {
+            format!(
+                "move {}",
+                direction(axis, suspension.frame.sign(axis) * amount)
+            )
+        }
     };
     match adjustment.increment {
         Increment::Thread { per_turn } => {
-            format!("{verb} {}{way}", turns((amount / per_turn).abs()))
+            format!("{verb} by {}", turns((amount / per_turn).abs()))
         }
-        Increment::Free => format!("{verb} by {}{way}", size(amount)),
+        Increment::Free => format!("{verb} by {}", size(amount)),
         Increment::Shims { step } => {
             let number = (amount / step).round().abs() as u64;
-            let change = if amount > 0.0 { "add" } else { "remove" };
-            let way = match adjustment.change.0 {
-                BuildParameter::Length(_) if amount > 0.0 => " longer".to_owned(),
-                BuildParameter::Length(_) => " shorter".to_owned(),
-                BuildParameter::Coordinate(..) => way,
-            };
-            format!(
-                "{change} {}: {}{way}",
-                counted(number, "shim"),
-                size(amount)
-            )
+            format!("{verb} by {}: {}", counted(number, "shim"), size(amount))
         }
     }
 }
 
-/// Direction in which a point moves, in the study's axes. For a right wheel, y is mirrored.
-fn towards(axis: Axis, side: Option<SetUpSide>, amount: f64) -> String {
-    let (sign, mirrored) = if amount > 0.0 { ("+", "-") } else { ("-", "+") };
-    match (axis, side) {
-        (Axis::Y, Some(SetUpSide::Right)) => format!(" towards {mirrored}y"),
-        (Axis::Y, Some(SetUpSide::Both)) => format!(" towards {sign}y (right wheel {mirrored}y)"),
-        _ => format!(" towards {sign}{}", axis.name()),
+/// Direction of a displacement along an axis of the kernel's frame.
+fn direction(axis: Axis, amount: f64) -> &'static str {
+    match (axis, amount > 0.0) {
+        (Axis::X, true) => "forward",
+        (Axis::X, false) => "rearward",
+        (Axis::Y, true) => "outboard",
+        (Axis::Y, false) => "inboard",
+        (Axis::Z, true) => "up",
+        (Axis::Z, false) => "down",
     }
 }
 

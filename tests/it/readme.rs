@@ -1,5 +1,6 @@
 //! The README and the manual agree with the program.
 
+use hardpoint::car::{AxleResult, WheelResult, WholeResult};
 use hardpoint::characteristics::Characteristic;
 use std::fs;
 use std::path::Path;
@@ -17,19 +18,38 @@ fn the_table_of_characteristics_is_the_catalogue() {
         );
     }
     table.push('\n');
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/characteristics.md");
-    let readme = fs::read_to_string(&path).unwrap();
-    let (start, end) = ("<!-- characteristics -->\n", "<!-- /characteristics -->");
-    let from = readme.find(start).unwrap() + start.len();
-    let to = readme.find(end).unwrap();
+    renew_or_compare("docs/characteristics.md", "characteristics", &table);
+}
+
+/// The manual's table of a car's results is the catalogue's. It is renewed in the same way.
+#[test]
+fn the_table_of_car_results_is_the_catalogue() {
+    let wheels = WheelResult::ALL.iter().map(|r| ("front_left_", r.info()));
+    let axles = AxleResult::ALL.iter().map(|r| ("", r.info()));
+    let whole = WholeResult::ALL.iter().map(|r| ("", r.info()));
+    let mut table = String::from("\n| name | formula | positive when |\n|---|---|---|\n");
+    for (prefix, info) in wheels.chain(axles).chain(whole) {
+        let name = info.name.replace("{}", "front");
+        table += &format!(
+            "| `{prefix}{name}` | {} | {} |\n",
+            info.formula, info.positive
+        );
+    }
+    table.push('\n');
+    renew_or_compare("docs/car.md", "car results", &table);
+}
+
+/// Compares the text between two comments of a file, or renews it on request.
+fn renew_or_compare(file: &str, name: &str, wanted: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
+    let text = fs::read_to_string(&path).unwrap();
+    let (start, end) = (format!("<!-- {name} -->\n"), format!("<!-- /{name} -->"));
+    let from = text.find(&start).unwrap() + start.len();
+    let to = text.find(&end).unwrap();
     if std::env::var_os("UPDATE_README").is_some() {
-        fs::write(
-            &path,
-            format!("{}{table}{}", &readme[..from], &readme[to..]),
-        )
-        .unwrap();
+        fs::write(&path, format!("{}{wanted}{}", &text[..from], &text[to..])).unwrap();
     } else {
-        assert_eq!(&readme[from..to], table);
+        assert_eq!(&text[from..to], wanted);
     }
 }
 

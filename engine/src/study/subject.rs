@@ -104,7 +104,12 @@ pub(super) fn force(
     problems: &mut Problems,
 ) -> Option<(CarriedForce, f64)> {
     if context.loads.is_empty() {
-        let message = "this study has no loads; give them in [outputs] loads";
+        let message = match context.axle.is_some() {
+            true => {
+                "forces in members are no targets or constraints of an axle; without [axle] the study of one wheel can have them"
+            }
+            false => "this study has no loads; give them in [outputs] loads",
+        };
         return problems.refuse(name.span(), message);
     }
     let Suspension {

@@ -88,7 +88,7 @@ fn with_forces(
     match (is_pounds, length?) {
         (false, length) => Some(length),
         (true, _) if is_elastic => {
-            let message = "studies with elastic parts give forces in newtons; leave force_unit out";
+            let message = "studies with elastic parts have forces in newtons: rates in N/in, torques in N in; leave force_unit out";
             problems.refuse(text.span(), message)
         }
         (true, LengthUnit::Inch) => Some(LengthUnit::InchPound),

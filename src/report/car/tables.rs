@@ -25,7 +25,7 @@ impl CarResults<'_> {
             front_right,
             rear_left,
             rear_right,
-            "front share %",
+            "load transfer front %",
         ]);
         for (case, state) in self.study.cases.iter().zip(&self.states) {
             let mut row: Vec<Cell> = vec![

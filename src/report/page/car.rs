@@ -256,7 +256,7 @@ fn transfer(record: &CarRecord) -> String {
     let scale = charts::transfer_scale(turning.iter().map(|(_, state)| *state));
     let figures = turning.iter().map(|(case, state)| {
         let share = state.front_share.map_or_else(String::new, |share| {
-            format!("front share {} %", shown(share, "percent"))
+            format!("{} % of the load transfer at the front", shown(share, "percent"))
         });
         format!(
             "<figure><figcaption>{} <small>ax {} g, ay {} g; {share}</small></figcaption>{}</figure>",
@@ -344,7 +344,7 @@ fn attitude(record: &CarRecord) -> String {
 fn cases(record: &CarRecord) -> String {
     let mut names = vec!["case", "ax g", "ay g", "roll deg", "pitch deg"];
     names.extend(WHEELS);
-    names.extend(["front share %", "lifted", "reason"]);
+    names.extend(["load transfer front %", "lifted", "reason"]);
     let mut table = Table::with_columns(names.into_iter().map(Column::from));
     for case in &record.cases {
         let state = case.state.as_ref();

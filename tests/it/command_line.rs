@@ -807,7 +807,7 @@ fn a_set_up_is_printed_for_a_mechanic() {
     assert!(
         said.contains("turns")
             && said.contains("lengthen")
-            && said.contains("add") | said.contains("remove"),
+            && said.contains("move outboard by ") | said.contains("move inboard by "),
         "{said}"
     );
     assert!(

@@ -214,7 +214,7 @@ class Chart {
       // A value that rounding leaves of nothing is nothing.
       const is = here !== null && Math.abs(here) < 1e-9 * (this.ys[1] - this.ys[0]) ? 0 : here;
       const change = !isPair && is !== null && before !== null && Math.abs(is - before) > 1e-12 ? ` (${signed(is - before)})` : '';
-      return `${side && isPair ? `${side} ` : ''}${brief(is, 4)}${change}`;
+      return `${side && isPair ? `${side[0].toUpperCase()} ` : ''}${brief(is, 4)}${change}`;
     });
     write(this.value, words.join('  '));
     const values = lines.flatMap(({ pieces }) => heights(pieces));

@@ -180,7 +180,7 @@ const subjectOf = (column, others) => {
   if (!characteristic) return null;
   const own = { characteristic };
   if (side && others < 2) own.side = side;
-  if (state.overview.is_axle) own.over = state.overview.sliders[state.over].key;
+  if (state.overview.is_axle && !state.overview.is_car) own.over = state.overview.sliders[state.over].key;
   return own;
 };
 const labelled = (text, input) => html('label', { class: 'direction' }, html('span', { text }), input);

@@ -125,20 +125,21 @@ fn motion(study: &Study, plan: &Plan) -> String {
         Formulation::PointCoordinates => ", in point coordinates",
     };
     let racks = match plan.racks.as_slice() {
-        [] | [0.0] => "rack at 0".to_owned(),
+        [] | [0.0] if !study.wheel().mechanism.is_steered() => String::new(),
+        [] | [0.0] => ", rack at 0".to_owned(),
         [rack] => format!(
-            "rack at {} {}",
+            ", rack at {} {}",
             as_written(study.wheel().frame.sign(Axis::Y) * rack),
             study.wheel().length_unit.symbol()
         ),
-        racks => format!("{} rack positions", racks.len()),
+        racks => format!(", {} rack positions", racks.len()),
     };
     let value = match plan.drive {
         Drive::PaperTheta => "value of theta",
         Drive::Travel | Drive::ArmAngle => drive_name(plan),
     };
     let drives = counted(plan.stations() / plan.racks.len().max(1), value);
-    let mut text = format!("{drives}, {racks}{formulation}");
+    let mut text = format!("{drives}{racks}{formulation}");
     let outputs: Vec<&str> = plan.outputs.iter().map(|o| o.name.as_str()).collect();
     text += &format!("; outputs: {}.", outputs.join(", "));
     for line in asked(study) {

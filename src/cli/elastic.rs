@@ -5,7 +5,7 @@ use super::exit::{Exit, Stop};
 use super::output::design_fault;
 use super::printer::Printer;
 use crate::compliance::{AxleKcRun, Compliance, ElasticWheel, KcWheelState, Relaxed};
-use crate::model::LengthUnit;
+use crate::model::{LengthUnit, Suspension};
 use crate::report::{Table, brief, elastic_parts, no_equilibrium, plausibility};
 use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Study};
 
@@ -105,7 +105,7 @@ fn say_axle_design(
             return Ok(false);
         }
     };
-    out.say("\nEquilibrium at the design height, rack at 0:\n\n")?;
+    out.say(&design_heading(&study.axle.left))?;
     let mut table = Table::new(["output", "left", "right", "unit"]);
     let [left, right] = &state.wheels[..] else {
         return Ok(false);
@@ -123,6 +123,15 @@ fn say_axle_design(
     }
     out.table("design", table)?;
     Ok(true)
+}
+
+/// Heading of the values at the design height. It names the rack if the suspension has one.
+fn design_heading(suspension: &Suspension) -> String {
+    let rack = match suspension.mechanism.is_steered() {
+        true => ", rack at 0",
+        false => "",
+    };
+    format!("\nEquilibrium at the design height{rack}:\n\n")
 }
 
 fn relaxed_in_words(relaxed: Relaxed) -> &'static str {
@@ -151,7 +160,7 @@ fn say_design(out: &mut Printer, study: &Study, elastic: &ComplianceStudy) -> Re
         }
     };
     let figures = wheel.figures(&at);
-    out.say("\nEquilibrium at the design height, rack at 0:\n\n")?;
+    out.say(&design_heading(study.wheel()))?;
     let mut table = Table::new(["output", "value", "unit"]);
     let mut add = |name: &str, value: f64, unit: &str| {
         table.push([

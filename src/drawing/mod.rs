@@ -3,7 +3,7 @@
 
 mod sweep;
 
-use crate::curves::{Curves, Frame, frames, influences};
+use crate::curves::{Curves, influences, wheel_frames};
 use crate::mechanism::DesignFault;
 use crate::plan::Plan;
 use crate::report::{DrawnDesign, Record};
@@ -39,18 +39,6 @@ impl Record {
     }
 }
 
-/// Removes instantaneous centres from drawings of elastic wheels, because the centres belong to the rigid mechanism.
-pub(crate) fn leave_out_centres(frames: &mut [Frame]) {
-    for placed in frames
-        .iter_mut()
-        .filter_map(|frame| frame.pose.as_mut().ok())
-    {
-        placed.roll_centre = None;
-        placed.front_view_centre = None;
-        placed.side_view_centre = None;
-    }
-}
-
 /// Designs with their frames. If several designs have the same mechanism, only the last one gets frames.
 fn drawn<'a>(few: &Plan, designs: &[Solved<'a>]) -> Result<Vec<DrawnDesign<'a>>, DesignFault> {
     let shown_later = |number: usize, wheel: &WheelStudy| {
@@ -59,13 +47,10 @@ fn drawn<'a>(few: &Plan, designs: &[Solved<'a>]) -> Result<Vec<DrawnDesign<'a>>,
     };
     let designs = designs.iter().enumerate();
     let drawn = designs.map(|(number, (label, file, wheel, curves))| {
-        let mut frames = match shown_later(number, wheel) {
+        let frames = match shown_later(number, wheel) {
             true => Vec::new(),
-            false => frames(&wheel.suspension, few)?,
+            false => wheel_frames(wheel, few)?,
         };
-        if wheel.compliance.is_some() {
-            leave_out_centres(&mut frames);
-        }
         Ok(DrawnDesign {
             label,
             file,

@@ -72,10 +72,6 @@ pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
 /// displacement.
 pub fn rack_doubt(study: &Study) -> Option<String> {
     let mechanism = &study.wheel().mechanism;
-    let has_rack = mechanism
-        .points
-        .iter()
-        .any(|point| matches!(point.body, Body::Rack | Body::SteeringGear(_)));
     let motions = study.motions.iter().map(|(_, motion)| motion);
     let racks = motions
         .chain([study.motion()])
@@ -85,7 +81,7 @@ pub fn rack_doubt(study: &Study) -> Option<String> {
         .into_iter()
         .flat_map(|both| &both.plan.motion.racks);
     let moves = racks.chain(of_axle).any(|rack| *rack != 0.0);
-    (moves && !has_rack).then(|| {
+    (moves && !mechanism.is_steered()).then(|| {
         format!(
             "doubtful: the motion displaces the rack, but nothing of a {} is on it: its curves are the same at every rack",
             mechanism.topology.name

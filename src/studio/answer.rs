@@ -6,10 +6,8 @@ use super::misfit;
 use super::study_file::Opened;
 use crate::characteristics::Characteristic;
 use crate::compliance::not_of_equilibrium;
-use crate::curves::{Curves, Frame, frames, wheel_curves};
-use crate::drawing::leave_out_centres;
+use crate::curves::{Curves, Frame, wheel_curves, wheel_frames};
 use crate::exchange::{self, Outgoing, csv as csv_of_rows, point_rows};
-use crate::model::Suspension;
 use crate::plan::Plan;
 use crate::report::{FailureRange, OutputRecord, plausibility, remarks};
 use crate::solve::StationOrder;
@@ -90,13 +88,7 @@ fn solved_wheel(
         time: None,
         ..plan.clone()
     };
-    let frame = |suspension: &Suspension| -> Option<Frame> {
-        let mut frames = frames(suspension, &place).ok()?;
-        if own.compliance.is_some() {
-            leave_out_centres(&mut frames);
-        }
-        frames.pop()
-    };
+    let frame = |own: &WheelStudy| -> Option<Frame> { wheel_frames(own, &place).ok()?.pop() };
     let mut said = plausibility(suspension).map_err(fault)?;
     said.extend(remarks(&found, suspension.length_unit));
     if plan.stations() < all {
@@ -115,11 +107,13 @@ fn solved_wheel(
         shown: groups.shown,
         status: found.stations.iter().map(|s| s.status.word()).collect(),
         failures: FailureRange::all(&found, suspension),
-        frame: frame(suspension).map(Drawn::from),
+        frame: frame(own).map(Drawn::from),
         right: None,
         opened: match suspension.design == opened.study.wheel().design {
             true => None,
-            false => frame(opened.study.wheel()).map(Drawn::from),
+            false => (opened.study.vehicle.one_wheel())
+                .and_then(frame)
+                .map(Drawn::from),
         },
         misfit,
         remarks: said,

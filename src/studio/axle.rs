@@ -6,25 +6,20 @@
 use super::answer::columns;
 use super::groups::Groups;
 use super::message::{
-    CharacteristicOverview, Drawn, InfluenceAnswer, InfluenceColumn, Slider, SolveRequest,
-    SolvedAnswer,
+    CharacteristicOverview, InfluenceAnswer, InfluenceColumn, Slider, SolveRequest, SolvedAnswer,
 };
 use super::overview::rack_slider;
 use super::study_file::Opened;
 use crate::ask::with_unit;
 use crate::axle::{
     Axle, AxleMotion, AxlePlan, Coordinate, Placement, Quantity, WheelMotion, axle_curves,
-    not_in_equilibrium,
+    axle_sides, not_in_equilibrium,
 };
-use crate::curves::{Frame, frames};
-use crate::drawing::leave_out_centres;
+use crate::curves::Frame;
 use crate::mechanism::DesignFault;
-use crate::model::{Axis, LengthUnit, PointId, Side, Suspension};
-use crate::plan::Plan;
+use crate::model::{Axis, LengthUnit, PointId};
 use crate::report::{FailureRange, axle_plausibility, plausibility};
-use crate::solve::StationOrder;
-use crate::study::{AxleStudy, Study, WheelStudy};
-use std::borrow::Cow;
+use crate::study::{AxleStudy, Study};
 use std::time::Instant;
 
 /// Coordinates of a motion. A coordinate without values is held at 0.
@@ -185,7 +180,12 @@ pub(super) fn solved(
     let fault = |fault: DesignFault| fault.describe(&left.mechanism);
     let mut said = plausibility(left).map_err(fault)?;
     said.extend(axle_plausibility(axle, &plan, &found, false));
-    let frame = |axle: &Axle, side| frame(axle, &plan, &request.at, side).map(Drawn::from);
+    let frames = |axle: &Axle| {
+        let found = frames(axle, &plan.motion, &request.at);
+        found.map_or([None, None], |sides| sides.map(|side| Some(side.into())))
+    };
+    let [left_frame, right_frame] = frames(axle);
+    let opened_axle = || &opened.study.axle().expect("it is of an axle").axle;
     Ok(SolvedAnswer {
         columns: columns(&found.curves),
         drive: places.iter().map(|place| Some(place[over])).collect(),
@@ -199,14 +199,11 @@ pub(super) fn solved(
             .map(|s| s.status.word())
             .collect(),
         failures: FailureRange::all(&found.curves, left),
-        frame: frame(axle, Side::Left),
-        right: frame(axle, Side::Right),
+        frame: left_frame,
+        right: right_frame,
         opened: match left.design == opened.study.wheel().design {
             true => None,
-            false => frame(
-                &opened.study.axle().expect("it is of an axle").axle,
-                Side::Left,
-            ),
+            false => frames(opened_axle())[0].take(),
         },
         misfit: super::misfit::misfit(opened, study).map_err(fault)?,
         remarks: said,
@@ -214,62 +211,26 @@ pub(super) fn solved(
     })
 }
 
-/// Pose of a wheel at the positions of the sliders, or the reason why there is none.
-fn frame(axle: &Axle, plan: &AxlePlan, at: &[f64], side: Side) -> Option<Frame> {
-    let mut motion = plan.motion.clone();
-    motion.steering_wheel = None;
-    for (coordinate, value) in coordinates(&plan.motion).into_iter().zip(at) {
-        *motion.along(coordinate)? = vec![coordinate.in_kernel(*value, axle)];
+/// Both wheels at the positions of the sliders, or the reason why there is no pose. `None` if the axle cannot be solved.
+fn frames(axle: &Axle, motion: &AxleMotion, at: &[f64]) -> Option<[Frame; 2]> {
+    let mut here = motion.clone();
+    here.steering_wheel = None;
+    for (coordinate, value) in coordinates(motion).into_iter().zip(at) {
+        *here.along(coordinate)? = vec![coordinate.in_kernel(*value, axle)];
     }
-    let here = AxlePlan {
-        motion,
-        quantities: Vec::new(),
-        ..plan.quantities_alone()
+    let frame = |pose| Frame {
+        drive: at[0],
+        rack: at[at.len() - 1],
+        pose,
     };
-    let is_elastic = axle.elastic.is_some();
-    // The mechanism is drawn as rigid.
-    let mut axle = Cow::Borrowed(axle);
-    if is_elastic {
-        axle.to_mut().elastic = None;
-    }
-    let found = axle_curves(&axle, &here).ok()?;
-    let placed = match found.placed.first()? {
-        Ok(placed) => placed,
-        Err(failure) => {
-            return Some(Frame {
-                drive: at[0],
-                rack: at[at.len() - 1],
-                pose: Err(failure.to_string()),
-            });
+    let found = axle_sides(axle, here.placements().first()?).ok()?;
+    Some(match found {
+        Ok(sides) => sides.map(|side| frame(Ok(side))),
+        Err(why) => {
+            let words = why.describe(axle.left.length_unit, axle.left.frame);
+            [frame(Err(words.clone())), frame(Err(words))]
         }
-    };
-    let (wheel, travel) = match side {
-        Side::Left => (axle.left.clone(), placed.travels[0]),
-        Side::Right => {
-            let frame = axle.left.frame.of_other_side();
-            let wheel = Suspension {
-                frame,
-                ..axle.suspension(Side::Right).clone()
-            };
-            (wheel, placed.travels[1])
-        }
-    };
-    let corner = Plan {
-        station_order: StationOrder::through(&[travel]),
-        racks: vec![at[at.len() - 1]],
-        rack_sign: wheel.frame.sign(Axis::Y),
-        ..Plan::of(&WheelStudy::of(wheel.clone()))
-    };
-    let mut frames = frames(&wheel, &corner).ok()?;
-    if is_elastic {
-        leave_out_centres(&mut frames);
-    }
-    let mut frame = frames.pop()?;
-    if let Ok(placement) = &mut frame.pose {
-        // The roll centre of a single wheel is not that of the axle.
-        placement.roll_centre = None;
-    }
-    Some(frame)
+    })
 }
 
 /// Influence of a coordinate of both wheels on each column.

@@ -165,14 +165,9 @@ fn catalogue(own: &WheelStudy, optimise: Option<&Optimise>) -> Vec<Characteristi
 
 /// Sliders of one wheel, and the index of the main one.
 fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
-    let Suspension {
-        mechanism,
-        length_unit,
-        ..
-    } = study.wheel();
     let motion = study.motion();
     let (key, name, unit) = match motion.drive {
-        Drive::Travel => ("travel", "travel", length_unit.symbol()),
+        Drive::Travel => ("travel", "travel", study.wheel().length_unit.symbol()),
         Drive::ArmAngle => ("arm_angle", "arm angle", "°"),
         Drive::PaperTheta => ("theta", "theta", "°"),
     };
@@ -189,17 +184,22 @@ fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
         false => motion.rack[0],
     };
     let rack = rack_slider(study.wheel(), rack_home, &motion.rack);
-    let mut sliders = vec![drive, rack];
-    if mechanism.steering_axis.is_none() && !motion.rack_moves {
-        sliders[1].high = sliders[1].low;
-    }
-    (sliders, 0)
+    (vec![drive, rack], 0)
 }
 
-/// Slider of the rack. Its range is that of the motion, or of a usual rack.
+/// Slider of the rack, or of the drag link that steers a solid axle. Its range is that of the motion, or of a usual rack. If
+/// nothing steers the wheels, the range is empty.
 pub(super) fn rack_slider(suspension: &Suspension, home: f64, racks: &[f64]) -> Slider {
-    let unit = suspension.length_unit;
-    let mut slider = Slider::over("rack", "rack", unit.symbol(), home, racks);
+    let (unit, mechanism) = (suspension.length_unit, &suspension.mechanism);
+    let name = match mechanism.axle_steering() {
+        Some(_) => "drag link",
+        None => "rack",
+    };
+    let mut slider = Slider::over("rack", name, unit.symbol(), home, racks);
+    if !mechanism.is_steered() {
+        (slider.low, slider.high) = (home, home);
+        return slider;
+    }
     let usual = 0.06 * unit.per_metre();
     slider.low = slider.low.min(-usual);
     slider.high = slider.high.max(usual);

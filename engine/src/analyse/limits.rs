@@ -139,10 +139,7 @@ impl Solver<'_> {
     /// If the design position itself is singular.
     pub fn limits(&mut self) -> Result<Limits, DesignFault> {
         let mechanism = self.mechanism();
-        let has_rack = mechanism
-            .points
-            .iter()
-            .any(|p| p.body == crate::model::Body::Rack);
+        let has_rack = mechanism.has_rack();
         let travel = self.drive_range(Drive::Travel, 0.0)?;
         let ends = [travel.lower.value(), travel.upper.value()];
         let mut rockers = Vec::new();

@@ -36,6 +36,73 @@ pub fn axle_frames(
     Ok(drawn.collect())
 }
 
+/// Both wheels in the body's axes, or the reason why there is no pose. Each is in the study's axes, at its true place. With
+/// elastic parts the carriers are at their places in the equilibrium.
+///
+/// # Errors
+/// If the design position of a wheel cannot be solved, or has no elastic model.
+pub fn axle_sides(
+    axle: &Axle,
+    placement: &Placement,
+) -> Result<Result<[Drawn; 2], NoPose>, (Side, DesignFault)> {
+    let mut solver = AxleSolver::<2>::new(axle, &[], false)?;
+    let Some(elastic) = &axle.elastic else {
+        solver.watch_all_rockers();
+        return Ok(rigid_sides(axle, &mut solver, placement));
+    };
+    let equilibria = axle.own_equilibria(elastic)?;
+    let Some(place) = placement.on_level_pads() else {
+        return Ok(Err(NoPose::NoGround));
+    };
+    let here = match equilibria.here(place) {
+        Ok(here) => here,
+        Err(why) => return Ok(Err(why.into())),
+    };
+    Ok(each_side(|side| {
+        let (design, mechanism) = (solver.design(side), &axle.suspension(side).mechanism);
+        let pose = here.axle.pose(&here.at, side, design[mechanism.origin.0]);
+        let rack = here.axle.rack(&here.at) * side.sign();
+        let at = Configuration::new(mechanism, design, pose, rack);
+        let contact = here.axle.figures(&here.at, side).contact;
+        side_at_rest(axle, side, &at, contact)
+    }))
+}
+
+fn rigid_sides(
+    axle: &Axle,
+    solver: &mut AxleSolver<2>,
+    placement: &Placement,
+) -> Result<[Drawn; 2], NoPose> {
+    let placed = solver.place(placement)?;
+    let read = solver.read(&placed)?;
+    if let Some(failure) = read.toggle_failure(&placed) {
+        return Err(failure);
+    }
+    each_side(|side| {
+        let at = solver.drawn_configuration(side, &placed);
+        let contact = read.state.wheels()[side as usize].contact_point();
+        side_at_rest(axle, side, &at, contact)
+    })
+}
+
+fn each_side(of: impl Fn(Side) -> Result<Drawn, NoPose>) -> Result<[Drawn; 2], NoPose> {
+    Ok([of(Side::Left)?, of(Side::Right)?])
+}
+
+fn side_at_rest(
+    axle: &Axle,
+    side: Side,
+    at: &Configuration<f64>,
+    contact: Vector3<f64>,
+) -> Result<Drawn, NoPose> {
+    let contact = axle.setup.wheel_radius.map(|_| contact);
+    let mut wheel = axle.suspension(side).clone();
+    if side == Side::Right {
+        wheel.frame = axle.left.frame.of_other_side();
+    }
+    Ok(Drawn::at_rest(&wheel, at, contact)?)
+}
+
 /// Height of the ground in the design position.
 fn design_ground(axle: &Axle, solver: &mut AxleSolver<2>) -> f64 {
     let radius = axle.setup.wheel_radius.unwrap_or(0.0);
@@ -149,15 +216,8 @@ fn drawn(
     };
     let mut points = Vec::new();
     for side in Side::ALL {
-        let suspension = axle.suspension(side);
-        let at = Configuration {
-            mechanism: &suspension.mechanism,
-            design: solver.design(side),
-            pose: placed.poses()[side as usize],
-            rack: placed.rack * side.sign(),
-            steering: None,
-        };
-        let all = 0..suspension.mechanism.points.len();
+        let at = solver.drawn_configuration(side, placed);
+        let all = 0..at.mechanism.points.len();
         points.extend(all.map(|i| attitude.place(side, at.point(PointId(i)))));
     }
     let [left, right] = Side::ALL.map(|side| attitude.wheel(side, &state, has_ground));

@@ -437,6 +437,17 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.corners[side as usize].configuration(placed.poses[side as usize])
     }
 
+    /// The same, with the rack of an independent suspension at the displacement of this position.
+    pub(super) fn drawn_configuration(
+        &self,
+        side: Side,
+        placed: &AxlePose,
+    ) -> Configuration<'_, f64> {
+        let mut at = self.configuration_of(side, placed);
+        at.rack = placed.rack * side.sign();
+        at
+    }
+
     /// Designs of both wheels, each in the frame of its side.
     pub(super) fn designs(&self) -> [Vec<Vector3<f64>>; 2] {
         self.corners

@@ -14,6 +14,7 @@
 //! v = (R - R')/2 as a vector, |v| = sin t, cos t = 1 + trace(D)/2, log R = v t/sin t              (3)
 //! ```
 
+use crate::mechanism::Pose;
 use crate::number::{Dual, Matrix3, Real, Scalar, Vector3};
 
 /// Squared sine below which a power series gives the ratio of angle and sine. The series has a derivative at 0, and its last
@@ -168,6 +169,15 @@ impl<T: Real> Placed<T> {
         let mut rotation = self.turn;
         rotation.add_identity(rotation.columns[0].x.one());
         rotation
+    }
+
+    /// The same position as the pose of the knuckle. Both points are in the design position: the reference point of this body,
+    /// and the origin of the knuckle.
+    pub(super) fn as_pose(&self, reference: Vector3<T>, origin: Vector3<T>) -> Pose<T> {
+        Pose {
+            origin: origin + self.displacement(origin - reference),
+            rotation: self.rotation(),
+        }
     }
 
     /// Converts the position to another kind of number.

@@ -11,6 +11,7 @@ use super::reading::WheelFigures;
 use super::swinging::Swinging;
 use super::system::{Limb, State, System};
 use super::wheel::{BushingReading, ElasticWheel, Equilibrium, SpringReading};
+use crate::mechanism::Pose;
 use crate::number::{Scalar, Vector3};
 
 /// Rotation of a bushing above which its law is doubtful, radians.
@@ -173,6 +174,12 @@ impl<T: Scalar> ElasticWheel<T> {
     /// Angles and positions of the wheel.
     pub fn figures(&self, at: &Equilibrium<T>) -> WheelFigures<T> {
         self.geometry.figures(&at.solution.state, self.constants)
+    }
+
+    /// Pose of the wheel carrier. `origin` is the knuckle's origin in the design position.
+    pub(crate) fn pose(&self, at: &Equilibrium<T>, origin: Vector3<T>) -> Pose<T> {
+        let carrier = &at.solution.state.carrier;
+        carrier.as_pose(self.built.reference, origin)
     }
 
     /// Height of the wheel centre above its design position.

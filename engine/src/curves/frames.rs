@@ -1,13 +1,18 @@
 //! Positions of all points of a mechanism along its motion, for drawings.
+//!
+//! With elastic parts, the wheel carrier is at its place in the equilibrium. Arms, struts and rockers are drawn to their joints
+//! on the carrier. Displacements of bushings at their other ends are not drawn.
 
 use super::DriveLaw;
 use crate::characteristics::InstantCentres;
+use crate::compliance::ElasticWheel;
 use crate::derive::DesignSeries;
-use crate::mechanism::{Configuration, DesignFault, Failure};
-use crate::model::{PointId, RockerId, SteeringAxis, Suspension};
+use crate::mechanism::{Configuration, DesignFault, Failure, NoPose};
+use crate::model::{Axis, Body, PointId, RockerId, SteeringAxis, Suspension};
 use crate::number::{Jet, Real, Vector3};
 use crate::plan::Plan;
 use crate::solve::{Solver, Toggles};
+use crate::study::{ComplianceStudy, WheelStudy};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 
@@ -74,7 +79,48 @@ pub struct Turn {
     pub other_axle: f64,
 }
 
-/// Frames of a suspension at the stations of a plan, rack by rack.
+/// Frames of one wheel at the stations of a plan, rack by rack: of equilibria if there are elastic parts, otherwise of poses.
+///
+/// # Errors
+/// If the design position cannot be solved, or has no elastic model.
+pub fn wheel_frames(own: &WheelStudy, plan: &Plan) -> Result<Vec<Frame>, DesignFault> {
+    match &own.compliance {
+        Some(elastic) => equilibrium_frames(&own.suspension, elastic, plan),
+        None => frames(&own.suspension, plan),
+    }
+}
+
+fn equilibrium_frames(
+    suspension: &Suspension,
+    elastic: &ComplianceStudy,
+    plan: &Plan,
+) -> Result<Vec<Frame>, DesignFault> {
+    let wheel = ElasticWheel::new(suspension, &elastic.parts)
+        .map_err(|fault| fault.of_design(&elastic.parts, suspension))?;
+    let origin = suspension.design[suspension.mechanism.origin.0];
+    let along = suspension.frame.sign(Axis::Y);
+    let stations = plan.racks.iter().flat_map(|rack| {
+        let travels = plan.station_order.values().iter();
+        travels.map(move |travel| (*travel, *rack))
+    });
+    let frame = |(travel, rack): (f64, f64)| {
+        let placed = wheel.at(travel, along * rack).map_err(NoPose::from);
+        let placed = placed.and_then(|at| {
+            let contact = suspension.wheel_radius.map(|_| wheel.figures(&at).contact);
+            let (mechanism, design) = (&suspension.mechanism, &suspension.design);
+            let at = Configuration::new(mechanism, design, wheel.pose(&at, origin), at.rack());
+            Ok(Placement::at_rest(suspension, &at, contact)?)
+        });
+        Frame {
+            drive: travel,
+            rack,
+            pose: placed.map_err(|why| why.describe(suspension.length_unit, suspension.frame)),
+        }
+    };
+    Ok(stations.map(frame).collect())
+}
+
+/// Frames of the rigid mechanism of a suspension at the stations of a plan, rack by rack.
 pub fn frames(suspension: &Suspension, plan: &Plan) -> Result<Vec<Frame>, DesignFault> {
     let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
     let mechanism = &suspension.mechanism;
@@ -126,6 +172,35 @@ pub fn frames(suspension: &Suspension, plan: &Plan) -> Result<Vec<Frame>, Design
 }
 
 impl Placement {
+    /// The mechanism in a configuration without rates. `suspension` gives the axes. An error names the first rod that does not
+    /// reach its rocker.
+    pub(crate) fn at_rest(
+        suspension: &Suspension,
+        at: &Configuration<f64>,
+        contact: Option<Vector3<f64>>,
+    ) -> Result<Placement, Failure> {
+        let design = at.design.iter();
+        let design: Vec<_> = design.map(|v| v.map(Jet::<f64, 1>::constant)).collect();
+        let still = Configuration {
+            mechanism: at.mechanism,
+            design: &design,
+            pose: at.pose.map(Jet::constant),
+            rack: Jet::constant(at.rack),
+            steering: None,
+        };
+        let centres = InstantCentres {
+            contact,
+            ..InstantCentres::default()
+        };
+        let placed = Placement::of(suspension, &still, centres);
+        for (point, place) in at.mechanism.points.iter().zip(&placed.points) {
+            if let (Body::Rocker(id), false) = (point.body, place.iter().all(|c| c.is_finite())) {
+                return Err(Failure::Toggle(at.mechanism.rockers[id.0].rod));
+            }
+        }
+        Ok(placed)
+    }
+
     fn of<const N: usize>(
         suspension: &Suspension,
         at: &Configuration<Jet<f64, N>>,

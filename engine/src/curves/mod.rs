@@ -17,7 +17,7 @@ pub(crate) use by_time::ByTime;
 pub use column::Column;
 pub(crate) use column::{per, velocity_name};
 pub use drive_law::DriveLaw;
-pub use frames::{Frame, OtherWheel, Placement, Turn, frames};
+pub use frames::{Frame, OtherWheel, Placement, Turn, frames, wheel_frames};
 pub use influence::{Influence, influences};
 pub(crate) use loads::Loads;
 pub use paper_theta::PaperTheta;

@@ -271,6 +271,11 @@ impl Mechanism {
         self.points.iter().any(|point| point.body == Body::Rack)
     }
 
+    /// Returns true if a rack or a drag link steers the wheel.
+    pub fn is_steered(&self) -> bool {
+        self.has_rack() || self.axle_steering().is_some()
+    }
+
     /// Name of a point. A built wheel has an additional point if the study gives camber and toe as angles. Errors of builds
     /// may name it, so it has a name, too.
     pub fn name(&self, id: PointId) -> &str {

@@ -1,10 +1,10 @@
 // The run's data, errors, and words that several parts of a page use.
 const root = document.documentElement;
 const run = JSON.parse(byId('run').textContent);
-// Of a sweep: designs that are drawn with their curves, where there are any.
+// Drawn designs of a sweep, with their curves; null without any.
 const record = run.record ?? null;
 
-// Whatever goes wrong is written where a reader, or a test, can find it.
+// Writes an error to the page, so that a reader or a test can find it.
 const noteError = (message) => {
   root.dataset.errors = Number(root.dataset.errors || 0) + 1;
   root.dataset.lastError = message;

@@ -1,5 +1,5 @@
-// What moves in a chart: the crosshair that all charts share, the zoom by brush, and the buttons. The chart itself is in the
-// page.
+// Moving parts of a chart: the crosshair that all charts share, the zoom by brush, and the buttons. The page contains the
+// chart itself.
 const ZOOMED_TICKS = [62, 34];
 let clips = 0;
 

@@ -1,4 +1,4 @@
-// Which variable moves which output.
+// Effects of variables on outputs.
 const measures = {
   share: { name: 'share of the variance', say: (v) => `${Math.round(100 * v)} %`, least: 0.005 },
   total: { name: 'total index', say: (v) => `${Math.round(100 * v)} %`, least: 0.005 },
@@ -7,7 +7,7 @@ const measures = {
 const MOST_VARIABLES = 24;
 const variableTitles = columns.slice(0, first.variables).map(({ title }) => title);
 const effectOf = (k, variable, measure) => run.effects[k].effects[variable]?.[measure] ?? null;
-// What nothing moves has effects of rounding.
+// An output that no variable moves has effects of rounding alone.
 const moved = run.effects.map((_, k) => k).filter((k) => !run.unmoved.includes(k))
   .filter((k) => variableTitles.some((_, v) => effectOf(k, v, 'change') !== null));
 const offered = Object.keys(measures).filter((m) => moved.some((k) => variableTitles.some((_, v) => effectOf(k, v, m) !== null)));

@@ -1,4 +1,4 @@
-// How many designs have which value of the horizontal column. Those that are selected stand out.
+// Number of designs by their value of the horizontal column. Selected designs stand out.
 const COUNTS = { size: [900, 190], box: [74, 14, 880, 138], bins: 30 };
 const countsPlot = byId('counts-plot');
 const drawCounts = (state) => {

@@ -9,7 +9,7 @@ const frameAt = (design, place) => record.designs[design].frames[place.rack * st
 const [forward, outboard, up] = scene ? scene.signs : [1, 1, 1];
 const isAxle = scene?.right_wheel_centre != null;
 const radius = scene?.wheel_radius ?? null;
-// Where the study does not say how large the wheel is, a dashed circle shows only where it is.
+// If the study gives no radius of the wheel, a dashed circle shows its place alone.
 const ASSUMED_RADIUS = { mm: 300, m: 0.3, in: 12 };
 // Column of the second slider.
 const secondColumn = record?.further?.[0] ?? record?.rack ?? null;
@@ -199,7 +199,7 @@ class ReportView extends MechanismView {
 
 let stage = null;
 
-// Where the slider is, in words, and what is shown then, for those who cannot see it.
+// Tells readers of the screen the place of the slider and the drawn positions.
 const sayPlace = () => {
   const { place } = stage;
   const frames = stage.designs.map((design) => [record.designs[design].label, frameAt(design, place)]);
@@ -227,7 +227,7 @@ const valuesOf = (name) => (name === record.drive
   : racks);
 const nearestIn = (values, wanted) => values.reduce((best, v, k) => (Math.abs(v - wanted) < Math.abs(values[best] - wanted) ? k : best), 0);
 
-// What the stage shows at first; `#station=5` and the like choose.
+// First station and rack. The address chooses them, for example `#station=5`.
 const wished = (name, most, otherwise) => {
   const number = parseInt(wishes.get(name), 10);
   return number >= 0 && number < most ? number : otherwise;

@@ -4,7 +4,7 @@ const MOST_AXES = 12;
 const PARALLEL = { size: [1180, 400], box: [50, 66, 1130, 360] };
 const brushes = new Map();
 
-// The variables that matter most, then the deviations from the targets, or else what the designs are.
+// Axes: variables with the largest effects, then deviations from the targets; without targets, outputs of the designs.
 const parallelAxes = (state) => {
   const strength = (k) => Math.max(0, ...run.effects.map((o) => o.effects[k]?.share ?? 0));
   const variables = columns.map((_, k) => k).slice(0, first.variables);

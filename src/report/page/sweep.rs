@@ -112,7 +112,7 @@ pub fn sweep_page(run: &SweepRun) -> String {
     };
     let mut sections = vec![("designs", "Designs"), ("design", "One design")];
     sections.extend((!summary.best.is_empty()).then_some(("best", "Best")));
-    sections.push(("effects", "What matters"));
+    sections.push(("effects", "Effects"));
     let page = Page {
         study: &record.study,
         about: about(record),
@@ -343,8 +343,8 @@ fn remarks(run: &SweepRun) -> String {
             false => "the drive value nearest to the design position at which one failed",
         };
         remarks += &format!(
-            "<div class=\"failures\"><h2>Not solved everywhere</h2><p>Designs by reason, with {nearest}. What \
-             could not be computed is missing from the plots.</p>{}{more}</div>",
+            "<div class=\"failures\"><h2>Not solved everywhere</h2><p>Designs by reason, with {nearest}. The \
+             plots leave out values that could not be computed.</p>{}{more}</div>",
             table.html()
         );
     }

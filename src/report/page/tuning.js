@@ -1,4 +1,4 @@
-// Which coordinate moves which curve.
+// Influence of coordinates on curves.
 const measure = () => byId('measure').value;
 const influences = record.influences;
 const influenced = record.outputs.filter((o) => influences.some((i) => i.output === o.column));

@@ -1,6 +1,7 @@
 // Load cases of a car: a row for each result, a column for each case, each value with its change against the file.
-import { AXES, brief, byId, html, set, signed } from './draw.js';
+import { AXES, brief, byId, html, set, signed, write } from './draw.js';
 import { emit, on, state } from './design.js';
+import { askForTarget } from './targets.js';
 
 let rows = new Map();
 let heads = [];
@@ -36,7 +37,8 @@ const build = () => {
       return { td: html('td', { class: 'number' }, value, note), value, note };
     });
     const sign = positive && positive !== 'always' ? `positive: ${positive}` : null;
-    const th = html('th', { scope: 'row', title: sign }, title, unit ? html('span', { class: 'unit', text: ` [${unit}]` }) : '');
+    const adder = html('button', { class: 'adder', text: '+ target', 'aria-label': `Add a target for ${title}`, on: { click: () => askForTarget([{ column }], state.answer) } });
+    const th = html('th', { scope: 'row', title: sign }, adder, title, unit ? html('span', { class: 'unit', text: ` [${unit}]` }) : '');
     return [column, { tr: html('tr', { 'data-column': column }, th, ...cells.map(({ td }) => td)), cells }];
   }));
   const table = html('table', { id: 'cases' }, html('thead', {}, html('tr', {}, html('th', { text: 'result' }), ...heads)), html('tbody', {}, ...[...rows.values()].map(({ tr }) => tr)));
@@ -65,15 +67,15 @@ const draw = () => {
     th.classList.toggle('selected', isShown);
     set(th.querySelector('button'), { 'aria-pressed': String(isShown) });
     const isSolved = answer.status[k] === 'ok';
-    th.querySelector('small').textContent = isSolved ? '' : answer.status[k].replaceAll('_', ' ');
+    write(th.querySelector('small'), isSolved ? '' : answer.status[k].replaceAll('_', ' '));
     set(th, { title: isSolved ? null : answer.failures.find((f) => f.first === k)?.reason });
   });
   for (const { column, values } of answer.columns) {
     const size = Math.max(1e-6, ...values.map((v) => Math.abs(v ?? 0)));
     rows.get(column).cells.forEach(({ td, value, note }, k) => {
       const targets = targetsOf(column, k);
-      value.textContent = brief(shown(values[k], size), 4);
-      note.textContent = noteOf(column, k, values[k], size);
+      write(value, brief(shown(values[k], size), 4));
+      write(note, noteOf(column, k, values[k], size));
       const isMissed = targets.some((t) => values[k] === null || Math.abs(deviation(t, values[k])) > 1);
       td.classList.toggle('target', targets.length > 0);
       td.classList.toggle('bad', isMissed);
@@ -88,7 +90,7 @@ const key = () => {
   const { influence, proposed } = state;
   const axis = influence && `${state.overview.points[influence.point].name} ${AXES[influence.axis]}`;
   const below = influence ? `change by ${axis}, per ${state.overview.unit}` : proposed ? 'value of the proposal' : 'change against the file';
-  byId('cases-key').textContent = state.fault ? 'This design is not solved (see Warnings). The values are those of the last one that was.' : `Below each value: ${below}.`;
+  write(byId('cases-key'), state.fault ? 'This design is not solved (see Warnings). The values are those of the last one that was.' : `Below each value: ${below}.`);
   document.getElementById('cases')?.classList.toggle('stale', Boolean(state.fault));
 };
 

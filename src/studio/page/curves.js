@@ -1,5 +1,5 @@
 // Curves over one of the sliders: now, as opened, wanted, and a proposal beside them.
-import { brief, byId, html, set, signed, svg, ticks } from './draw.js';
+import { brief, byId, html, placed, refill, set, signed, svg, ticks, write } from './draw.js';
 import { ask, askGhost, emit, here as placeNow, isInGesture, on, state } from './design.js';
 import { framed } from './frame.js';
 import { Deviation } from './deviation.js';
@@ -115,6 +115,12 @@ class Chart {
     this.svg.addEventListener('pointermove', (event) => { if (this.held) point(event); });
     for (const name of ['pointerup', 'pointercancel']) this.svg.addEventListener(name, () => { this.held = false; });
     // Measured when it changes: to ask while drawing would lay the page out once for each chart.
+    // A chart that is scrolled out of sight waits until the drag ends.
+    this.isSeen = true;
+    new IntersectionObserver(([{ isIntersecting }]) => {
+      this.isSeen = isIntersecting;
+      if (isIntersecting && this.isLate) this.draw();
+    }).observe(this.figure);
     new ResizeObserver(([{ contentRect: { width, height } }]) => {
       this.size = { width, height };
       this.frame = null;
@@ -124,6 +130,8 @@ class Chart {
 
   draw() {
     const { answer, ghost, proposed, influence } = state;
+    this.isLate = isInGesture() && !this.isSeen;
+    if (this.isLate) return;
     const found = this.series.map(({ column }) => answer?.columns.find((c) => c.column === column));
     if (!found.every(Boolean)) return;
     const { width, height } = this.size ??= this.svg.getBoundingClientRect();
@@ -182,11 +190,12 @@ class Chart {
       const here = at(pieces, now);
       lines[k].here = here;
       lines[k].before = at(old, now);
-      one.spot.style.display = here === null || here < this.ys[0] || here > this.ys[1] ? 'none' : '';
+      set(one.spot, { display: here === null || here < this.ys[0] || here > this.ys[1] ? 'none' : null });
       if (here !== null) set(one.spot, { cx: x(now).toFixed(1), cy: y(here).toFixed(1) });
     });
-    this.parts.others.replaceChildren(...lines.flatMap(({ side, family: some }) => some.map((f) => svg('path', { class: side, d: path(f.pieces) }))));
-    this.parts.pins.replaceChildren(...lines.flatMap(({ pins }) => pins.map(([letter, some]) => svg('path', { class: `pin-${letter}`, d: path(some) }))));
+    // One element for all lines of a family: many elements would take longer to lay out than the rest of the chart.
+    refill(this.parts.others, lines.map(({ side, family: some }) => ['path', { class: side, d: some.map((f) => path(f.pieces)).join('') }]));
+    refill(this.parts.pins, lines.flatMap(({ pins }) => pins.map(([letter, some]) => ['path', { class: `pin-${letter}`, d: path(some) }])));
     this.drawLabels(lines, x, y);
     this.edges.draw(targets, this.scales, this.xs);
     this.deviation.draw(targets, lines, { x, base: height - STRIP / 2, low: this.inner[0] + MARGIN.left, at, answer });
@@ -199,15 +208,15 @@ class Chart {
     const [first] = lines;
     const { unit, positive } = first.found;
     const isPair = lines.length > 1;
-    this.title.textContent = isPair ? `${first.found.title.replace(/^(left|right) /i, '')}, both wheels` : first.found.title;
-    this.unit.textContent = unit ? ` [${unit}]` : '';
+    write(this.title, isPair ? `${first.found.title.replace(/^(left|right) /i, '')}, both wheels` : first.found.title);
+    write(this.unit, unit ? ` [${unit}]` : '');
     const words = lines.map(({ side, here, before }) => {
       // A value that rounding leaves of nothing is nothing.
       const is = here !== null && Math.abs(here) < 1e-9 * (this.ys[1] - this.ys[0]) ? 0 : here;
       const change = !isPair && is !== null && before !== null && Math.abs(is - before) > 1e-12 ? ` (${signed(is - before)})` : '';
-      return `${side && isPair ? `${side} ` : ''}${brief(is, 4)}${change}`;
+      return `${side && isPair ? `${side[0].toUpperCase()} ` : ''}${brief(is, 4)}${change}`;
     });
-    this.value.textContent = words.join('  ');
+    write(this.value, words.join('  '));
     const values = lines.flatMap(({ pieces }) => heights(pieces));
     let text = values.length ? `${brief(Math.min(...values), 3)} … ${brief(Math.max(...values), 3)}` : 'no value';
     if (first.slopes) {
@@ -215,10 +224,10 @@ class Chart {
       const rms = Math.sqrt(known.reduce((sum, s) => sum + s * s, 0) / Math.max(1, known.length));
       text = `${brief(rms, 3)} per ${state.overview.unit}`;
     }
-    this.range.textContent = text;
+    write(this.range, text);
     const sign = positive && positive !== 'always' ? `positive: ${positive}` : '';
-    this.svg.setAttribute('aria-label', `${this.title.textContent}: ${words.join(', ')} ${unit} at ${brief(placeNow())}, ${text}${sign ? `; ${sign}` : ''}`);
-    this.figure.title = sign;
+    set(this.svg, { 'aria-label': `${this.title.textContent}: ${words.join(', ')} ${unit} at ${brief(placeNow())}, ${text}${sign ? `; ${sign}` : ''}` });
+    set(this.figure, { title: sign || null });
   }
 
   drawAxes(width, height, x, y, unit) {
@@ -226,22 +235,23 @@ class Chart {
     const key = [width, height, this.bottom, ...this.xs, ...this.ys, name].join();
     if (key === this.frame) return;
     this.frame = key;
-    const { axes } = this.parts;
-    axes.replaceChildren();
+    const [lines, words] = [[], []];
+    const word = (x, y, anchor, text, kind = null) => words.push(['text', { class: kind, transform: placed(x, y), 'text-anchor': anchor, text }]);
     const bottom = height - this.bottom;
     for (const tick of ticks(...this.ys, this.inner[1] / 34)) {
       const place = y(tick).toFixed(1);
-      axes.append(svg('path', { class: tick === 0 ? 'zero' : null, d: `M${MARGIN.left} ${place}H${width - MARGIN.right}` }));
+      lines.push(['path', { class: tick === 0 ? 'zero' : null, d: `M${MARGIN.left} ${place}H${width - MARGIN.right}` }]);
       // Near the top stands the unit.
-      if (y(tick) > MARGIN.top + 5) axes.append(svg('text', { x: MARGIN.left - 5, y: Number(place) + 3.5, 'text-anchor': 'end', text: brief(tick) }));
+      if (y(tick) > MARGIN.top + 5) word(MARGIN.left - 5, Number(place) + 3.5, 'end', brief(tick));
     }
     for (const tick of ticks(...this.xs, this.inner[0] / 62)) {
       const place = x(tick).toFixed(1);
-      axes.append(svg('path', { class: tick === 0 ? 'zero' : null, d: `M${place} ${MARGIN.top}V${bottom}` }));
-      axes.append(svg('text', { x: place, y: bottom + 13, 'text-anchor': 'middle', text: brief(tick) }));
+      lines.push(['path', { class: tick === 0 ? 'zero' : null, d: `M${place} ${MARGIN.top}V${bottom}` }]);
+      word(place, bottom + 13, 'middle', brief(tick));
     }
-    axes.append(svg('text', { class: 'axis-title', x: (MARGIN.left + this.inner[0] / 2).toFixed(1), y: bottom + 29, 'text-anchor': 'middle', text: `${name} [${own}]` }));
-    if (unit) axes.append(svg('text', { class: 'axis-title', x: MARGIN.left - 5, y: 9, 'text-anchor': 'end', text: `[${unit}]` }));
+    word(MARGIN.left + this.inner[0] / 2, bottom + 29, 'middle', `${name} [${own}]`, 'axis-title');
+    if (unit) word(MARGIN.left - 5, 9, 'end', `[${unit}]`, 'axis-title');
+    refill(this.parts.axes, [...lines, ...words]);
   }
 
   // Names at the right end of lines: of both wheels, and of the lines of a family.
@@ -268,15 +278,14 @@ class Chart {
       const free = [height - 4, height + 11].find((h) => h > MARGIN.top + 6 && h < MARGIN.top + this.inner[1] && taken.every((t) => Math.abs(t - h) > 10));
       if (free === undefined) return [];
       taken.push(free);
-      return [svg('text', { class: kind, x: (x(a) + 6).toFixed(1), y: free.toFixed(1), 'text-anchor': 'end', text })];
+      return [['text', { class: kind, transform: placed(x(a) + 6, free), 'text-anchor': 'end', text }]];
     });
-    this.parts.labels.replaceChildren(...labels);
+    refill(this.parts.labels, labels);
   }
 
   drawBands(targets, x, y) {
-    const { bands } = this.parts;
-    bands.replaceChildren();
-    // Where there is no limit, the frame is one.
+    const bands = [];
+    // A missing limit is drawn at the frame.
     const limit = (value, end, by) => (value === null ? this.ys[end] : value + by);
     for (const { points, tolerance, is_band: isBand } of targets) {
       if (!points.length) continue;
@@ -284,20 +293,21 @@ class Chart {
       if (points.length === 1) {
         const [[place, low, high]] = points;
         const [a, b] = [y(limit(low, 0, -by)), y(limit(high, 1, by))];
-        bands.append(svg('path', { class: 'line', d: `M${x(place)} ${a.toFixed(1)}V${b.toFixed(1)}M${x(place) - 4} ${a.toFixed(1)}h8M${x(place) - 4} ${b.toFixed(1)}h8` }));
+        bands.push(['path', { class: 'line', d: `M${x(place)} ${a.toFixed(1)}V${b.toFixed(1)}M${x(place) - 4} ${a.toFixed(1)}h8M${x(place) - 4} ${b.toFixed(1)}h8` }]);
         continue;
       }
       const upper = points.map(([place, , high]) => `${x(place).toFixed(1)} ${y(limit(high, 1, by)).toFixed(1)}`);
       const lower = points.map(([place, low]) => `${x(place).toFixed(1)} ${y(limit(low, 0, -by)).toFixed(1)}`).reverse();
-      bands.append(svg('path', { class: 'area', d: `M${[...upper, ...lower].join('L')}Z` }));
-      if (!isBand) bands.append(svg('path', { class: 'line', d: `M${points.map(([place, low]) => `${x(place).toFixed(1)} ${y(low).toFixed(1)}`).join('L')}` }));
+      bands.push(['path', { class: 'area', d: `M${[...upper, ...lower].join('L')}Z` }]);
+      if (!isBand) bands.push(['path', { class: 'line', d: `M${points.map(([place, low]) => `${x(place).toFixed(1)} ${y(low).toFixed(1)}`).join('L')}` }]);
     }
+    refill(this.parts.bands, bands);
   }
 
   // Stations without a value, each with its reason.
   drawGaps(answer, group, x, height) {
     const { gaps } = this.parts;
-    gaps.replaceChildren();
+    if (gaps.firstChild) gaps.replaceChildren();
     for (const { values } of this.series) {
       values.forEach((value, i) => {
         if (value !== null || answer.groups[i] !== group || answer.drive[i] === null) return;

@@ -6,7 +6,7 @@ export const state = {
   overview: null,
   // Coordinates in the study's axes, by point.
   design: [],
-  // Those of the file.
+  // Coordinates of the file.
   opened: [],
   locked: [],
   // A value for each slider.
@@ -18,7 +18,7 @@ export const state = {
   coupled: true,
   curvesAtRack: false,
   chosen: [],
-  // What is said of the design, of the file's design, and of a proposal.
+  // Answers for the design, for the design of the file, and for a proposal.
   answer: null,
   ghost: null,
   proposed: null,
@@ -26,7 +26,7 @@ export const state = {
   // Designs that are kept beside the present one, by letter.
   pins: {},
   selected: null,
-  // Which target the arrows are for; null for the misfit.
+  // Number of the target whose arrows are shown; null for the misfit.
   arrows: null,
   influence: null,
 };
@@ -113,7 +113,7 @@ export const takeOverview = (overview, label) => {
   emit('design');
   emit('deed');
 };
-// Whether the study's text was changed, apart from coordinates.
+// True if the study's text was changed, apart from coordinates.
 export const isEdited = () => state.overview.digest !== state.overview.base;
 
 // Puts coordinates in one deed.
@@ -246,7 +246,7 @@ export const askMisfit = async (design, digest) => {
   return answer?.misfit?.value ?? null;
 };
 
-// What one coordinate does, asked for when somebody points at it.
+// Effect of one coordinate, asked for when the user points at it.
 let influences = 0;
 export const askInfluence = async (point, axis) => {
   const number = ++influences;

@@ -1,5 +1,5 @@
 // A strip under a chart: the deviation of the curve from its target, in tolerances.
-import { set, svg } from './draw.js';
+import { refill } from './draw.js';
 
 const HALF = 11;
 const MOST = 2;
@@ -18,14 +18,16 @@ export class Deviation {
   }
 
   draw(targets, lines, { x, base, at }) {
-    this.layer.replaceChildren();
-    if (!targets.length) return;
+    if (!targets.length) {
+      refill(this.layer, []);
+      return;
+    }
     const scale = HALF / MOST;
     const ends = targets.flatMap(({ points }) => points.map(([place]) => x(place)));
     const [left, right] = [Math.min(...ends) - 3, Math.max(...ends) + 3];
-    this.layer.append(svg('title', { text: `deviation in tolerances; the strip ends at ±${MOST}, the band shows ±1` }),
-      svg('rect', { x: left.toFixed(1), y: (base - scale).toFixed(1), width: (right - left).toFixed(1), height: (2 * scale).toFixed(1) }),
-      svg('path', { d: `M${left.toFixed(1)} ${base}H${right.toFixed(1)}`, 'stroke-opacity': 0.4 }));
+    const drawn = [['title', { text: `deviation in tolerances; the strip ends at ±${MOST}, the band shows ±1` }],
+      ['rect', { x: left.toFixed(1), y: (base - scale).toFixed(1), width: (right - left).toFixed(1), height: (2 * scale).toFixed(1) }],
+      ['path', { class: null, d: `M${left.toFixed(1)} ${base}H${right.toFixed(1)}`, 'stroke-opacity': 0.4 }]];
     for (const { points, tolerance, columns } of targets) {
       for (const { found, pieces } of lines) {
         if (!columns.includes(found.column)) continue;
@@ -36,10 +38,10 @@ export class Deviation {
         if (!steps.length) continue;
         const isOver = steps.some(([, by]) => Math.abs(by) > 1);
         const places = steps.map(([a, by]) => `${a.toFixed(1)} ${(base - scale * within(by)).toFixed(1)}`);
-        const line = svg('path', { class: isOver ? 'over' : null });
-        set(line, { d: places.length > 1 ? `M${places.join('L')}` : `M${(steps[0][0] - 3).toFixed(1)} ${(base - scale * within(steps[0][1])).toFixed(1)}h6` });
-        this.layer.append(line);
+        const d = places.length > 1 ? `M${places.join('L')}` : `M${(steps[0][0] - 3).toFixed(1)} ${(base - scale * within(steps[0][1])).toFixed(1)}h6`;
+        drawn.push(['path', { class: isOver ? 'over' : null, d, 'stroke-opacity': null }]);
       }
     }
+    refill(this.layer, drawn);
   }
 }

@@ -2,13 +2,22 @@
 
 const NAMESPACE = 'http://www.w3.org/2000/svg';
 
-// Text becomes text, never markup: names come from the study.
+// Writes a text, if it changed: the same text again would be laid out and painted again.
+export const write = (element, text) => {
+  const wanted = String(text);
+  if (element.textContent !== wanted) element.textContent = wanted;
+};
+// Sets attributes that changed. Text becomes text, never markup: names come from the study.
 export const set = (element, attributes) => {
   for (const [name, value] of Object.entries(attributes)) {
-    if (value === undefined || value === null || value === false) element.removeAttribute(name);
-    else if (name === 'text') element.textContent = value;
+    if (value === undefined || value === null || value === false) {
+      if (element.hasAttribute(name)) element.removeAttribute(name);
+    } else if (name === 'text') write(element, value);
     else if (name === 'on') for (const [event, handler] of Object.entries(value)) element.addEventListener(event, handler);
-    else element.setAttribute(name, value === true ? '' : value);
+    else {
+      const wanted = value === true ? '' : String(value);
+      if (element.getAttribute(name) !== wanted) element.setAttribute(name, wanted);
+    }
   }
   return element;
 };
@@ -21,6 +30,19 @@ export const html = (tag, attributes = {}, ...children) => {
   const element = set(document.createElement(tag), attributes);
   element.append(...children);
   return element;
+};
+// Attribute that puts a text at a place. A text whose x or y changes is shaped again, one that is translated is not.
+export const placed = (x, y) => `translate(${Number(x).toFixed(1)} ${Number(y).toFixed(1)})`;
+// Fills a group of a drawing with elements: pairs of tag and attributes. Elements that it has are changed, not replaced. Those
+// of one tag in one group must name the same attributes.
+export const refill = (group, wanted) => {
+  wanted.forEach(([tag, attributes], k) => {
+    const present = group.children[k];
+    if (present?.localName === tag) set(present, attributes);
+    else if (present) present.replaceWith(svg(tag, attributes));
+    else group.append(svg(tag, attributes));
+  });
+  while (group.children.length > wanted.length) group.lastElementChild.remove();
 };
 export const byId = (id) => document.getElementById(id);
 

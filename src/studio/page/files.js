@@ -61,7 +61,7 @@ const save = async (anyway = false) => {
     if (anyway) await readStudy();
   } catch (refused) {
     if (refused.status !== 409 || anyway) return say(refused.message, 'bad');
-    const chosen = await question('The file has changed', `${refused.message}, by you or another program. What now?`, [
+    const chosen = await question('The file has changed', `${refused.message}, by you or another program. Choose one:`, [
       ['merge', 'Put my changes into it'], ['as', 'Save as…'], ['reload', 'Reload it, drop my moves'], ['', 'Cancel'],
     ]);
     if (chosen?.answer === 'merge') return save(true);
@@ -104,7 +104,7 @@ const watchFile = async () => {
     action(isMoved() ? 'Read it again, keep my moves' : 'Read it again', () => readStudy().catch((refused) => say(refused.message, 'bad'))));
 };
 
-// What is not saved is kept by the browser, by point, so that it outlives the tab and the server.
+// The browser keeps unsaved moves by point, so that they outlive the tab and the server.
 const key = () => `hardpoint studio ${state.overview.place}`;
 const dropDraft = () => { try { localStorage.removeItem(key()); } catch { /* no storage, no draft */ } };
 let timer = null;
@@ -218,6 +218,7 @@ export const startFiles = () => {
   on('design', () => {
     const moved = isMoved() || isEdited();
     byId('save').classList.toggle('strong', moved);
-    document.title = `${moved ? '• ' : ''}${state.overview.name} · hardpoint studio`;
+    const title = `${moved ? '• ' : ''}${state.overview.name} · hardpoint studio`;
+    if (document.title !== title) document.title = title;
   });
 };

@@ -2,7 +2,7 @@
 
 // Time after which an axis that has become too wide shrinks while a point is still dragged.
 const REST = 300;
-// How much wider than its curves an axis may be, and than most of their values.
+// Largest ratio of an axis to its curves, and of its curves to most of their values.
 const TOO_WIDE = 1.5;
 const FAR_OUT = 4;
 
@@ -36,7 +36,9 @@ export const framed = (chart, still, moving, isInGesture) => {
     chart.wideSince = null;
     return wanted;
   }
-  const grown = [Math.min(chart.ys[0], wanted[0]), Math.max(chart.ys[1], wanted[1])];
+  // An axis that holds all values stays as it is.
+  const fits = low >= chart.ys[0] && high <= chart.ys[1];
+  const grown = fits ? chart.ys : [Math.min(chart.ys[0], wanted[0]), Math.max(chart.ys[1], wanted[1])];
   if (span(grown) <= TOO_WIDE * span(wanted)) {
     chart.wideSince = null;
     return grown;

@@ -7,13 +7,35 @@ import { tellTab } from './layout.js';
 
 const LETTERS = ['A', 'B', 'C'];
 
+// The tab keeps pinned designs over a reload, by the names of points.
+const key = () => `hardpoint pins ${state.overview.place}`;
+const keepPins = () => {
+  const { points } = state.overview;
+  const kept = Object.entries(state.pins).map(([letter, { design }]) => [letter, points.map(({ name }, p) => [name, design[p]])]);
+  try { sessionStorage.setItem(key(), JSON.stringify(kept)); } catch { /* no storage */ }
+};
+const restorePins = () => {
+  const isPlace = (place) => Array.isArray(place) && place.length === 3 && place.every(Number.isFinite);
+  try {
+    for (const [letter, places] of JSON.parse(sessionStorage.getItem(key())) ?? []) {
+      const byName = new Map(places);
+      const design = state.overview.points.map(({ name }) => byName.get(name));
+      if (LETTERS.includes(letter) && design.every(isPlace)) state.pins[letter] = { design, answer: null };
+    }
+  } catch { /* none that can be read */ }
+  // Other parts of the page choose the curves first.
+  if (Object.keys(state.pins).length) setTimeout(askPins);
+};
+
 const pin = (letter) => {
   state.pins[letter] = { design: copy(state.design), answer: state.answer };
+  keepPins();
   draw();
   askPins();
 };
 const unpin = (letter) => {
   delete state.pins[letter];
+  keepPins();
   draw();
   askPins();
 };
@@ -56,6 +78,7 @@ const draw = () => {
 };
 
 export const startHistory = () => {
+  on('study', restorePins);
   for (const event of ['study', 'edited', 'deed', 'pins']) on(event, draw);
   on('answer', () => { if (Object.keys(state.pins).length && !byId('pane-history').hidden) draw(); });
   for (const event of ['chosen', 'place', 'edited']) on(event, () => { if (Object.keys(state.pins).length) askPins(); });

@@ -1,5 +1,5 @@
 // The window: splitters between views, curves and drawer, and the tabs of the drawer.
-import { byId, html } from './draw.js';
+import { byId, html, write } from './draw.js';
 
 const STEP = 24;
 const STORED = 'hardpoint layout';
@@ -71,7 +71,7 @@ export const openTab = (name, focus = false) => {
   byId('fold').setAttribute('aria-expanded', 'true');
   if (!isStacked() && measured.drawer() < 120) put('drawer', 260);
 };
-export const tellTab = (name, note) => { byId(`tab-${name}`).querySelector('small').textContent = note; };
+export const tellTab = (name, note) => write(byId(`tab-${name}`).querySelector('small'), note);
 
 const fold = () => {
   const isOpen = isStacked() ? byId('drawer').classList.toggle('open') : measured.drawer() < 60;

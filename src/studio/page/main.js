@@ -104,7 +104,7 @@ const startDeeds = () => {
   });
 };
 
-// Where the server does not answer, it is asked again; moves go on and are kept.
+// If the server does not answer, the page asks again. Moves go on and are kept.
 let retry = null;
 const startWatch = () => watchServer((there) => {
   clearInterval(retry);

@@ -70,13 +70,13 @@ export class MechanismView {
     return this.basis ? this.basis(this.sceneOf()) : inSpace(this.sceneOf(), this.orbit);
   }
 
-  // Where a point is on the screen.
+  // Place of a point on the screen.
   project(p) {
     const by = minus(p, this.focus);
     return [this.width / 2 + this.scale * dot(by, this.look.right), this.height / 2 - this.scale * dot(by, this.look.up)];
   }
 
-  // How far a way on the screen is in space.
+  // Displacement in space of a displacement on the screen.
   unproject([x, y]) {
     return along(this.look.right.map((c) => (c * x) / this.scale), this.look.up, -y / this.scale);
   }
@@ -117,7 +117,7 @@ export class MechanismView {
   }
   showBodies(paths, at, isShown = () => true) {
     this.sceneOf().bodies.forEach((body, k) => {
-      paths[k].setAttribute('d', at && isShown(body) ? body.lines.map((line) => this.path(line.map((i) => at.points[i]))).join('') : '');
+      set(paths[k], { d: at && isShown(body) ? body.lines.map((line) => this.path(line.map((i) => at.points[i]))).join('') : '' });
     });
   }
 
@@ -125,37 +125,39 @@ export class MechanismView {
   showGround(path, contacts) {
     const { wheel_radius: radius } = this.sceneOf();
     if (!contacts.length || !radius || this.name === 'top') {
-      path.setAttribute('d', '');
+      set(path, { d: '' });
       return;
     }
     const [contact] = contacts;
     const other = contacts.length > 2 ? contacts[2] : contacts[1];
     if (this.name === 'front' && other) {
-      // Where the body rolls, the ground does in its axes.
+      // In the axes of a body that rolls, the ground is tilted.
       const [a, b] = [contact, other].map((c) => this.project(c));
       const slope = (b[1] - a[1]) / (b[0] - a[0] || 1);
-      path.setAttribute('d', `M0 ${(a[1] - slope * a[0]).toFixed(1)}L${this.width} ${(a[1] + slope * (this.width - a[0])).toFixed(1)}`);
+      set(path, { d: `M0 ${(a[1] - slope * a[0]).toFixed(1)}L${this.width} ${(a[1] + slope * (this.width - a[0])).toFixed(1)}` });
       return;
     }
     if (!this.basis && contacts.length > 2) {
       const [front, rear, right, back] = contacts;
-      path.setAttribute('d', this.path([front, right, back, rear], true));
+      set(path, { d: this.path([front, right, back, rear], true) });
       return;
     }
     if (this.basis) {
       const [, y] = this.project(contact);
-      path.setAttribute('d', `M0 ${y.toFixed(1)}H${this.width}`);
+      set(path, { d: `M0 ${y.toFixed(1)}H${this.width}` });
       return;
     }
     const d = directions(this.sceneOf());
     const corner = (s, t) => along(along(contact, d.forward, s * 1.2 * radius), d.outboard, t * radius);
-    path.setAttribute('d', this.path([corner(-1, -1.6), corner(1, -1.6), corner(1, 0.5), corner(-1, 0.5)], true));
+    set(path, { d: this.path([corner(-1, -1.6), corner(1, -1.6), corner(1, 0.5), corner(-1, 0.5)], true) });
   }
 
   drawGrid() {
     const key = [this.name, this.width, this.height, this.scale, ...this.focus].map((c) => (typeof c === 'string' ? c : c.toPrecision(8))).join();
     if (!this.basis) {
-      this.gridKey = null;
+      const turned = `${key} ${this.orbit.turn} ${this.orbit.lift}`;
+      if (turned === this.gridKey) return;
+      this.gridKey = turned;
       this.drawTriad();
       return;
     }

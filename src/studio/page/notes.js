@@ -1,5 +1,5 @@
-// What there is to know beside the curves: targets, constraints, limits, free directions, warnings.
-import { brief, byId, html } from './draw.js';
+// Panels beside the curves: targets, constraints, limits, free directions, warnings.
+import { brief, byId, html, set, write } from './draw.js';
 import { of, begin, copy, emit, finish, isInGesture, on, snapped, state } from './design.js';
 import { openTab, tellTab } from './layout.js';
 import { post } from './server.js';
@@ -43,10 +43,10 @@ const selectNamed = (text) => {
 const tell = (key, value, note, bad) => {
   const found = chips.get(key);
   if (!found) return;
-  found.value.textContent = value;
-  found.note.textContent = note ? ` ${note}` : '';
+  write(found.value, value);
+  write(found.note, note ? ` ${note}` : '');
   found.chip.classList.toggle('bad', Boolean(bad));
-  found.chip.title = note ? `${value} ${note}` : '';
+  set(found.chip, { title: note ? `${value} ${note}` : null });
 };
 
 // A target is met if the curve leaves it by no more than the tolerance anywhere, as in reports.
@@ -166,7 +166,7 @@ const draw = () => {
   fill('warnings', ...warnings());
 };
 
-// What takes longer is asked when the hand rests.
+// Asks for limits and free directions when the point rests, because they take longer.
 let timer = null;
 const rest = () => {
   clearTimeout(timer);

@@ -1,4 +1,4 @@
-// What is asked of the server, and whether it is there.
+// Requests to the server, and its state.
 
 export class Refused extends Error {
   constructor(status, message) {

@@ -1,6 +1,6 @@
 // The coordinates: typed in, locked, each with its slope and what it does to the curves.
-import { AXES, brief, byId, html, set } from './draw.js';
-import { askInfluence, emit, gradient, isMoved, on, placeAfter, put, setCoordinate, state, stepped } from './design.js';
+import { AXES, brief, byId, html, set, write } from './draw.js';
+import { askInfluence, emit, gradient, isInGesture, isMoved, on, placeAfter, put, setCoordinate, state, stepped } from './design.js';
 import { select } from './views.js';
 
 let rows = [];
@@ -24,6 +24,8 @@ const short = (value) => {
   const decimals = Math.max(0, MOST_DIGITS - 2 - Math.trunc(value).toString().length);
   return `${value.toFixed(decimals)}…`;
 };
+
+const putValue = (input, text) => { if (input.value !== text) input.value = text; };
 
 const typed = (input, p, axis) => {
   // A decimal comma is one, too.
@@ -76,11 +78,11 @@ const build = () => {
   const head = html('tr', {}, html('th', { text: 'point' }), ...AXES.map((a) => html('th', { class: 'number', text: `${a} [${unit}]` })), html('th', { class: 'number', text: 'moved' }), html('td'));
   rows = points.map(({ name, about }, p) => {
     const cells = AXES.map((_, axis) => cell(p, axis));
-    const moved = html('td', { class: 'number moved' });
+    const moved = html('span');
     const all = html('button', { class: 'small', text: '○', title: 'Lock the point', 'aria-label': `lock ${name}`, on: { click: () => { const to = !state.locked[p].every(Boolean); state.locked[p] = [to, to, to]; emit('options'); } } });
     const back = html('button', { class: 'small', text: '↺', title: 'Back to the file', 'aria-label': `${name} back to the file`, on: { click: () => put(state.design.map((c, q) => (q === p ? state.opened[p] : c)), 'back') } });
     const th = html('th', { scope: 'row', title: about }, html('button', { class: 'name', text: name, on: { click: () => select(p) } }));
-    const tr = html('tr', {}, th, ...cells.map((c) => c.td), moved, html('td', {}, html('span', { class: 'tools' }, all, back)));
+    const tr = html('tr', {}, th, ...cells.map((c) => c.td), html('td', { class: 'number moved' }, moved), html('td', {}, html('span', { class: 'tools' }, all, back)));
     return { tr, cells, moved, all, back };
   });
   byId('coordinates').replaceChildren(html('thead', {}, head), html('tbody', {}, ...rows.map((r) => r.tr)));
@@ -93,13 +95,13 @@ const draw = () => {
   rows.forEach(({ tr, cells, moved, all, back }, p) => {
     tr.classList.toggle('selected', state.selected === p);
     const way = Math.hypot(...state.design[p].map((c, k) => c - state.opened[p][k]));
-    moved.textContent = way > 0 ? brief(way, 3) : '';
+    write(moved, way > 0 ? brief(way, 3) : '');
     back.style.visibility = way === 0 ? 'hidden' : '';
     set(all, { 'aria-pressed': String(state.locked[p].every(Boolean)), text: state.locked[p].every(Boolean) ? '●' : '○' });
     for (const { input, lock, slope, bar, axis } of cells) {
       const value = state.design[p][axis];
       const changed = value !== state.opened[p][axis];
-      if (document.activeElement !== input) input.value = short(value);
+      if (document.activeElement !== input) putValue(input, short(value));
       else if (Number(input.value) !== value) input.value = String(value);
       input.classList.toggle('changed', changed);
       const ends = range(p, axis);
@@ -110,9 +112,9 @@ const draw = () => {
       input.readOnly = state.locked[p][axis];
       const g = slopes?.[p][axis] ?? 0;
       const shown = slopes && Math.abs(g) > 0.01 * steepest && Math.abs(g) > 1e-9;
-      slope.textContent = shown ? `${g > 0 ? '↓' : '↑'}${brief(Math.abs(g), 2)}` : '';
+      write(slope, shown ? `${g > 0 ? '↓' : '↑'}${brief(Math.abs(g), 2)}` : '');
       set(slope, { title: shown ? `${g > 0 ? 'lower' : 'raise'} it: −${brief(Math.abs(g), 3)} tolerances per ${state.overview.unit}` : null });
-      bar.style.width = shown ? `${(100 * Math.abs(g)) / steepest}%` : '0';
+      bar.style.transform = `scaleX(${shown ? (Math.abs(g) / steepest).toFixed(3) : 0})`;
     }
   });
   byId('back').disabled = !isMoved();
@@ -120,7 +122,9 @@ const draw = () => {
 
 export const startTable = () => {
   on('study', () => { build(); draw(); });
-  for (const event of ['edited', 'design', 'answer', 'options', 'selection']) on(event, draw);
-  // What a coordinate does changes as points move.
+  for (const event of ['edited', 'answer', 'unanswered', 'options', 'selection', 'deed']) on(event, draw);
+  // During a drag the table follows the curves: both are laid out and painted once.
+  on('design', () => { if (!isInGesture()) draw(); });
+  // The effect of a coordinate changes as points move.
   on('deed', () => { if (asked) askInfluence(...asked); });
 };

@@ -65,14 +65,15 @@ const targetRow = (target, k) => {
   const name = nameOf(k);
   const number = (key, usual) => field(`${name}: ${key}`, target[key] ?? usual, (value) => setTarget(k, [key], value));
   const wanted = limitFields(target, at('targets', k), name);
-  const curve = target.points ? `curve of ${target.points.length} points` : target.file ? `curve in ${target.file}` : '';
+  const bent = [target.between?.[0], target.at_least, target.at_most].find(Array.isArray);
+  const curve = bent ? `limits from ${brief(bent[0][0])} to ${brief(bent.at(-1)[0])}` : target.points ? `curve of ${target.points.length} points` : target.file ? `curve in ${target.file}` : '';
   return html('tr', { 'data-target': k }, html('th', { scope: 'row', text: name }), html('td', {}, ...(wanted.length ? wanted : [curve])), html('td', {}, number('tolerance', '')), html('td', {}, number('weight', 1)),
     html('td', {}, remover(`Remove target ${name}`, at('targets', k), `target ${name}`)));
 };
 
 // Parts whose rate is not called a stiffness.
 const RATED = ['spring', 'anti_roll_bar', 'heave_spring', 't_bar', 'heave_bar', 'tyre'];
-// Where a variable moves a point in a study's words.
+// Name of a variable: its point and axis, or its part.
 const variableName = (variable) => {
   const part = variable.bushing ?? variable.link;
   if (variable.rate !== undefined) return words([[].concat(variable.axle ?? []).join(' and '), variable.rate, RATED.includes(variable.rate) ? 'rate' : 'stiffness', variable.relative ? '(factor)' : ''].filter(Boolean).join(' '));
@@ -179,41 +180,84 @@ const subjectOf = (column, others) => {
   if (!characteristic) return null;
   const own = { characteristic };
   if (side && others < 2) own.side = side;
-  if (state.overview.is_axle) own.over = state.overview.sliders[state.over].key;
+  if (state.overview.is_axle && !state.overview.is_car) own.over = state.overview.sliders[state.over].key;
   return own;
 };
 const labelled = (text, input) => html('label', { class: 'direction' }, html('span', { text }), input);
 const number = (value) => html('input', { type: 'text', inputmode: 'decimal', value: String(value), autocomplete: 'off' });
 
-// Asks for the band or value of a new target of a chart, and adds it.
+// Fields of a new target on a chart: a band, over a part of the motion if both ends are given, or a value at one place.
+const placesOnChart = () => {
+  const slider = state.overview.sliders[state.over];
+  const place = number(Number(state.at[state.over].toPrecision(4)));
+  const ends = [number(''), number('')];
+  return {
+    always: [],
+    onBand: ends.map((end, k) => labelled(`${k ? 'To' : 'From'} ${slider.name} [${slider.unit}] (empty: whole motion)`, end)),
+    onValue: [labelled(`Place, ${slider.name} [${slider.unit}]`, place)],
+    words: ['stays between two limits', 'has a value at one place'],
+    // The keys of the target; null if a field has no number.
+    keys: (isBand, low, high) => {
+      if (!isBand) return parsed(place.value) === null ? null : { at: parsed(place.value), value: low };
+      if (ends.every(({ value }) => value.trim() === '')) return { between: [low, high] };
+      const [first, last] = ends.map(({ value }) => parsed(value));
+      if (first === null || last === null) return null;
+      return { between: [low, high].map((limit) => [[first, limit], [last, limit]]) };
+    },
+  };
+};
+// Fields of a new target of a load case.
+const placesInCases = (values, put) => {
+  const { names } = state.overview.sliders[0];
+  const own = html('select', { 'aria-label': 'load case' }, ...names.map((text, k) => html('option', { value: k, text: words(text) })));
+  own.value = String(state.at[0]);
+  const offer = () => put(values[Number(own.value)]);
+  own.addEventListener('change', offer);
+  offer();
+  return {
+    always: [labelled('Load case', own)],
+    onBand: [],
+    onValue: [],
+    words: ['lies between two limits', 'has a value'],
+    keys: (isBand, low, high) => ({ case: names[Number(own.value)], ...(isBand ? { between: [low, high] } : { value: low }) }),
+  };
+};
+const rounded = (value) => Number(value.toPrecision(3));
+
+// Asks for the band or value of a new target of a chart, or of a result in a load case, and adds it.
 export const askForTarget = async (series, answer) => {
   const columns = series.map(({ column }) => answer.columns.find((c) => c.column === column));
   const [{ column, title, unit }] = columns;
   const subject = subjectOf(column, series.length);
   if (!subject) return say(`${title} cannot have a target here.`, 'bad');
   const values = columns.flatMap((c) => c.values).filter((v) => v !== null);
-  const [low, high] = values.length ? [Math.min(...values), Math.max(...values)].map((v) => Number(v.toPrecision(3))) : [0, 1];
-  const fields = { kind: html('select', {}, html('option', { value: 'band', text: 'stays between two limits' }), html('option', { value: 'value', text: 'has a value at one place' })),
-    low: number(low), high: number(high), tolerance: number(Number(Math.max((high - low) / 10, 1e-3).toPrecision(1))), place: number(Number(state.at[state.over].toPrecision(4))) };
-  const slider = state.overview.sliders[state.over];
-  const rows = [labelled('The quantity', fields.kind), labelled(`Lower limit [${unit}]`, fields.low), labelled(`Upper limit [${unit}]`, fields.high), labelled(`Place, ${slider.name} [${slider.unit}]`, fields.place), labelled(`Tolerance [${unit}]`, fields.tolerance)];
+  const [low, high] = values.length ? [Math.min(...values), Math.max(...values)].map(rounded) : [0, 1];
+  const wide = Math.max(high - low, 1e-2);
+  const fields = { low: number(low), high: number(high), tolerance: number(Number((wide / 10).toPrecision(1))) };
+  // A new target of a case lies around its present value.
+  const around = (value) => [fields.low, fields.high].forEach((field, k) => { if (value !== null) field.value = String(rounded(value + (k - 0.5) * 0.1 * Math.max(Math.abs(value), 1e-2))); });
+  const places = state.overview.is_car ? placesInCases(columns[0].values, around) : placesOnChart();
+  const kind = html('select', {}, ...['band', 'value'].map((value, k) => html('option', { value, text: places.words[k] })));
+  const [lower, upper] = [labelled('', fields.low), labelled(`Upper limit [${unit}]`, fields.high)];
   const arrange = () => {
-    const isBand = fields.kind.value === 'band';
-    rows[2].hidden = !isBand;
-    rows[3].hidden = isBand;
-    rows[1].querySelector('span').textContent = isBand ? `Lower limit [${unit}]` : `Value [${unit}]`;
+    const isBand = kind.value === 'band';
+    for (const row of [upper, ...places.onBand]) row.hidden = !isBand;
+    for (const row of places.onValue) row.hidden = isBand;
+    lower.querySelector('span').textContent = isBand ? `Lower limit [${unit}]` : `Value [${unit}]`;
   };
-  fields.kind.addEventListener('change', arrange);
+  kind.addEventListener('change', arrange);
   arrange();
   const point = html('select', {}, ...state.overview.points.map(({ name }) => html('option', { value: name, text: words(name) })));
   const first = !optimise();
   if (first && state.selected !== null) point.value = state.overview.points[state.selected].name;
-  const answered = await question(`Add a target for ${title}`, first ? 'The study has no variables yet. Tune may move the point that you choose, in y and z.' : 'Limits and values can be dragged on the chart afterwards.', [['add', 'Add target'], ['', 'Cancel']], ...rows, ...(first ? [labelled('Point that may move', point)] : []));
+  const answered = await question(`Add a target for ${title}`, first ? 'The study has no variables yet. Tune may move the point that you choose, in y and z.' : 'Limits and values can be changed afterwards.', [['add', 'Add target'], ['', 'Cancel']],
+    labelled('The quantity', kind), ...places.always, lower, upper, ...places.onBand, ...places.onValue, labelled(`Tolerance [${unit}]`, fields.tolerance), ...(first ? [labelled('Point that may move', point)] : []));
   if (!answered) return;
-  const [lowest, highest, tolerance, place] = ['low', 'high', 'tolerance', 'place'].map((key) => parsed(fields[key].value));
-  const isBand = fields.kind.value === 'band';
-  if (lowest === null || tolerance === null || (isBand ? highest : place) === null) return say('Not added: a field has no number.', 'bad');
-  const target = { ...subject, ...(isBand ? { between: [lowest, highest] } : { at: place, value: lowest }), tolerance };
+  const isBand = kind.value === 'band';
+  const [lowest, highest, tolerance] = ['low', 'high', 'tolerance'].map((key) => parsed(fields[key].value));
+  const wanted = lowest === null || tolerance === null || (isBand && highest === null) ? null : places.keys(isBand, lowest, highest);
+  if (!wanted) return say('Not added: a field has no number.', 'bad');
+  const target = { ...subject, ...wanted, tolerance };
   await edit(first ? firstTarget(target, point.value) : [{ path: at('targets', optimise().targets?.length ?? 0), value: target }], `Added target ${title}`);
 };
 const firstTarget = (target, point) => {

@@ -1,5 +1,5 @@
 // Front, side, top and a view in space: the mechanism at the sliders' place, with points that can be dragged.
-import { along, AXES, brief, byId, cross, dot, html, minus, norm, set, signed, svg } from './draw.js';
+import { along, AXES, brief, byId, cross, dot, html, minus, norm, placed, set, signed, svg, write } from './draw.js';
 import { MechanismView } from './mechanism_view.js';
 import { flat, rims } from './space.js';
 import { ask, begin, emit, finish, gradient, grip, moveTo, on, snapped, state, stepped } from './design.js';
@@ -43,7 +43,7 @@ const inDrawing = (way) => {
   const { axes } = placement(state.answer?.frame) ?? {};
   return axes ? axes.map((row) => dot(row, way)) : way;
 };
-// Where there is no pose, a point is where the design has it.
+// Place of a point. Without a pose it is the place in the design.
 const placeIn = (frame, p) => frame?.points[p] ?? along(state.design[p], state.overview.points[p].shift, 1);
 
 class View extends MechanismView {
@@ -124,7 +124,7 @@ class View extends MechanismView {
     this.look = this.turned();
     this.drawGrid();
     const show = (paths, at) => this.showBodies(paths, at, ({ lines }) => isDrawn(lines[0][0]));
-    const round = (path, at) => path.setAttribute('d', at ? rimsOf(at, scene).map((own) => this.path(own, true)).join('') : '');
+    const round = (path, at) => set(path, { d: at ? rimsOf(at, scene).map((own) => this.path(own, true)).join('') : '' });
     show(this.bodies, frame);
     round(this.wheel, frame);
     const opened = placement(state.answer?.opened);
@@ -136,23 +136,25 @@ class View extends MechanismView {
     show(this.other, other);
     round(this.other.at(-1), other);
     const axis = frame?.steering_axis;
-    this.axis.setAttribute('d', axis ? this.path([-0.35, 1.12].map((t) => along(axis[0], minus(axis[1], axis[0]), t))) : '');
+    set(this.axis, { d: axis ? this.path([-0.35, 1.12].map((t) => along(axis[0], minus(axis[1], axis[0]), t))) : '' });
     this.showGround(this.ground, contactsOf(frame, other));
     const mark = frame?.sprung_cg ?? (this.name === 'front' ? frame?.roll_centre : null);
     const centre = mark ? this.project(mark) : null;
     const inside = centre && centre.every((c, k) => c > 4 && c < (k ? this.height : this.width) - 4);
-    this.centre.setAttribute('d', inside ? `M${centre[0] - 6} ${centre[1]}h12M${centre[0]} ${centre[1] - 6}v12` : '');
+    set(this.centre, { d: inside ? `M${centre[0] - 6} ${centre[1]}h12M${centre[0]} ${centre[1] - 6}v12` : '' });
     const slopes = gradient();
     const steepest = slopes ? Math.max(...slopes.map(norm), 1e-300) : 1;
     this.places = [];
     this.mirrorPlaces = [];
     points.forEach(({ name }, p) => {
-      // Where there is no pose, handles stay where the design has them: what went wrong can be undone.
+      // Without a pose, handles stay at the places of the design, so that the user can move them back.
       const at = placeIn(frame, p);
       const [x, y] = this.project(at);
       const handle = this.handles[p];
-      handle.setAttribute('transform', `translate(${x.toFixed(1)} ${y.toFixed(1)})`);
-      handle.setAttribute('aria-label', `${name}: ${state.design[p].map((c, k) => `${AXES[k]} ${brief(c)}`).join(', ')} ${unit}`);
+      set(handle, {
+        transform: placed(x, y),
+        'aria-label': `${name}: ${state.design[p].map((c, k) => `${AXES[k]} ${brief(c)}`).join(', ')} ${unit}`,
+      });
       const locked = state.locked[p].every(Boolean);
       handle.classList.toggle('locked', locked);
       handle.classList.toggle('moved', state.design[p].some((c, k) => c !== state.opened[p][k]));
@@ -165,10 +167,9 @@ class View extends MechanismView {
       if (other) {
         const [mx, my] = this.project(other.points[p]);
         this.mirrorPlaces[p] = isHere ? [mx, my] : undefined;
-        mirror.setAttribute('transform', `translate(${mx.toFixed(1)} ${my.toFixed(1)})`);
-        mirror.setAttribute('aria-label', `${name}, other side`);
+        set(mirror, { transform: placed(mx, my), 'aria-label': `${name}, other side` });
       }
-      // What is not drawn cannot be grabbed.
+      // A point that is not drawn cannot be grabbed.
       this.places[p] = isHere ? [x, y] : undefined;
       this.drawArrow(p, [x, y], isHere ? slopes?.[p] : null, steepest);
     });
@@ -188,6 +189,7 @@ class View extends MechanismView {
       const shown = isDrawn(p) && (named || state.selected === p || near.includes(p));
       word.style.display = shown ? '' : 'none';
       if (!shown) continue;
+      write(word, this.wordOf(p));
       const [x, y] = this.project(placeIn(frame, p));
       const width = 6.2 * word.textContent.length;
       const places = [[11, -8, 'start'], [-11, -8, 'end'], [11, 15, 'start'], [-11, 15, 'end']];
@@ -201,7 +203,7 @@ class View extends MechanismView {
       const best = costs.indexOf(Math.min(...costs));
       taken.push(boxes[best]);
       const [dx, dy, anchor] = places[best];
-      set(word, { x: (x + dx).toFixed(1), y: (y + dy).toFixed(1), 'text-anchor': anchor, class: state.selected === p ? 'selected' : null });
+      set(word, { transform: placed(x + dx, y + dy), 'text-anchor': anchor, class: state.selected === p ? 'selected' : null });
     }
   }
 
@@ -224,9 +226,9 @@ class View extends MechanismView {
     const barb = Math.min(7, 3 + length / 6);
     const at = (s, t) => `${(tip[0] - ux * s - uy * t).toFixed(1)} ${(tip[1] - uy * s + ux * t).toFixed(1)}`;
     const [a, b] = [from, tip].map((c) => c.map((v) => v.toFixed(1)).join(' '));
-    line.setAttribute('d', `M${a}L${b}M${at(barb, barb * 0.55)}L${b}L${at(barb, -barb * 0.55)}`);
-    hit.setAttribute('d', `M${a}L${b}`);
-    title.textContent = `${state.overview.points[p].name}: −${brief(steep, 3)} tolerances per ${state.overview.unit} this way (${slope.map((c, k) => `${AXES[k]} ${signed(-c, 2)}`).join(', ')})`;
+    set(line, { d: `M${a}L${b}M${at(barb, barb * 0.55)}L${b}L${at(barb, -barb * 0.55)}` });
+    set(hit, { d: `M${a}L${b}` });
+    write(title, `${state.overview.points[p].name}: −${brief(steep, 3)} tolerances per ${state.overview.unit} this way (${slope.map((c, k) => `${AXES[k]} ${signed(-c, 2)}`).join(', ')})`);
   }
 
   // Points that lie on each other at a place, the nearest first.
@@ -250,6 +252,7 @@ class View extends MechanismView {
     const start = grip();
     const from = [event.clientX, event.clientY];
     begin('drag');
+    this.dragged = { point, start };
     const target = event.currentTarget;
     target.setPointerCapture(event.pointerId);
     this.svg.classList.add('dragging');
@@ -263,13 +266,13 @@ class View extends MechanismView {
       const step = now.altKey ? state.step / 100 : state.step;
       const to = way.map((by, k) => (Math.abs(by) < 1e-12 ? start[point][k] : snapped(start[point][k] + by, step)));
       moveTo(start, point, to);
-      this.tell(point, start[point]);
       if (now.type === 'pointermove') ask(now);
     };
     const end = (now) => {
       for (const name of ['pointermove', 'pointerup', 'pointercancel']) target.removeEventListener(name, handlers[name]);
       this.svg.classList.remove('dragging');
-      this.tell(point, null);
+      this.dragged = null;
+      this.drawWords(placement(state.answer?.frame));
       if (now.type === 'pointercancel') { state.design = start; emit('design'); }
       const isClick = now.type === 'pointerup' && Math.hypot(now.clientX - from[0], now.clientY - from[1]) < 3;
       if (isClick && stack.length > 1) {
@@ -284,14 +287,15 @@ class View extends MechanismView {
     for (const [name, handler] of Object.entries(handlers)) target.addEventListener(name, handler);
   }
 
-  // The name of a point with its moved coordinates while it is dragged; the name alone without a start.
-  tell(point, start) {
+  // The name of a point; while it is dragged, with its moved coordinates.
+  wordOf(point) {
     const { name } = state.overview.points[point];
-    const moved = (start ?? []).flatMap((was, k) => {
+    const start = this.dragged?.point === point ? this.dragged.start[point] : [];
+    const moved = start.flatMap((was, k) => {
       const is = state.design[point][k];
       return is === was ? [] : [`${AXES[k]} ${brief(is)} (${signed(is - was)})`];
     });
-    this.words[point].textContent = [name, ...moved].join('  ');
+    return [name, ...moved].join('  ');
   }
 
   key(event, point) {

@@ -2,7 +2,7 @@
 
 use super::webdriver::Browser;
 use super::{Served, columns, sample, solved};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::fs;
 
 const READY: &str = "document.documentElement.dataset.ready === 'true' && window.studio.state.answer && window.studio.state.ghost";
@@ -356,6 +356,80 @@ fn pinned_designs_are_compared() {
     let buttons = browser.run(
         "return [...document.querySelectorAll('[data-pin=A] button')].map((b) => b.textContent)",
     );
-    assert_eq!(buttons, serde_json::json!(["Go to", "Replace", "Remove"]));
+    assert_eq!(buttons, json!(["Go to", "Replace", "Remove"]));
+
+    // The tab keeps the pinned design over a reload.
+    let pinned = browser.run("return studio.state.pins.A.design");
+    browser.open(&served.address);
+    browser.wait(READY);
+    browser.wait("studio.state.pins.A?.answer");
+    assert_eq!(browser.run("return studio.state.pins.A.design"), pinned);
+    browser.run("document.querySelector('[data-pin=A] button[aria-label=\"Remove A\"]').click()");
+    browser.open(&served.address);
+    browser.wait(READY);
+    assert_eq!(
+        browser.run("return Object.keys(studio.state.pins).length"),
+        0
+    );
+    assert_eq!(browser.console(), Vec::<String>::new());
+}
+
+/// Nothing on the page changes its place while a point is dragged, and every move is drawn.
+#[test]
+fn a_drag_shifts_no_layout() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    for name in ["macpherson_front.toml", "macpherson_axle_front.toml"] {
+        let served = Served::of(&sample(name));
+        browser.open(&served.address);
+        browser.wait(READY);
+        browser.run(
+            "window.shifted = []; new PerformanceObserver((list) => { \
+             for (const { sources } of list.getEntries()) for (const { node, previousRect, currentRect } of sources) { \
+             const own = node?.nodeType === 3 ? node.parentElement : node; \
+             window.shifted.push([own?.outerHTML.slice(0, 120), previousRect.x, currentRect.x, previousRect.y, currentRect.y]); } \
+             }).observe({ type: 'layout-shift' })",
+        );
+        let before = browser.run("return Number(document.documentElement.dataset.answers)");
+        browser.drag(&handle("front", "lower_ball_joint"), [24, -18], 30);
+        browser.wait(SETTLED);
+        let after = browser.run("return Number(document.documentElement.dataset.answers)");
+        assert!(after.as_f64().unwrap() >= before.as_f64().unwrap() + 3.0);
+        assert_eq!(browser.run("return window.shifted"), json!([]), "{name}");
+        assert_eq!(browser.console(), Vec::<String>::new());
+    }
+}
+
+/// A band over a part of the motion is a target there alone.
+#[test]
+fn a_target_limits_a_part_of_the_motion() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = Served::of(&sample("macpherson_front.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    let count = "studio.state.overview.targets.length";
+    let before = browser.run(&format!("return {count}")).as_u64().unwrap();
+    browser.click("[data-column=caster_deg] .adder");
+    browser.run(
+        "const put = (label, value) => { \
+           const rows = [...document.querySelectorAll('#dialog label')]; \
+           const row = rows.find((row) => row.textContent.startsWith(label)); \
+           row.querySelector('input').value = value; }; \
+         put('Lower', '3.1'); put('Upper', '3.9'); put('From', '-20'); put('To', '30')",
+    );
+    browser.click("#dialog button[value=add]");
+    browser.wait(&format!("{count} === {}", before + 1));
+    let points = browser.run("return studio.state.overview.targets.at(-1).points");
+    let points = points.as_array().unwrap();
+    assert!(points.len() > 2);
+    for point in points {
+        let travel = point[0].as_f64().unwrap();
+        assert!((-20.0..=30.0).contains(&travel), "{travel}");
+        assert_eq!((&point[1], &point[2]), (&json!(3.1), &json!(3.9)));
+    }
+    browser.wait(SETTLED);
     assert_eq!(browser.console(), Vec::<String>::new());
 }

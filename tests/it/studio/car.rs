@@ -452,3 +452,39 @@ fn a_car_is_dragged_edited_tuned_and_saved() {
     browser.wait("document.getElementById('pane-warnings').textContent.includes('case turn')");
     assert_eq!(browser.console(), Vec::<String>::new());
 }
+
+/// The table of load cases adds a target for a result in one case. Its cell is marked, and the saved study has the target.
+#[test]
+fn a_result_of_a_case_gets_a_target() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = served("car", as_it_is);
+    browser.open(&served.address);
+    browser.wait(READY);
+    let count = "studio.state.overview.targets.length";
+    let before = browser.run(&format!("return {count}")).as_u64().unwrap();
+    browser.click("#cases [data-column=roll_deg] .adder");
+    browser.run(
+        "const [kind, own] = document.querySelectorAll('#dialog select'); \
+         kind.value = 'value'; kind.dispatchEvent(new Event('change')); \
+         own.value = '1'; own.dispatchEvent(new Event('change')); \
+         const rows = [...document.querySelectorAll('#dialog label')]; \
+         rows.find((row) => row.textContent.startsWith('Value')).querySelector('input').value = '2.5'",
+    );
+    browser.click("#dialog button[value=add]");
+    browser.wait(&format!("{count} === {}", before + 1));
+    let is_marked = "document.querySelectorAll('#cases [data-column=roll_deg] td')[1].classList.contains('target')";
+    browser.wait(is_marked);
+    browser.click("#save");
+    browser.wait("document.querySelector('dialog button[value=yes]') !== null");
+    browser.click("dialog button[value=yes]");
+    browser.wait("document.getElementById('banner').textContent.includes('saved')");
+    let text = served.text();
+    let target = text
+        .lines()
+        .find(|line| line.contains("case = \"turn\"") && line.contains("2.5"));
+    let target = target.unwrap_or_else(|| panic!("{text}"));
+    assert!(target.contains("\"roll\""), "{target}");
+    assert_eq!(browser.console(), Vec::<String>::new());
+}

@@ -1,6 +1,7 @@
 //! The live page: requests of strangers, saved files, and the page in a real browser.
 
 mod attacks;
+mod axle;
 mod browser;
 mod car;
 mod client;

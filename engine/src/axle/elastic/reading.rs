@@ -367,6 +367,11 @@ impl Axle {
 }
 
 impl Equilibria<'_> {
+    /// The axle in equilibrium at travels and a rack displacement towards the kernel's +y.
+    pub(crate) fn here(&self, (travels, rack): ([f64; 2], f64)) -> Result<Here, NoEquilibrium> {
+        self.run.here(USUAL, travels, self.along * rack, [])
+    }
+
     /// Values at travels and a rack displacement towards the kernel's +y. `None` for missing values.
     pub(crate) fn values(
         &self,

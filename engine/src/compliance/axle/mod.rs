@@ -26,6 +26,7 @@ use super::wheel::{
     BushingReading, CARRIER, ElasticWheel, HeldQuantity, SpringReading, level_task, preload_fault,
 };
 use crate::characteristics::Inputs;
+use crate::mechanism::Pose;
 use crate::model::{Axis, Side, Suspension, mirrored};
 use crate::number::{Scalar, Vector3};
 use equations::{AxleEquations, AxleSingular, AxleState, AxleTask, Purpose, SharedParts};
@@ -245,6 +246,12 @@ impl<T: Scalar> ElasticAxle<T> {
         let wheel = &self.wheels[side as usize];
         let state = &at.state.wheels[side as usize];
         wheel.geometry.figures(state, wheel.constants)
+    }
+
+    /// Pose of a wheel carrier, in the kernel's frame of its side. `origin` is the knuckle's origin in the design position.
+    pub(crate) fn pose(&self, at: &AxleEquilibrium<T>, side: Side, origin: Vector3<T>) -> Pose<T> {
+        let carrier = &at.state.wheels[side as usize].carrier;
+        carrier.as_pose(self.wheels[side as usize].built.reference, origin)
     }
 
     /// Inputs of the catalogue's formulas at a wheel, in the kernel's frame of its side. Rates, rocker and bar are unknown.

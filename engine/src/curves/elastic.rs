@@ -1,5 +1,6 @@
 //! Curves of a wheel with elastic parts: its equilibria over travel and rack, without horizontal loads.
 
+use super::elastic_loads::ElasticLoads;
 use super::run::{motion, place};
 use super::{Column, Curves, Sensitivity, Station, Status};
 use crate::ask::NoValue;
@@ -73,9 +74,15 @@ pub(super) fn elastic_curves(
         .iter()
         .map(|(point, axis)| Parameter::Point(*point, *axis))
         .collect();
+    let named = elastic.parts.bushings.iter();
+    let bushings: Vec<String> = named
+        .map(|part| suspension.mechanism.name(part.point).to_owned())
+        .collect();
+    let loads = ElasticLoads::of(suspension, run.wheel(), &bushings, &plan.loads);
+    let along = suspension.frame.sign(Axis::Y);
     let mut curves = Curves {
         motion: motion(plan, suspension.length_unit.symbol()),
-        columns,
+        columns: columns.into_iter().chain(loads.columns()).collect(),
         ..Curves::default()
     };
     let mut tape = Tape::default();
@@ -96,10 +103,18 @@ pub(super) fn elastic_curves(
                     read.map(|()| values)
                 }
             };
-            let (status, values) = match found {
+            let (mut status, values) = match found {
                 Ok(values) => (Status::Ok, values),
                 Err(why) => (Status::Failed(why.into()), Vec::new()),
             };
+            let station = match status {
+                Status::Ok if !plan.loads.is_empty() => run.wheel().at(*travel, along * *rack).ok(),
+                _ => None,
+            };
+            let forces = station.map_or_else(
+                || vec![None; curves.columns.len() - reads.len()],
+                |station| loads.values(&station),
+            );
             let missing = |read: &Read| match status {
                 Status::Ok => read.undefined,
                 _ => NoValue::NoPose,
@@ -109,7 +124,15 @@ pub(super) fn elastic_curves(
                 let printed = value.map(|value| value * curves.columns[k].factor());
                 printed.ok_or_else(|| missing(read))
             });
-            let values = cells.collect();
+            let unheld = match status {
+                Status::Ok => NoValue::NotHeld,
+                _ => NoValue::NoPose,
+            };
+            let forces = forces.into_iter().map(|force| force.ok_or(unheld));
+            let values: Vec<_> = cells.chain(forces).collect();
+            if values.contains(&Err(NoValue::NotHeld)) {
+                status = Status::Unsupported;
+            }
             let station = curves.stations.len();
             for (column, by) in gradients {
                 let factor = curves.columns[column].factor();

@@ -6,6 +6,7 @@ mod curves;
 mod derivatives;
 mod ends;
 mod mechanics;
+mod member_forces;
 mod random;
 mod reference;
 mod samples;

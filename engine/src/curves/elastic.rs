@@ -5,7 +5,7 @@ use super::run::{motion, place};
 use super::{Column, Curves, Sensitivity, Station, Status};
 use crate::ask::NoValue;
 use crate::characteristics::{Characteristic, Quantity};
-use crate::compliance::{KcRun, KcValue, Parameter};
+use crate::compliance::{KcRun, KcValue, NoEquilibrium, Parameter};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, LengthUnit, PointId, Suspension};
 use crate::number::Tape;
@@ -74,12 +74,7 @@ pub(super) fn elastic_curves(
         .iter()
         .map(|(point, axis)| Parameter::Point(*point, *axis))
         .collect();
-    let named = elastic.parts.bushings.iter();
-    let bushings: Vec<String> = named
-        .map(|part| suspension.mechanism.name(part.point).to_owned())
-        .collect();
-    let loads = ElasticLoads::of(suspension, run.wheel(), &bushings, &plan.loads);
-    let along = suspension.frame.sign(Axis::Y);
+    let loads = ElasticLoads::of(suspension, &elastic.parts, run.wheel(), &plan.loads);
     let mut curves = Curves {
         motion: motion(plan, suspension.length_unit.symbol()),
         columns: columns.into_iter().chain(loads.columns()).collect(),
@@ -89,32 +84,11 @@ pub(super) fn elastic_curves(
     for rack in &plan.racks {
         for (number, travel) in plan.station_order.values().iter().enumerate() {
             let at = [*travel, *rack];
-            let mut gradients = Vec::new();
-            let found = match parameters.is_empty() {
-                true => run.values(at, &wanted),
-                false => {
-                    let mut values = vec![None; wanted.len()];
-                    let read = run.gradients(at, &wanted, &parameters, &mut tape, &mut |found| {
-                        values[found.number] = found.value;
-                        if found.value.is_some() {
-                            gradients.push((found.number, found.by.to_vec()));
-                        }
-                    });
-                    read.map(|()| values)
-                }
+            let found = values_and_gradients(&run, at, &wanted, &parameters, &mut tape);
+            let (status, values, gradients) = match found {
+                Ok((values, gradients)) => (Status::Ok, values, gradients),
+                Err(why) => (Status::Failed(why.into()), Vec::new(), Vec::new()),
             };
-            let (mut status, values) = match found {
-                Ok(values) => (Status::Ok, values),
-                Err(why) => (Status::Failed(why.into()), Vec::new()),
-            };
-            let station = match status {
-                Status::Ok if !plan.loads.is_empty() => run.wheel().at(*travel, along * *rack).ok(),
-                _ => None,
-            };
-            let forces = station.map_or_else(
-                || vec![None; curves.columns.len() - reads.len()],
-                |station| loads.values(&station),
-            );
             let missing = |read: &Read| match status {
                 Status::Ok => read.undefined,
                 _ => NoValue::NoPose,
@@ -124,15 +98,8 @@ pub(super) fn elastic_curves(
                 let printed = value.map(|value| value * curves.columns[k].factor());
                 printed.ok_or_else(|| missing(read))
             });
-            let unheld = match status {
-                Status::Ok => NoValue::NotHeld,
-                _ => NoValue::NoPose,
-            };
-            let forces = forces.into_iter().map(|force| force.ok_or(unheld));
-            let values: Vec<_> = cells.chain(forces).collect();
-            if values.contains(&Err(NoValue::NotHeld)) {
-                status = Status::Unsupported;
-            }
+            let mut values: Vec<_> = cells.collect();
+            let status = loads.add_values(at, status, &mut values);
             let station = curves.stations.len();
             for (column, by) in gradients {
                 let factor = curves.columns[column].factor();
@@ -157,4 +124,28 @@ pub(super) fn elastic_curves(
         }
     }
     Ok(curves)
+}
+
+/// Values of a station, and derivatives by `parameters` of those that exist, with their numbers.
+type ValuesAndGradients = (Vec<Option<f64>>, Vec<(usize, Vec<f64>)>);
+
+/// Values at a travel and a rack displacement, with their derivatives by `parameters`.
+fn values_and_gradients(
+    run: &KcRun,
+    at: [f64; 2],
+    wanted: &[KcValue],
+    parameters: &[Parameter],
+    tape: &mut Tape,
+) -> Result<ValuesAndGradients, NoEquilibrium> {
+    if parameters.is_empty() {
+        return Ok((run.values(at, wanted)?, Vec::new()));
+    }
+    let (mut values, mut gradients) = (vec![None; wanted.len()], Vec::new());
+    run.gradients(at, wanted, parameters, tape, &mut |found| {
+        values[found.number] = found.value;
+        if found.value.is_some() {
+            gradients.push((found.number, found.by.to_vec()));
+        }
+    })?;
+    Ok((values, gradients))
 }

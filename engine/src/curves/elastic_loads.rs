@@ -1,12 +1,12 @@
 //! Loads on elastic suspensions: forces of all members in the equilibrium under each load.
 
-use super::Column;
+use super::{Column, Status};
 use crate::analyse::LoadPoint;
-use crate::ask::Unit;
+use crate::ask::{NoValue, Unit};
 use crate::compliance::{
-    CarriedForces, ElasticMember, ElasticWheel, Equilibrium, HeldQuantity, WheelLoads,
+    CarriedForces, Compliance, ElasticMember, ElasticWheel, Equilibrium, HeldQuantity, WheelLoads,
 };
-use crate::model::{Frame, LengthUnit, Suspension};
+use crate::model::{Axis, Frame, LengthUnit, Suspension};
 use crate::study::Load;
 
 /// Members of a wheel, and their columns.
@@ -101,20 +101,28 @@ pub(super) struct ElasticLoads<'a> {
     loads: &'a [Load],
     members: MemberColumns,
     wheel: &'a ElasticWheel,
+    /// Sign of the study's rack axis in the wheel's own frame.
+    along: f64,
 }
 
 impl<'a> ElasticLoads<'a> {
     pub(super) fn of(
         suspension: &Suspension,
+        parts: &Compliance,
         wheel: &'a ElasticWheel,
-        bushings: &[String],
         loads: &'a [Load],
     ) -> Self {
-        let members = wheel.members(&suspension.mechanism, bushings);
+        let mechanism = &suspension.mechanism;
+        let bushings = parts.bushings.iter();
+        let bushings: Vec<String> = bushings
+            .map(|part| mechanism.name(part.point).to_owned())
+            .collect();
+        let members = wheel.members(mechanism, &bushings);
         ElasticLoads {
             loads,
             members: MemberColumns::of(members, suspension.frame, suspension.length_unit),
             wheel,
+            along: suspension.frame.sign(Axis::Y),
         }
     }
 
@@ -128,8 +136,31 @@ impl<'a> ElasticLoads<'a> {
         self.loads.iter().flat_map(of)
     }
 
+    /// Adds the values of the columns at a travel and a rack displacement to those of a station. Returns the station's status.
+    pub(super) fn add_values(
+        &self,
+        [travel, rack]: [f64; 2],
+        status: Status,
+        values: &mut Vec<Result<f64, NoValue>>,
+    ) -> Status {
+        if self.loads.is_empty() {
+            return status;
+        }
+        let station = self.wheel.at(travel, self.along * rack);
+        let (Status::Ok, Ok(station)) = (status, station) else {
+            values.extend(self.columns().map(|_| Err(NoValue::NoPose)));
+            return status;
+        };
+        let forces = self.values(&station).into_iter();
+        values.extend(forces.map(|force| force.ok_or(NoValue::NotHeld)));
+        match values.contains(&Err(NoValue::NotHeld)) {
+            true => Status::Unsupported,
+            false => Status::Ok,
+        }
+    }
+
     /// Values of the columns about a station. A load without equilibrium has none.
-    pub(super) fn values(&self, station: &Equilibrium) -> Vec<Option<f64>> {
+    fn values(&self, station: &Equilibrium) -> Vec<Option<f64>> {
         let mut values = Vec::new();
         for load in self.loads {
             let held = load.held.unwrap_or(HeldQuantity::WheelLoad);

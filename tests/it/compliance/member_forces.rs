@@ -3,21 +3,48 @@
 use super::support::{elastic, with};
 use hardpoint::compliance::{ElasticAxle, ElasticWheel, Equilibrium, HeldQuantity, WheelLoads};
 use hardpoint::curves::{Curves, Status};
-use hardpoint::model::{Side, Suspension};
+use hardpoint::model::{Body, Side, Suspension};
 use hardpoint::number::Vector3;
 use hardpoint::study::Study;
 use std::path::Path;
 
-/// A complete load at the contact point, one at the wheel centre, and one with the height held.
-const LOADS: &str = r#"
-[outputs]
-characteristics = ["toe"]
-loads = [
-  { name = "braking", at = "contact_point", force = [-3000.0, 1500.0, 5200.0] },
-  { name = "kerb", at = "wheel_centre", force = [-1500.0, 0.0, 6000.0], moment = [2.0e4, 5.0e4, -3.0e4] },
-  { name = "corner", at = "contact_point", force = [0.0, -2500.0, 0.0], hold = "wheel_height" },
-]
-"#;
+/// Loads of a study: complete ones at the contact point and at the wheel centre, and one with the height held.
+#[derive(Clone, Copy)]
+struct Given {
+    braking: [f64; 3],
+    kerb: [f64; 3],
+    moment: [f64; 3],
+    corner: [f64; 3],
+}
+
+impl Given {
+    /// Loads for a wheel that carries about this force.
+    fn about(wheel_load: f64) -> Self {
+        let of = |shares: [f64; 3]| shares.map(|share| share * wheel_load);
+        Given {
+            braking: of([-0.6, 0.3, 1.2]),
+            kerb: of([-0.4, 0.0, 1.3]),
+            moment: of([5.0, 12.0, -8.0]),
+            corner: of([0.0, -0.5, 0.0]),
+        }
+    }
+
+    /// Section of a study with these loads.
+    fn text(&self) -> String {
+        let Given {
+            braking,
+            kerb,
+            moment,
+            corner,
+        } = self;
+        format!(
+            "\n[outputs]\ncharacteristics = [\"toe\"]\nloads = [\n\
+             {{ name = \"braking\", at = \"contact_point\", force = {braking:?} }},\n\
+             {{ name = \"kerb\", at = \"wheel_centre\", force = {kerb:?}, moment = {moment:?} }},\n\
+             {{ name = \"corner\", at = \"contact_point\", force = {corner:?}, hold = \"wheel_height\" }},\n]\n"
+        )
+    }
+}
 
 /// Value of a column at a station.
 fn value(curves: &Curves, station: usize, name: &str) -> f64 {
@@ -57,21 +84,21 @@ struct Loaded {
 }
 
 impl Loaded {
-    fn of(study: &Study, travel: f64, name: &str) -> Self {
+    fn of(study: &Study, given: &Given, travel: f64, name: &str) -> Self {
         let wheel = ElasticWheel::new(study.wheel(), &study.compliance().unwrap().parts).unwrap();
         let station = wheel.at(travel, 0.0).unwrap();
         let mut loads = WheelLoads::none(0.0);
         let zero = Vector3::new(0.0, 0.0, 0.0);
         let (mut moment, mut held) = (zero, HeldQuantity::WheelLoad);
         match name {
-            "braking" => loads.contact = Vector3::new(-3000.0, 1500.0, 5200.0),
+            "braking" => loads.contact = Vector3::from(given.braking),
             "kerb" => {
-                loads.centre = Vector3::new(-1500.0, 0.0, 6000.0);
-                moment = Vector3::new(2.0e4, 5.0e4, -3.0e4);
+                loads.centre = Vector3::from(given.kerb);
+                moment = Vector3::from(given.moment);
                 loads.moment = moment;
             }
             _ => {
-                loads.contact = Vector3::new(0.0, -2500.0, 0.0);
+                loads.contact = Vector3::from(given.corner);
                 held = HeldQuantity::WheelHeight;
             }
         }
@@ -108,45 +135,53 @@ impl Loaded {
     }
 }
 
+/// Name of a rod, its inner and its outer end.
+type Rod = (&'static str, &'static str, &'static str);
+
+/// Samples with a usual wheel load, and the parts that hold the carrier: joints, and rods with their inner and outer ends.
+const CASES: [(&str, f64, &[&str], &[Rod]); 3] = [
+    (
+        "double_wishbone_compliance.toml",
+        4000.0,
+        &["upper_ball_joint", "lower_ball_joint"],
+        &[("tie_rod", "tie_rod_inner", "tie_rod_outer")],
+    ),
+    (
+        "formula_student_compliance.toml",
+        700.0,
+        &["lower_ball_joint"],
+        &[
+            ("tie_rod", "tie_rod_inner", "tie_rod_outer"),
+            ("upper_arm_front", "upper_arm_front", "upper_ball_joint"),
+            ("upper_arm_rear", "upper_arm_rear", "upper_ball_joint"),
+        ],
+    ),
+    (
+        "five_link_compliance.toml",
+        4000.0,
+        &[
+            "upper_front_link_outer",
+            "upper_rear_link_outer",
+            "lower_front_link_outer",
+            "lower_rear_link_outer",
+        ],
+        &[("toe_link", "toe_link_inner", "toe_link_outer")],
+    ),
+];
+
 /// The forces of joints and rods balance the load on the wheel carrier: forces, and moments about the wheel centre.
 #[test]
 fn printed_forces_balance_the_wheel_carrier() {
-    type Points<'a> = &'a [&'a str];
-    let cases: [(&str, Points, &[(&str, &str, &str)]); 3] = [
-        (
-            "double_wishbone_compliance.toml",
-            &["upper_ball_joint", "lower_ball_joint"],
-            &[("tie_rod", "tie_rod_inner", "tie_rod_outer")],
-        ),
-        (
-            "formula_student_compliance.toml",
-            &["lower_ball_joint"],
-            &[
-                ("tie_rod", "tie_rod_inner", "tie_rod_outer"),
-                ("upper_arm_front", "upper_arm_front", "upper_ball_joint"),
-                ("upper_arm_rear", "upper_arm_rear", "upper_ball_joint"),
-            ],
-        ),
-        (
-            "five_link_compliance.toml",
-            &[
-                "upper_front_link_outer",
-                "upper_rear_link_outer",
-                "lower_front_link_outer",
-                "lower_rear_link_outer",
-            ],
-            &[("toe_link", "toe_link_inner", "toe_link_outer")],
-        ),
-    ];
-    for (name, joints, rods) in cases {
-        let study = elastic(&with(name, LOADS));
+    for (name, wheel_load, joints, rods) in CASES {
+        let given = Given::about(wheel_load);
+        let study = elastic(&with(name, &given.text()));
         let suspension = study.wheel();
         let curves = study.curves().unwrap();
         let station = 0;
         let travel = study.motion().values[station];
         assert_eq!(curves.stations[station].status, Status::Ok);
         for load in ["braking", "kerb", "corner"] {
-            let loaded = Loaded::of(&study, travel, load);
+            let loaded = Loaded::of(&study, &given, travel, load);
             let centre = loaded.wheel.figures(&loaded.at).centre;
             let (mut total, mut moment) = (loaded.force, loaded.moment);
             moment = moment + (loaded.point - centre).cross(loaded.force);
@@ -163,6 +198,15 @@ fn printed_forces_balance_the_wheel_carrier() {
                 let inward = (design(suspension, inner) - outer).normalised();
                 let tension = value(&curves, station, &format!("{load}_{rod}_N"));
                 add(outer, inward * tension);
+            }
+            let mechanism = &suspension.mechanism;
+            if mechanism.body(mechanism.spring.unwrap().lower) == Body::Knuckle {
+                let lower = loaded.carried(suspension, "spring_lower");
+                let push = (lower - design(suspension, "spring_upper")).normalised();
+                add(
+                    lower,
+                    push * value(&curves, station, &format!("{load}_spring_N")),
+                );
             }
             let size = loaded.force.norm();
             assert!(
@@ -193,7 +237,8 @@ fn printed_forces_balance_the_wheel_carrier() {
 /// An arm without a spring passes the forces of its bushings to the carrier. Bushings, spring and links are those of `kc`.
 #[test]
 fn an_arm_passes_the_forces_of_its_bushings() {
-    let study = elastic(&with("double_wishbone_compliance.toml", LOADS));
+    let given = Given::about(4000.0);
+    let study = elastic(&with("double_wishbone_compliance.toml", &given.text()));
     let suspension = study.wheel();
     let curves = study.curves().unwrap();
     let [front, rear] = ["upper_arm_front", "upper_arm_rear"].map(|name| design(suspension, name));
@@ -209,14 +254,15 @@ fn an_arm_passes_the_forces_of_its_bushings() {
         let sum = bushing("upper_arm_front") + bushing("upper_arm_rear");
         let joint = force(&curves, 1, &format!("{load}_upper_ball_joint"));
         assert!((sum - joint).norm() < 1e-8, "{load}: {sum:?} {joint:?}");
-        let loaded = Loaded::of(&study, study.motion().values[1], load);
+        let loaded = Loaded::of(&study, &given, study.motion().values[1], load);
         let spring = loaded.wheel.spring(&loaded.at).unwrap().force;
         let found = value(&curves, 1, &format!("{load}_spring_N"));
         assert!((found - spring).abs() < 1e-9 * spring);
     }
-    let study = elastic(&with("formula_student_compliance.toml", LOADS));
+    let given = Given::about(700.0);
+    let study = elastic(&with("formula_student_compliance.toml", &given.text()));
     let curves = study.curves().unwrap();
-    let loaded = Loaded::of(&study, study.motion().values[1], "corner");
+    let loaded = Loaded::of(&study, &given, study.motion().values[1], "corner");
     let names = &study.compliance().unwrap().link_names;
     for (name, tension) in names.iter().zip(loaded.wheel.tensions(&loaded.at)) {
         if name.starts_with("lower_arm") {
@@ -283,8 +329,8 @@ const AXLE_LOADS: &str = r#"
 [outputs]
 characteristics = ["toe"]
 loads = [
-  { name = "turn", at = "contact_point", side = "left", force = [0.0, -3000.0, 6000.0] },
-  { name = "turn", at = "contact_point", side = "right", force = [0.0, -1000.0, 2500.0] },
+  { name = "turn", at = "contact_point", side = "left", force = [0.0, -2500.0, 5000.0] },
+  { name = "turn", at = "contact_point", side = "right", force = [0.0, -800.0, 3000.0] },
   { name = "brake", at = "contact_point", force = [-2000.0, 0.0, 0.0], hold = "wheel_height" },
 ]
 "#;
@@ -302,7 +348,7 @@ fn forces_of_an_axle_balance_both_carriers() {
     assert_eq!(curves.stations[0].status, Status::Ok);
     let station = model.at([-30.0; 2], 0.0).unwrap();
     for (name, sides) in [
-        ("turn", [[0.0, -3000.0, 6000.0], [0.0, -1000.0, 2500.0]]),
+        ("turn", [[0.0, -2500.0, 5000.0], [0.0, -800.0, 3000.0]]),
         ("brake", [[-2000.0, 0.0, 0.0]; 2]),
     ] {
         let is_complete = name == "turn";
@@ -367,7 +413,7 @@ fn loads_that_cannot_be_held_have_no_values() {
         );
         with("double_wishbone_compliance.toml", &text)
     };
-    let text = one("at = \"contact_point\", force = [0.0, 60000.0, 9000.0]");
+    let text = one("at = \"contact_point\", force = [0.0, -60000.0, 6000.0]");
     let curves = elastic(&text).curves().unwrap();
     assert!(
         curves

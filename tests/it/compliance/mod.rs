@@ -10,6 +10,7 @@ mod member_forces;
 mod random;
 mod reference;
 mod samples;
+mod schema;
 mod sheets;
 mod study;
 pub mod support;

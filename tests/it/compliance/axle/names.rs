@@ -149,102 +149,145 @@ fn about_z(moment: f64) -> WheelLoads {
     }
 }
 
+/// Responses of both wheels to the loads of all definitions.
+struct Responses {
+    to_right: Vehicle,
+    inboard: Vehicle,
+    turned_left: Vehicle,
+    turned_in_mirror: Vehicle,
+    rearward: Vehicle,
+    rearward_at_centre: Vehicle,
+    up: Vehicle,
+    rolled: Vehicle,
+}
+
+const TYRE: f64 = 220.0;
+const TRACK: f64 = 2.0 * 760.0;
+
+impl Responses {
+    fn of(study: &Study) -> Self {
+        let by = |loads, step| Vehicle {
+            by: response(study, loads, step),
+        };
+        // The frame of the right wheel is a mirror image: its y points to the right of the car.
+        Responses {
+            to_right: by([contact(0.0, -1.0), contact(0.0, 1.0)], 100.0),
+            inboard: by([contact(0.0, -1.0), contact(0.0, -1.0)], 100.0),
+            turned_left: by([about_z(1.0), about_z(-1.0)], 1e4),
+            turned_in_mirror: by([about_z(1.0), about_z(1.0)], 1e4),
+            rearward: by([contact(-1.0, 0.0); 2], 100.0),
+            rearward_at_centre: by([centre(-1.0, 0.0); 2], 100.0),
+            up: by([centre(0.0, 1.0); 2], 100.0),
+            rolled: by([centre(0.0, 1.0), centre(0.0, -1.0)], 100.0),
+        }
+    }
+
+    /// Height of the left wheel centre above the right one.
+    fn height(&self) -> f64 {
+        self.rolled.rise(0) - self.rolled.rise(1)
+    }
+
+    fn roll_steer(&self, side: usize) -> f64 {
+        let steer = self.rolled.steer_to_left(side).to_radians();
+        steer * TRACK / (self.height() + 2.0 / TYRE) * 100.0
+    }
+
+    /// Change of an angle per height of the wheel centre.
+    fn per_mm(&self, side: usize, angle: impl Fn(&Vehicle) -> f64) -> f64 {
+        angle(&self.up) / self.up.rise(side)
+    }
+
+    fn ride_camber(&self, side: usize) -> f64 {
+        let outboard = [1.0, -1.0][side];
+        self.per_mm(side, |up| outboard * up.lean_to_left(side))
+    }
+
+    fn ride_caster(&self, side: usize) -> f64 {
+        self.per_mm(side, |up| up.nose_up(side))
+    }
+
+    fn mean(&self, of: impl Fn(&Self, usize) -> f64) -> f64 {
+        0.5 * (of(self, 0) + of(self, 1))
+    }
+
+    /// Values of a wheel by MotionView's names, without the wheel.
+    fn altair(&self, side: usize) -> Vec<(String, f64)> {
+        let mut found = Vec::new();
+        for (word, loads, moments) in [
+            ("Parallel", &self.to_right, &self.turned_left),
+            ("Converging", &self.inboard, &self.turned_in_mirror),
+        ] {
+            let own = [
+                ("Lateral Force Steer", 1000.0 * loads.steer_to_left(side)),
+                ("Lateral Force Camber", 1000.0 * loads.lean_to_left(side)),
+                (
+                    "Lateral Force Deflection",
+                    1000.0 * loads.shift_to_right(side),
+                ),
+                ("Aligning Torque Steer", 1e5 * moments.steer_to_left(side)),
+            ];
+            found.extend(own.map(|(name, value)| (format!("{word} {name}"), value)));
+        }
+        for (word, loads) in [("TP", &self.rearward), ("WC", &self.rearward_at_centre)] {
+            let steer = format!("{word} Longitudinal Compliance Steer");
+            let caster = format!("{word} Longitudinal Caster Compliance");
+            found.push((steer, 1000.0 * loads.steer_to_left(side)));
+            found.push((caster, 1000.0 * loads.nose_up(side)));
+        }
+        let steer = self.per_mm(side, |up| up.steer_to_left(side));
+        let rate = 1.0 / self.up.rise(side);
+        let own = [
+            ("Wheel Ride Steer", 1000.0 * steer),
+            ("Ride Caster", 1000.0 * self.ride_caster(side)),
+            ("Wheel Ride Camber", 1000.0 * self.ride_camber(side)),
+            ("Wheel Rate", rate),
+            ("Ride Rate", 1.0 / (1.0 / rate + 1.0 / TYRE)),
+            ("Wheel Roll Steer", self.roll_steer(side)),
+        ];
+        found.extend(own.map(|(name, value)| (name.to_owned(), value)));
+        found
+    }
+
+    /// Values of a wheel by the names of Adams Car.
+    fn adams(&self, side: usize) -> Vec<(String, f64)> {
+        let word = ["left", "right"][side];
+        vec![
+            (
+                format!("alt_steer_compliance.{word}"),
+                self.turned_left.steer_to_left(side),
+            ),
+            (format!("wheel_rate.{word}"), 1.0 / self.up.rise(side)),
+            (format!("Camber Change, {word}"), self.ride_camber(side)),
+            (format!("Caster Change, {word}"), self.ride_caster(side)),
+        ]
+    }
+}
+
 /// Names with the expected values of MotionView and of Adams Car.
 fn expected(study: &Study) -> [Vec<(String, f64)>; 2] {
-    let by = |loads, step| Vehicle {
-        by: response(study, loads, step),
-    };
-    // The frame of the right wheel is a mirror image: its y points to the right of the car.
-    let to_right = by([contact(0.0, -1.0), contact(0.0, 1.0)], 100.0);
-    let inboard = by([contact(0.0, -1.0), contact(0.0, -1.0)], 100.0);
-    let turned_left = by([about_z(1.0), about_z(-1.0)], 1e4);
-    let turned_in_mirror = by([about_z(1.0), about_z(1.0)], 1e4);
-    let rearward = by([contact(-1.0, 0.0); 2], 100.0);
-    let rearward_at_centre = by([centre(-1.0, 0.0); 2], 100.0);
-    let up = by([centre(0.0, 1.0); 2], 100.0);
-    let rolled = by([centre(0.0, 1.0), centre(0.0, -1.0)], 100.0);
-    let (tyre, track) = (220.0, 2.0 * 760.0);
-    let height = rolled.rise(0) - rolled.rise(1);
-    let roll_steer = |side: usize| {
-        rolled.steer_to_left(side).to_radians() * track / (height + 2.0 / tyre) * 100.0
-    };
-    let (mut altair, mut adams) = (Vec::new(), Vec::new());
-    for (k, (side, small)) in [("Left", "left"), ("Right", "right")]
-        .into_iter()
-        .enumerate()
-    {
-        for (word, loads, moments) in [
-            ("Parallel", &to_right, &turned_left),
-            ("Converging", &inboard, &turned_in_mirror),
-        ] {
-            altair.extend([
-                (
-                    format!("{side} {word} Lateral Force Steer"),
-                    1000.0 * loads.steer_to_left(k),
-                ),
-                (
-                    format!("{side} {word} Lateral Force Camber"),
-                    1000.0 * loads.lean_to_left(k),
-                ),
-                (
-                    format!("{side} {word} Lateral Force Deflection"),
-                    1000.0 * loads.shift_to_right(k),
-                ),
-                (
-                    format!("{side} {word} Aligning Torque Steer"),
-                    1e5 * moments.steer_to_left(k),
-                ),
-            ]);
-        }
-        for (word, loads) in [("TP", &rearward), ("WC", &rearward_at_centre)] {
-            let steer = format!("{side} {word} Longitudinal Compliance Steer");
-            let caster = format!("{side} {word} Longitudinal Caster Compliance");
-            altair.push((steer, 1000.0 * loads.steer_to_left(k)));
-            altair.push((caster, 1000.0 * loads.nose_up(k)));
-        }
-        let per_mm = |angle: f64| angle / up.rise(k);
-        let outboard = [1.0, -1.0][k] * up.lean_to_left(k);
-        let rate = 1.0 / up.rise(k);
-        altair.extend([
-            (
-                format!("{side} Wheel Ride Steer"),
-                1000.0 * per_mm(up.steer_to_left(k)),
-            ),
-            (
-                format!("{side} Ride Caster"),
-                1000.0 * per_mm(up.nose_up(k)),
-            ),
-            (
-                format!("{side} Wheel Ride Camber"),
-                1000.0 * per_mm(outboard),
-            ),
-            (format!("{side} Wheel Rate"), rate),
-            (format!("{side} Ride Rate"), 1.0 / (1.0 / rate + 1.0 / tyre)),
-            (format!("{side} Wheel Roll Steer"), roll_steer(k)),
-        ]);
-        adams.extend([
-            (
-                format!("alt_steer_compliance.{small}"),
-                turned_left.steer_to_left(k),
-            ),
-            (format!("wheel_rate.{small}"), rate),
-            (format!("Camber Change, {small}"), per_mm(outboard)),
-            (format!("Caster Change, {small}"), per_mm(up.nose_up(k))),
-        ]);
+    let of = Responses::of(study);
+    let rate = TRACK * TRACK / of.height() * std::f64::consts::PI / 180.0 / 1000.0;
+    let steer = of.mean(|of, side| of.to_right.steer_to_left(side));
+    let mut altair = vec![
+        (
+            "Average Parallel Lateral Force Steer".to_owned(),
+            1000.0 * steer,
+        ),
+        ("Suspension Roll Rate".to_owned(), rate),
+    ];
+    let camber = of.turned_left.lean_to_left(0);
+    let mut adams = vec![
+        ("alt_camber_compliance.left".to_owned(), camber),
+        (
+            "Percentage Roll Steer".to_owned(),
+            of.mean(Responses::roll_steer),
+        ),
+    ];
+    for (side, word) in ["Left", "Right"].into_iter().enumerate() {
+        let own = of.altair(side).into_iter();
+        altair.extend(own.map(|(name, value)| (format!("{word} {name}"), value)));
+        adams.extend(of.adams(side));
     }
-    let mean = 0.5 * (to_right.steer_to_left(0) + to_right.steer_to_left(1));
-    altair.push((
-        "Average Parallel Lateral Force Steer".to_owned(),
-        1000.0 * mean,
-    ));
-    let rate = track * track / height * std::f64::consts::PI / 180.0 / 1000.0;
-    altair.push(("Suspension Roll Rate".to_owned(), rate));
-    adams.push((
-        "alt_camber_compliance.left".to_owned(),
-        turned_left.lean_to_left(0),
-    ));
-    let mean = 0.5 * (roll_steer(0) + roll_steer(1));
-    adams.push(("Percentage Roll Steer".to_owned(), mean));
     [altair, adams]
 }
 
@@ -287,97 +330,43 @@ fn values_of_other_programs_are_motions_by_loads_on_both_wheels() {
     }
 }
 
+/// Signs of other programs against ours at the left and the right wheel, by figure and mode.
+const SIGNS: [(OtherProgram, &str, &str, [f64; 2]); 14] = [
+    (ALTAIR, "toe_by_lateral_force", "parallel", [-1.0, -1.0]),
+    (ALTAIR, "toe_by_lateral_force", "opposed", [-1.0, 1.0]),
+    (ALTAIR, "camber_by_lateral_force", "parallel", [1.0, 1.0]),
+    (ALTAIR, "camber_by_lateral_force", "opposed", [1.0, -1.0]),
+    (
+        ALTAIR,
+        "wheel_centre_by_lateral_force",
+        "parallel",
+        [1.0, 1.0],
+    ),
+    (
+        ALTAIR,
+        "wheel_centre_by_lateral_force",
+        "opposed",
+        [1.0, -1.0],
+    ),
+    (ALTAIR, "toe_by_aligning_moment", "parallel", [-1.0, -1.0]),
+    (ALTAIR, "toe_by_aligning_moment", "opposed", [-1.0, 1.0]),
+    (ALTAIR, "toe_by_braking", "parallel", [-1.0, 1.0]),
+    (ALTAIR, "toe_by_traction", "parallel", [1.0, -1.0]),
+    (ALTAIR, "spin_by_braking", "parallel", [1.0, 1.0]),
+    (ALTAIR, "spin_by_traction", "parallel", [-1.0, -1.0]),
+    (ADAMS, "toe_by_aligning_moment", "parallel", [-1.0, -1.0]),
+    (ADAMS, "compliant_wheel_rate", "parallel", [1.0, 1.0]),
+];
+
+const ALTAIR: OtherProgram = OtherProgram::Altair;
+const ADAMS: OtherProgram = OtherProgram::Adams;
+
 /// Signs against ours, as the manual's table has them: our tests hold the wheel load here, and the wheels stand upright.
 #[test]
 fn signs_against_ours_are_those_of_the_manual() {
     let study = elastic(&text());
     let mut seen = 0;
-    for (program, quantity, mode, signs) in [
-        (
-            OtherProgram::Altair,
-            "toe_by_lateral_force",
-            "parallel",
-            [-1.0, -1.0],
-        ),
-        (
-            OtherProgram::Altair,
-            "toe_by_lateral_force",
-            "opposed",
-            [-1.0, 1.0],
-        ),
-        (
-            OtherProgram::Altair,
-            "camber_by_lateral_force",
-            "parallel",
-            [1.0, 1.0],
-        ),
-        (
-            OtherProgram::Altair,
-            "camber_by_lateral_force",
-            "opposed",
-            [1.0, -1.0],
-        ),
-        (
-            OtherProgram::Altair,
-            "wheel_centre_by_lateral_force",
-            "parallel",
-            [1.0, 1.0],
-        ),
-        (
-            OtherProgram::Altair,
-            "wheel_centre_by_lateral_force",
-            "opposed",
-            [1.0, -1.0],
-        ),
-        (
-            OtherProgram::Altair,
-            "toe_by_aligning_moment",
-            "parallel",
-            [-1.0, -1.0],
-        ),
-        (
-            OtherProgram::Altair,
-            "toe_by_aligning_moment",
-            "opposed",
-            [-1.0, 1.0],
-        ),
-        (
-            OtherProgram::Altair,
-            "toe_by_braking",
-            "parallel",
-            [-1.0, 1.0],
-        ),
-        (
-            OtherProgram::Altair,
-            "toe_by_traction",
-            "parallel",
-            [1.0, -1.0],
-        ),
-        (
-            OtherProgram::Altair,
-            "spin_by_braking",
-            "parallel",
-            [1.0, 1.0],
-        ),
-        (
-            OtherProgram::Altair,
-            "spin_by_traction",
-            "parallel",
-            [-1.0, -1.0],
-        ),
-        (
-            OtherProgram::Adams,
-            "toe_by_aligning_moment",
-            "parallel",
-            [-1.0, -1.0],
-        ),
-        (
-            OtherProgram::Adams,
-            "compliant_wheel_rate",
-            "parallel",
-            [1.0, 1.0],
-        ),
-    ] {
+    for (program, quantity, mode, signs) in SIGNS {
         for row in named(&study, program) {
             if row["quantity"] != quantity || row["mode"] != mode {
                 continue;

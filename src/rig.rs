@@ -46,6 +46,7 @@ impl<'s> RigTests<'s> {
                 .collect(),
             links: elastic.link_names.clone(),
             stations: run.run(&study.motion().values, &study.motion().rack, &elastic.tests),
+            tyre_rate: elastic.tyre_rate,
             other,
         };
         let points = study.one_wheel().map(|own| &own.outputs.sensitivities[..]);
@@ -68,12 +69,6 @@ impl<'s> RigTests<'s> {
             Some(elastic) => Cow::Borrowed(&**elastic),
             None => Cow::Owned(rigid_axle(axle)?),
         };
-        if other.is_some() {
-            return Err(
-                "--names works for one wheel: remove [axle] for the left wheel by itself"
-                    .to_owned(),
-            );
-        }
         let vehicle = axle.axle.on_rig(elastic.tyre_rate);
         let suspension = &axle.axle.left;
         let run = AxleKcRun::new(vehicle, &elastic.parts)
@@ -88,6 +83,7 @@ impl<'s> RigTests<'s> {
             is_axle: true,
             links: elastic.link_names.clone(),
             stations: run.run(&stations(&axle.plan.motion), &elastic.tests),
+            tyre_rate: elastic.tyre_rate,
             other,
             bushings,
         };

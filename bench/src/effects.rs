@@ -138,6 +138,7 @@ const CHANGES: [Change; 12] = [
             study.outputs.loads.push(Load {
                 name: "load".to_owned(),
                 at: LoadPoint::WheelCentre,
+                held: None,
                 force: Vector3::new(100.0, 200.0, 3000.0),
                 moment: Vector3::default(),
             });

@@ -3,7 +3,6 @@
 use super::completeness::Completeness;
 use super::figure::brief;
 use super::station_label::{StationLabel, place_in_words};
-use crate::ask::NoValue;
 use crate::curves::{Curves, Station, Status};
 use crate::model::{LengthUnit, Rod, Side};
 use crate::study::Drive;
@@ -26,13 +25,17 @@ pub fn remarks(curves: &Curves, length: LengthUnit) -> Vec<String> {
 /// Remark on stations where nothing can carry the loads, if there are any.
 fn unsupported(curves: &Curves) -> Option<String> {
     let stations = curves.stations.iter().enumerate();
-    let mut lacking = stations.filter(|(_, s)| s.values.contains(&Err(NoValue::Unsupported)));
-    let (first, _) = lacking.next()?;
+    let lacks = |station: &Station| {
+        let missing = station.values.iter().filter_map(|value| value.err());
+        missing.into_iter().find(|reason| reason.is_about_loads())
+    };
+    let mut lacking = stations.filter_map(|(number, station)| Some((number, lacks(station)?)));
+    let (first, reason) = lacking.next()?;
     Some(format!(
         "warning: loads cannot be carried at {}, the first at {}: {}",
         stations_in_words(1 + lacking.count()),
         place_in_words(curves, first),
-        NoValue::Unsupported.reason(),
+        reason.reason(),
     ))
 }
 

@@ -475,6 +475,8 @@ pub struct Load {
     pub at: Text,
     /// For an axle, the loaded wheel. The default is both wheels.
     pub side: Option<Text>,
+    /// With elastic parts, the quantity that stays: `wheel_load` or `wheel_height`.
+    pub hold: Option<Text>,
     /// Force. Three components are valid.
     pub force: Option<Coordinates>,
     /// Moment. Three components are valid.

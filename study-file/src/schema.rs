@@ -61,6 +61,15 @@ impl Root {
     }
 }
 
+/// Permitted values of a text, or keys of a table.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Allowed {
+    /// Names in full.
+    pub names: Vec<String>,
+    /// Regular expression (ECMA 262) of further values.
+    pub pattern: Option<String>,
+}
+
 /// Everything that the reader asks for, by place, and the keys that it requires.
 fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
     let notes = RefCell::new(Notes::default());
@@ -144,8 +153,8 @@ fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
 }
 
 /// JSON schema (draft 4) of studies: keys, required keys, and types of values. In later drafts 8.0 is an integer, but not in
-/// TOML. `names` returns the list of allowed names or table keys for a kind of study and a place, if there is one.
-pub fn schema(names: fn(Root, &str) -> Option<Vec<String>>) -> Value {
+/// TOML. `allowed` returns the allowed texts or table keys for a kind of study and a place, if they are limited.
+pub fn schema(allowed: fn(Root, &str) -> Option<Allowed>) -> Value {
     let kinds = Root::ALL.map(|root| {
         let (places, needed) = places(root);
         let book = Book {
@@ -153,7 +162,7 @@ pub fn schema(names: fn(Root, &str) -> Option<Vec<String>>) -> Value {
             places,
             needed,
             manual: manual(root),
-            names,
+            allowed,
         };
         let mut study = book.of("");
         study["title"] = json!(root.title());

@@ -15,6 +15,8 @@ pub enum NoValue {
     Toggle,
     /// No member can carry the load.
     Unsupported,
+    /// The elastic parts have no equilibrium under the load.
+    NotHeld,
     /// The formula divides by zero here.
     NotFinite,
     /// The formula of a wheel characteristic has no value for the reason given.
@@ -22,6 +24,11 @@ pub enum NoValue {
 }
 
 impl NoValue {
+    /// Returns true if nothing carries a load. The station's status reports it.
+    pub fn is_about_loads(self) -> bool {
+        matches!(self, NoValue::Unsupported | NoValue::NotHeld)
+    }
+
     /// Reason in words, as the end of a sentence.
     pub fn reason(self) -> &'static str {
         match self {
@@ -35,6 +42,7 @@ impl NoValue {
             NoValue::Unsupported => {
                 "the spring (or the support instead of it) has almost no leverage there"
             }
+            NoValue::NotHeld => "the elastic parts have no equilibrium under the load",
             NoValue::NotFinite => "its formula divides by zero there",
             NoValue::Undefined(condition) => condition,
         }

@@ -1,5 +1,6 @@
 //! Builder for the system of one design: elastic parts at their hardpoints.
 
+mod places;
 mod seats;
 
 use super::bushing::Bushing;
@@ -14,33 +15,7 @@ use super::system::{CarrierBushing, Limb, System};
 use crate::derive::DesignedSpinAxis;
 use crate::model::{Arm, Body, Constraint, Mechanism, PointId};
 use crate::number::{Matrix3, Scalar, Vector3};
-
-/// Location of one of the definition's bushings in the system.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum BushingPlace {
-    /// End of a part with inner unknowns.
-    Limb {
-        /// Index of the part.
-        limb: usize,
-        /// Index of the end.
-        end: usize,
-    },
-    /// Top mount of the strut.
-    Mount(usize),
-    /// Connection of body and carrier.
-    Carrier(usize),
-    /// Connection of body and subframe.
-    Subframe(usize),
-}
-
-/// Location of one of the definition's links in the system.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum LinkPlace {
-    /// Rod of the carrier.
-    Rod(usize),
-    /// Rod of the rocker at the spring's seat.
-    RockerRod,
-}
+pub(super) use places::{BushingPlace, JointPlace, LimbPlace, LinkPlace, Places};
 
 /// System, with the locations of the study's parts in it.
 #[derive(Clone, Debug)]
@@ -52,6 +27,7 @@ pub(super) struct Built<T> {
     pub(super) links: Vec<LinkPlace>,
     /// Names of the limbs, for messages.
     pub(super) names: Vec<String>,
+    pub(super) places: Places,
 }
 
 /// Parts of an axle to which a wheel's parts connect.
@@ -84,6 +60,7 @@ struct Builder<'a, T> {
     bushings: Vec<Option<BushingPlace>>,
     links: Vec<Option<LinkPlace>>,
     names: Vec<String>,
+    places: Places,
     /// True for each constraint that elastic parts replace.
     replaced: Vec<bool>,
 }
@@ -133,6 +110,7 @@ impl<T: Scalar> Built<T> {
             bushings: vec![None; compliance.bushings.len()],
             links: vec![None; compliance.links.len()],
             names: Vec::new(),
+            places: Places::default(),
             replaced: vec![false; mechanism.constraints.len()],
         };
         let arms = builder.arms();
@@ -147,6 +125,7 @@ impl<T: Scalar> Built<T> {
             bushings: bushings.chain(mounts).collect(),
             links: builder.links.into_iter().flatten().collect(),
             names: builder.names,
+            places: builder.places,
         }
     }
 }
@@ -176,14 +155,16 @@ impl<T: Scalar> Builder<'_, T> {
         }
     }
 
-    fn push_limb(&mut self, limb: Limb<T>, name: &str, holder: Holder) {
+    fn push_limb(&mut self, limb: Limb<T>, name: &str, holder: Holder, place: LimbPlace) {
         self.system.limbs.push(limb);
+        self.places.limbs.push(place);
         self.system.holders.limbs.push(holder);
         self.names.push(name.to_owned());
     }
 
-    fn push_joint(&mut self, joint: Joint<T>, holder: Holder) {
+    fn push_joint(&mut self, joint: Joint<T>, holder: Holder, place: JointPlace) {
         self.system.joints.push(joint);
+        self.places.joints.push(place);
         self.system.holders.joints.push(holder);
     }
 
@@ -254,7 +235,12 @@ impl<T: Scalar> Builder<'_, T> {
                 bar: None,
                 spin: None,
             });
-            self.push_limb(swinging, name, self.holder(arm.front));
+            self.push_limb(
+                swinging,
+                name,
+                self.holder(arm.front),
+                LimbPlace::Arm(arm.outer),
+            );
             limbs[k] = Some(limb);
         }
         limbs
@@ -270,7 +256,7 @@ impl<T: Scalar> Builder<'_, T> {
                 on_rack: self.is_on_rack(id),
                 elastic: None,
             };
-            self.push_joint(Joint::Rod(rod), self.holder(id));
+            self.push_joint(Joint::Rod(rod), self.holder(id), JointPlace::Pivot(outer));
         }
         End {
             lever,
@@ -304,6 +290,7 @@ impl<T: Scalar> Builder<'_, T> {
         let at_inner = self.compliance.bushing_at(inner);
         let at_outer = self.compliance.bushing_at(outer);
         let limb = self.system.limbs.len();
+        let place = LimbPlace::Link { inner, outer };
         let name = self.mechanism.link_name(inner).to_owned();
         let rates = [at_inner, at_outer].into_iter().flatten();
         let slope = rates
@@ -324,7 +311,7 @@ impl<T: Scalar> Builder<'_, T> {
                     bar: None,
                     spin: Some(spin),
                 });
-                self.push_limb(swinging, &name, self.holder(inner));
+                self.push_limb(swinging, &name, self.holder(inner), place);
             }
             (at_inner, Some(number)) => {
                 self.bushings[number] = Some(BushingPlace::Limb { limb, end: 1 });
@@ -341,7 +328,7 @@ impl<T: Scalar> Builder<'_, T> {
                     joint: self.on_carrier(outer),
                     spin,
                 });
-                self.push_limb(floating, &name, self.holder(inner));
+                self.push_limb(floating, &name, self.holder(inner), place);
             }
         }
     }
@@ -355,11 +342,15 @@ impl<T: Scalar> Builder<'_, T> {
             elastic: None,
         };
         match self.compliance.link(member) {
-            None => self.push_joint(Joint::Rod(rod), self.holder(inner)),
+            None => {
+                let place = JointPlace::Rod { inner, outer };
+                self.push_joint(Joint::Rod(rod), self.holder(inner), place);
+            }
             Some(stiffness) => {
                 rod.elastic = Some([rate(stiffness, along), along.x.zero()]);
                 self.place_link(member, LinkPlace::Rod(self.system.rods.len()));
                 self.system.rods.push(rod);
+                self.places.rods.push([inner, outer]);
                 self.system.holders.rods.push(self.holder(inner));
             }
         }
@@ -380,8 +371,9 @@ impl<T: Scalar> Builder<'_, T> {
         match self.compliance.bushing_at(top) {
             None => {
                 for normal in normals(along) {
+                    let place = JointPlace::Line(top);
                     let top = self.on_carrier(top);
-                    self.push_joint(Joint::Line { normal, top }, Holder::Body);
+                    self.push_joint(Joint::Line { normal, top }, Holder::Body, place);
                 }
             }
             Some(number) => {
@@ -404,7 +396,8 @@ impl<T: Scalar> Builder<'_, T> {
                     bushing: self.bushing(number, axes),
                     spring: law.cloned(),
                 });
-                self.push_limb(mount, "strut", Holder::Body);
+                self.push_limb(mount, "strut", Holder::Body, LimbPlace::Mount);
+                self.places.has_spring = law.is_some();
             }
         }
     }
@@ -418,7 +411,11 @@ impl<T: Scalar> Builder<'_, T> {
             Vector3::new(zero, one, zero),
             Vector3::new(zero, zero, one),
         ] {
-            self.push_joint(Joint::Pin { lever, direction }, self.holder(at));
+            self.push_joint(
+                Joint::Pin { lever, direction },
+                self.holder(at),
+                JointPlace::Pin(at),
+            );
         }
     }
 
@@ -444,12 +441,14 @@ impl<T: Scalar> Builder<'_, T> {
                 // If both joints of the line are rigid, the second one must not hold along the line again.
                 None if numbers == [None, None] && k == 1 => {
                     for direction in normals(along) {
-                        self.push_joint(Joint::Pin { lever, direction }, self.holder(id));
+                        let pin = Joint::Pin { lever, direction };
+                        self.push_joint(pin, self.holder(id), JointPlace::Pin(id));
                     }
                 }
                 None => {
                     for direction in axes {
-                        self.push_joint(Joint::Pin { lever, direction }, self.holder(id));
+                        let pin = Joint::Pin { lever, direction };
+                        self.push_joint(pin, self.holder(id), JointPlace::Pin(id));
                     }
                 }
             }

@@ -11,6 +11,7 @@ mod algebra;
 mod axle;
 mod build;
 mod bushing;
+mod carried;
 mod characteristics;
 mod coupling;
 mod definition;
@@ -41,6 +42,7 @@ pub use axle::{
     AxleChange, AxleCompliance, AxleEquilibrium, AxleOnTape, AxlePlace, AxleTangent, AxleWay,
     ElasticAxle, SteeringColumn,
 };
+pub(crate) use carried::{CarriedForces, ElasticMember};
 pub use characteristics::not_of_equilibrium;
 pub use definition::{
     AxialStiffness, BushingPart, Compliance, LinkMember, LinkPart, Relaxed, Subframe,

@@ -4,7 +4,7 @@ use super::algebra::{Logarithm, Placed};
 use super::build::{Built, BushingPlace, LinkPlace};
 use super::bushing::{Bushing, BushingState};
 use super::floating::Floating;
-use super::ground::Surroundings;
+use super::ground::{Frames, Surroundings};
 use super::limb::LimbStep;
 use super::parts::Joint;
 use super::reading::WheelFigures;
@@ -156,6 +156,34 @@ impl<T: Scalar> Built<T> {
     /// Converts the system to another kind of number.
     pub(super) fn system_over<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> System<U> {
         self.system.map(f)
+    }
+}
+
+impl System<f64> {
+    /// Tension of the rod between suspension and rocker. A rigid rod carries the whole force of its seat, along its line. That
+    /// line stays within a right angle of its design direction.
+    pub(super) fn rocker_rod(&self, frames: &Frames<f64>, state: &State<f64>) -> Option<f64> {
+        let limbs = self.limbs.iter().zip(&self.holders.limbs);
+        let (seat, moved, slide) = limbs.zip(&state.limbs).find_map(|((limb, holder), own)| {
+            let at = frames.of(*holder);
+            match limb {
+                Limb::Swinging(arm) => {
+                    let place = arm.seat.as_ref()?;
+                    Some((&place.1, arm.seat_displacement(place, at, own), own.slide))
+                }
+                Limb::LegSeat(leg) => Some((&leg.seat, leg.displacement(at), own.slide)),
+                Limb::CarrierSeat(part) => {
+                    let moved = at.carrier.displacement(part.lever);
+                    Some((&part.seat, moved, own.slide))
+                }
+                _ => None,
+            }
+        })?;
+        let rocker = seat.rocker.as_ref()?;
+        // The derivative of the energy is the opposite of the force on the rod's outer end.
+        let force = -seat.force(moved, slide, 0.0, false).point.force;
+        let inward = rocker.inner - seat.point;
+        Some(force.norm().copysign(force.dot(inward)))
     }
 }
 

@@ -1,10 +1,11 @@
 //! Curves of a wheel with elastic parts: its equilibria over travel and rack, without horizontal loads.
 
+use super::elastic_loads::ElasticLoads;
 use super::run::{motion, place};
 use super::{Column, Curves, Sensitivity, Station, Status};
 use crate::ask::NoValue;
 use crate::characteristics::{Characteristic, Quantity};
-use crate::compliance::{KcRun, KcValue, Parameter};
+use crate::compliance::{KcRun, KcValue, NoEquilibrium, Parameter};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, LengthUnit, PointId, Suspension};
 use crate::number::Tape;
@@ -73,32 +74,20 @@ pub(super) fn elastic_curves(
         .iter()
         .map(|(point, axis)| Parameter::Point(*point, *axis))
         .collect();
+    let loads = ElasticLoads::of(suspension, &elastic.parts, run.wheel(), &plan.loads);
     let mut curves = Curves {
         motion: motion(plan, suspension.length_unit.symbol()),
-        columns,
+        columns: columns.into_iter().chain(loads.columns()).collect(),
         ..Curves::default()
     };
     let mut tape = Tape::default();
     for rack in &plan.racks {
         for (number, travel) in plan.station_order.values().iter().enumerate() {
             let at = [*travel, *rack];
-            let mut gradients = Vec::new();
-            let found = match parameters.is_empty() {
-                true => run.values(at, &wanted),
-                false => {
-                    let mut values = vec![None; wanted.len()];
-                    let read = run.gradients(at, &wanted, &parameters, &mut tape, &mut |found| {
-                        values[found.number] = found.value;
-                        if found.value.is_some() {
-                            gradients.push((found.number, found.by.to_vec()));
-                        }
-                    });
-                    read.map(|()| values)
-                }
-            };
-            let (status, values) = match found {
-                Ok(values) => (Status::Ok, values),
-                Err(why) => (Status::Failed(why.into()), Vec::new()),
+            let found = values_and_gradients(&run, at, &wanted, &parameters, &mut tape);
+            let (status, values, gradients) = match found {
+                Ok((values, gradients)) => (Status::Ok, values, gradients),
+                Err(why) => (Status::Failed(why.into()), Vec::new(), Vec::new()),
             };
             let missing = |read: &Read| match status {
                 Status::Ok => read.undefined,
@@ -109,7 +98,8 @@ pub(super) fn elastic_curves(
                 let printed = value.map(|value| value * curves.columns[k].factor());
                 printed.ok_or_else(|| missing(read))
             });
-            let values = cells.collect();
+            let mut values: Vec<_> = cells.collect();
+            let status = loads.add_values(at, status, &mut values);
             let station = curves.stations.len();
             for (column, by) in gradients {
                 let factor = curves.columns[column].factor();
@@ -134,4 +124,28 @@ pub(super) fn elastic_curves(
         }
     }
     Ok(curves)
+}
+
+/// Values of a station, and derivatives by `parameters` of those that exist, with their numbers.
+type ValuesAndGradients = (Vec<Option<f64>>, Vec<(usize, Vec<f64>)>);
+
+/// Values at a travel and a rack displacement, with their derivatives by `parameters`.
+fn values_and_gradients(
+    run: &KcRun,
+    at: [f64; 2],
+    wanted: &[KcValue],
+    parameters: &[Parameter],
+    tape: &mut Tape,
+) -> Result<ValuesAndGradients, NoEquilibrium> {
+    if parameters.is_empty() {
+        return Ok((run.values(at, wanted)?, Vec::new()));
+    }
+    let (mut values, mut gradients) = (vec![None; wanted.len()], Vec::new());
+    run.gradients(at, wanted, parameters, tape, &mut |found| {
+        values[found.number] = found.value;
+        if found.value.is_some() {
+            gradients.push((found.number, found.by.to_vec()));
+        }
+    })?;
+    Ok((values, gradients))
 }

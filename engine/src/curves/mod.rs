@@ -4,6 +4,7 @@ mod by_time;
 mod column;
 mod drive_law;
 mod elastic;
+mod elastic_loads;
 mod frames;
 mod influence;
 mod loads;
@@ -17,6 +18,7 @@ pub(crate) use by_time::ByTime;
 pub use column::Column;
 pub(crate) use column::{per, velocity_name};
 pub use drive_law::DriveLaw;
+pub(crate) use elastic_loads::MemberColumns;
 pub use frames::{Frame, OtherWheel, Placement, Turn, frames, wheel_frames};
 pub use influence::{Influence, influences};
 pub(crate) use loads::Loads;
@@ -234,7 +236,7 @@ impl Curves {
             let has_pose = |s: &&Station| s.status.is_whole() || s.status == Status::Unsupported;
             let stations = self.stations.iter().filter(has_pose);
             let cells = stations.filter_map(|s| s.values[column].err());
-            for reason in cells.filter(|reason| *reason != NoValue::Unsupported) {
+            for reason in cells.filter(|reason| !reason.is_about_loads()) {
                 match counts.iter_mut().find(|c| c.0 == column && c.1 == reason) {
                     Some(count) => count.2 += 1,
                     None => counts.push((column, reason, 1)),

@@ -201,7 +201,6 @@ pub(super) fn refuse_in_outputs(section: &file::Outputs, problems: &mut Problems
         .as_ref()
         .filter(|o| o.get_ref() == "acceleration");
     let points = section.points.first().map(Text::span);
-    let loads = section.loads.as_ref().map(Spanned::span);
     let places = [
         (
             points,
@@ -214,10 +213,6 @@ pub(super) fn refuse_in_outputs(section: &file::Outputs, problems: &mut Problems
         (
             is_on(&section.certify),
             "certify proves poses of the rigid mechanism; with [compliance] it is not available",
-        ),
-        (
-            loads,
-            "loads are carried by the rigid mechanism; with [compliance] levels.csv of `hardpoint kc` has the forces of all bushings and links",
         ),
         (
             order.map(Text::span),

@@ -6,6 +6,7 @@ use super::names::{choose, choose_or};
 use super::resolve::each;
 use super::suspension::three;
 use super::{Load, LoadPoint};
+use crate::compliance::HeldQuantity;
 use crate::model::{Axis, Suspension};
 use crate::number::Vector3;
 
@@ -14,10 +15,86 @@ const PLACES: [(&str, LoadPoint); 2] = [
     ("wheel_centre", LoadPoint::WheelCentre),
 ];
 
+/// Quantities that a load may hold in an equilibrium.
+const HELD: [(&str, HeldQuantity); 2] = [
+    ("wheel_load", HeldQuantity::WheelLoad),
+    ("wheel_height", HeldQuantity::WheelHeight),
+];
+
+/// Parts that hold the wheel under a load.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Holding {
+    /// Rigid mechanism: its support holds the wheel at the station.
+    Rigid,
+    /// Elastic parts without a spring.
+    Elastic,
+    /// Elastic parts with a spring.
+    Sprung,
+}
+
+impl Holding {
+    /// Parts of a study. `has_spring` says whether its elastic parts have a spring; `None` without elastic parts.
+    pub(super) fn of(has_spring: Option<bool>) -> Holding {
+        match has_spring {
+            None => Holding::Rigid,
+            Some(false) => Holding::Elastic,
+            Some(true) => Holding::Sprung,
+        }
+    }
+
+    /// Reads the quantity that a load holds.
+    fn held(self, load: &file::Load, problems: &mut Problems) -> Option<Option<HeldQuantity>> {
+        let Some(written) = &load.hold else {
+            return Some(match self {
+                Holding::Rigid => None,
+                Holding::Elastic => Some(HeldQuantity::WheelHeight),
+                Holding::Sprung => Some(HeldQuantity::WheelLoad),
+            });
+        };
+        let held = choose(written, "quantity to hold", &HELD, problems)?;
+        let message = match (self, held) {
+            (Holding::Rigid, _) => {
+                "hold needs [compliance] with elastic parts; in a rigid mechanism the support holds the wheel"
+            }
+            (Holding::Elastic, HeldQuantity::WheelLoad) => {
+                "hold = \"wheel_load\" needs [spring]: without a spring nothing carries the wheel load"
+            }
+            _ => return Some(Some(held)),
+        };
+        problems.refuse(written.span(), message)
+    }
+}
+
+/// Refuses a vertical force at the contact point while the height is held.
+fn check_vertical(
+    written: &file::Load,
+    load: &Load,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<()> {
+    let holds_height = load.held == Some(HeldQuantity::WheelHeight);
+    let is_absorbed = load.at == LoadPoint::ContactPoint && load.force.z != 0.0;
+    if !holds_height || !is_absorbed {
+        return Some(());
+    }
+    let message = format!(
+        "the height of the wheel is held, so a vertical force at the contact point does nothing: leave z of force out; \
+         {}_vertical_force_{} is the force that holds the height",
+        load.name,
+        suspension.length_unit.force_symbol()
+    );
+    let place = written
+        .force
+        .as_ref()
+        .map_or(written.name.span(), |f| f.span());
+    problems.refuse(place, &message)
+}
+
 /// Loads on one wheel. `None` if one has an error.
 pub(super) fn loads(
     section: &file::Outputs,
     suspension: &Suspension,
+    holding: Holding,
     problems: &mut Problems,
 ) -> Option<Vec<Load>> {
     let written = section.loads.iter().flat_map(|l| l.get_ref());
@@ -25,16 +102,17 @@ pub(super) fn loads(
         let message = "side needs [axle]; this study describes one wheel";
         problems.add(side.span(), message);
     }
-    all(section, suspension, problems)
+    all(section, suspension, holding, problems)
 }
 
 /// Loads on the left and right wheel of an axle, each in the kernel's frame of its side. `None` if one has an error.
 pub(super) fn loads_of_axle(
     section: &file::Outputs,
     left: &Suspension,
+    holding: Holding,
     problems: &mut Problems,
 ) -> Option<[Vec<Load>; 2]> {
-    let loads = all(section, left, problems);
+    let loads = all(section, left, holding, problems);
     let written = section.loads.iter().flat_map(|l| l.get_ref());
     let names = [("left", [true, false]), ("right", [false, true])];
     let sides = each(written, |load| {
@@ -51,10 +129,13 @@ pub(super) fn loads_of_axle(
 fn all(
     section: &file::Outputs,
     suspension: &Suspension,
+    holding: Holding,
     problems: &mut Problems,
 ) -> Option<Vec<Load>> {
     let written = section.loads.as_ref().map_or(&[][..], |l| l.get_ref());
-    let loads = each(written, |load| resolved(load, suspension, problems));
+    let loads = each(written, |load| {
+        resolved(load, suspension, holding, problems)
+    });
     for (i, load) in written.iter().enumerate() {
         // A load on the left wheel and a load on the right wheel may share a name.
         let apart = |other: &file::Load| match (&other.side, &load.side) {
@@ -67,6 +148,18 @@ fn all(
             let error = problems.add(load.name.span(), message);
             error.related(first.name.span(), "first here");
         }
+        // Both act in one equilibrium.
+        let differs =
+            |one: &&file::Load| one.name == load.name && apart(one) && one.hold != load.hold;
+        if let Some(first) = written[..i].iter().find(differs) {
+            let message = format!(
+                "{:?} holds another quantity at the other wheel",
+                load.name.get_ref()
+            );
+            let error = problems.add(load.name.span(), message);
+            error.related(first.name.span(), "first here");
+            return None;
+        }
     }
     loads
 }
@@ -74,9 +167,11 @@ fn all(
 fn resolved(
     written: &file::Load,
     suspension: &Suspension,
+    holding: Holding,
     problems: &mut Problems,
 ) -> Option<Load> {
     let name = name(written, problems);
+    let held = holding.held(written, problems);
     let at = choose(&written.at, "place", &PLACES, problems);
     if at == Some(LoadPoint::ContactPoint) && suspension.wheel_radius.is_none() {
         let message = "the contact point needs radius in [wheel], which this study does not give";
@@ -93,12 +188,15 @@ fn resolved(
     let moment = components(&written.moment, &format!("{symbol} {length}"), problems);
     let (frame, moment) = (suspension.frame, newtons(moment?));
     let turn = |axis: Axis| frame.turn_sign(axis) * moment[axis];
-    Some(Load {
+    let load = Load {
         name: name?,
         at: at?,
+        held: held?,
         force: frame.vector(force?),
         moment: Vector3::from(Axis::ALL.map(turn)),
-    })
+    };
+    check_vertical(written, &load, suspension, problems)?;
+    Some(load)
 }
 
 /// Reads a name that can be a prefix of column names.

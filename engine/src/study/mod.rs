@@ -78,7 +78,7 @@ pub use vehicle::{Vehicle, WheelStudy};
 use crate::ask::{Unit, with_unit};
 use crate::assembly::BuildParameter;
 use crate::characteristics::{Characteristic, Measure, Quantity};
-use crate::compliance::{KcValue, Parameter};
+use crate::compliance::{HeldQuantity, KcValue, Parameter};
 use crate::model::{Axis, Frame, LengthUnit, PointId, Side, Suspension};
 use crate::number::Vector3;
 
@@ -223,6 +223,8 @@ pub struct Load {
     pub name: String,
     /// Point at which the force acts.
     pub at: LoadPoint,
+    /// Quantity that stays fixed in an equilibrium of elastic parts. `None` for a rigid mechanism.
+    pub held: Option<HeldQuantity>,
     /// Force in N.
     pub force: Vector3<f64>,
     /// Moment in N times the study's length unit.

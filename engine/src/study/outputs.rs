@@ -4,7 +4,7 @@ use super::axle_forces;
 use super::elastic_targets::{self, ElasticQuantity};
 use super::error::Problems;
 use super::file::{self, File};
-use super::loads::loads;
+use super::loads::{Holding, loads};
 use super::names::{choose, choose_or, nearest};
 use super::resolve::each;
 use super::subject::point;
@@ -61,7 +61,8 @@ pub(super) fn outputs(
     let points = points(section, suspension, problems);
     let order = order(section, problems);
     let sensitivities = sensitivities(section, suspension, problems);
-    let loads = loads(section, suspension, problems);
+    let has_spring = elastic.map(|elastic| elastic.parts.spring.is_some());
+    let loads = loads(section, suspension, Holding::of(has_spring), problems);
     let order = order?;
     let (mut characteristics, mut figures) = (Vec::new(), Vec::new());
     for (named, text) in named?.into_iter().zip(&section.characteristics) {

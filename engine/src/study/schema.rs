@@ -2,13 +2,37 @@
 
 use crate::car::CarQuantity;
 use crate::characteristics::Characteristic;
-use crate::compliance::FIGURE_NAMES;
+use crate::compliance::{FIGURE_NAMES, TestLoad};
 use crate::model::{FrameConvention, LengthUnit, Side, Topology};
-use hardpoint_study_file::schema::{self, Root};
+use hardpoint_study_file::schema::{self, Allowed, Root};
 
 /// JSON schema (draft 4) of studies, for editors: keys, required keys, types of values, and permitted names.
 pub fn schema() -> serde_json::Value {
-    schema::schema(names)
+    schema::schema(allowed)
+}
+
+/// Permitted texts, or keys of a table, for a kind of study and a place.
+fn allowed(root: Root, path: &str) -> Option<Allowed> {
+    let has_figures = root == Root::Suspension
+        && matches!(
+            path,
+            "outputs.characteristics[]" | "optimise.targets[].figure"
+        );
+    Some(Allowed {
+        names: names(root, path)?,
+        pattern: has_figures.then(figure_pattern),
+    })
+}
+
+/// Regular expression of figures whose names tell what differs from the usual test, as
+/// [`TestFigure::stem`](crate::axle::TestFigure::stem) writes them.
+fn figure_pattern() -> String {
+    let loads = TestLoad::ALL.map(|(name, _)| format!("_{name}")).join("|");
+    format!(
+        "^({})(_trail_-?[0-9.]+)?(_wheel_height|_wheel_load)?(_opposed|_left_loaded|_right_loaded)?(_without_bar)?(_locked_rack)?\
+         (_secant)?({loads})?$",
+        FIGURE_NAMES.join("|")
+    )
 }
 
 /// Permitted names of a text, or keys of a table, for a kind of study and a place.
@@ -27,6 +51,7 @@ fn names(root: Root, path: &str) -> Option<Vec<String>> {
                 names.extend(FIGURE_NAMES);
                 names
             }
+            "optimise.targets[].figure" => FIGURE_NAMES.to_vec(),
             "setup.want" => Characteristic::ALL.iter().map(|c| c.info().name).collect(),
             _ => return None,
         }),

@@ -34,6 +34,8 @@ pub struct KcResults<'a> {
     pub is_axle: bool,
     /// Stations of the tests.
     pub stations: Vec<KcStation>,
+    /// Rate of the tyre, force per length.
+    pub tyre_rate: Option<f64>,
     /// Program whose names and values are added beside ours.
     pub other: Option<OtherProgram>,
 }
@@ -228,7 +230,8 @@ impl KcResults<'_> {
         value.map(|value| value * figure.unit.printed_factor(self.length()))
     }
 
-    /// Result by the definition of another program.
+    /// Result by the definition of another program. `None` for a test whose anti-roll bar and steering are not those of the
+    /// matrix.
     fn other_figure(
         &self,
         program: OtherProgram,
@@ -236,13 +239,20 @@ impl KcResults<'_> {
         outcome: &KcOutcome,
         figure: &KcFigure,
     ) -> Option<OtherFigure> {
+        let (first, _) = station.tests.first()?;
+        if first.conditions() != outcome.test.conditions() {
+            return None;
+        }
         let of = StationMatrix {
             matrix: station.matrix.as_ref()?,
             frame: self.suspension.frame,
             length: self.length(),
             radius: self.suspension.wheel_radius?,
+            tyre_rate: self.tyre_rate,
+            centre_distance: station.centre_distance,
         };
-        of.other(program, figure.quantity, &outcome.test)
+        let test = (&outcome.test, outcome.place);
+        of.other(program, figure.quantity, test, figure.of)
     }
 
     fn figure_rows(&self, station: &KcStation, outcome: &KcOutcome, rows: &mut Vec<Vec<String>>) {
@@ -268,11 +278,7 @@ impl KcResults<'_> {
             if let Some(program) = self.other {
                 let other = self.other_figure(program, station, outcome, figure);
                 row.extend(match other {
-                    Some(other) => [
-                        other.name.to_owned(),
-                        shortest(other.value),
-                        other.unit.to_owned(),
-                    ],
+                    Some(other) => [other.name, shortest(other.value), other.unit.to_owned()],
                     None => [const { String::new() }; 3],
                 });
             }

@@ -1,7 +1,7 @@
 //! Writes the schema from the notes of the reader and the manual.
 
-use super::Root;
 use super::source::{Kind, Place, key_path};
+use super::{Allowed, Root};
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -44,7 +44,7 @@ pub(super) struct Book {
     pub(super) places: BTreeMap<String, Place>,
     pub(super) needed: BTreeSet<String>,
     pub(super) manual: BTreeMap<(String, String), String>,
-    pub(super) names: fn(Root, &str) -> Option<Vec<String>>,
+    pub(super) allowed: fn(Root, &str) -> Option<Allowed>,
 }
 
 impl Book {
@@ -56,16 +56,16 @@ impl Book {
             Kind::Number => json!({ "type": "number" }),
             Kind::Whole => json!({ "type": "integer" }),
             Kind::Truth => json!({ "type": "boolean" }),
-            Kind::Text => match (self.names)(self.root, path) {
-                Some(names) => json!({ "type": "string", "enum": names }),
+            Kind::Text => match (self.allowed)(self.root, path) {
+                Some(allowed) => text(&allowed),
                 None => json!({ "type": "string" }),
             },
             Kind::List => json!({ "type": "array", "items": self.of(&format!("{path}[]")) }),
             Kind::Names => {
                 let value = self.of(&format!("{path}{{}}"));
-                match (self.names)(self.root, path) {
-                    Some(names) => {
-                        let named = names.into_iter().map(|name| (name, value.clone()));
+                match (self.allowed)(self.root, path) {
+                    Some(allowed) => {
+                        let named = allowed.names.into_iter().map(|name| (name, value.clone()));
                         let properties: Map<String, Value> = named.collect();
                         json!({ "type": "object", "properties": properties, "additionalProperties": false })
                     }
@@ -109,5 +109,14 @@ impl Book {
             table["required"] = json!(needed);
         }
         table
+    }
+}
+
+/// Schema of a text with limited values.
+fn text(allowed: &Allowed) -> Value {
+    let names = json!({ "type": "string", "enum": allowed.names });
+    match &allowed.pattern {
+        None => names,
+        Some(pattern) => json!({ "anyOf": [names, { "type": "string", "pattern": pattern }] }),
     }
 }

@@ -288,8 +288,8 @@ fn values_of_other_programs_follow_their_definitions() {
             (
                 OtherProgram::Altair,
                 "Lateral Force Steer",
-                -turn.z.to_degrees(),
-                1.0,
+                turn.z.to_degrees(),
+                -1.0,
             ),
             (
                 OtherProgram::Altair,

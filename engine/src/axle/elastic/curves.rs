@@ -2,6 +2,7 @@
 
 use super::super::places::{motion_columns, place};
 use super::super::{Axle, AxleColumn, AxleCurves, AxlePlan};
+use super::loads::AxleLoads;
 use super::{AxleRead, Equilibria};
 use crate::ask::NoValue;
 use crate::compliance::{AxleParameter, NoEquilibrium, Parameter};
@@ -25,6 +26,10 @@ pub(in crate::axle) fn curves(
         columns: columns.iter().map(Column::from).collect(),
         ..Curves::default()
     };
+    let model = axle.elastic_model(elastic)?;
+    let loads = AxleLoads::of(axle, elastic, &model, plan);
+    found.columns.extend(loads.columns());
+    let count = found.columns.len();
     let mut reader = StationReader {
         axle,
         plan,
@@ -36,16 +41,25 @@ pub(in crate::axle) fn curves(
     for (number, placement) in plan.motion.placements().iter().enumerate() {
         let at = place(&plan.motion, axle, (number, placement), None);
         let read = match placement.on_level_pads() {
-            Some(place) => reader.read(number, place).map_err(NoPose::from),
+            Some(place) => reader
+                .read(number, place)
+                .map(|found| (found, loads.values(place)))
+                .map_err(NoPose::from),
             None => Err(NoPose::NoGround),
         };
         let (status, values) = match read {
-            Ok((values, sensitivities)) => {
+            Ok(((mut values, sensitivities), forces)) => {
                 found.sensitivities.extend(sensitivities);
-                (Status::Ok, values)
+                let status = match forces.contains(&None) {
+                    true => Status::Unsupported,
+                    false => Status::Ok,
+                };
+                let forces = forces.into_iter();
+                values.extend(forces.map(|force| force.ok_or(NoValue::NotHeld)));
+                (status, values)
             }
             Err(why) => {
-                let none = vec![Err(NoValue::NoPose); reader.columns.len()];
+                let none = vec![Err(NoValue::NoPose); count];
                 (Status::Failed(why), none)
             }
         };

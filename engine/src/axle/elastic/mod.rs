@@ -5,6 +5,7 @@
 
 mod curves;
 mod figure;
+mod loads;
 mod reading;
 
 pub(super) use curves::curves;

@@ -15,8 +15,9 @@ use super::super::{Axle, AxleColumn, AxleKind, AxleQuantity, Motion, Quantity, W
 use super::TestFigure;
 use crate::characteristics::{Characteristic, Inputs};
 use crate::compliance::{
-    AxleChange, AxleCompliance, AxleFigure, AxleKcRun, AxleParameter, AxlePlace, AxleVehicle,
-    Conditions, HeldQuantity, Here, KcTest, NoEquilibrium, WheelFigures, not_of_equilibrium,
+    AxleChange, AxleCompliance, AxleFault, AxleFigure, AxleKcRun, AxleParameter, AxlePlace,
+    AxleVehicle, Conditions, ElasticAxle, HeldQuantity, Here, KcTest, NoEquilibrium, WheelFigures,
+    not_of_equilibrium,
 };
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, Side};
@@ -347,6 +348,24 @@ impl Axle {
         self.equilibria(designs, &elastic.parts)
     }
 
+    /// Elastic model of the axle with its own hardpoints. An error if it has none.
+    pub(in crate::axle) fn elastic_model(
+        &self,
+        elastic: &AxleComplianceStudy,
+    ) -> Result<ElasticAxle, (Side, DesignFault)> {
+        let suspensions = Side::ALL.map(|side| self.suspension(side));
+        let designs = suspensions.map(|suspension| &suspension.design[..]);
+        ElasticAxle::of(suspensions, designs, &elastic.parts)
+            .map_err(|fault| self.no_model(&fault, &elastic.parts))
+    }
+
+    /// Reason why the axle has no elastic model, with the side of the fault.
+    fn no_model(&self, fault: &AxleFault, parts: &AxleCompliance) -> (Side, DesignFault) {
+        let words = fault.describe(&parts.wheels, &self.left);
+        let side = fault.side.unwrap_or(Side::Left);
+        (side, DesignFault::Elastic(words))
+    }
+
     /// Equilibria of the axle with its hardpoints at `designs` and these parts. An error if it has no elastic model.
     pub(crate) fn equilibria(
         &self,
@@ -354,11 +373,8 @@ impl Axle {
         parts: &AxleCompliance,
     ) -> Result<Equilibria<'_>, (Side, DesignFault)> {
         let vehicle = self.on_rig(self.elastic.as_ref().and_then(|own| own.tyre_rate));
-        let run = AxleKcRun::of(vehicle, designs, parts).map_err(|fault| {
-            let words = fault.describe(&parts.wheels, &self.left);
-            let side = fault.side.unwrap_or(Side::Left);
-            (side, DesignFault::Elastic(words))
-        })?;
+        let run =
+            AxleKcRun::of(vehicle, designs, parts).map_err(|fault| self.no_model(&fault, parts))?;
         Ok(Equilibria {
             run,
             along: self.left.frame.sign(Axis::Y),

@@ -16,6 +16,7 @@ pub use ends::AxleWay;
 pub use tape::AxleOnTape;
 
 use super::build::{HalfOfAxle, OfAxle};
+use super::carried::{CarriedForces, ElasticMember};
 use super::definition::Relaxed;
 use super::fault::{AxleFault, ElasticFault, Motion};
 use super::ground::{RACK, SHARED};
@@ -27,7 +28,7 @@ use super::wheel::{
 };
 use crate::characteristics::Inputs;
 use crate::mechanism::Pose;
-use crate::model::{Axis, Side, Suspension, mirrored};
+use crate::model::{Axis, Mechanism, Side, Suspension, mirrored};
 use crate::number::{Scalar, Vector3};
 use equations::{AxleEquations, AxleSingular, AxleState, AxleTask, Purpose, SharedParts};
 
@@ -372,5 +373,25 @@ impl<T: Scalar> ElasticAxle<T> {
             .shared
             .equations(&self.wheels, state, task, None, Purpose::Balance);
         found.ok()
+    }
+}
+
+impl ElasticAxle {
+    /// Members of a side whose forces are in the results.
+    pub(crate) fn members(
+        &self,
+        side: Side,
+        mechanism: &Mechanism,
+        bushings: &[String],
+    ) -> Vec<ElasticMember> {
+        let built = &self.wheels[side as usize].built;
+        built.members(mechanism, bushings)
+    }
+
+    /// Forces of all members of a side in an equilibrium.
+    pub(crate) fn member_forces(&self, at: &AxleEquilibrium, side: Side) -> Option<CarriedForces> {
+        let around = at.state.around(side as usize);
+        let built = &self.wheels[side as usize].built;
+        built.member_forces(&at.state.wheels[side as usize], &around)
     }
 }

@@ -6,7 +6,7 @@ use super::super::legs::{BarFoot, BarPart, LegPoint, LegSeat};
 use super::super::parts::CarrierSeat;
 use super::super::point::{BarSeat, RockerSeat, Seat};
 use super::super::system::{CarrierBushing, Limb};
-use super::{Builder, BushingPlace, LinkPlace, axes_of, bushing, rate};
+use super::{Builder, BushingPlace, LimbPlace, LinkPlace, axes_of, bushing, rate};
 use crate::compliance::ground::Holder;
 use crate::model::{Arm, Body, PointId};
 use crate::number::{Scalar, Vector3};
@@ -26,11 +26,13 @@ impl<T: Scalar> Builder<'_, T> {
             return;
         }
         let law = law.clone();
+        self.places.has_spring = true;
         let mut point = spring.lower;
         let rocker = match self.mechanism.body(spring.lower) {
             Body::Rocker(id) => {
                 let rocker = self.mechanism.rocker(id);
                 point = rocker.outer;
+                self.places.rocker_rod = Some(rocker.rod);
                 let member = LinkMember::RockerRod(id);
                 let along = self.at(rocker.inner) - self.at(rocker.outer);
                 let stiffness = self.compliance.link(member);
@@ -71,14 +73,16 @@ impl<T: Scalar> Builder<'_, T> {
                         let seat = Seat { is_across, ..seat };
                         let leg = self.leg_point(&arm, point);
                         let limb = Limb::LegSeat(LegSeat { leg, seat });
-                        self.push_limb(limb, "spring", self.holder(arm.front));
+                        let place = LimbPlace::Seat(Some(arm.outer));
+                        self.push_limb(limb, "spring", self.holder(arm.front), place);
                     }
                 }
             }
             _ => {
                 let lever = self.on_carrier(point);
                 let limb = Limb::CarrierSeat(CarrierSeat { lever, seat });
-                self.push_limb(limb, "spring", self.holder(spring.upper));
+                let place = LimbPlace::Seat(None);
+                self.push_limb(limb, "spring", self.holder(spring.upper), place);
             }
         }
     }
@@ -134,6 +138,7 @@ impl<T: Scalar> Builder<'_, T> {
                     swinging.bar = Some((from_joint, seat));
                     return;
                 }
+                self.places.bar = Some(arm.outer);
                 BarFoot::Leg(self.leg_point(&arm, point))
             }
             _ => BarFoot::Carrier(self.on_carrier(point)),

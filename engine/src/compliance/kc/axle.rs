@@ -233,8 +233,8 @@ impl<'a> AxleKcRun<'a> {
     fn station(&self, travels: [f64; 2], rack: f64, tests: &[KcTest]) -> KcStation {
         let mut known: Vec<(Conditions, Result<Here, NoEquilibrium>)> = Vec::new();
         let mut outcomes = Ok(Vec::new());
-        let mut matrix = None;
-        for test in tests {
+        let (mut matrix, mut centre_distance) = (None, None);
+        for (number, test) in tests.iter().enumerate() {
             let conditions = test.conditions();
             if !known.iter().any(|(of, _)| *of == conditions) {
                 let own = tests.iter().filter(|test| test.conditions() == conditions);
@@ -245,8 +245,10 @@ impl<'a> AxleKcRun<'a> {
             };
             match (here, &mut outcomes) {
                 (Ok(here), Ok(outcomes)) => {
-                    if matrix.is_none() {
+                    if number == 0 {
                         matrix = self.matrix(here);
+                        let centre = |side| here.axle.figures(&here.at, side).centre.y;
+                        centre_distance = Some(centre(Side::Left) + centre(Side::Right));
                     }
                     outcomes.push(self.outcome(here, test));
                 }
@@ -265,6 +267,7 @@ impl<'a> AxleKcRun<'a> {
                 .map(|test| (*test, test.unit_load(vehicle).1))
                 .collect(),
             matrix,
+            centre_distance,
         }
     }
 

@@ -188,7 +188,7 @@ impl KcTest {
     }
 
     /// Conditions of an axle: bar connected, rack locked.
-    pub(crate) fn conditions(&self) -> (bool, bool) {
+    pub fn conditions(&self) -> (bool, bool) {
         (self.has_bar, self.locks_rack)
     }
 

@@ -148,7 +148,7 @@ fn check_lists_mounts_and_commands_of_rigid_mechanisms_refuse() {
         assert_eq!(refused.status.code(), Some(2), "{command}: {errors}");
         assert!(errors.contains("elastic parts"), "{command}: {errors}");
     }
-    let named = hardpoint(&["kc", &study(), "--names", "adams"], directory.path());
+    let named = hardpoint(&["kc", &study(), "--names", "spmm"], directory.path());
     assert_eq!(named.status.code(), Some(2));
 }
 

@@ -2,6 +2,7 @@
 
 mod command;
 mod mechanics;
+mod names;
 mod sheets;
 mod studies;
 mod world;

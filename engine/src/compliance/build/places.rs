@@ -1,0 +1,101 @@
+//! Places of the study's parts in a system, and points of the system's parts.
+
+use crate::model::{PointId, Rod};
+
+/// Location of one of the definition's bushings in the system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::compliance) enum BushingPlace {
+    /// End of a part with inner unknowns.
+    Limb {
+        /// Index of the part.
+        limb: usize,
+        /// Index of the end.
+        end: usize,
+    },
+    /// Top mount of the strut.
+    Mount(usize),
+    /// Connection of body and carrier.
+    Carrier(usize),
+    /// Connection of body and subframe.
+    Subframe(usize),
+}
+
+/// Location of one of the definition's links in the system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::compliance) enum LinkPlace {
+    /// Rod of the carrier.
+    Rod(usize),
+    /// Rod of the rocker at the spring's seat.
+    RockerRod,
+}
+
+/// Points of a part with inner unknowns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::compliance) enum LimbPlace {
+    /// Arm with bushings, by its outer joint.
+    Arm(PointId),
+    /// Link with bushings.
+    Link {
+        /// End at the body, subframe or rack.
+        inner: PointId,
+        /// End at the carrier.
+        outer: PointId,
+    },
+    /// Top mount of the strut.
+    Mount,
+    /// Seat of the spring: on the carrier, or on the rigid arm with this outer joint.
+    Seat(Option<PointId>),
+}
+
+impl LimbPlace {
+    /// Joint at which the part holds the carrier.
+    pub(in crate::compliance) fn point(self) -> Option<PointId> {
+        match self {
+            LimbPlace::Arm(outer) | LimbPlace::Link { outer, .. } => Some(outer),
+            LimbPlace::Seat(outer) => outer,
+            LimbPlace::Mount => None,
+        }
+    }
+}
+
+/// Points of a rigid joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::compliance) enum JointPlace {
+    /// Rod, or leg of a rigid arm.
+    Rod {
+        /// End at the body, subframe or rack.
+        inner: PointId,
+        /// End at the carrier.
+        outer: PointId,
+    },
+    /// Ball joint of an arm or link at the body. It keeps the distance to the outer end.
+    Pivot(PointId),
+    /// Mount on the line of a strut.
+    Line(PointId),
+    /// Point of the carrier.
+    Pin(PointId),
+}
+
+impl JointPlace {
+    /// Point at which the joint holds the carrier.
+    pub(in crate::compliance) fn point(self) -> PointId {
+        match self {
+            JointPlace::Rod { outer, .. } | JointPlace::Pivot(outer) => outer,
+            JointPlace::Line(point) | JointPlace::Pin(point) => point,
+        }
+    }
+}
+
+/// Points of a system's parts, in the order of the parts.
+#[derive(Clone, Debug, Default)]
+pub(in crate::compliance) struct Places {
+    pub(in crate::compliance) limbs: Vec<LimbPlace>,
+    /// Inner and outer end of each rod with axial stiffness.
+    pub(in crate::compliance) rods: Vec<[PointId; 2]>,
+    pub(in crate::compliance) joints: Vec<JointPlace>,
+    /// Outer joint of the rigid arm that carries the drop link.
+    pub(in crate::compliance) bar: Option<PointId>,
+    /// Rod between suspension and rocker, if the spring is on a rocker.
+    pub(in crate::compliance) rocker_rod: Option<Rod>,
+    pub(in crate::compliance) has_spring: bool,
+}

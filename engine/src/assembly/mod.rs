@@ -24,6 +24,7 @@
 
 mod alignment;
 mod assembler;
+mod carriers;
 mod derivatives;
 mod parts;
 mod rest;

@@ -154,9 +154,7 @@ impl Solver<'_> {
         Ok(Limits {
             travel,
             rockers,
-            rack: has_rack
-                .then(|| self.range(Drive::Travel, Moving::Rack, 0.0))
-                .transpose()?,
+            rack: has_rack.then(|| self.rack_range()).transpose()?,
             arm_angle: (!mechanism.arms.is_empty())
                 .then(|| self.drive_range(Drive::ArmAngle, 0.0))
                 .transpose()?,
@@ -223,6 +221,14 @@ impl Solver<'_> {
     /// at zero and unresolved.
     pub fn drive_range(&mut self, drive: Drive, rack: f64) -> Result<Range, DesignFault> {
         self.range(drive, Moving::Drive, rack)
+    }
+
+    /// Range of the rack, or of the held travel of a rigid axle, at zero travel.
+    ///
+    /// # Errors
+    /// If the design position itself is singular.
+    pub(crate) fn rack_range(&mut self) -> Result<Range, DesignFault> {
+        self.range(Drive::Travel, Moving::Rack, 0.0)
     }
 
     fn range(&mut self, drive: Drive, moving: Moving, rack: f64) -> Result<Range, DesignFault> {

@@ -22,15 +22,13 @@
 
 use super::alignment::Alignment;
 use super::assembly_error::AssemblyError;
-use super::frames::{ArmFrame, Tilt};
+use super::carriers::with_spindle;
 use super::parts::{BuildParameter, Member, Parts, is_of_body};
 use super::settle::Settling;
 use crate::linear::lu::{Lu6, Matrix6, Vector6};
 use crate::mechanism::Twist;
-use crate::mechanism::{Closure, Configuration, DesignFault, Driver, Pose, ROUNDING, Turn};
-use crate::model::Point;
-use crate::model::{Body, SpinAxis, Suspension};
-use crate::model::{PointId, RockerId, SPINDLE_INNER};
+use crate::mechanism::{Closure, Configuration, DesignFault, Driver, Pose, ROUNDING};
+use crate::model::{AxleTravel, PointId, RigidAxle, Suspension};
 use crate::number::{Dual, Outlined, Real, Vector3};
 use crate::solve::Solver;
 
@@ -128,6 +126,8 @@ impl Assembler {
         height: f64,
         into: &mut [Vector3<f64>],
     ) -> Result<(), AssemblyError> {
+        let parts = &*self.turned(parts);
+        self.check_turned(parts)?;
         let pose = self.pose(parts, height)?;
         self.place_checked(parts, &pose, into)
     }
@@ -176,7 +176,8 @@ impl Assembler {
         correction.map(|c| c.partials[0])
     }
 
-    /// Returns the pose of the carrier, starting from the nominal pose.
+    /// Returns the pose of the carrier, starting from the nominal pose. Parts of a solid axle are those of [`Assembler::turned`], here
+    /// and below.
     pub(crate) fn pose(&self, parts: &Parts<f64>, height: f64) -> Result<Pose<f64>, AssemblyError> {
         match self.settle(&mut parts.clone(), None, height, &self.home) {
             Some(pose) => Ok(pose),
@@ -262,7 +263,10 @@ impl Assembler {
         pose: &Pose<T>,
         inverse: &Matrix6<f64>,
     ) -> (Pose<T>, Vector6<T>) {
-        let at = self.configuration(parts, pose);
+        let mut at = self.configuration(parts, pose);
+        if let Some(rigid) = &self.suspension.mechanism.rigid_axle {
+            at.rack = self.rise(rigid, parts, rigid.held) + height;
+        }
         let residuals = match T::IN_REGISTERS {
             true => closure.residuals_inlined(&at, self.driver(parts, height)),
             false => closure.residuals(&at, self.driver(parts, height)),
@@ -282,16 +286,33 @@ impl Assembler {
         )
     }
 
-    /// Equation for the wheel centre at a height above its nominal height, for any position of it in the carrier.
+    /// Equation for the wheel centre at a height above its nominal height, for any position of it in the carrier. Both centres of a
+    /// solid axle have this height, so their difference drives it.
     #[inline(always)]
     fn driver<T: Real>(&self, parts: &Parts<T>, height: T) -> Driver<T> {
+        if let Some(rigid) = &self.suspension.mechanism.rigid_axle {
+            return Driver::Travel(self.rise(rigid, parts, rigid.held.other()));
+        }
         let centre = self.suspension.mechanism.wheel_centre.0;
         let drawn = parts.drawn[centre].z;
         Driver::Travel(drawn - parts.points[centre].z + height)
     }
 
+    /// Travel of a solid axle at which both wheel centres have their nominal heights.
     #[inline(always)]
-    fn configuration<'a, T: Real>(
+    fn rise<T: Real>(&self, rigid: &RigidAxle, parts: &Parts<T>, travel: AxleTravel) -> T {
+        let near = self.suspension.mechanism.wheel_centre;
+        // The equations of a steered axle count from the nominal heights.
+        let [near, far] = match &rigid.steering {
+            None => [near, rigid.far_centre],
+            Some(steering) => steering.turned_centres,
+        };
+        let rise = |id: PointId| parts.drawn[id.0].z - parts.points[id.0].z;
+        rise(near).scaled(0.5) + rise(far).scaled(0.5 * travel.far_sign())
+    }
+
+    #[inline(always)]
+    pub(super) fn configuration<'a, T: Real>(
         &'a self,
         parts: &'a Parts<T>,
         pose: &Pose<T>,
@@ -361,82 +382,4 @@ impl Assembler {
         }
         pose
     }
-
-    /// Writes the built design: positions of all points of parts, assembled in a pose of the carrier.
-    #[inline(always)]
-    pub(crate) fn place<T: Real>(&self, parts: &Parts<T>, pose: &Pose<T>, into: &mut [Vector3<T>]) {
-        let mechanism = &self.suspension.mechanism;
-        let drawn = |id: PointId| parts.drawn[id.0];
-        let at = self.configuration(parts, pose);
-        for (i, (place, &point)) in into.iter_mut().zip(&parts.points).enumerate() {
-            let id = PointId(i);
-            *place = match mechanism.body(id) {
-                Body::Chassis
-                | Body::Rack
-                | Body::Opposite(_)
-                | Body::SteeringGear(_)
-                | Body::Rocker(_) => point,
-                Body::Knuckle => at.carried(id),
-                Body::StrutRod(top) => {
-                    parts.points[top.0] + pose.rotation.apply(point - drawn(top))
-                }
-                Body::Arm(number) => {
-                    let arm = mechanism.arms[number.0];
-                    let from = ArmFrame::of(drawn(arm.front), drawn(arm.rear), drawn(arm.outer));
-                    let [front, rear] = [parts.points[arm.front.0], parts.points[arm.rear.0]];
-                    let to = ArmFrame::of(front, rear, at.carried(arm.outer));
-                    to.place(from.read(point))
-                }
-            };
-        }
-        for (number, rocker) in mechanism.rockers.iter().enumerate() {
-            let (first, second) = (parts.points[rocker.first.0], parts.points[rocker.second.0]);
-            let drawn_first = drawn(rocker.first);
-            let tilt = Tilt::between(drawn(rocker.second) - drawn_first, second - first);
-            let inner = first + tilt.apply(parts.points[rocker.inner.0] - drawn_first);
-            let along = tilt.apply((drawn(rocker.outer) - drawn(rocker.inner)).normalised());
-            let length = parts.lengths[mechanism.constraints.len() + number];
-            let outer = inner + along * length;
-            // The rod with its own length determines the rotation of the rocker.
-            let turn = Turn::of([first, second, inner, outer, into[rocker.outer.0]]);
-            for (i, (place, &point)) in into.iter_mut().zip(&parts.points).enumerate() {
-                if mechanism.body(PointId(i)) == Body::Rocker(RockerId(number)) {
-                    *place = turn.moved(first + tilt.apply(point - drawn_first));
-                }
-            }
-        }
-    }
-
-    /// Names a rod that is too short or too long.
-    fn check_rods(&self, built: &[Vector3<f64>]) -> Result<(), AssemblyError> {
-        for rocker in &self.suspension.mechanism.rockers {
-            let inner = built[rocker.inner.0];
-            if !(inner.x + inner.y + inner.z).is_finite()
-                || !crate::mechanism::has_leverage(rocker, built)
-            {
-                return Err(AssemblyError::Rod(rocker.rod));
-            }
-        }
-        Ok(())
-    }
-}
-
-/// The suspension with a point of the carrier on its spin axis. In a built carrier the point keeps its position.
-fn with_spindle(suspension: &Suspension) -> Suspension {
-    let mut suspension = suspension.clone();
-    if let SpinAxis::Along(direction) = suspension.mechanism.spin_axis {
-        let centre = suspension.design[suspension.mechanism.wheel_centre.0];
-        let size = suspension.size();
-        let length = suspension.wheel_radius.unwrap_or(0.25 * size);
-        // With an extreme radius the point would be too close to the wheel centre, or so far that rounding rotates the axis.
-        let length = length.clamp(0.01 * size, 100.0 * size);
-        let id = PointId(suspension.design.len());
-        suspension.design.push(centre - direction * length);
-        suspension.mechanism.points.push(Point {
-            name: SPINDLE_INNER.to_owned(),
-            body: Body::Knuckle,
-        });
-        suspension.mechanism.spin_axis = SpinAxis::From(id);
-    }
-    suspension
 }

@@ -25,8 +25,8 @@
 mod alignment;
 mod assembler;
 mod assembly_error;
+mod carriers;
 mod derivatives;
-mod frames;
 mod parts;
 mod rest;
 mod set_up;

@@ -72,6 +72,47 @@ pub enum BuildParameter {
     Length(Member),
 }
 
+impl BuildParameter {
+    /// Returns true for a dimension of a part that a solid axle has once: of a Panhard rod, a Watt linkage, a single upper link, a drag
+    /// link or a tie rod.
+    pub(crate) fn is_single(self, mechanism: &Mechanism) -> bool {
+        let Some(rigid) = &mechanism.rigid_axle else {
+            return false;
+        };
+        match self {
+            BuildParameter::Coordinate(id, _) => rigid.singles.contains(&id),
+            BuildParameter::Length(member) => {
+                let ends = member.ends(mechanism);
+                ends.is_some_and(|(inner, outer)| {
+                    let own = rigid.singles.contains(&inner) && rigid.singles.contains(&outer);
+                    own || rigid.partner(inner) == outer
+                })
+            }
+        }
+    }
+
+    /// The same dimension of a solid axle as its other wheel has it, with the factor of its changes. `None` if that wheel's mechanism
+    /// does not have the part.
+    pub(crate) fn seen_from_other(self, mechanism: &Mechanism) -> Option<(BuildParameter, f64)> {
+        let rigid = mechanism.rigid_axle.as_ref()?;
+        match self {
+            BuildParameter::Coordinate(id, axis) => {
+                let sign = if axis == Axis::Y { -1.0 } else { 1.0 };
+                Some((BuildParameter::Coordinate(rigid.partner(id), axis), sign))
+            }
+            BuildParameter::Length(member @ Member::Link(_)) if !self.is_single(mechanism) => {
+                let (inner, outer) = member.ends(mechanism)?;
+                let ends = Some((rigid.partner(inner), rigid.partner(outer)));
+                let mut members = (0..mechanism.constraints.len()).map(Member::Link);
+                let other = members.find(|member| member.ends(mechanism) == ends)?;
+                Some((BuildParameter::Length(other), 1.0))
+            }
+            // The mechanism of each wheel has the lever of its own anti-roll bar alone.
+            BuildParameter::Length(_) => self.is_single(mechanism).then_some((self, 1.0)),
+        }
+    }
+}
+
 /// Dimensions of all parts, over any number type.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parts<T> {

@@ -59,11 +59,13 @@ impl Assembler {
     }
 
     fn rebuild(&self, built: &mut Built, height: f64) -> Result<(), AssemblyError> {
-        self.assemble(&built.parts, height, &mut built.suspension.design)?;
-        let pose = self.pose(&built.parts, height)?;
-        let closure = self.closure(&built.parts);
+        let parts = &*self.turned(&built.parts);
+        self.check_turned(parts)?;
+        let pose = self.pose(parts, height)?;
+        self.place_checked(parts, &pose, &mut built.suspension.design)?;
+        let closure = self.closure(parts);
         built.at = self
-            .linearise(&closure, &built.parts, &pose)
+            .linearise(&closure, parts, &pose)
             .ok_or(AssemblyError::OutOfReach { share: 1.0 })?;
         built.height = height;
         Ok(())
@@ -129,6 +131,7 @@ impl Assembler {
         height: T,
         orders: usize,
     ) -> Vec<Vector3<T>> {
+        let parts = &*self.turned(parts);
         let pose = self.pose_series(parts, height, &built.at, orders);
         let mut design = parts.points.clone();
         self.place(parts, &pose, &mut design);

@@ -177,6 +177,7 @@ impl Assembler {
         into: &mut [Vector3<B>],
     ) -> InLanes<B> {
         let like = parts.points[0].x;
+        self.turn_rockers(parts);
         let (pose, settled) = like.outlined(Settling {
             assembler: self,
             parts,

@@ -89,9 +89,10 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         factor: f64,
         into: &mut [Vec<Vector3<f64>>; 2],
     ) -> Result<(), NoPose> {
-        self.gradients(placed, &LOADS, |_, gradients| {
+        let sought = LOADS.map(super::solver::Sought::Quantity);
+        self.each_gradient(placed, &sought, None, &mut |_, gradients| {
             for (into, gradient) in into.iter_mut().zip(gradients) {
-                for (sum, by) in into.iter_mut().zip(gradient) {
+                for (sum, by) in into.iter_mut().zip(&*gradient) {
                     *sum = *sum + *by * factor;
                 }
             }
@@ -122,7 +123,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             let made = AxleSolver::new(self.axle, &LOADS, false);
             let mut made = made.map_err(|_| NoPose::NoLoad)?;
             let designs = self.designs();
-            let prepared = made.prepare(designs.each_ref().map(Vec::as_slice));
+            let prepared = made.prepare_whole(designs.each_ref().map(Vec::as_slice));
             prepared.map_err(|_| NoPose::NoLoad)?;
             self.loads = Some(Box::new(made));
         }

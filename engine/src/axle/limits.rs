@@ -6,9 +6,10 @@
 
 use super::Axle;
 use super::solver::{AxlePose, AxleSolver, Placement};
-use crate::analyse::{AT_TOGGLE, Range, RangeEnd};
-use crate::mechanism::{DesignFault, Pose};
+use crate::analyse::{AT_TOGGLE, Limit, Range, RangeEnd};
+use crate::mechanism::{DesignFault, Failure, Pose};
 use crate::model::{AxleTravel, Drive, Rod, Side};
+use crate::number::Vector3;
 use crate::solve::Solver;
 
 /// Limits of an axle's motion from its design position.
@@ -128,46 +129,73 @@ impl<const N: usize> AxleSolver<'_, N> {
             on_plane: false,
         };
         let mut step = sign * size / 32.0;
-        let (mut reached, mut last) = (0.0_f64, None);
-        while step.abs() > 1e-13 * size && reached.abs() < FARTHEST_GEAR * size {
-            match self.place(&level(reached + step)) {
+        let (mut value, mut last, mut beyond) = (0.0_f64, None, None);
+        while step.abs() > 1e-13 * size && value.abs() < FARTHEST_GEAR * size {
+            match self.place(&level(value + step)) {
                 Ok(placed) => {
-                    reached += step;
+                    value += step;
                     last = Some(placed);
                 }
-                Err(_) => step *= 0.5,
+                Err(failure) => {
+                    beyond = Some((value + step, failure));
+                    step *= 0.5;
+                }
             }
         }
         let nearest = last.and_then(|placed| self.nearest_toggle(&placed));
-        let (side, end) = match nearest {
-            Some((side, rod)) => (
-                side,
-                RangeEnd::Toggle {
-                    value: reached,
-                    rod,
-                },
-            ),
-            None => (Side::Left, RangeEnd::Unresolved(reached)),
-        };
-        AxleEnd {
-            value: reached,
-            side,
-            end,
-        }
+        let toggle = |(side, rod): (Side, Rod)| (side, RangeEnd::Toggle { value, rod });
+        let end = nearest.map(toggle).or_else(|| {
+            let (beyond, failure) = beyond?;
+            match failure.of_wheel()? {
+                Failure::Toggle(rod @ Rod::TieRod) => Some(toggle((Side::Right, *rod))),
+                Failure::Toggle(rod) => Some(toggle((Side::Left, *rod))),
+                _ => Some((Side::Left, RangeEnd::Fold(self.gear_fold(value, beyond)?))),
+            }
+        });
+        let (side, end) = end.unwrap_or((Side::Left, RangeEnd::Unresolved(value)));
+        AxleEnd { value, side, end }
     }
 
-    /// The rod that is at its toggle, with the side of the knuckle that it turns. `None` if both rods have leverage.
+    /// Fold at which the axle can no longer follow its steering gear: level at its hardpoints' height, it folds between these two
+    /// displacements. `None` if the equations of the axle do not fold there.
+    ///
+    /// With q(p, s) the travel at the fold with the gear at s, q(p, s) = 0 is the end, so ds/dp = -q_p/q_s.
+    fn gear_fold(&mut self, value: f64, beyond: f64) -> Option<Limit> {
+        self.steer(beyond).ok()?;
+        let fold = self.level_fold()?;
+        let steering = self.axle.left.mechanism.axle_steering()?;
+        let by_gear = fold.gradient[steering.place.0].dot(steering.direction);
+        let by_point = |by: &Vector3<f64>| *by * (-1.0 / by_gear);
+        let mut gradient: Vec<Vector3<f64>> = fold.gradient.iter().map(by_point).collect();
+        let place = std::mem::take(&mut gradient[steering.place.0]);
+        gradient[steering.end.0] = gradient[steering.end.0] + place;
+        Some(Limit {
+            value,
+            gradient,
+            ..fold
+        })
+    }
+
+    /// The rod that is at its toggle, with the side of the knuckle that it turns. On the way to a position the knuckles turn while the
+    /// axle rests, so a rod can be at its toggle there or in the position. `None` if both rods have leverage in both.
     fn nearest_toggle(&mut self, placed: &AxlePose) -> Option<(Side, Rod)> {
         self.steer(placed.rack).ok()?;
         let steering = self.axle.left.mechanism.axle_steering()?;
-        let at = self.configuration_of(Side::Left, placed);
+        let both = [
+            self.configuration_at_rest(),
+            self.configuration_of(Side::Left, placed),
+        ];
         let knuckles = [steering.near_knuckle, steering.far_knuckle];
-        let leverages = knuckles.map(|id| at.leverage(id));
+        let leverages = knuckles.map(|id| {
+            let leverages = both.iter().map(|at| at.leverage(id));
+            leverages.fold(f64::INFINITY, f64::min)
+        });
         let side = match leverages[0] <= leverages[1] {
             true => Side::Left,
             false => Side::Right,
         };
-        let rod = at.mechanism.rocker(knuckles[side as usize]).rod;
+        let mechanism = &self.axle.left.mechanism;
+        let rod = mechanism.rocker(knuckles[side as usize]).rod;
         (leverages[side as usize] < AT_TOGGLE).then_some((side, rod))
     }
 

@@ -49,6 +49,7 @@ pub use moving::Moving;
 pub use reading::{Parts, Reading, Snapshot, WheelParts};
 pub use rocker_springs::{Preloaded, RockerForces, RockerMotion, RockerSprings};
 pub use setup::Setup;
+pub(crate) use solver::displace;
 pub use solver::{AxlePose, AxleSolver, Placement, Read, WheelRead};
 pub use spring::{BumpStop, ForceCurve, Law, SpringLaw};
 pub use state::{AxleState, Hold, Motion, WheelState};
@@ -116,6 +117,16 @@ impl Axle {
             Some(rigid) if rigid.steering.is_some() => AxleKind::SteeredSolid,
             Some(_) => AxleKind::Solid,
         }
+    }
+
+    /// Derivative by the displacement of a steered axle's steering gear, from derivatives by every point of both sides: (2) of
+    /// `model/steered_axle.rs`. `None` for other axles.
+    pub(crate) fn by_steering_gear(&self, gradients: [&[Vector3<f64>]; 2]) -> Option<f64> {
+        let along = |(side, gradient): (Side, &[Vector3<f64>])| {
+            let steering = self.suspension(side).mechanism.axle_steering()?;
+            Some(gradient[steering.place.0].dot(steering.direction))
+        };
+        Side::ALL.into_iter().zip(gradients).map(along).sum()
     }
 
     /// Reason why the design of a wheel cannot be solved, in words with the names of its points.

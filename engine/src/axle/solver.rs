@@ -10,8 +10,10 @@ mod linearised;
 mod placement;
 mod reading;
 mod rolling;
+mod steering;
 
 pub use placement::Placement;
+pub(crate) use steering::displace;
 
 use super::adjoint::{add_gradient, inputs_on_tape};
 use super::at_load::LOAD_TERMS;
@@ -24,6 +26,7 @@ use super::{Axle, AxleColumn, Quantity};
 use crate::analyse::{Balance, Certifier, Limits, Support};
 use crate::ask::NoValue;
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
+use crate::linear::lu::Lu6;
 use crate::mechanism::{Configuration, DesignFault, Failure, Ground, NoPose, Pose, Unproven};
 use crate::model::{
     Axis, AxleSteering, AxleTravel, Drive, Mechanism, PointId, RigidAxle, RockerId, Rod, Side,
@@ -296,6 +299,26 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             .balance(&placed.poses[side as usize], rack, support)
     }
 
+    /// Factors of the Jacobian of each wheel in a position. The steering gear must be at the displacement of this position. `None` if
+    /// a Jacobian is singular.
+    pub(crate) fn factorised(&self, placed: &AxlePose) -> Option<[Lu6<f64>; 2]> {
+        let coordinates = self.coordinates(placed.travels, placed.rack);
+        let wheel = |side: Side| {
+            let corner = &self.corners[side as usize];
+            let (travel, rack) = coordinates[side as usize];
+            let (value, rack) = corner.inner(travel, rack);
+            let point = MotionPoint {
+                drive: Drive::Travel,
+                value,
+                rack,
+            };
+            corner
+                .solver
+                .factorise(&placed.poses[side as usize], &point)
+        };
+        Some([wheel(Side::Left)?, wheel(Side::Right)?])
+    }
+
     /// Prepares both wheels of a position for gradients of formulas.
     pub(crate) fn linearised(&self, placed: &AxlePose) -> Result<LinearisedAxle<'_, N>, NoPose> {
         let coordinates = self.coordinates(placed.travels, placed.rack);
@@ -303,6 +326,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     }
 
     /// Takes new designs of the same mechanisms, each in the frame of its side.
+    ///
+    /// The far half of a rigid axle moves with the near half of the left design, and the right design is that of the left.
     pub fn prepare(&mut self, designs: [&[Vector3<f64>]; 2]) -> Result<(), (Side, DesignFault)> {
         let Some(rigid) = self.rigid() else {
             return self.prepare_whole(designs);
@@ -332,7 +357,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
 
     /// Drive and rack of each wheel at these travels, in its own frame. For a rigid axle they are the mean of the travels
     /// and half their difference, the held one in place of the rack.
-    pub(super) fn coordinates(&self, travels: [f64; 2], rack: f64) -> [(f64, f64); 2] {
+    pub(crate) fn coordinates(&self, travels: [f64; 2], rack: f64) -> [(f64, f64); 2] {
         let [left, right] = travels;
         match self.rigid() {
             None => [0, 1].each(|side| (travels[side], rack * self.corners[side].rack_sign)),
@@ -355,13 +380,17 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    fn prepare_whole(&mut self, designs: [&[Vector3<f64>]; 2]) -> Result<(), (Side, DesignFault)> {
+    /// The same for designs of which each is complete, as those of builds are.
+    pub(crate) fn prepare_whole(
+        &mut self,
+        designs: [&[Vector3<f64>]; 2],
+    ) -> Result<(), (Side, DesignFault)> {
         for (corner, design) in self.corners.iter_mut().zip(designs) {
             let side = corner.side;
             corner.prepare(design).map_err(|fault| (side, fault))?;
         }
         match &mut self.loads {
-            Some(loads) => loads.prepare(designs),
+            Some(loads) => loads.prepare_whole(designs),
             None => Ok(()),
         }
     }
@@ -446,6 +475,12 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let mut at = self.configuration_of(side, placed);
         at.rack = placed.rack * side.sign();
         at
+    }
+
+    /// A solid axle as its left wheel sees it, at rest. Its steering gear is at the last displacement.
+    pub(super) fn configuration_at_rest(&self) -> Configuration<'_, f64> {
+        let [left, _] = &self.corners;
+        left.configuration(left.solver.design_pose())
     }
 
     /// Designs of both wheels, each in the frame of its side.

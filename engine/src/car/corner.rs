@@ -18,6 +18,17 @@ pub struct WheelRates<T> {
     pub bar: T,
 }
 
+/// Motion of the axle under the knuckles of a steered solid axle, as its left wheel rises and its right wheel falls.
+#[derive(Clone, Copy, Debug)]
+pub struct AxleMotion<T> {
+    /// A point of the axle.
+    pub point: Vector3<T>,
+    /// Velocity of this point.
+    pub velocity: Vector3<T>,
+    /// Angular velocity of the axle.
+    pub turn: Vector3<T>,
+}
+
 /// State of one wheel at its travel, in the car's axes.
 #[derive(Clone, Copy, Debug)]
 pub struct Corner<T> {
@@ -43,6 +54,8 @@ pub struct Corner<T> {
     pub own: WheelRates<T>,
     /// Derivatives by the other wheel's travel, for a solid axle.
     pub other: Option<WheelRates<T>>,
+    /// Motion of the axle itself, for the left wheel of a steered solid axle.
+    pub axle: Option<AxleMotion<T>>,
 }
 
 /// Steps from the travels at which the wheel was read.
@@ -123,6 +136,11 @@ impl<T: Copy> Corner<T> {
             design_spin: self.design_spin.map(f),
             own: self.own.map(f),
             other: self.other.as_ref().map(|rates| rates.map(f)),
+            axle: self.axle.as_ref().map(|axle| AxleMotion {
+                point: axle.point.map(f),
+                velocity: axle.velocity.map(f),
+                turn: axle.turn.map(f),
+            }),
         }
     }
 }
@@ -168,6 +186,14 @@ impl<T: Real> Corner<T> {
             [spring_first, spring_second],
             [bar_first, bar_second],
         );
+        let axle = match (carriers, sign > 0.0) {
+            (Carriers::Steered(held), true) => {
+                let columns = [0, 1].map(|i| vector(&|powers| wheel.axle_column(i, powers)));
+                let place = vector(&|powers| wheel.read_vector(VectorPart::SteeringPoint, powers));
+                Some(axle_motion(held, columns, place, offset))
+            }
+            _ => None,
+        };
         let design = wheel.design();
         Corner {
             sign,
@@ -185,7 +211,29 @@ impl<T: Real> Corner<T> {
             design_spin: mirrored(design.spin_axis.map(lift)),
             own,
             other,
+            axle,
         }
+    }
+}
+
+/// Motion of the axle by the difference of travels. It is given by two columns of its rotation and a point, each with its derivatives
+/// by both coordinates of the expansion.
+fn axle_motion<T: Real>(
+    held: AxleTravel,
+    [along, across]: [[Vector3<T>; 3]; 2],
+    place: [Vector3<T>; 3],
+    offset: Vector3<T>,
+) -> AxleMotion<T> {
+    let by_difference = |[_, first, second]: [Vector3<T>; 3]| match held {
+        AxleTravel::Mean => first,
+        AxleTravel::Difference => second,
+    };
+    let (a, b) = (along[0], across[0]);
+    let (a_rate, b_rate) = (by_difference(along), by_difference(across));
+    AxleMotion {
+        point: place[0] + offset,
+        velocity: by_difference(place),
+        turn: a.cross(a_rate) + a * b_rate.dot(a.cross(b)),
     }
 }
 

@@ -4,7 +4,7 @@ use super::equations::Balance;
 use super::parameters::{AxleParameter, BodyParameter, Parameter, Parameters};
 use super::rates::{Plain, Solved, settle};
 use super::solver::{Base, CarSolver, Equilibrium};
-use super::{CarQuantity, Case, NoEquilibrium, WholeResult};
+use super::{Car, CarQuantity, Case, NoEquilibrium, WholeResult};
 use crate::axle::Axle;
 use crate::model::Side;
 use crate::number::{Scalar, Tape, Tracked, Vector3};
@@ -17,8 +17,8 @@ pub struct CarGradient {
     /// Derivatives by the hardpoints of each axle's left wheel, in the kernel's frame. The right wheel's hardpoints move
     /// with them as mirror images.
     pub hardpoints: [Vec<Vector3<f64>>; 2],
-    /// Derivatives by the own hardpoints of each wheel, in the kernel's frame of its side. Order of the wheels: front left,
-    /// front right, rear left, rear right.
+    /// Derivatives by the own points of each wheel, in the kernel's frame of its side. Order of the wheels: front left, front right,
+    /// rear left, rear right. Each wheel of a solid axle has all points of the axle, as it sees them.
     pub wheels: [Vec<Vector3<f64>>; 4],
     /// Derivatives by all parameters.
     pub parameters: [f64; Parameter::COUNT],
@@ -160,34 +160,39 @@ impl<'a> CarSolver<'a> {
                     let into = &mut wheels[2 * axle + side as usize];
                     linearised[axle].add_gradient(side, by, &mut buffers[axle], into);
                 }
-                if let Some(rigid) = &self.car.axles[axle].left.mechanism.rigid_axle
-                    && let [left, right] = &mut wheels[2 * axle..2 * axle + 2]
-                {
-                    rigid.gather([left, right]);
-                }
             }
             gradients.push(CarGradient {
                 value: values[number].value(),
-                hardpoints: of_both_sides(&wheels),
+                hardpoints: of_both_sides(self.car, &wheels),
+                parameters: self.of_parameters(by_numbers, &wheels),
                 wheels,
-                parameters: of_parameters(by_numbers, self.by_rack),
             });
         });
         self.add_rest(case, quantities, &mut gradients)?;
         Ok(gradients)
     }
-}
 
-/// Derivatives by the parameters, the first numbers of the tape. Derivatives by the racks are NaN if they are not known.
-fn of_parameters(by_numbers: &[f64], by_rack: bool) -> [f64; Parameter::COUNT] {
-    let mut parameters = [0.0; Parameter::COUNT];
-    parameters.copy_from_slice(&by_numbers[..Parameter::COUNT]);
-    if !by_rack {
+    /// Derivatives by the parameters, the first numbers of the tape. Derivatives by the racks are NaN if they are not known. Those by a
+    /// steering gear follow from the derivatives by the points of its axle.
+    fn of_parameters(
+        &self,
+        by_numbers: &[f64],
+        wheels: &[Vec<Vector3<f64>>; 4],
+    ) -> [f64; Parameter::COUNT] {
+        let mut parameters = [0.0; Parameter::COUNT];
+        parameters.copy_from_slice(&by_numbers[..Parameter::COUNT]);
         for axle in [0, 1] {
-            parameters[Parameter::Axle(axle, AxleParameter::Rack).place()] = f64::NAN;
+            let by_gear =
+                self.car.axles[axle].by_steering_gear([&wheels[2 * axle], &wheels[2 * axle + 1]]);
+            let by_rack = &mut parameters[Parameter::Axle(axle, AxleParameter::Rack).place()];
+            match by_gear {
+                Some(by_gear) => *by_rack = by_gear,
+                None if !self.by_rack => *by_rack = f64::NAN,
+                None => {}
+            }
         }
+        parameters
     }
-    parameters
 }
 
 /// Zero derivatives by the hardpoints of a wheel.
@@ -196,10 +201,13 @@ fn no_gradients(axle: &Axle) -> Vec<Vector3<f64>> {
 }
 
 /// Derivatives by the hardpoints of each left wheel, with which those of the right wheel move.
-fn of_both_sides(wheels: &[Vec<Vector3<f64>>; 4]) -> [Vec<Vector3<f64>>; 2] {
+fn of_both_sides(car: &Car, wheels: &[Vec<Vector3<f64>>; 4]) -> [Vec<Vector3<f64>>; 2] {
     [0, 1].map(|axle| {
-        let [left, right] = [&wheels[2 * axle], &wheels[2 * axle + 1]];
-        let both = left.iter().zip(right);
-        both.map(|(left, right)| *left + *right).collect()
+        let (mut left, mut right) = (wheels[2 * axle].clone(), wheels[2 * axle + 1].clone());
+        if let Some(rigid) = &car.axles[axle].left.mechanism.rigid_axle {
+            rigid.gather([&mut left, &mut right]);
+        }
+        let both = left.into_iter().zip(right);
+        both.map(|(left, right)| left + right).collect()
     })
 }

@@ -105,8 +105,9 @@ impl AxleParameter {
                 rockers.heave_bar.is_some()
             }
             AxleParameter::Rack => {
-                let points = &axle.left.mechanism.points;
-                points.iter().any(|point| point.body == Body::Rack)
+                let mechanism = &axle.left.mechanism;
+                let mut points = mechanism.points.iter();
+                mechanism.axle_steering().is_some() || points.any(|point| point.body == Body::Rack)
             }
             _ => true,
         }

@@ -27,6 +27,8 @@ pub(crate) struct AxleStations<'s> {
     pub placements: Vec<Placement>,
     of_motion: usize,
     pub(super) design: usize,
+    /// True if the designs are those of builds, so that each half of a solid axle moves by itself.
+    pub of_builds: bool,
     /// Further data of an axle with elastic parts. `None` for a rigid one.
     pub elastic: Option<ElasticAxleParts>,
     /// Printed value of the first moving coordinate, for each placement.
@@ -69,7 +71,20 @@ impl<'s> AxleStations<'s> {
             placements,
             of_motion,
             design,
+            of_builds: false,
             elastic: None,
+        }
+    }
+
+    /// Gives a solver new designs of both wheels.
+    pub(super) fn prepare<const N: usize>(
+        &self,
+        solver: &mut AxleSolver<'_, N>,
+        wheels: Pairs<'_>,
+    ) -> Result<(), (Side, DesignFault)> {
+        match self.of_builds {
+            true => solver.prepare_whole(wheels),
+            false => solver.prepare(wheels),
         }
     }
 
@@ -180,7 +195,7 @@ impl<'a, const N: usize> OneByOne<'a, N> {
 
     /// Reads the design position, with the derivatives of the gains by a steering gear.
     fn read_design(&mut self, wheels: Pairs<'_>) -> Option<(Read<'a>, Vec<Option<f64>>)> {
-        self.solver.prepare(wheels).ok()?;
+        self.stations.prepare(&mut self.solver, wheels).ok()?;
         let design = self.stations.placements[self.stations.design];
         let placed = self.solver.place(&design).ok()?;
         let by_drag_link = self
@@ -197,7 +212,7 @@ impl<'a, const N: usize> OneByOne<'a, N> {
         block: &mut Block,
     ) -> Result<(), (Side, DesignFault)> {
         let OneByOne { stations, solver } = self;
-        solver.prepare(wheels)?;
+        stations.prepare(solver, wheels)?;
         let placed = solver.place_all(&stations.placements);
         for (station, placed) in placed.into_iter().enumerate() {
             let read = placed.and_then(|placed| Ok((placed, solver.read(&placed)?)));

@@ -5,6 +5,7 @@ use super::{AxleStations, Evaluated, Pairs};
 use crate::axle::{AxleSolver, Hold};
 use crate::mechanism::DesignFault;
 use crate::model::Side;
+use crate::number::Vector3;
 
 /// Solver of one axle after another. Each series has `N` coefficients.
 struct OneByOne<'a, const N: usize> {
@@ -48,7 +49,8 @@ impl<const N: usize> DifferentiatesOneByOne for OneByOne<'_, N> {
     ) -> Result<(), DesignFault> {
         let OneByOne { stations, solver } = self;
         let right = if right.is_empty() { left } else { right };
-        solver.prepare([left, right]).map_err(|(_, fault)| fault)?;
+        let prepared = stations.prepare(solver, [left, right]);
+        prepared.map_err(|(_, fault)| fault)?;
         let placed = solver.place_all(&stations.placements);
         for (station, placed) in placed.into_iter().enumerate() {
             let read = placed.and_then(|placed| Ok((solver.read(&placed)?, placed)));
@@ -64,11 +66,15 @@ impl<const N: usize> DifferentiatesOneByOne for OneByOne<'_, N> {
                     quantities.push(*quantity);
                 }
             }
-            let found = solver.gradients(&placed, &quantities, |k, gradients| {
+            let receive = |k: usize, gradients: [&[Vector3<f64>]; 2]| {
                 for (side, gradient) in Side::ALL.into_iter().zip(gradients) {
                     into.put_gradients((number, numbers[k], station), side, gradient);
                 }
-            });
+            };
+            let found = match stations.of_builds {
+                true => solver.gradients_by_each_point(&placed, &quantities, receive),
+                false => solver.gradients(&placed, &quantities, receive),
+            };
             into.solved_of(number)[station] = found.is_ok();
         }
         Ok(())

@@ -187,7 +187,8 @@ impl SimdTask for AxleBlockTask<'_, '_> {
         while first < count && !interrupt.is_raised() {
             let lanes = (count - first).min(B::LANES);
             gather(designs, points, first, lanes, &mut group_left);
-            match &solver.stations.axle.left.mechanism.rigid_axle {
+            let rigid = solver.stations.axle.left.mechanism.rigid_axle.as_ref();
+            match rigid.filter(|_| !solver.stations.of_builds) {
                 None => gather(rights, points, first, lanes, &mut group_right),
                 Some(rigid) => {
                     rigid.complete(&solver.stations.axle.left.design, &mut group_left);

@@ -43,7 +43,7 @@ use super::topology::{Given, Group, NO_LINK, NO_TIE_ROD, optional};
 use super::{
     Body, Mechanism, Point, PointId, RigidAxle, Rocker, RockerId, Rod, SteeringAxis, rocker,
 };
-use crate::number::Vector3;
+use crate::number::{Real, Vector3};
 
 /// Drag link, kingpins and tie rod. A study gives all points or none.
 pub(super) static STEERING: Group = Group {
@@ -111,10 +111,11 @@ impl AxleSteering {
 impl RigidAxle {
     /// Moves the drag link's end from its hardpoint by (1). Puts c_n and c_f of (4) at the hardpoints of the wheel centres.
     /// Returns the points of c_n and c_f, each with its wheel centre.
-    pub(crate) fn displace(
+    #[inline(always)]
+    pub(crate) fn displace<T: Real>(
         &self,
         displacement: f64,
-        design: &mut [Vector3<f64>],
+        design: &mut [Vector3<T>],
     ) -> [[PointId; 2]; 2] {
         let Some(steering) = &self.steering else {
             return [[self.far_centre; 2]; 2];
@@ -124,7 +125,8 @@ impl RigidAxle {
             design[point.0] = design[beside.0];
         }
         let place = &mut design[steering.place.0];
-        *place = *place + steering.direction * displacement;
+        let shift = steering.direction * displacement;
+        *place = *place + place.constant(shift);
         [followers[1], followers[2]]
     }
 }
@@ -205,7 +207,7 @@ pub(super) fn steer(mechanism: &mut Mechanism, steering: AxleSteering) {
 
 impl RigidAxle {
     /// The far partner of a point of a pair, or the near one. A point that is in no pair is its own partner.
-    fn partner(&self, id: PointId) -> PointId {
+    pub(crate) fn partner(&self, id: PointId) -> PointId {
         let pair = self.pairs.iter().find(|pair| pair.contains(&id));
         pair.map_or(id, |[near, far]| if *near == id { *far } else { *near })
     }

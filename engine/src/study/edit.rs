@@ -4,7 +4,7 @@ mod inside;
 
 use super::{AxleComplianceStudy, AxleStudy, Designs, Study};
 use crate::compliance::{AxialStiffness, Compliance, Shape};
-use crate::model::{Axis, Frame, Mechanism, Suspension};
+use crate::model::{Axis, Frame, Mechanism, PointId, Suspension};
 use crate::number::Vector3;
 pub(super) use inside::{with_bushings_inside, with_curves_inside};
 use std::path::{Component, Path};
@@ -41,7 +41,8 @@ impl Study {
         document.to_string()
     }
 
-    /// Returns a built axle as the text of a study, with every hardpoint of the right wheel written out.
+    /// Returns a built axle as the text of a study, with every hardpoint of the right wheel written out. A solid axle has those of its
+    /// right half.
     pub fn with_built_axle(&self, [left, right]: [&Suspension; 2]) -> String {
         let text = self.with_built(left);
         let Ok(mut document) = text.parse::<DocumentMut>() else {
@@ -49,10 +50,24 @@ impl Study {
         };
         let frame = left.frame.of_other_side();
         let mut hardpoints = Table::new();
-        for (point, place) in right.mechanism.points.iter().zip(&right.design) {
-            hardpoints.insert(&point.name, written(*place, frame));
+        let mechanism = &right.mechanism;
+        let is_of_half = |id: PointId| match &mechanism.rigid_axle {
+            None => true,
+            Some(rigid) => rigid.far_of(id).is_some(),
+        };
+        for (number, (point, place)) in mechanism.points.iter().zip(&right.design).enumerate() {
+            if is_of_half(PointId(number)) {
+                hardpoints.insert(&point.name, written(*place, frame));
+            }
         }
-        if let Some(axle) = table(document.as_table_mut(), &["axle"]) {
+        let root = document.as_table_mut();
+        // A solid axle needs no [axle].
+        let axle = root.entry("axle").or_insert_with(|| {
+            let mut axle = Table::new();
+            axle.set_implicit(true);
+            Item::Table(axle)
+        });
+        if let Some(axle) = axle.as_table_like_mut() {
             let own = axle.get_mut("right").and_then(Item::as_table_like_mut);
             match own {
                 Some(right) => {

@@ -18,7 +18,12 @@ pub(super) fn member(
     problems: &mut Problems,
 ) -> Option<(String, Member)> {
     let mechanism = &suspension.mechanism;
-    let members = Member::all(mechanism);
+    let mut members = Member::all(mechanism);
+    // A solid axle names its left half.
+    members.retain(|(_, member)| {
+        let ends = member.ends(mechanism);
+        ends.is_none_or(|(inner, outer)| !mechanism.is_far(inner) || !mechanism.is_far(outer))
+    });
     match written.get_ref() {
         MemberName::Name(name) => {
             let options: Vec<_> = members.iter().map(|(n, m)| (n.as_str(), *m)).collect();

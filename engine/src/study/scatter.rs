@@ -86,8 +86,25 @@ pub struct Source {
     pub rate: Option<Rate>,
     /// Distribution of the scatter.
     pub law: Law,
-    /// For an axle: the wheel whose dimensions these are, in the kernel's frame of its side.
+    /// For an axle: the wheel whose dimensions these are, in the kernel's frame of its side. `None` for a part that both wheels share;
+    /// its dimensions are those of the left wheel.
     pub side: Option<Side>,
+    /// The same dimensions of a solid axle, as its other wheel has them. Empty for other vehicles.
+    pub seen_from_other: Vec<(BuildParameter, f64)>,
+}
+
+impl Source {
+    /// A number that changes these dimensions of one wheel.
+    pub(super) fn of_parts(name: String, changes: Vec<(BuildParameter, f64)>, law: Law) -> Self {
+        Source {
+            name,
+            changes,
+            rate: None,
+            law,
+            side: None,
+            seen_from_other: Vec::new(),
+        }
+    }
 }
 
 /// Distribution of a number.

@@ -104,6 +104,8 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
     let is_quadratic = !is_beam && !has_watt && !is_steered;
     let certify = certify.filter(|certify| !is_quadratic && *certify.get_ref());
     let loads = outputs.and_then(|o| o.loads.as_ref()).filter(|_| is_beam);
+    let is_elastic = file.compliance.is_some();
+    let tolerance = file.tolerance.as_ref().filter(|_| is_beam || is_elastic);
     let parts = file.bushings.values().map(Spanned::span);
     let parts = parts.chain(file.links.values().map(Spanned::span));
     let parts = parts.chain(file.compliance.as_ref().map(Spanned::span));
@@ -124,8 +126,11 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
             "a twist beam bends, so the forces of its mounts do not follow from rigid halves; leave loads out",
         ),
         (
-            file.tolerance.as_ref().map(Spanned::span),
-            "[tolerance] needs separate derivatives for both halves, and this axle has only those of both together; leave it out",
+            tolerance.map(Spanned::span),
+            match is_beam {
+                true => "[tolerance] is not available for twist beams; leave it out",
+                false => "[tolerance] of a solid axle needs rigid links and joints; leave it out, or [compliance], [bushings] and [links]",
+            },
         ),
         (
             file.setup.as_ref().map(|setup| setup.adjust.span()),

@@ -2,6 +2,7 @@
 
 mod band;
 mod jig;
+mod solid;
 
 use super::elastic_targets::{RateKeys, rate_keys};
 use super::error::Problems;
@@ -123,6 +124,10 @@ pub(super) fn contributors_of_axle(
             Some(side)
         }
     };
+    if suspension.mechanism.topology.is_twist_beam() {
+        let message = "parts of a twist beam cannot scatter; leave this entry out";
+        return problems.refuse(written.span(), message);
+    }
     let elastic = study.axle.elastic.as_ref();
     let is_shared = |source: &Source| {
         let (rate, elastic) = (source.rate.as_ref(), elastic);
@@ -149,13 +154,23 @@ pub(super) fn contributors_of_axle(
             return Some(own);
         }
         for contributor in &mut own {
-            for source in &mut contributor.sources {
-                source.name = format!("{} {}", side.name(), source.name);
-                source.side = Some(side);
+            if solid::is_single(contributor, &of_side, written.span(), problems)? {
+                if let Some(text) = &written.get_ref().side {
+                    let name = &contributor.name;
+                    let message = format!("the axle has {name} once: expected no side");
+                    return problems.refuse(text.span(), message);
+                }
+                solid::scatter_once(contributor, side);
+            } else {
+                for source in &mut contributor.sources {
+                    source.name = format!("{} {}", side.name(), source.name);
+                    source.side = Some(side);
+                }
+                if only.is_some() {
+                    contributor.name = format!("{} {}", side.name(), contributor.name);
+                }
             }
-            if only.is_some() {
-                contributor.name = format!("{} {}", side.name(), contributor.name);
-            }
+            solid::note_other_view(contributor, &of_side);
         }
         match found.is_empty() {
             true => found = own,
@@ -242,13 +257,11 @@ fn length(
     }
     let name = format!("{name} length");
     Some(Contributor {
-        sources: vec![Source {
-            name: name.clone(),
-            changes: vec![(BuildParameter::Length(member), 1.0)],
-            rate: None,
-            law: law?,
-            side: None,
-        }],
+        sources: vec![Source::of_parts(
+            name.clone(),
+            vec![(BuildParameter::Length(member), 1.0)],
+            law?,
+        )],
         name,
     })
 }
@@ -276,15 +289,11 @@ fn hardpoints(
     let points = each(&names, |name| hardpoint(name, suspension, problems));
     let (law, along) = (law?, along?);
     let contributor = |(name, id): (&Text, PointId)| {
-        let source = |axis: &Axis| Source {
-            name: format!("{} {}", name.get_ref(), axis.name()),
-            changes: vec![(
-                BuildParameter::Coordinate(id, *axis),
-                suspension.frame.sign(*axis),
-            )],
-            rate: None,
-            law,
-            side: None,
+        let source = |axis: &Axis| {
+            let name = format!("{} {}", name.get_ref(), axis.name());
+            let sign = suspension.frame.sign(*axis);
+            let changes = vec![(BuildParameter::Coordinate(id, *axis), sign)];
+            Source::of_parts(name, changes, law)
         };
         Contributor {
             name: match along.as_slice() {
@@ -333,11 +342,8 @@ fn rate(
     };
     Some(Contributor {
         sources: vec![Source {
-            name: name.clone(),
-            changes: Vec::new(),
             rate: Some(rate),
-            law,
-            side: None,
+            ..Source::of_parts(name.clone(), Vec::new(), law)
         }],
         name,
     })

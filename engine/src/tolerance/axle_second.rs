@@ -9,19 +9,26 @@
 //! ```
 //!
 //! with f_k the coefficient that remains after the lower orders. Quantities that contain velocities are left out.
+//!
+//! In a solid axle, C_b' is the velocity by the wheel's own share of the difference of travels, and the mean travel is held. The
+//! steering gear of a steered one moves the drag link's end in the series, too.
+//!
+//! Positions at a load are left out.
 
 use super::Problem;
 use super::expansion::combined;
 use crate::assembly::{Built, Rest, SetUpError};
-use crate::axle::{AxleSolver, AxleState, Carriers, Hold, Parts, Quantity, Reading, Snapshot};
-use crate::derive::{MotionPoint, pose_series};
+use crate::axle::{
+    AxleSolver, AxleState, Carriers, Hold, Parts, Placement, Quantity, Reading, Snapshot, displace,
+};
+use crate::derive::pose_series;
 use crate::evaluate::AxleStations;
 use crate::linear::lu::Lu6;
 use crate::mechanism::{Closure, Configuration, Driver, Ground, Pose};
-use crate::model::{Drive, Side, SteeringAxis};
+use crate::model::{Side, SteeringAxis};
 use crate::number::{Jet, Vector3};
-use crate::solve::Solver;
 use crate::study::Source;
+use std::borrow::Cow;
 
 type Series = Jet<f64, 3>;
 
@@ -60,10 +67,20 @@ struct DrawnPositions<'p> {
     positions: Vec<Option<DrawnPosition>>,
 }
 
+/// A wheel of a design as series.
+struct WheelSeries<'d> {
+    design: Cow<'d, [Vector3<Series>]>,
+    closure: Closure<Series>,
+    /// Parts of drive and rack that the turn of the knuckles makes.
+    lifts: [Series; 2],
+}
+
 /// A pose of the nominal axle, with data for its series.
 struct DrawnPosition {
-    travels: [f64; 2],
+    /// Drive and rack of each wheel, in its own frame.
+    coordinates: [(f64, f64); 2],
     roll: f64,
+    /// Displacement of the rack or of the steering gear.
     rack: f64,
     hold: Hold,
     /// Slopes n.C_l' + n.C_r' and track, for the ground condition.
@@ -77,43 +94,36 @@ impl<'p> DrawnPositions<'p> {
     fn of(problem: &'p Problem, stations: &'p AxleStations) -> Result<Self, SetUpError> {
         let axle = &stations.axle;
         let mut built = Vec::new();
-        let mut solvers = Vec::new();
-        for (side, wheel_assembler) in Side::ALL.into_iter().zip(&problem.wheel_assemblers) {
+        for wheel_assembler in &problem.wheel_assemblers {
             let assembler = &wheel_assembler.assembler;
             built.push(assembler.build(assembler.drawn(), Rest::Height(0.0))?);
-            let suspension = axle.suspension(side);
-            let solver = Solver::new(&suspension.mechanism, &suspension.design);
-            solvers.push(solver.map_err(SetUpError::Fault)?);
         }
         // First derivatives of both wheels are needed for the slopes of the ground condition.
         let solver = AxleSolver::<2>::new(axle, &stations.quantities, false);
         let mut solver = solver.map_err(|(_, fault)| SetUpError::Fault(fault))?;
         let placed = solver.place_all(&stations.placements);
-        let position = |placed: Result<crate::axle::AxlePose, _>| {
-            let placed = placed.ok()?;
+        let position = |(placement, placed): (&Placement, Result<crate::axle::AxlePose, _>)| {
+            // The mean travel at a load changes with forces, whose second derivatives are not computed.
+            let placed = placed
+                .ok()
+                .filter(|_| !matches!(placement, Placement::AtLoad { .. }))?;
             let read = solver.read(&placed).ok()?;
-            let wheel = |side: Side| {
-                let point = MotionPoint {
-                    drive: Drive::Travel,
-                    value: placed.travels[side as usize],
-                    rack: placed.rack * side.sign(),
-                };
-                let pose = placed.poses()[side as usize];
-                Some((pose, solvers[side as usize].factorise(&pose, &point)?))
-            };
+            let [left_factors, right_factors] = solver.factorised(&placed)?;
+            let [left_pose, right_pose] = *placed.poses();
             let [left, right] = read.state.wheels().map(|wheel| wheel.rise());
             let has_value = |quantity: &Quantity| read.value(*quantity).is_ok();
             Some(DrawnPosition {
-                travels: placed.travels,
+                coordinates: solver.coordinates(placed.travels, placed.rack),
                 roll: placed.roll,
                 rack: placed.rack,
                 hold: placed.hold,
                 slopes: [left + right, read.state.track()],
-                wheels: [wheel(Side::Left)?, wheel(Side::Right)?],
+                wheels: [(left_pose, left_factors), (right_pose, right_factors)],
                 has_value: stations.quantities.iter().map(has_value).collect(),
             })
         };
-        let positions = placed.into_iter().map(position).collect();
+        let placements = stations.placements.iter();
+        let positions = placements.zip(placed).map(position).collect();
         let slots: Vec<_> = stations
             .quantities
             .iter()
@@ -124,7 +134,7 @@ impl<'p> DrawnPositions<'p> {
             problem,
             stations,
             built,
-            parts: Parts::of(&slots, Carriers::Independent),
+            parts: Parts::of(&slots, Carriers::of(axle)),
             positions,
         })
     }
@@ -136,19 +146,14 @@ impl<'p> DrawnPositions<'p> {
         let designs: Vec<Vec<Vector3<Series>>> = wheel_assemblers
             .map(|(wheel_assembler, built)| wheel_assembler.series(built, along))
             .collect();
-        let closures: Vec<Closure<Series>> = Side::ALL
-            .into_iter()
-            .zip(&designs)
-            .map(|(side, design)| {
-                Closure::new(&self.stations.axle.suspension(side).mechanism, design)
-            })
-            .collect();
+        let wheels = self.wheels(&designs);
         let mut second_derivatives = vec![f64::NAN; self.problem.cells()];
         for (station, position) in self.positions.iter().enumerate() {
             let Some(position) = position else {
                 continue;
             };
-            let state = self.on_ground(position, &designs, &closures);
+            let steered = self.steered(&wheels, position.rack);
+            let state = self.on_ground(position, &steered);
             for (output, quantity) in self.stations.quantities.iter().enumerate() {
                 if position.has_value[output] && quantity.rate_order() == 0 {
                     let value = quantity.evaluate(&state).derivative(2);
@@ -159,16 +164,58 @@ impl<'p> DrawnPositions<'p> {
         second_derivatives
     }
 
+    /// Both wheels of designs, with the steering gear at rest.
+    fn wheels<'d>(&self, designs: &'d [Vec<Vector3<Series>>]) -> [WheelSeries<'d>; 2] {
+        Side::ALL.map(|side| {
+            let design = &designs[side as usize][..];
+            WheelSeries {
+                design: Cow::Borrowed(design),
+                closure: Closure::new(&self.stations.axle.suspension(side).mechanism, design),
+                lifts: [Jet([0.0; 3]); 2],
+            }
+        })
+    }
+
+    /// The same wheels with the steering gear of a steered axle at this displacement.
+    fn steered<'d>(
+        &self,
+        wheels: &'d [WheelSeries<'_>; 2],
+        displacement: f64,
+    ) -> [WheelSeries<'d>; 2] {
+        Side::ALL.map(|side| {
+            let mechanism = &self.stations.axle.suspension(side).mechanism;
+            let WheelSeries {
+                design,
+                closure,
+                lifts,
+            } = &wheels[side as usize];
+            if mechanism.axle_steering().is_none() {
+                return WheelSeries {
+                    design: Cow::Borrowed(design),
+                    closure: closure.clone(),
+                    lifts: *lifts,
+                };
+            }
+            let mut design = design.to_vec();
+            let lifts = displace(mechanism, &mut design, displacement);
+            let closure = Closure::new(mechanism, &design);
+            WheelSeries {
+                design: Cow::Owned(design),
+                closure,
+                lifts,
+            }
+        })
+    }
+
     /// State of the axle as series in which the ground condition holds to every order.
     fn on_ground(
         &self,
         position: &DrawnPosition,
-        designs: &[Vec<Vector3<Series>>],
-        closures: &[Closure<Series>],
+        wheels: &[WheelSeries<'_>; 2],
     ) -> AxleState<'_, Series> {
         let zero = Jet([0.0; 3]);
         let (mut apart, mut turn) = (zero, zero);
-        let mut state = self.state(position, designs, closures, apart, turn);
+        let mut state = self.state(position, wheels, apart, turn);
         let [rise, track] = position.slopes;
         for order in 1..3 {
             let left_over = state.mismatch()[order];
@@ -177,7 +224,7 @@ impl<'p> DrawnPositions<'p> {
                 Hold::MeanTravel => apart.0[order] = -left_over / rise,
                 Hold::TravelsOnPlane => turn.0[order] = -left_over / track,
             }
-            state = self.state(position, designs, closures, apart, turn);
+            state = self.state(position, wheels, apart, turn);
         }
         state
     }
@@ -186,8 +233,7 @@ impl<'p> DrawnPositions<'p> {
     fn state(
         &self,
         position: &DrawnPosition,
-        designs: &[Vec<Vector3<Series>>],
-        closures: &[Closure<Series>],
+        wheels: &[WheelSeries<'_>; 2],
         apart: Series,
         turn: Series,
     ) -> AxleState<'_, Series> {
@@ -197,10 +243,15 @@ impl<'p> DrawnPositions<'p> {
             let sign = side.sign();
             let mechanism = &axle.suspension(side).mechanism;
             let (pose, factors) = &position.wheels[number];
-            let rack = Jet::constant(position.rack * sign);
-            let travel = Jet::constant(position.travels[number]) + apart * Jet::constant(sign);
-            let (design, closure) = (&designs[number], &closures[number]);
-            let driver = Driver::Travel(travel);
+            let (travel, rack) = position.coordinates[number];
+            let WheelSeries {
+                design,
+                closure,
+                lifts: [drive_lift, rack_lift],
+            } = &wheels[number];
+            let rack = Jet::constant(rack) - *rack_lift;
+            let travel = Jet::constant(travel) + apart * Jet::constant(sign);
+            let driver = Driver::Travel(travel - *drive_lift);
             let pose = pose_series(mechanism, design, closure, factors, pose, driver, rack);
             let at = Configuration::new(mechanism, design, pose, rack);
             Reading::without_rates(&Snapshot::of(&at, &self.parts))
@@ -217,7 +268,7 @@ impl<'p> DrawnPositions<'p> {
             },
             roll: Series::constant(position.roll) + turn,
             hold: position.hold,
-            carriers: Carriers::Independent,
+            carriers: Carriers::of(axle),
             setup: &axle.setup,
         }
     }

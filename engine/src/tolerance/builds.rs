@@ -68,7 +68,7 @@ impl Problem<'_> {
             let mut parts = wheel_assembler.assembler.drawn().clone();
             wheel_assembler.change_parts(self.tolerance, &draws, &mut parts);
             let together = wheel_assembler.put_together(&mut parts, &mut built.design);
-            together.map_err(|reject| (wheel_assembler.side, reject))?;
+            together.map_err(|reject| (wheel_assembler.named_side(), reject))?;
             Ok(built)
         });
         wheels.collect()
@@ -209,7 +209,7 @@ impl<'a> Builder<'a> {
             let start = designs.len();
             designs.resize(start + points, Vector3::default());
             let together = wheel_assembler.put_together(parts, &mut designs[start..]);
-            together.map_err(|reject| (wheel_assembler.side, reject))
+            together.map_err(|reject| (wheel_assembler.named_side(), reject))
         });
         match built {
             Ok(()) => {

@@ -202,6 +202,7 @@ impl<'a> Problem<'a> {
         }
         let further = wanted.iter().flat_map(|(_, placements, _)| placements);
         let mut stations = AxleStations::of(Cow::Owned(axle), &plan, further.copied());
+        stations.of_builds = true;
         let banded = |(quantities, placements, between): &(&Vec<_>, Vec<_>, [f64; 2])| {
             let places = placements.iter().flat_map(|placement| {
                 let own = quantities.iter();

@@ -36,11 +36,18 @@ impl WheelAssembler {
         })
     }
 
-    /// Dimensions that a source changes in this wheel. Empty if the source belongs to the other wheel.
+    /// Wheel to name if it cannot be assembled. `None` for a single wheel, and for a solid axle, which is assembled as a whole.
+    pub(super) fn named_side(&self) -> Option<Side> {
+        let mechanism = &self.assembler.suspension().mechanism;
+        self.side.filter(|_| mechanism.rigid_axle.is_none())
+    }
+
+    /// Dimensions that a source changes in this wheel. Empty if the source belongs to the other wheel alone.
     pub(super) fn changes<'s>(&self, source: &'s Source) -> &'s [(BuildParameter, f64)] {
-        match source.side == self.side {
+        let own = source.side.or(self.side.and(Some(Side::Left)));
+        match own == self.side {
             true => &source.changes,
-            false => &[],
+            false => &source.seen_from_other,
         }
     }
 

@@ -12,6 +12,7 @@ mod rigs;
 mod side_effects;
 mod solid;
 mod stability;
+mod steered;
 mod sweep;
 mod textbook;
 mod tolerance;

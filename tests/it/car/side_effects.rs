@@ -140,8 +140,7 @@ fn a_target_takes_its_change_off_the_other_cases() {
 #[test]
 fn roll_at_rest_does_not_count_as_changed() {
     // The roll in `turn` is wanted. At rest a symmetric car does not roll, before or after.
-    let target =
-        "optimise.targets=[{ characteristic = \"roll\", case = \"turn\", value = 1.0, tolerance = 0.01 }]";
+    let target = "optimise.targets=[{ characteristic = \"roll\", case = \"turn\", value = 1.0, tolerance = 0.01 }]";
     let before = study(&[target, "car.sprung_cg=[-1290.0, 0.0, 560.0]"]);
     let after = at(&before, &values(&before, &[(0, 2e5)]));
     let quantity = CarQuantity::named("roll")[0];

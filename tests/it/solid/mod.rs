@@ -1,8 +1,10 @@
 //! Solid axles: against independent answers, and against their own mirror images and limits.
 
+mod builds;
 mod by_design;
 mod certificate;
 mod elastic;
+mod kinds;
 mod lanes;
 mod loads;
 mod own;
@@ -11,6 +13,7 @@ mod rates;
 mod reference;
 mod refused;
 mod steered;
+mod tolerance;
 mod tuned;
 mod twist_beam;
 mod units;

@@ -175,27 +175,15 @@ impl<'a, const N: usize> Corner<'a, N> {
             return fails(Failure::Toggle(rod));
         }
         let mut design = designed;
-        let centres = rigid.displace(displacement, &mut design);
-        let turned = {
-            let pose = self.solver.design_pose();
-            let at = Configuration::new(self.mechanism, &design, pose, 0.0);
-            centres.each(|[_, centre]| at.point(centre))
-        };
-        let mut rises = [0.0; 2];
-        for ((rise, [point, centre]), turned) in rises.iter_mut().zip(centres).zip(turned) {
-            *rise = turned.z - design[centre.0].z;
-            design[point.0] = turned;
-        }
+        let offsets = displace(self.mechanism, &mut design, displacement);
         // The design was sound before, and its steering gear has moved since.
         if self.prepare_design(&design).is_err() {
             return fails(Failure::Singular);
         }
-        let [near, far] = rises;
-        let travel = |travel: AxleTravel| 0.5 * (near + travel.far_sign() * far);
         Steered {
             displacement,
             failure: None,
-            offsets: [travel(rigid.held.other()), travel(rigid.held)],
+            offsets,
         }
     }
 

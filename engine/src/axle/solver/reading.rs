@@ -4,7 +4,7 @@ use super::linearised::derivative_by_heave;
 use super::*;
 
 /// Receives the index of a requested quantity, and its gradients by every point of the left and of the right wheel.
-type ReceiveOwnGradients<'r> = dyn FnMut(usize, [&mut [Vector3<f64>]; 2]) + 'r;
+pub(in crate::axle) type ReceiveOwnGradients<'r> = dyn FnMut(usize, [&mut [Vector3<f64>]; 2]) + 'r;
 
 impl<'a, const N: usize> AxleSolver<'a, N> {
     /// Reads a position.
@@ -130,6 +130,32 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.gradients_of(placed, &sought, &mut receive)
     }
 
+    /// The same by every point of both sides, for points of which each moves by itself. For a rigid axle these are all points of the
+    /// left design, and all points of the axle as its right wheel sees it.
+    pub(crate) fn gradients_by_each_point(
+        &mut self,
+        placed: &AxlePose,
+        quantities: &[Quantity],
+        mut receive: impl FnMut(usize, [&[Vector3<f64>]; 2]),
+    ) -> Result<(), NoPose> {
+        let sought: Vec<_> = quantities.iter().copied().map(Sought::Quantity).collect();
+        let by_heave = self.heave_by_points(placed)?;
+        self.each_gradient(placed, &sought, by_heave, &mut |number, [left, right]| {
+            receive(number, [left, right]);
+        })
+    }
+
+    /// Derivatives of the mean travel by the points. `None` unless the mean travel follows from a load.
+    fn heave_by_points(
+        &mut self,
+        placed: &AxlePose,
+    ) -> Result<Option<[Vec<Vector3<f64>>; 2]>, NoPose> {
+        let Some(level) = placed.at_load else {
+            return Ok(None);
+        };
+        Ok(Some(self.loads()?.heave_by_design(level, placed)?))
+    }
+
     /// Computes gradients of quantities and of coordinates of points. Those of coordinates are in the frame of their side.
     pub(in crate::axle) fn gradients_of(
         &mut self,
@@ -137,10 +163,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         sought: &[Sought],
         receive: &mut ReceiveGradients<'_>,
     ) -> Result<(), NoPose> {
-        let by_heave = match placed.at_load {
-            Some(level) => Some(self.loads()?.heave_by_design(level, placed)?),
-            None => None,
-        };
+        let by_heave = self.heave_by_points(placed)?;
         let rigid = self.rigid();
         self.each_gradient(placed, sought, by_heave, &mut |number, [left, right]| {
             if let Some(rigid) = rigid {
@@ -188,19 +211,15 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let axle = self.axle;
         let mut found = vec![f64::NAN; sought.len()];
         self.each_gradient(placed, sought, None, &mut |number, gradients| {
-            let along = |(side, gradient): (Side, &mut [Vector3<f64>])| {
-                let steering = axle.suspension(side).mechanism.axle_steering()?;
-                Some(gradient[steering.place.0].dot(steering.direction))
-            };
-            let sides = Side::ALL.into_iter().zip(gradients);
-            found[number] = sides.map(along).sum::<Option<f64>>().unwrap_or(f64::NAN);
+            let by_gear = axle.by_steering_gear(gradients.map(|gradient| &*gradient));
+            found[number] = by_gear.unwrap_or(f64::NAN);
         })?;
         Ok(found)
     }
 
     /// The gradients by every point of both sides, also by points that follow other points. `by_heave` has the derivatives of the
     /// mean travel by the points, if the mean travel follows from a load.
-    fn each_gradient(
+    pub(in crate::axle) fn each_gradient(
         &mut self,
         placed: &AxlePose,
         sought: &[Sought],

@@ -64,13 +64,17 @@ pub(in crate::car) fn mean_steer<T: Scalar>(state: &Balance<T>, axle: usize) -> 
     (left + right).scaled(0.5)
 }
 
-/// Velocities of the carriers' points at both contact points of a solid axle, and the angular velocity of the axle. Here
-/// the left wheel rises and the right wheel falls.
+/// Velocities of the axle's points at both contact points of a solid axle, and the angular velocity of the axle. Here the left wheel
+/// rises and the right wheel falls. The wheels of a steered axle are on knuckles, which turn against it.
 fn by_difference<T: Scalar>(
     state: &Balance<T>,
     axle: usize,
 ) -> Option<([Vector3<T>; 2], Vector3<T>)> {
     let [left, right] = [0, 1].map(|side| &state.wheels[2 * axle + side]);
+    if let Some(body) = &left.corner.axle {
+        let at = |contact: Vector3<T>| body.velocity + body.turn.cross(contact - body.point);
+        return Some(([at(left.contact), at(right.contact)], body.turn));
+    }
     let turn = left.corner.own.turn - left.corner.other?.turn;
     let velocities = [
         left.contact_rate - left.contact_by_other?,

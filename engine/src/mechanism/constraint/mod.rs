@@ -117,13 +117,19 @@ impl<T: Real> Row<T> {
     ) -> Row<T> {
         let length = parts.lengths[constraint];
         match mechanism.constraints[constraint] {
-            Constraint::Link { inner, outer } => match mechanism.body(inner) {
-                Body::Arm(arm) => {
-                    let ends = [inner, outer];
-                    Row::ArmEnd(ArmEnd::built_link(mechanism, arm, ends, length, parts))
+            Constraint::Link { inner, outer } => {
+                match [inner, outer].map(|id| mechanism.body(id)) {
+                    [Body::Arm(arm), _] => {
+                        let ends = [inner, outer];
+                        Row::ArmEnd(ArmEnd::built_link(mechanism, arm, ends, length, parts))
+                    }
+                    [Body::Rocker(_), _] | [_, Body::Rocker(_)] => {
+                        let squared = length.squared();
+                        Row::RockerEnd(RockerEnd::of_squared_length(inner, outer, squared))
+                    }
+                    _ => Row::Link(Link::of_squared_length(inner, outer, length.squared())),
                 }
-                _ => Row::Link(Link::of_squared_length(inner, outer, length.squared())),
-            },
+            }
             Constraint::Revolute { first, second } => {
                 let all = Pinned::all(first, second, parts.body, parts.knuckle, mechanism.origin);
                 Row::Pinned(all[number])

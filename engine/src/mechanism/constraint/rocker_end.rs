@@ -96,6 +96,12 @@ impl<T: Real> RockerEnd<T> {
     #[inline(always)]
     pub(crate) fn new(inner: PointId, outer: PointId, design: &[Vector3<T>]) -> Self {
         let squared = (design[outer.0] - design[inner.0]).norm_squared();
+        RockerEnd::of_squared_length(inner, outer, squared)
+    }
+
+    /// Makes a link whose length is an independent dimension.
+    #[inline(always)]
+    pub(crate) fn of_squared_length(inner: PointId, outer: PointId, squared: T) -> Self {
         RockerEnd {
             inner,
             outer,

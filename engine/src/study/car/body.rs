@@ -26,12 +26,13 @@ impl Resolver<'_> {
             );
             return self.problems.refuse(place, message);
         }
-        if axle.left.mechanism.axle_steering().is_some() {
-            let message =
-                format!("the {name} axle is steered by a drag link, which cars do not support yet");
-            let error = self.problems.add(place, message);
-            error.help("leave drag link, kingpins and tie rod out of its study");
-            return None;
+        let rigid = axle.left.mechanism.rigid_axle.as_ref();
+        if rigid.is_some_and(|rigid| !rigid.extra_links.is_empty()) {
+            let message = format!(
+                "the {name} axle has five links, which bind without the stiffness of its links; a car has rigid links: expected four links, or \
+                 three and a Panhard rod"
+            );
+            return self.problems.refuse(place, message);
         }
         let needed = [
             (Need::WheelRadius, "radius in [wheel]"),

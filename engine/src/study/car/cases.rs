@@ -54,8 +54,12 @@ impl Resolver<'_> {
                 return self.problems.refuse(rack.span.clone(), message);
             }
             let Some(per_turn) = car.axles[0].setup.c_factor else {
-                let message =
-                    "steering_wheel_angle needs c_factor in [steering] of the front study";
+                let message = match car.axles[0].left.mechanism.axle_steering() {
+                    Some(_) => {
+                        "a drag link steers the front axle, and no ratio relates it to a steering wheel; expected rack, the displacement of the drag link's end"
+                    }
+                    None => "steering_wheel_angle needs c_factor in [steering] of the front study",
+                };
                 return self.problems.refuse(angle.span.clone(), message);
             };
             case.racks[0] = per_turn * angle.value / 360.0;

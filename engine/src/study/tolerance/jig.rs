@@ -70,24 +70,19 @@ pub(super) fn jig(
         unit[axis as usize] = 1.0;
         let unit = Vector3::from(unit);
         if shift > 0.0 {
-            sources.push(Source {
-                name: format!("{name} shift {}", axis.name()),
-                changes: changes(&|_| unit * suspension.frame.sign(axis)),
-                rate: None,
-                law: Law::Normal { sigma: shift },
-                side: None,
-            });
+            let changes = changes(&|_| unit * suspension.frame.sign(axis));
+            let name = format!("{name} shift {}", axis.name());
+            sources.push(Source::of_parts(
+                name,
+                changes,
+                Law::Normal { sigma: shift },
+            ));
         }
         if turn > 0.0 {
-            sources.push(Source {
-                name: format!("{name} turn {}", axis.name()),
-                changes: changes(&|lever| unit.cross(lever) * suspension.frame.turn_sign(axis)),
-                rate: None,
-                law: Law::Normal {
-                    sigma: turn.to_radians(),
-                },
-                side: None,
-            });
+            let changes = changes(&|lever| unit.cross(lever) * suspension.frame.turn_sign(axis));
+            let sigma = turn.to_radians();
+            let name = format!("{name} turn {}", axis.name());
+            sources.push(Source::of_parts(name, changes, Law::Normal { sigma }));
         }
     }
     Some(Contributor { name, sources })

@@ -2,6 +2,7 @@
 
 mod hyper;
 mod known;
+mod limits;
 mod loads;
 mod refused;
 mod virtual_work;

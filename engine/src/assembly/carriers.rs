@@ -1,0 +1,242 @@
+//! Points of carriers in a build: of arms, rockers, struts and axles.
+//!
+//! A rocker of independent wheels does not hold the knuckle, so it follows once the knuckle has its pose. A rocker of a solid axle
+//! (Watt linkage, steered knuckles) holds it. Its closure equations use positions in which every rod has its own length. These are
+//! the points of the parts with the axle in its nominal pose ([`Assembler::turned`]). From them, the equations of designs turn the
+//! rockers in any pose of the axle.
+
+use super::assembler::Assembler;
+use super::assembly_error::AssemblyError;
+use super::parts::Parts;
+use crate::mechanism::{Pose, Turn, has_leverage};
+use crate::model::{
+    Body, Point, PointId, Rocker, RockerId, SPINDLE_INNER, SpinAxis, Suspension, mirrored,
+};
+use crate::number::{Matrix3, Real, Vector3};
+use std::borrow::Cow;
+
+impl Assembler {
+    /// The parts of a solid axle with every rocker turned in the axle's nominal pose until its rod has its length. Other parts stay
+    /// as they are.
+    pub(super) fn turned<'p, T: Real>(&self, parts: &'p Parts<T>) -> Cow<'p, Parts<T>> {
+        let mut turned = Cow::Borrowed(parts);
+        if self.suspension().mechanism.rigid_axle.is_some() {
+            self.turn_rockers(turned.to_mut());
+        }
+        turned
+    }
+
+    /// The same in place.
+    #[inline(always)]
+    pub(super) fn turn_rockers<T: Real>(&self, parts: &mut Parts<T>) {
+        let mechanism = &self.suspension().mechanism;
+        let Some(rigid) = &mechanism.rigid_axle else {
+            return;
+        };
+        if let Some(steering) = &rigid.steering {
+            parts.points[steering.place.0] = parts.points[steering.end.0];
+        }
+        for (number, rocker) in mechanism.rockers.iter().enumerate() {
+            let length = parts.lengths[mechanism.constraints.len() + number];
+            let outer = parts.points[rocker.outer.0];
+            let built = BuiltRocker::of(rocker, parts, length, outer);
+            for (i, point) in parts.points.iter_mut().enumerate() {
+                if mechanism.body(PointId(i)) == Body::Rocker(RockerId(number)) {
+                    *point = built.place(*point);
+                }
+            }
+        }
+    }
+
+    /// Names a rod of a solid axle that is too short or too long. `parts` are those of [`Assembler::turned`].
+    pub(super) fn check_turned(&self, parts: &Parts<f64>) -> Result<(), AssemblyError> {
+        let mechanism = &self.suspension().mechanism;
+        if mechanism.rigid_axle.is_none() {
+            return Ok(());
+        }
+        let is_known = |rocker: &&Rocker| parts.points[rocker.inner.0].norm().is_finite();
+        match mechanism.rockers.iter().find(|rocker| !is_known(rocker)) {
+            None => Ok(()),
+            Some(rocker) => Err(AssemblyError::Rod(rocker.rod)),
+        }
+    }
+
+    /// Writes the built design: positions of all points of parts, assembled in a pose of the carrier. Parts of a solid axle are
+    /// those of [`Assembler::turned`].
+    #[inline(always)]
+    pub(crate) fn place<T: Real>(&self, parts: &Parts<T>, pose: &Pose<T>, into: &mut [Vector3<T>]) {
+        let mechanism = &self.suspension().mechanism;
+        let drawn = |id: PointId| parts.drawn[id.0];
+        let at = self.configuration(parts, pose);
+        for (i, (place, &point)) in into.iter_mut().zip(&parts.points).enumerate() {
+            let id = PointId(i);
+            *place = match mechanism.body(id) {
+                Body::Chassis | Body::Rack | Body::Opposite(_) | Body::SteeringGear(_) => point,
+                Body::Rocker(_) if mechanism.rigid_axle.is_some() => at.point(id),
+                Body::Rocker(_) => point,
+                Body::Knuckle => at.carried(id),
+                Body::StrutRod(top) => {
+                    parts.points[top.0] + pose.rotation.apply(point - drawn(top))
+                }
+                Body::Arm(number) => {
+                    let arm = mechanism.arms[number.0];
+                    let from = ArmFrame::of(drawn(arm.front), drawn(arm.rear), drawn(arm.outer));
+                    let [front, rear] = [parts.points[arm.front.0], parts.points[arm.rear.0]];
+                    let to = ArmFrame::of(front, rear, at.carried(arm.outer));
+                    to.place(from.read(point))
+                }
+            };
+        }
+        if let Some(rigid) = &mechanism.rigid_axle {
+            rigid.displace(0.0, into);
+            return;
+        }
+        for (number, rocker) in mechanism.rockers.iter().enumerate() {
+            let length = parts.lengths[mechanism.constraints.len() + number];
+            let built = BuiltRocker::of(rocker, parts, length, into[rocker.outer.0]);
+            for (i, (place, &point)) in into.iter_mut().zip(&parts.points).enumerate() {
+                if mechanism.body(PointId(i)) == Body::Rocker(RockerId(number)) {
+                    *place = built.place(point);
+                }
+            }
+        }
+    }
+
+    /// Names a rod that is too short or too long.
+    pub(super) fn check_rods(&self, built: &[Vector3<f64>]) -> Result<(), AssemblyError> {
+        for rocker in &self.suspension().mechanism.rockers {
+            let inner = built[rocker.inner.0];
+            if !(inner.x + inner.y + inner.z).is_finite() || !has_leverage(rocker, built) {
+                return Err(AssemblyError::Rod(rocker.rod));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A rocker of a build, turned by its rod.
+struct BuiltRocker<T> {
+    first: Vector3<T>,
+    drawn_first: Vector3<T>,
+    tilt: Tilt<T>,
+    turn: Turn<T>,
+}
+
+impl<T: Real> BuiltRocker<T> {
+    /// A rocker whose rod has this length, with the other end of the rod at `outer_now`.
+    #[inline(always)]
+    fn of(rocker: &Rocker, parts: &Parts<T>, length: T, outer_now: Vector3<T>) -> Self {
+        let drawn = |id: PointId| parts.drawn[id.0];
+        let (first, second) = (parts.points[rocker.first.0], parts.points[rocker.second.0]);
+        let drawn_first = drawn(rocker.first);
+        let tilt = Tilt::between(drawn(rocker.second) - drawn_first, second - first);
+        let inner = first + tilt.apply(parts.points[rocker.inner.0] - drawn_first);
+        let along = tilt.apply((drawn(rocker.outer) - drawn(rocker.inner)).normalised());
+        let outer = inner + along * length;
+        // The rod with its own length determines the rotation of the rocker.
+        let turn = Turn::of([first, second, inner, outer, outer_now]);
+        BuiltRocker {
+            first,
+            drawn_first,
+            tilt,
+            turn,
+        }
+    }
+
+    /// Place of a point of the rocker, from its place in the part.
+    #[inline(always)]
+    fn place(&self, point: Vector3<T>) -> Vector3<T> {
+        self.turn
+            .moved(self.first + self.tilt.apply(point - self.drawn_first))
+    }
+}
+
+/// Frame of an arm: its outer joint, the direction of its axis, and the direction from the axis to the joint.
+struct ArmFrame<T> {
+    origin: Vector3<T>,
+    axes: Matrix3<T>,
+}
+
+impl<T: Real> ArmFrame<T> {
+    #[inline(always)]
+    fn of(front: Vector3<T>, rear: Vector3<T>, outer: Vector3<T>) -> Self {
+        let axis = (rear - front).normalised();
+        let from_front = outer - front;
+        let radial = (from_front - axis * axis.dot(from_front)).normalised();
+        ArmFrame {
+            origin: outer,
+            axes: Matrix3 {
+                columns: [axis, radial, axis.cross(radial)],
+            },
+        }
+    }
+
+    /// Coordinates of a point in the frame.
+    #[inline(always)]
+    fn read(&self, point: Vector3<T>) -> Vector3<T> {
+        self.axes.apply_transposed(point - self.origin)
+    }
+
+    /// Point with these coordinates.
+    #[inline(always)]
+    fn place(&self, coordinates: Vector3<T>) -> Vector3<T> {
+        self.origin + self.axes.apply(coordinates)
+    }
+}
+
+/// Smallest rotation from one direction to another. With k = a x b and c = a.b of the unit vectors it is v + k x v + k x (k
+/// x v)/(1 + c).
+struct Tilt<T> {
+    across: Vector3<T>,
+    factor: T,
+}
+
+impl<T: Real> Tilt<T> {
+    #[inline(always)]
+    fn between(from: Vector3<T>, to: Vector3<T>) -> Self {
+        let (from, to) = (from.normalised(), to.normalised());
+        let cosine = from.dot(to);
+        Tilt {
+            across: from.cross(to),
+            factor: cosine.one() / (cosine.one() + cosine),
+        }
+    }
+
+    #[inline(always)]
+    fn apply(&self, v: Vector3<T>) -> Vector3<T> {
+        let once = self.across.cross(v);
+        v + once + self.across.cross(once) * self.factor
+    }
+}
+
+/// The suspension with a point of the carrier on its spin axis. In a built carrier the point keeps its position. A solid axle
+/// has such a point at both wheels.
+pub(super) fn with_spindle(suspension: &Suspension) -> Suspension {
+    let mut suspension = suspension.clone();
+    if let SpinAxis::Along(direction) = suspension.mechanism.spin_axis {
+        let size = suspension.size();
+        let length = suspension.wheel_radius.unwrap_or(0.25 * size);
+        // With an extreme radius the point would be too close to the wheel centre, or so far that rounding rotates the axis.
+        let length = length.clamp(0.01 * size, 100.0 * size);
+        let inward = direction * -length;
+        let near_centre = suspension.mechanism.wheel_centre;
+        let rigid = suspension.mechanism.rigid_axle.as_ref();
+        let far_centre = rigid.map(|rigid| rigid.far_centre);
+        let mut add = |centre: PointId, name: String, inward: Vector3<f64>| {
+            let body = suspension.mechanism.body(centre);
+            let place = suspension.design[centre.0] + inward;
+            suspension.design.push(place);
+            suspension.mechanism.points.push(Point { name, body });
+            PointId(suspension.design.len() - 1)
+        };
+        let near = add(near_centre, SPINDLE_INNER.to_owned(), inward);
+        let far = far_centre
+            .map(|centre| add(centre, format!("right_{SPINDLE_INNER}"), mirrored(inward)));
+        let mechanism = &mut suspension.mechanism;
+        if let (Some(rigid), Some(far)) = (&mut mechanism.rigid_axle, far) {
+            rigid.pairs.push([near, far]);
+        }
+        mechanism.spin_axis = SpinAxis::From(near);
+    }
+    suspension
+}

@@ -1,0 +1,45 @@
+//! Scatter of the parts of a solid axle: those that it has once, and those of its halves.
+
+use super::super::error::Problems;
+use super::super::{Contributor, Source};
+use crate::model::{Side, Suspension};
+use std::ops::Range as Span;
+
+/// Returns true for a part that the axle has once, and false for a part of a half or of another vehicle. Refuses a jig that holds
+/// both.
+pub(super) fn is_single(
+    contributor: &Contributor,
+    suspension: &Suspension,
+    place: Span<usize>,
+    problems: &mut Problems,
+) -> Option<bool> {
+    let changes = |source: &Source| source.changes.clone();
+    let all = contributor.sources.iter().flat_map(changes);
+    let mut kinds = all.map(|(parameter, _)| parameter.is_single(&suspension.mechanism));
+    let Some(first) = kinds.next() else {
+        return Some(false);
+    };
+    if kinds.any(|kind| kind != first) {
+        let message = "a jig holds points of one half of the axle, or points that the axle has once, not both";
+        return problems.refuse(place, message);
+    }
+    Some(first)
+}
+
+/// Keeps the random numbers of a part that the axle has once at its left wheel alone.
+pub(super) fn scatter_once(contributor: &mut Contributor, side: Side) {
+    if side == Side::Right {
+        contributor.sources.clear();
+    }
+}
+
+/// Notes the dimensions of each source as the other wheel of a solid axle has them.
+pub(super) fn note_other_view(contributor: &mut Contributor, suspension: &Suspension) {
+    for source in &mut contributor.sources {
+        let seen = source.changes.iter().filter_map(|(parameter, share)| {
+            let (parameter, sign) = parameter.seen_from_other(&suspension.mechanism)?;
+            Some((parameter, sign * share))
+        });
+        source.seen_from_other = seen.collect();
+    }
+}

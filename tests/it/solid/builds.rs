@@ -1,0 +1,269 @@
+//! Builds of solid axles: geometry of the assembled parts, and builds as studies.
+
+use super::kinds::{KINDS, Kind};
+use hardpoint::axle::axle_curves;
+use hardpoint::model::{Side, Suspension};
+use hardpoint::number::{Vector3, Width};
+use hardpoint::study::Study;
+use hardpoint::tolerance::{Problem, monte_carlo, monte_carlo_in};
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+type Point = [f64; 3];
+
+fn minus(a: Point, b: Point) -> Point {
+    [0, 1, 2].map(|i| a[i] - b[i])
+}
+
+fn dot(a: Point, b: Point) -> f64 {
+    (0..3).map(|i| a[i] * b[i]).sum()
+}
+
+fn distance(a: Point, b: Point) -> f64 {
+    dot(minus(a, b), minus(a, b)).sqrt()
+}
+
+fn mirrored([x, y, z]: Point) -> Point {
+    [x, -y, z]
+}
+
+fn on(_: u64) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+fn problem(study: &Study) -> Problem<'_> {
+    Problem::of(study, study.tolerance.as_ref().unwrap()).unwrap()
+}
+
+/// Parts of a build from its random numbers, without the assembler: nominal points of both halves plus scatter, and changes of
+/// lengths.
+struct Expected {
+    nominal: BTreeMap<String, Point>,
+    points: BTreeMap<String, Point>,
+    longer: BTreeMap<String, f64>,
+}
+
+impl Expected {
+    fn of(kind: &Kind, study: &Study, build: u64) -> Self {
+        let mut nominal = BTreeMap::new();
+        for (name, point) in kind.points {
+            nominal.insert((*name).to_owned(), *point);
+            if !kind.is_single(name) {
+                nominal.insert(format!("right_{name}"), mirrored(*point));
+            }
+        }
+        let tolerance = study.tolerance.as_ref().unwrap();
+        let mut draws = vec![0.0; tolerance.sources()];
+        tolerance.draw(build, &mut draws);
+        let (mut points, mut longer) = (nominal.clone(), BTreeMap::new());
+        let sources = tolerance.scatter.iter().flat_map(|c| &c.sources);
+        for (source, draw) in sources.zip(draws) {
+            // "left lower_link_axle x", "panhard length".
+            let (side, rest) = match source.name.split_once(' ') {
+                Some(("left", rest)) => ("", rest),
+                Some(("right", rest)) => ("right_", rest),
+                _ => ("", &source.name[..]),
+            };
+            let (name, along) = rest.split_once(' ').unwrap();
+            let name = format!("{side}{name}");
+            let Some(axis) = ["x", "y", "z"].iter().position(|axis| *axis == along) else {
+                assert_eq!(along, "length");
+                longer.insert(name, draw);
+                continue;
+            };
+            // A right part scatters as the mirror image of a left one.
+            let sign = if side == "right_" && axis == 1 {
+                -1.0
+            } else {
+                1.0
+            };
+            points.get_mut(&name).unwrap()[axis] += sign * draw;
+        }
+        assert!(points.iter().all(|(name, point)| nominal[name] != *point));
+        Expected {
+            nominal,
+            points,
+            longer,
+        }
+    }
+
+    fn length(&self, name: &str, [a, b]: [&str; 2]) -> f64 {
+        distance(self.nominal[a], self.nominal[b]) + self.longer[name]
+    }
+}
+
+/// All points of a build, those of the right half as its right wheel sees them.
+fn places(kind: &Kind, [left, right]: [&Suspension; 2]) -> BTreeMap<String, Point> {
+    let mut places = BTreeMap::new();
+    for (name, _) in kind.points {
+        let id = left.mechanism.point(name).unwrap();
+        places.insert((*name).to_owned(), left.design[id.0].to_array());
+        if !kind.is_single(name) {
+            let place = right.design[id.0].to_array();
+            places.insert(format!("right_{name}"), mirrored(place));
+        }
+    }
+    places
+}
+
+/// Checks that these points have the distances of their parts.
+fn rigid(names: &[String], found: &BTreeMap<String, Point>, expected: &Expected) {
+    for (k, a) in names.iter().enumerate() {
+        for b in &names[..k] {
+            let now = distance(found[a], found[b]);
+            let part = distance(expected.points[a], expected.points[b]);
+            assert!((now - part).abs() < 1e-9, "{a} {b}: {now} {part}");
+        }
+    }
+}
+
+/// Checks that points of a rocker have their places along and about its axis.
+fn hinged(axis: [&str; 2], names: &[String], found: &BTreeMap<String, Point>, parts: &Expected) {
+    let read = |[first, second]: [Point; 2], point: Point| {
+        let way = minus(second, first);
+        let lever = minus(point, first);
+        let along = dot(lever, way) / dot(way, way).sqrt();
+        [along, (dot(lever, lever) - along * along).sqrt()]
+    };
+    for name in names {
+        let now = read(axis.map(|end| found[end]), found[name]);
+        let part = read(axis.map(|end| parts.nominal[end]), parts.points[name]);
+        for (now, part) in now.iter().zip(part) {
+            assert!((now - part).abs() < 1e-9, "{name}: {now} {part}");
+        }
+    }
+}
+
+/// Every build has the lengths, the rigid bodies and the points of the body that its random numbers give, and its wheel centres at their
+/// nominal heights. Each wheel sees the same axle.
+#[test]
+fn builds_have_the_dimensions_of_their_parts() {
+    for kind in KINDS {
+        let study = kind.study(&kind.scatter(1.5), "");
+        let problem = problem(&study);
+        for build in [0, 1, 12] {
+            let wheels = problem.built_wheels(build).unwrap();
+            let [left, right] = &wheels[..] else {
+                panic!("two wheels");
+            };
+            let found = places(kind, [left, right]);
+            let expected = Expected::of(kind, &study, build);
+            for name in ["wheel_centre", "right_wheel_centre"] {
+                let off = found[name][2] - expected.nominal[name][2];
+                assert!(off.abs() < 1e-10, "{} {name}: {off:e}", kind.name);
+            }
+            for name in kind.on_body().flat_map(|name| kind.both(name)) {
+                let off = distance(found[&name], expected.points[&name]);
+                assert!(off < 1e-12, "{} {name}: {off:e}", kind.name);
+            }
+            let on_axle: Vec<_> = kind.on_axle().flat_map(|n| kind.both(n)).collect();
+            rigid(&on_axle, &found, &expected);
+            for (axis, names) in kind.rockers {
+                let names: Vec<_> = names.iter().map(|name| (*name).to_owned()).collect();
+                rigid(&names, &found, &expected);
+                hinged(*axis, &names, &found, &expected);
+            }
+            for (name, ends) in kind.members() {
+                let now = distance(found[&ends[0]], found[&ends[1]]);
+                let part = expected.length(&name, [&ends[0], &ends[1]]);
+                assert!(
+                    (now - part).abs() < 1e-9,
+                    "{} {name}: {now} {part}",
+                    kind.name
+                );
+            }
+            // The bar's lever of the other half is known at its own wheel alone.
+            for (number, point) in left.mechanism.points.iter().enumerate() {
+                let Some(near) = point.name.strip_prefix("right_") else {
+                    continue;
+                };
+                let id = right.mechanism.point(near).unwrap();
+                if !near.starts_with("drop_link_inner") {
+                    let own = Vector3::from(mirrored(right.design[id.0].to_array()));
+                    let off = (left.design[number] - own).norm();
+                    assert!(off < 1e-9, "{} {near}: {off:e}", kind.name);
+                }
+            }
+        }
+    }
+}
+
+/// A build printed as a study is the build: its curves are the values of the Monte Carlo analysis.
+#[test]
+fn printed_builds_are_the_builds() {
+    for kind in KINDS {
+        let study = kind.study(&kind.scatter(0.5), "builds = 2\n");
+        let problem = problem(&study);
+        let drawn = problem.drawn().unwrap();
+        let found = monte_carlo(&problem, &drawn, on).unwrap();
+        let curves = [0, 1].map(|number| {
+            let printed = problem.built_text(number).unwrap();
+            let printed = Study::from_text("built.toml", &printed, Path::new("."));
+            let printed = printed.unwrap_or_else(|e| panic!("{}: {e}", kind.name));
+            let both = printed.axle().unwrap().clone();
+            axle_curves(&both.axle, &both.plan).unwrap().curves
+        });
+        for (k, column) in curves[0].columns.iter().enumerate() {
+            for station in 0..curves[0].stations.len() {
+                let mut values =
+                    [0, 1].map(|build| curves[build].stations[station].value(k).unwrap());
+                values.sort_by(f64::total_cmp);
+                let factor = problem.outputs()[k].factor();
+                let range = found.spreads[problem.cell(k, station)].range;
+                for (value, limit) in values.into_iter().zip(range) {
+                    let off = (value - limit * factor).abs();
+                    assert!(
+                        off < 1e-8,
+                        "{} {} {station}: {off:e}",
+                        kind.name,
+                        column.name
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Builds have the same values in lanes and one by one, and the same bits on any number of threads.
+#[test]
+fn results_are_the_same_however_they_are_found() {
+    assert!(Width::ALL.iter().any(|width| width.is_available()));
+    for kind in KINDS {
+        let study = kind.study(&kind.scatter(0.3), "builds = 150\n");
+        let problem = problem(&study);
+        assert_eq!(problem.not_in_lanes().is_none(), !kind.is_steered());
+        let drawn = problem.drawn().unwrap();
+        let on_threads = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.unwrap()
+                .install(|| monte_carlo(&problem, &drawn, on).unwrap())
+        };
+        let (one, three) = (on_threads(1), on_threads(3));
+        assert_eq!(one.rejected(), 0);
+        assert_eq!(one.spreads, three.spreads);
+        let single = monte_carlo_in(None, &problem, &drawn, on).unwrap();
+        for (a, b) in one.spreads.iter().zip(&single.spreads) {
+            let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * (1.0 + b.abs());
+            assert!(
+                near(a.mean, b.mean) && near(a.sigma, b.sigma),
+                "{}: {a:?} {b:?}",
+                kind.name
+            );
+        }
+    }
+}
+
+/// The axle that cannot be assembled is named as a whole, with the rod that is too short.
+#[test]
+fn a_rod_that_cannot_reach_is_named() {
+    let steered = KINDS.iter().find(|kind| kind.is_steered()).unwrap();
+    let study = steered.study(
+        "{ length = \"tie_rod\", limits = [-400.0, -399.0] }",
+        "builds = 5\n",
+    );
+    let problem = problem(&study);
+    let (side, why) = problem.built_wheels(0).unwrap_err();
+    assert_eq!(side, None::<Side>);
+    assert_eq!(why.to_string(), "the tie rod cannot reach, or is at toggle");
+}

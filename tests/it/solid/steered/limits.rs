@@ -1,0 +1,175 @@
+//! Ends of the range of a steering gear, and the parts that bind there.
+
+use super::{axle, random, study};
+use crate::support::random::Random;
+use hardpoint::analyse::RangeEnd;
+use hardpoint::axle::{Axle, AxleEnd, AxleSolver, Placement};
+use hardpoint::mechanism::LimitCause;
+use hardpoint::model::{Rod, Side};
+
+type Point = [f64; 3];
+
+fn minus(a: Point, b: Point) -> Point {
+    [0, 1, 2].map(|i| a[i] - b[i])
+}
+
+fn dot(a: Point, b: Point) -> f64 {
+    (0..3).map(|i| a[i] * b[i]).sum()
+}
+
+fn cross(a: Point, b: Point) -> Point {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+fn level(rack: f64) -> Placement {
+    Placement::Travels {
+        travels: [0.0; 2],
+        rack,
+        on_plane: false,
+    }
+}
+
+fn follows(axle: &Axle, rack: f64) -> bool {
+    let mut solver = AxleSolver::<1>::new(axle, &[], false).unwrap();
+    let placed = solver.place(&level(rack));
+    placed
+        .and_then(|placed| solver.read(&placed).map(drop))
+        .is_ok()
+}
+
+/// Two points of a knuckle's axis, and the ends of its rod, first the one on the knuckle.
+type Linkage = [Point; 4];
+
+const DRAG_LINK: [&str; 4] = [
+    "kingpin_lower",
+    "kingpin_upper",
+    "drag_link_knuckle",
+    "drag_link_body",
+];
+const TIE_ROD: [&str; 4] = [
+    "right_kingpin_lower",
+    "right_kingpin_upper",
+    "right_tie_rod_end",
+    "tie_rod_end",
+];
+
+fn axis_of([lower, upper, ..]: Linkage) -> Point {
+    let way = minus(upper, lower);
+    way.map(|c| c / dot(way, way).sqrt())
+}
+
+/// Sine of the angle between a rod and the plane of its knuckle's axis and arm.
+fn leverage(linkage: Linkage) -> f64 {
+    let [lower, _, inner, outer] = linkage;
+    let axis = axis_of(linkage);
+    let from_lower = minus(inner, lower);
+    let along = dot(from_lower, axis);
+    let arm = [0, 1, 2].map(|i| from_lower[i] - along * axis[i]);
+    let rod = minus(outer, inner);
+    let moment = dot(cross(arm, rod), axis);
+    moment.abs() / (dot(arm, arm) * dot(rod, rod)).sqrt()
+}
+
+/// The rod in the position of the axle, with the steering gear here.
+fn in_position(axle: &Axle, names: [&str; 4], rack: f64) -> Linkage {
+    let ids = names.map(|name| axle.left.mechanism.point(name).unwrap());
+    let mut solver = AxleSolver::<1>::new(axle, &[], false).unwrap();
+    solver.read_points(&ids);
+    let placed = solver.place(&level(rack)).unwrap();
+    let read = solver.read(&placed).unwrap();
+    let points = &read.points[Side::Left as usize];
+    [0, 1, 2, 3].map(|k| points[k].map(|c| c.coefficient([0, 0])).to_array())
+}
+
+/// A point turned about the axis of a knuckle.
+fn turned(linkage: Linkage, angle: f64, point: Point) -> Point {
+    let axis = axis_of(linkage);
+    let lever = minus(point, linkage[0]);
+    let (sine, cosine) = angle.sin_cos();
+    let along = dot(lever, axis) * (1.0 - cosine);
+    let across = cross(axis, lever);
+    [0, 1, 2].map(|i| linkage[0][i] + cosine * lever[i] + sine * across[i] + along * axis[i])
+}
+
+/// Turn of a knuckle, near a known one, with which its rod has its length although its other end has moved to `outer`.
+fn turn(linkage: Linkage, outer: Point, near: f64) -> f64 {
+    let square = |a: Point, b: Point| dot(minus(a, b), minus(a, b));
+    let length = square(linkage[2], linkage[3]);
+    let mut angle = near;
+    for _ in 0..60 {
+        let now = turned(linkage, angle, linkage[2]);
+        let arm = cross(axis_of(linkage), minus(now, linkage[0]));
+        angle -= 0.5 * (square(now, outer) - length) / dot(arm, minus(now, outer));
+    }
+    angle
+}
+
+/// Drag link and tie rod while the axle rests, with the steering gear here: both knuckles follow its way.
+fn at_rest(axle: &Axle, rack: f64) -> [Linkage; 2] {
+    let at = |name: &str| axle.left.design[axle.left.mechanism.point(name).unwrap().0].to_array();
+    let (drag_link, tie_rod) = (DRAG_LINK.map(at), TIE_ROD.map(at));
+    let (mut left, mut right) = (0.0, 0.0);
+    let (mut body, mut end) = (drag_link[3], tie_rod[3]);
+    for step in 1..=400 {
+        // Shorter steps towards a toggle.
+        let share = 1.0 - (1.0 - f64::from(step) / 400.0).powi(2);
+        body[1] = drag_link[3][1] + share * rack;
+        left = turn(drag_link, body, left);
+        end = turned(drag_link, left, tie_rod[3]);
+        right = turn(tie_rod, end, right);
+    }
+    let arms = [
+        turned(drag_link, left, drag_link[2]),
+        turned(tie_rod, right, tie_rod[2]),
+    ];
+    [
+        [drag_link[0], drag_link[1], arms[0], body],
+        [tie_rod[0], tie_rod[1], arms[1], end],
+    ]
+}
+
+/// Each end of 400 names the part that binds. There are positions up to the end, and none beyond it. The rod that is named is in
+/// line with its arm, in the position or on the way to it, while the axle rests.
+#[test]
+fn every_end_names_the_part_that_binds() {
+    let mut generator = Random(519);
+    let mut kinds = [0; 3];
+    for number in 0..200 {
+        // Also axles far from usual ones.
+        let by = [20.0, 40.0, 60.0][number % 3];
+        let world = random(&mut generator, number % 2 == 0, by);
+        let own = axle(&study(&world, "[motion]\nheave = [0.0]\n")).axle;
+        let ends: [AxleEnd; 2] = own.limits().unwrap().rack.unwrap();
+        for end in ends {
+            assert!(follows(&own, 0.999_999 * end.value), "{number}: {end:?}");
+            assert!(!follows(&own, 1.000_001 * end.value), "{number}: {end:?}");
+            match &end.end {
+                RangeEnd::Toggle { rod, value } => {
+                    assert_eq!(*value, end.value);
+                    let is_tie_rod = *rod == Rod::TieRod;
+                    let names = if is_tie_rod { TIE_ROD } else { DRAG_LINK };
+                    let near = 0.999_999 * value;
+                    let leverages = [
+                        in_position(&own, names, near),
+                        at_rest(&own, near)[usize::from(is_tie_rod)],
+                    ]
+                    .map(leverage);
+                    let least = leverages[0].min(leverages[1]);
+                    assert!(least < 0.02, "{number}: {rod} {leverages:?}");
+                    kinds[usize::from(is_tie_rod)] += 1;
+                }
+                RangeEnd::Fold(limit) => {
+                    assert_eq!(limit.cause, LimitCause::AxleFolds);
+                    assert_eq!(limit.value, end.value);
+                    kinds[2] += 1;
+                }
+                lost => panic!("{number}: {lost:?}"),
+            }
+        }
+    }
+    assert!(kinds[0] > 50 && kinds[1] > 50, "{kinds:?}");
+}

@@ -1,0 +1,269 @@
+//! Tolerances of solid axles: first and second order against builds one by one and against Monte Carlo analyses.
+
+use super::kinds::{KINDS, Kind};
+use hardpoint::axle::axle_curves;
+use hardpoint::study::Study;
+use hardpoint::tolerance::{Expansion, Problem, monte_carlo};
+use std::ops::ControlFlow;
+use std::path::Path;
+
+const OUTPUTS: &str = r#""camber", "toe", "mean_steer", "track", "axle_steer", "pinion_angle", "axle_lateral", "roll_steer", "force_roll_centre_height", "anti_squat""#;
+const ROLL: &str = "roll = [-2.0, 0.0, 1.5]\nheave = [-20.0]\n";
+/// Half the width of the scatter of a build whose parts are known.
+const NARROW: f64 = 1e-13;
+
+fn problem(study: &Study) -> Problem<'_> {
+    Problem::of(study, study.tolerance.as_ref().unwrap()).unwrap()
+}
+
+/// Parts that scatter, one number each.
+fn entries(kind: &Kind) -> Vec<&'static str> {
+    let mut entries = vec![
+        r#"hardpoint = "lower_link_axle", axis = "z", side = "left""#,
+        r#"hardpoint = "lower_link_chassis", axis = "y", side = "right""#,
+        r#"hardpoint = "wheel_centre", axis = "x", side = "right""#,
+        r#"hardpoint = "wheel_centre", axis = "z", side = "left""#,
+        r#"length = "lower_link", side = "right""#,
+    ];
+    entries.extend(match kind.name {
+        "four links and an anti-roll bar" => &[
+            r#"hardpoint = "upper_link_axle", axis = "y", side = "left""#,
+            r#"length = "upper_link", side = "left""#,
+        ][..],
+        "Panhard rod, drag link and tie rod" => &[
+            r#"hardpoint = "panhard_axle", axis = "y""#,
+            r#"hardpoint = "kingpin_upper", axis = "y", side = "right""#,
+            r#"hardpoint = "tie_rod_end", axis = "x", side = "left""#,
+            r#"hardpoint = "drag_link_body", axis = "z""#,
+            r#"length = "upper_link""#,
+            r#"length = "drag_link""#,
+            r#"length = "tie_rod""#,
+        ],
+        _ => &[
+            r#"hardpoint = "watt_pivot", axis = "z""#,
+            r#"hardpoint = "watt_upper_rocker", axis = "y""#,
+            r#"length = "watt_upper""#,
+            r#"length = "watt_lower""#,
+        ],
+    });
+    entries
+}
+
+/// Values of an axle whose parts deviate by these steps, in the order of the outputs and stations. The axle is a printed build.
+fn built(kind: &Kind, motion: &str, steps: &[(&str, f64)]) -> Vec<Vec<f64>> {
+    let entry = |(part, step): &(&str, f64)| {
+        let [low, high] = [step - NARROW, step + NARROW];
+        format!("{{ {part}, limits = [{low:?}, {high:?}] }}")
+    };
+    let scatter: Vec<String> = steps.iter().map(entry).collect();
+    let study = kind.study_of((&scatter.join(", "), "builds = 2\n"), motion, OUTPUTS);
+    let problem = problem(&study);
+    let text = problem.built_text(0).unwrap();
+    let printed = Study::from_text("built.toml", &text, Path::new("."));
+    let both = printed
+        .unwrap_or_else(|e| panic!("{e}"))
+        .axle()
+        .unwrap()
+        .clone();
+    let curves = axle_curves(&both.axle, &both.plan).unwrap().curves;
+    let outputs = problem.outputs().iter().enumerate();
+    let values = outputs.map(|(k, output)| {
+        assert_eq!(output.name, curves.columns[k].name);
+        let stations = curves.stations.iter();
+        let values = stations.map(|station| station.value(k).unwrap_or(f64::NAN) / output.factor());
+        values.collect()
+    });
+    values.collect()
+}
+
+/// Gradients by every part are the slopes of builds that are solved one by one, to differences of fourth order.
+#[test]
+fn gradients_are_slopes_of_builds() {
+    for kind in KINDS {
+        let entries = entries(kind);
+        let scatter: Vec<String> = entries
+            .iter()
+            .map(|part| format!("{{ {part}, sigma = 0.1 }}"))
+            .collect();
+        let study = kind.study_of((&scatter.join(", "), ""), ROLL, OUTPUTS);
+        let problem = problem(&study);
+        let expansion = Expansion::of(&problem).unwrap();
+        let mut looked_at = 0;
+        for (number, part) in entries.iter().enumerate() {
+            let h = 0.1;
+            let at = [-2.0, -1.0, 1.0, 2.0].map(|step| built(kind, ROLL, &[(part, step * h)]));
+            for (output, column) in problem.outputs().iter().enumerate() {
+                for station in problem.stations().of_motion() {
+                    let [a, b, c, d] = at.each_ref().map(|values| values[output][station]);
+                    let slope = (a - d + 8.0 * (c - b)) / (12.0 * h);
+                    let found = expansion.gradient(problem.cell(output, station))[number];
+                    let size = (b.abs() + c.abs()).max(1e-2) * 1e-11 / h;
+                    let error = (found - slope).abs();
+                    assert!(
+                        error < 1e-6 * slope.abs() + size,
+                        "{}, {part}, {} {station}: {found} {slope}",
+                        kind.name,
+                        column.name
+                    );
+                    looked_at += usize::from(slope.abs() > 1e3 * size);
+                }
+            }
+        }
+        assert!(looked_at > 20 * entries.len(), "{}: {looked_at}", kind.name);
+    }
+}
+
+/// The second-order part is that of differences of builds, on a rolled ground, on a plane with given travels and on pads. It is
+/// unknown for quantities made of velocities.
+#[test]
+fn second_order_is_that_of_builds() {
+    let motions = [
+        "roll = [2.0]\nheave = [-20.0]\n",
+        "travel_left = [-20.0]\ntravel_right = [30.0]\nground = \"plane\"\n",
+        "heave = [30.0]\n",
+    ];
+    let sigma = 3.0;
+    for kind in KINDS {
+        let all = entries(kind);
+        let parts = [all[0], all[all.len() - 1]];
+        let scatter: Vec<String> = parts
+            .iter()
+            .map(|part| format!("{{ {part}, sigma = {sigma:?} }}"))
+            .collect();
+        for motion in motions {
+            let study = kind.study_of((&scatter.join(", "), ""), motion, OUTPUTS);
+            let problem = problem(&study);
+            let expansion = Expansion::of(&problem).unwrap();
+            // The last station of the motion is steered, if the axle is.
+            let station = problem.stations().of_motion().last().unwrap();
+            let bend = |along: &[&str]| -> Vec<f64> {
+                let h = 0.2;
+                let at = |step: f64| {
+                    let steps: Vec<_> =
+                        along.iter().map(|part| (*part, step * h * sigma)).collect();
+                    built(kind, motion, &steps)
+                };
+                let at = [-2.0, -1.0, 0.0, 1.0, 2.0].map(at);
+                let second = |k: usize| {
+                    let [a, b, c, d, e] = at.each_ref().map(|values| values[k][station]);
+                    -a + 16.0 * b - 30.0 * c + 16.0 * d - e
+                };
+                (0..at[0].len())
+                    .map(|k| second(k) / (12.0 * h * h))
+                    .collect()
+            };
+            let [first, other, together] = [bend(&parts[..1]), bend(&parts[1..]), bend(&parts)];
+            let mut looked_at = 0;
+            for (output, column) in problem.outputs().iter().enumerate() {
+                let cell = problem.cell(output, station);
+                let found = expansion.second[cell];
+                let of_velocities = ["roll_steer", "force_roll", "anti_squat"];
+                if of_velocities.iter().any(|name| column.name.contains(name)) {
+                    assert!(found[0].is_nan() && expansion.holds(cell).is_none());
+                    continue;
+                }
+                let (one, two) = (first[output], other[output]);
+                let mixed = 0.5 * (together[output] - one - two);
+                let mean = 0.5 * (one + two);
+                let growth = 0.5 * (one * one + two * two) + mixed * mixed;
+                // Rounding of differences of positions in millimetres.
+                let rounding = match column.name.ends_with("_deg") {
+                    true => 1e-12,
+                    false => 1e-9,
+                };
+                let size = one.abs() + two.abs() + mixed.abs() + rounding;
+                let at = format!("{}, {motion} {}", kind.name, column.name);
+                assert!(
+                    (found[0] - mean).abs() < 1e-4 * size + rounding,
+                    "{at}: {found:?} {mean}"
+                );
+                let error = (found[1] - growth).abs();
+                assert!(
+                    error < 1e-4 * size * size + rounding * size,
+                    "{at}: {found:?} {growth}"
+                );
+                looked_at += usize::from(size > 1e3 * rounding);
+            }
+            assert!(looked_at >= 4, "{}, {motion}: {looked_at}", kind.name);
+        }
+    }
+}
+
+/// First order and Monte Carlo agree where scatter is small.
+#[test]
+fn first_order_is_the_monte_carlo_where_scatter_is_small() {
+    for kind in KINDS {
+        let study = kind.study_of((&kind.scatter(0.05), "builds = 600\n"), ROLL, OUTPUTS);
+        let problem = problem(&study);
+        let expansion = Expansion::of(&problem).unwrap();
+        let drawn = problem.drawn().unwrap();
+        let on = |_| ControlFlow::Continue(());
+        let found = monte_carlo(&problem, &drawn, on).unwrap();
+        for (cell, spread) in found.spreads.iter().enumerate() {
+            let column = &problem.outputs()[cell / problem.stations().count()].name;
+            let linear = expansion.variance[cell].sqrt();
+            // At rest, positions that count from there have only the second order of the ground.
+            if linear < 1e-9 {
+                assert!(spread.sigma < 1e-6, "{}, {column}: {spread:?}", kind.name);
+                continue;
+            }
+            let off = (spread.sigma - linear).abs();
+            assert!(
+                off < 0.01 * linear + 4.5 * spread.sigma_error,
+                "{}, {column}: {spread:?} {linear}",
+                kind.name
+            );
+            assert!((spread.mean - drawn[cell]).abs() < 0.2 * linear);
+        }
+    }
+}
+
+/// Left and right parts scatter by themselves: a part of each half has half the variance of both. A part that the axle has once
+/// scatters once, and is refused with a side.
+#[test]
+fn halves_scatter_by_themselves_and_single_parts_once() {
+    let steered = KINDS.iter().find(|kind| kind.is_steered()).unwrap();
+    let variances = |scatter: &str| {
+        let study = steered.study(scatter, "");
+        let problem = problem(&study);
+        let expansion = Expansion::of(&problem).unwrap();
+        (
+            study.tolerance.as_ref().unwrap().sources(),
+            expansion.variance,
+        )
+    };
+    let part = |more: &str| {
+        variances(&format!(
+            "{{ hardpoint = \"lower_link_axle\", axis = \"z\", sigma = 0.2{more} }}"
+        ))
+    };
+    let (both, left, right) = (
+        part(""),
+        part(", side = \"left\""),
+        part(", side = \"right\""),
+    );
+    assert_eq!([both.0, left.0, right.0], [2, 1, 1]);
+    for (cell, both) in both.1.iter().enumerate() {
+        let sum = left.1[cell] + right.1[cell];
+        assert!((both - sum).abs() < 1e-12 * sum, "{both} {sum}");
+    }
+    let once = "{ hardpoint = \"panhard_axle\", sigma = 0.2 }, { length = \"tie_rod\", sigma = 0.1 }, \
+        { jig = [\"drag_link_body\", \"panhard_chassis\"], shift = 0.1 }";
+    assert_eq!(variances(once).0, 3 + 1 + 3);
+    let study = steered.study(once, "");
+    let refused = |entry: &str| {
+        let text = study.text.replace(once, entry);
+        Study::from_text("solid.toml", &text, Path::new("."))
+            .unwrap_err()
+            .to_string()
+    };
+    let sided = refused("{ length = \"tie_rod\", sigma = 0.1, side = \"left\" }");
+    assert!(
+        sided.contains("the axle has tie_rod length once: expected no side"),
+        "{sided}"
+    );
+    let mixed = refused("{ jig = [\"panhard_axle\", \"lower_link_axle\"], shift = 0.1 }");
+    assert!(mixed.contains("a jig holds points of one half"), "{mixed}");
+    let far = refused("{ length = \"right_lower_link\", sigma = 0.1 }");
+    assert!(far.contains("unknown member"), "{far}");
+}

@@ -9,7 +9,7 @@ use super::output::design_fault;
 use super::printer::Printer;
 use super::save::save;
 use super::{LimitsArguments, StudyArguments};
-use crate::analyse::{Limits, Range, RangeEnd};
+use crate::analyse::{Limits, Range, RangeEnd, RockerRange};
 use crate::axle::{Axle, AxleEnd, AxleLimits, TravelRanges};
 use crate::checked::{NamedCurves, motion_alone};
 use crate::curves::curves;
@@ -172,6 +172,14 @@ fn of_axle(
     for (row, range) in travel_rows(axle, &limits) {
         table.push(row.of(study, &range.lower, &range.upper));
     }
+    if let TravelRanges::OfWheels(travels) = &limits.travels {
+        for (side, travel) in Side::ALL.into_iter().zip(travels) {
+            for range in &limits.rockers[side as usize] {
+                let name = format!("{}_{}", side.name(), rod_travel(study, range.rocker));
+                table.push(row([&name, "rack 0"], 1.0, toggles(range, travel)));
+            }
+        }
+    }
     let end = |end: &AxleEnd| {
         let why = match &end.end {
             RangeEnd::Fold(limit) => because(limit, study),
@@ -304,6 +312,18 @@ pub(super) fn rod_travel(study: &Study, rocker: RockerId) -> String {
     format!("{}_travel_{unit}", rod.replace(' ', "_"))
 }
 
+/// Travels at which the rod of a rocker is at toggle, or at which the wheel's own travel ends before.
+fn toggles(range: &RockerRange, travel: &Range) -> [(f64, String); 2] {
+    let end = |toggle: Option<Toggle>, end: &RangeEnd| match toggle {
+        Some(Toggle { travel, rod }) => (travel, format!("the {rod} is at toggle")),
+        None => (end.value(), "the wheel's travel ends".to_owned()),
+    };
+    [
+        end(range.lower, &travel.lower),
+        end(range.upper, &travel.upper),
+    ]
+}
+
 /// Table of the limits of each quantity while the others are held.
 fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
     let mut table = Table::with_columns(columns()).keyed(2);
@@ -326,14 +346,12 @@ fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
         }
     }
     for range in &limits.rockers {
-        let end = |toggle: Option<Toggle>, end: &RangeEnd| match toggle {
-            Some(Toggle { travel, rod }) => (travel, format!("the {rod} is at toggle")),
-            None => (end.value(), "the wheel's travel ends".to_owned()),
-        };
-        let from = end(range.lower, &limits.travel.lower);
-        let to = end(range.upper, &limits.travel.upper);
         let name = rod_travel(study, range.rocker);
-        table.push(row([&name, straight(limits)], 1.0, [from, to]));
+        table.push(row(
+            [&name, straight(limits)],
+            1.0,
+            toggles(range, &limits.travel),
+        ));
     }
     table
 }

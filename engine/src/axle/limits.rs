@@ -6,7 +6,7 @@
 
 use super::Axle;
 use super::solver::{AxlePose, AxleSolver, Placement};
-use crate::analyse::{AT_TOGGLE, Limit, Range, RangeEnd};
+use crate::analyse::{AT_TOGGLE, Limit, Range, RangeEnd, RockerRange};
 use crate::mechanism::{DesignFault, Failure, Pose};
 use crate::model::{AxleTravel, Drive, Rod, Side};
 use crate::number::Vector3;
@@ -17,6 +17,8 @@ use crate::solve::Solver;
 pub struct AxleLimits {
     /// Ranges of the travels.
     pub travels: TravelRanges,
+    /// Toggles of the rockers of each wheel within its travel. Empty if one body carries both wheels.
+    pub rockers: [Vec<RockerRange>; 2],
     /// The least and the largest displacement of the rack towards the left wheel's outside, at zero travel. For a
     /// steered solid axle, the displacement of its drag link. `None` if nothing steers the wheels.
     pub rack: Option<[AxleEnd; 2]>,
@@ -85,6 +87,10 @@ impl<const N: usize> AxleSolver<'_, N> {
             [lower, upper]
         });
         let rack = rack.or_else(|| self.drag_link_range());
+        let rockers = match self.is_rigid() {
+            false => [left.rockers, right.rockers],
+            true => [Vec::new(), Vec::new()],
+        };
         let (left, right) = (left.travel, right.travel);
         // In roll to the left, the left wheel is in droop.
         let mut roll = |ends: [&RangeEnd; 2]| {
@@ -104,6 +110,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         };
         Ok(AxleLimits {
             travels,
+            rockers,
             rack,
             roll,
         })

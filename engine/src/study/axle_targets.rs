@@ -166,6 +166,9 @@ pub(super) fn target(
             return None;
         }
     }
+    if let Some(load) = &written.load {
+        return problems.refuse(load.span(), super::subject::NO_FORCES_OF_AN_AXLE);
+    }
     if let Some(path) = &written.file {
         let message = "targets of an axle cannot read a file; expected points";
         return problems.refuse(path.span(), message);

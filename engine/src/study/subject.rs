@@ -97,6 +97,9 @@ pub(super) fn length(
     }
 }
 
+/// Refusal of a force in a member as a target or constraint of an axle.
+pub(super) const NO_FORCES_OF_AN_AXLE: &str = "an axle has no targets or constraints on forces in members; remove [axle] to use them on the left wheel";
+
 /// Force in a member under a load, named by its column without the unit. Includes the factor to the study's axes.
 pub(super) fn force(
     name: &Text,
@@ -105,9 +108,7 @@ pub(super) fn force(
 ) -> Option<(CarriedForce, f64)> {
     if context.loads.is_empty() {
         let message = match context.axle.is_some() {
-            true => {
-                "forces in members are no targets or constraints of an axle; without [axle] the study of one wheel can have them"
-            }
+            true => NO_FORCES_OF_AN_AXLE,
             false => "this study has no loads; give them in [outputs] loads",
         };
         return problems.refuse(name.span(), message);

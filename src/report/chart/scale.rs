@@ -98,7 +98,8 @@ impl Scale {
         let largest = self.low.abs().max(self.high.abs());
         let order = |value: f64| value.log10().floor() as i32;
         match (order(largest), order(self.step)) {
-            (..6, -3..) => 0,
+            // Decimals are easier to read than a factor beside a value near one: 0.7075, not 707.5.
+            (..6, -3..) | (-1..6, -5..) => 0,
             (largest, _) => 3 * largest.div_euclid(3),
         }
     }
@@ -183,6 +184,8 @@ mod tests {
         assert_eq!(labels, ["0", "200", "400", "600"]);
         let scale = Scale::showing([0.0, 0.06].into_iter(), 5.0, [0.0, 100.0]);
         assert_eq!((scale.power(), &*scale.ticks()[1].1), (0, "0.02"));
+        let scale = Scale::within([0.7075, 0.7105].into_iter(), 5.0, [0.0, 1.0]);
+        assert_eq!(scale.power(), 0);
         let scale = Scale::showing([-2.5e7, 0.0].into_iter(), 5.0, [0.0, 100.0]);
         assert_eq!((scale.power(), &*scale.ticks()[0].1), (6, "\u{2212}25"));
     }

@@ -79,3 +79,44 @@ fn positions_beyond_the_ends_are_refused_the_same_in_any_order() {
     }
     assert!((8..32).contains(&refused), "{refused} of 40");
 }
+
+/// Rockers of both wheels have the limits that they have in the study of one wheel.
+#[test]
+fn rockers_of_an_axle_have_the_limits_of_their_wheel() {
+    let rows = |with: &str| {
+        let hardpoint = || assert_cmd::Command::cargo_bin("hardpoint").unwrap();
+        let new = hardpoint()
+            .args(["new", "double_wishbone", "--with", with])
+            .assert()
+            .success();
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("study.toml");
+        std::fs::write(&path, &new.get_output().stdout).unwrap();
+        let call = ["limits", path.to_str().unwrap(), "--format", "csv"];
+        let limits = hardpoint()
+            .args(call)
+            .assert()
+            .success()
+            .get_output()
+            .stdout
+            .clone();
+        let limits = String::from_utf8(limits).unwrap();
+        let rows = limits
+            .lines()
+            .filter(|line| line.contains("pushrod_travel"));
+        rows.map(str::to_owned).collect::<Vec<_>>()
+    };
+    let [wheel] = &rows("pushrod")[..] else {
+        panic!("one rocker of a wheel");
+    };
+    // The wheel's study has no rack that moves, so its row may name another position of the rack.
+    let figures =
+        |row: &str| -> Vec<f64> { row.split(',').filter_map(|c| c.parse().ok()).collect() };
+    let of_axle = rows("pushrod,axle");
+    assert_eq!(of_axle.len(), 2, "{of_axle:?}");
+    for (row, side) in of_axle.iter().zip(["left", "right"]) {
+        assert!(row.contains(&format!("{side}_pushrod_travel")), "{row}");
+        assert_eq!(figures(row), figures(wheel), "{row}");
+        assert_eq!(figures(row).len(), 2, "{row}");
+    }
+}

@@ -122,10 +122,7 @@ impl<'s> RigTests<'s> {
             "command": "kc",
             "study": self.study.name,
             "is_rigid": self.elastic_parts == 0,
-            "design_load_N": match self.results.is_axle {
-                true => json!(self.results.design_loads),
-                false => json!(self.results.design_loads.first()),
-            },
+            "design_load_N": if self.results.is_axle { json!(self.results.design_loads) } else { json!(self.results.design_loads.first()) },
             "stations": self.results.stations.len(),
             "without_equilibrium": self.results.failures(),
             "warnings": self.results.warnings(),

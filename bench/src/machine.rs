@@ -38,9 +38,10 @@ impl Machine {
 
     /// Description of the machine in one line.
     pub fn line(&self) -> String {
-        let warning = match self.unoptimised {
-            true => "; built without optimisation: times mean little",
-            false => "",
+        let warning = if self.unoptimised {
+            "; built without optimisation: times mean little"
+        } else {
+            ""
         };
         format!(
             "{} ({} threads), hardpoint {}, medians of {} samples of {} ms or more{warning}",

@@ -80,9 +80,10 @@ pub fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
 /// it already belongs to such a pool. If no thread can be started, the task also runs on this thread, whose stack may
 /// suffice.
 pub(crate) fn on_large_stacks<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
-    let own = match HAS_LARGE_STACK.get() {
-        true => None,
-        false => pool(threads).ok(),
+    let own = if HAS_LARGE_STACK.get() {
+        None
+    } else {
+        pool(threads).ok()
     };
     match own {
         Some(pool) => pool.install(run),

@@ -95,9 +95,10 @@ pub(crate) fn page_of_files<'py>(
 ) -> PyResult<(String, Bound<'py, PyDict>)> {
     let made = on_threads(py, Some(1), |_| {
         let run = Run::of_files(&files).map_err(|e| e.to_string())?;
-        let drawn = match pictures {
-            true => drawn_pictures(&run),
-            false => Vec::new(),
+        let drawn = if pictures {
+            drawn_pictures(&run)
+        } else {
+            Vec::new()
         };
         Ok::<_, String>((page(&run), drawn))
     })?;
@@ -116,11 +117,12 @@ fn by_name<'py>(py: Python<'py>, pictures: &[Picture]) -> PyResult<Bound<'py, Py
 
 /// Returns the study. Refuses a study with elastic parts if the result would ignore them.
 pub(crate) fn rigid<'s>(own: &'s hardpoint::Study, what: &str) -> PyResult<&'s hardpoint::Study> {
-    match own.is_elastic() {
-        false => Ok(own),
-        true => Err(failure(format!(
+    if !own.is_elastic() {
+        Ok(own)
+    } else {
+        Err(failure(format!(
             "{what} is of the rigid mechanism, and the study has [compliance]: its elastic parts would be left out"
-        ))),
+        )))
     }
 }
 
@@ -221,9 +223,10 @@ fn scattered(
     let forecast = Forecast::of(&problem, &expansion, &drawn);
     let builds = monte_carlo(&problem, &drawn, |count| {
         done.store(count, Ordering::Relaxed);
-        match flag.load(Ordering::Relaxed) {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
+        if flag.load(Ordering::Relaxed) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
         }
     });
     let builds = builds.map_err(words)?;

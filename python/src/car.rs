@@ -115,9 +115,10 @@ impl Car {
                 variable.moves.stem(&self.study.car),
                 variable.moves.unit(&self.study.car),
             );
-            match unit.is_empty() {
-                true => stem,
-                false => format!("{stem}_{unit}"),
+            if unit.is_empty() {
+                stem
+            } else {
+                format!("{stem}_{unit}")
             }
         });
         named.collect()
@@ -343,9 +344,10 @@ pub(crate) fn car_tolerance<'py>(
         let expansion = problem.expansion().map_err(refused)?;
         let builds = problem.monte_carlo(&nominal, |count| {
             done.store(count, Ordering::Relaxed);
-            match flag.load(Ordering::Relaxed) {
-                true => ControlFlow::Break(()),
-                false => ControlFlow::Continue(()),
+            if flag.load(Ordering::Relaxed) {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
             }
         });
         let summary = CarToleranceSummary::of(&problem, &nominal, &expansion, &builds);

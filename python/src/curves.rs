@@ -93,9 +93,10 @@ pub(crate) fn in_motion(
 ) -> PyResult<hardpoint::study::Study> {
     own.in_motion(name).ok_or_else(|| {
         let known = own.motion_names();
-        let known = match known.is_empty() {
-            true => "none".to_owned(),
-            false => known.join(", "),
+        let known = if known.is_empty() {
+            "none".to_owned()
+        } else {
+            known.join(", ")
         };
         failure(format!(
             "there is no motion {name:?}; [motions] has {known}"

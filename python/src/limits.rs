@@ -131,9 +131,10 @@ fn of_axle(axle: &Axle) -> Result<Ranges, String> {
     };
     let end = |end: &AxleEnd| {
         let (_, cause) = cause_of(&end.end);
-        let cause = match axle.is_rigid() {
-            true => cause,
-            false => format!("{} wheel: {cause}", end.side.name()),
+        let cause = if axle.is_rigid() {
+            cause
+        } else {
+            format!("{} wheel: {cause}", end.side.name())
         };
         (end.value, cause)
     };

@@ -62,13 +62,15 @@ fn tune_study(
     let moved = tuning.best.as_ref().map(|best| own.moved(&best.offsets));
     let after = moved.as_ref().map(Solved::with_targets).transpose()?;
     let goes_on = tuning.best.is_some() && !is_raised();
-    let front = match goes_on && with_front && !optimise.front.is_empty() {
-        true => Some(front(&own.vehicle, optimise, &tuning, control).map_err(words)?),
-        false => None,
+    let front = if goes_on && with_front && !optimise.front.is_empty() {
+        Some(front(&own.vehicle, optimise, &tuning, control).map_err(words)?)
+    } else {
+        None
     };
-    let prices = match goes_on && with_prices && !optimise.fit {
-        true => price_list(&own.vehicle, optimise, &tuning, control).map_err(words)?,
-        false => Vec::new(),
+    let prices = if goes_on && with_prices && !optimise.fit {
+        price_list(&own.vehicle, optimise, &tuning, control).map_err(words)?
+    } else {
+        Vec::new()
     };
     let curves = after.as_ref().map(Solved::curves);
     let mut summary = TuningSummary::of(own, optimise, &tuning, curves);

@@ -55,9 +55,10 @@ const FILES: [&str; 16] = [
 
 fn solver<'a>(study: &'a CarStudy, path: &Path) -> Result<CarSolver<'a>, Stop> {
     let fault = |fault| Stop::in_file(path, study.car.describe_fault(&fault));
-    let made = match study.sensitivities {
-        true => CarSolver::with_racks(&study.car),
-        false => CarSolver::new(&study.car),
+    let made = if study.sensitivities {
+        CarSolver::with_racks(&study.car)
+    } else {
+        CarSolver::new(&study.car)
     };
     made.map_err(fault)
 }
@@ -160,13 +161,12 @@ fn page(
     record.files = files.iter().map(|name| (*name).to_owned()).collect();
     output.record("report.json", &record)?;
     let mut names = vec!["report.json"];
-    match with_page {
-        true => {
-            output.file("report.html", car_page(&record).as_bytes())?;
-            names.push("report.html");
-        }
+    if with_page {
+        output.file("report.html", car_page(&record).as_bytes())?;
+        names.push("report.html");
+    } else {
         // A page from an earlier run would show other results, so it is removed.
-        false => output.without("report.html")?,
+        output.without("report.html")?
     }
     Ok(names)
 }

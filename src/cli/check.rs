@@ -73,9 +73,10 @@ fn say_wheel(out: &mut Printer, study: &Study, own: &WheelStudy, path: &Path) ->
     for line in rods(study.wheel()) {
         out.say(&format!("{line}\n\n"))?;
     }
-    let derivatives = match plan.outputs.iter().any(|o| o.highest > 0) {
-        true => format!(", derivatives by {}", drive_name(&plan)),
-        false => String::new(),
+    let derivatives = if plan.outputs.iter().any(|o| o.highest > 0) {
+        format!(", derivatives by {}", drive_name(&plan))
+    } else {
+        String::new()
     };
     out.say(&format!("Design position{derivatives}:\n\n"))?;
     out.table("design", SolveSummary::design_table(&design))?;
@@ -162,9 +163,10 @@ fn asked(study: &Study) -> Vec<String> {
             counted(optimise.starts, "start")
         ));
         said.extend(optimise.scatter.as_ref().map(robust));
-        let effects = match optimise.side_effects {
-            true => "changes that no target asks for are reported",
-            false => "off, by side_effects = false",
+        let effects = if optimise.side_effects {
+            "changes that no target asks for are reported"
+        } else {
+            "off, by side_effects = false"
         };
         said.push(format!("Side effects (optimise only): {effects}."));
     }
@@ -182,9 +184,10 @@ fn asked(study: &Study) -> Vec<String> {
 /// Sentence about a robust tuning.
 fn robust(scatter: &Scatter) -> String {
     let builds = counted(scatter.builds, "build");
-    match scatter.lowers_misfit() {
-        true => format!("Robust tuning: lowers the mean squared misfit of {builds}."),
-        false => format!("Robust tuning: raises the share of {builds} within the bands."),
+    if scatter.lowers_misfit() {
+        format!("Robust tuning: lowers the mean squared misfit of {builds}.")
+    } else {
+        format!("Robust tuning: raises the share of {builds} within the bands.")
     }
 }
 

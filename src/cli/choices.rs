@@ -28,9 +28,10 @@ impl Choices {
         let has_best = tuning.best.is_some() && !interrupt::is_raised();
         let front = (has_best && !optimise.front.is_empty())
             .then(|| front(&study.vehicle, optimise, tuning, control));
-        let prices = match has_best && prices && !optimise.fit {
-            true => price_list(&study.vehicle, optimise, tuning, control)?,
-            false => Vec::new(),
+        let prices = if has_best && prices && !optimise.fit {
+            price_list(&study.vehicle, optimise, tuning, control)?
+        } else {
+            Vec::new()
         };
         Ok(Choices {
             front: front.transpose()?,

@@ -39,9 +39,10 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
     let mut motion = None;
     let mut is_complete = true;
     for (path, label) in arguments.sources.iter().zip(labels) {
-        let (compared, complete) = match path.is_dir() {
-            true => (of_run(path, label)?, true),
-            false => of_study(path, label, &mut motion)?,
+        let (compared, complete) = if path.is_dir() {
+            (of_run(path, label)?, true)
+        } else {
+            of_study(path, label, &mut motion)?
         };
         is_complete &= complete;
         designs.push(compared);
@@ -106,9 +107,10 @@ pub(super) fn print_tables(arguments: &CompareArguments, tables: &Tables) -> Res
 pub(super) fn labels(sources: &[PathBuf]) -> Vec<String> {
     let mut labels: Vec<String> = Vec::new();
     for path in sources {
-        let name = match path.is_dir() {
-            true => path.file_name(),
-            false => path.file_stem(),
+        let name = if path.is_dir() {
+            path.file_name()
+        } else {
+            path.file_stem()
         };
         let whole = path.display().to_string();
         let name = name.map_or(whole.clone(), |n| n.to_string_lossy().into_owned());

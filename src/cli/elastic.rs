@@ -55,9 +55,10 @@ pub(super) fn check_axle(
         let names: Vec<&str> = names.map(|id| study.wheel().mechanism.name(*id)).collect();
         out.say(&format!("\nThe subframe holds {}.\n", names.join(", ")))?;
     }
-    let commands = match axle.axle.is_rigid() {
-        true => COMMANDS_OF_SOLID,
-        false => COMMANDS,
+    let commands = if axle.axle.is_rigid() {
+        COMMANDS_OF_SOLID
+    } else {
+        COMMANDS
     };
     out.say(&format!("\nEverything else is rigid. {commands}\n"))?;
     let complete = say_axle_design(&mut out, axle, elastic)?;
@@ -127,9 +128,10 @@ fn say_axle_design(
 
 /// Heading of the values at the design height. It names the rack if the suspension has one.
 fn design_heading(suspension: &Suspension) -> String {
-    let rack = match suspension.mechanism.is_steered() {
-        true => ", rack at 0",
-        false => "",
+    let rack = if suspension.mechanism.is_steered() {
+        ", rack at 0"
+    } else {
+        ""
     };
     format!("\nEquilibrium at the design height{rack}:\n\n")
 }

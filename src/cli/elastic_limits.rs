@@ -130,9 +130,10 @@ fn cause(end: &EquilibriumEnd, factor: f64, unit: &str) -> String {
 
 /// Row of the load of a test. `at` tells what is held.
 fn load_row(test: &KcTest, unit: LengthUnit, at: &str) -> Row {
-    let trail = match test.load == TestLoad::Lateral && test.trail != 0.0 {
-        true => format!("_trail_{}", as_written(test.trail)),
-        false => String::new(),
+    let trail = if test.load == TestLoad::Lateral && test.trail != 0.0 {
+        format!("_trail_{}", as_written(test.trail))
+    } else {
+        String::new()
     };
     let (factor, symbol) = match test.load {
         TestLoad::Aligning => (1.0 / unit.per_metre(), "N_m"),
@@ -222,14 +223,13 @@ pub(super) fn of_wheel(
     }
     let mut by_rack = Vec::new();
     for &rack in &own.motion.rack {
-        let ends = match rack == 0.0 {
-            true => straight_ends.clone(),
-            false => {
-                let ends = wheel.travel_ends(sign * rack);
-                let at = format!("rack {}", as_written(rack));
-                sheet.push(&travel(at), unit, &ends);
-                ends
-            }
+        let ends = if rack == 0.0 {
+            straight_ends.clone()
+        } else {
+            let ends = wheel.travel_ends(sign * rack);
+            let at = format!("rack {}", as_written(rack));
+            sheet.push(&travel(at), unit, &ends);
+            ends
         };
         by_rack.push(ends);
     }
@@ -273,12 +273,15 @@ fn margin(travels: &[f64], by_rack: &[Ends], unit: &str) -> Option<String> {
             least = least.min(upper.value - travel).min(travel - lower.value);
         }
     }
-    least.is_finite().then(|| match least >= 0.0 {
-        true => format!("Nearest travel limit: {} {unit} away.", brief(least)),
-        false => format!(
-            "The motion goes {} {unit} beyond the travel limit.",
-            brief(-least)
-        ),
+    least.is_finite().then(|| {
+        if least >= 0.0 {
+            format!("Nearest travel limit: {} {unit} away.", brief(least))
+        } else {
+            format!(
+                "The motion goes {} {unit} beyond the travel limit.",
+                brief(-least)
+            )
+        }
     })
 }
 
@@ -304,9 +307,12 @@ pub(super) fn of_axle(
     };
     let points = &axle.left.mechanism.points;
     let steers = points.iter().any(|point| point.body == Body::Rack);
-    let with_rack = |at: &str| match steers {
-        true => format!("{at}, rack 0"),
-        false => at.to_owned(),
+    let with_rack = |at: &str| {
+        if steers {
+            format!("{at}, rack 0")
+        } else {
+            at.to_owned()
+        }
     };
     let straight = if steers { "rack 0" } else { "" };
     let mut rows = vec![(AxleWay::Heave, row("heave", straight, 1.0))];
@@ -327,18 +333,17 @@ pub(super) fn of_axle(
     }
     let at = with_rack("travels 0");
     push_loads(&mut sheet, &elastic.tests, &at, |test| run.load_ends(test));
-    match axle.left.mechanism.has_extra_links() {
-        true => sheet.notes.push(
+    if axle.left.mechanism.has_extra_links() {
+        sheet.notes.push(
             "Five rigid links do not move in roll: there are no limits with all parts rigid."
                 .to_owned(),
-        ),
-        false => {
-            let limits = axle.limits();
-            let limits = limits.map_err(|f| stop(axle.describe_fault(f)))?;
-            for (mut row, range) in travel_rows(axle, &limits) {
-                row.at = RIGID.to_owned();
-                sheet.table.push(row.of(study, &range.lower, &range.upper));
-            }
+        )
+    } else {
+        let limits = axle.limits();
+        let limits = limits.map_err(|f| stop(axle.describe_fault(f)))?;
+        for (mut row, range) in travel_rows(axle, &limits) {
+            row.at = RIGID.to_owned();
+            sheet.table.push(row.of(study, &range.lower, &range.upper));
         }
     }
     let failures = Solved::of(&motion_alone(study)).map_err(stop)?.failures();

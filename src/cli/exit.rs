@@ -47,9 +47,10 @@ pub(super) enum Exit {
 impl Exit {
     /// Exit of a command that ran to its end: done or incomplete.
     pub(super) fn of(is_complete: bool) -> Self {
-        match is_complete {
-            true => Exit::Done,
-            false => Exit::Incomplete,
+        if is_complete {
+            Exit::Done
+        } else {
+            Exit::Incomplete
         }
     }
 

@@ -175,9 +175,12 @@ pub(super) fn run_of(arguments: &ExportArguments, given: Option<&Study>) -> Resu
 /// Refuses options that cannot be combined.
 fn check_call(arguments: &ExportArguments) -> Result<(), Stop> {
     let to = arguments.to;
-    let only = |given: bool, option: &str, target: Target, name: &str| match given && to != target {
-        true => Err(Stop::wrong_input(format!("{option} needs --to {name}"))),
-        false => Ok(()),
+    let only = |given: bool, option: &str, target: Target, name: &str| {
+        if given && to != target {
+            Err(Stop::wrong_input(format!("{option} needs --to {name}")))
+        } else {
+            Ok(())
+        }
     };
     only(arguments.into.is_some(), "--into", Target::Adams, "adams")?;
     only(arguments.bushing.is_some(), "--bushing", Target::Bus, "bus")?;
@@ -271,14 +274,13 @@ fn optimum_k(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, St
         let extension = out.extension().unwrap_or_default();
         extension.eq_ignore_ascii_case("csv")
     };
-    let bytes = match file_of_out(&arguments.out).is_none_or(is_table) {
-        true => csv(&rows),
-        false => {
-            let position = outgoing.study.wheel().vehicle.position;
-            let axle = position.map_or(String::new(), |axle| format!("{axle:?} "));
-            let name = format!("{axle}Suspension");
-            workbook(&[Page { name, rows }])
-        }
+    let bytes = if file_of_out(&arguments.out).is_none_or(is_table) {
+        csv(&rows)
+    } else {
+        let position = outgoing.study.wheel().vehicle.position;
+        let axle = position.map_or(String::new(), |axle| format!("{axle:?} "));
+        let name = format!("{axle}Suspension");
+        workbook(&[Page { name, rows }])
     };
     Ok(say(Written { bytes, notes }))
 }

@@ -153,10 +153,11 @@ impl Source {
             false if self.path.is_dir() => self.path.join(STUDY_COPY),
             false => self.path.clone(),
         };
-        match file.is_file() {
-            true => Ok(Study::read_elastic(&file, &[])?.wheel().design.clone()),
+        if file.is_file() {
+            Ok(Study::read_elastic(&file, &[])?.wheel().design.clone())
+        } else {
             // Runs of earlier versions keep no copy, and standard input is not a file.
-            false => Ok(study.wheel().design.clone()),
+            Ok(study.wheel().design.clone())
         }
     }
 
@@ -176,9 +177,10 @@ impl Source {
             ));
         }
         let design = &study.wheel().design;
-        let mut free = match before.len() == design.len() {
-            true => moved_coordinates(design, before),
-            false => vec![true; 3 * design.len()],
+        let mut free = if before.len() == design.len() {
+            moved_coordinates(design, before)
+        } else {
+            vec![true; 3 * design.len()]
         };
         // In the directory of a tuning, the changed coordinates are the tuned ones. Otherwise the study's variables name the
         // tuned coordinates.

@@ -237,9 +237,10 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
     let shown = arguments.file.display();
     let (count, kind) = (imported.hardpoints.len(), imported.topology.name);
     let summary = summary(&imported, Some(out));
-    let part = match imported.topology.carries_both_wheels() {
-        true => "left half".to_owned(),
-        false => format!("{} wheel", imported.side.name()),
+    let part = if imported.topology.carries_both_wheels() {
+        "left half".to_owned()
+    } else {
+        format!("{} wheel", imported.side.name())
     };
     note(&format!(
         "{shown}: {count} hardpoints of {kind}, {part}, {}, {}\n{summary}",

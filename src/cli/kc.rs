@@ -69,9 +69,10 @@ pub(super) fn run(arguments: &KcArguments) -> Result<Exit, Stop> {
     for (place, table) in results.tables_for_readers() {
         output.text_only(&format!("\n{place}\n\n{}", table.text(terminal::width())))?;
     }
-    let signs = match results.is_axle {
-        true => "each wheel as a left wheel, the axle per unit to the left",
-        false => "of a left wheel",
+    let signs = if results.is_axle {
+        "each wheel as a left wheel, the axle per unit to the left"
+    } else {
+        "of a left wheel"
     };
     output.text_only(&format!(
         "\nDerivatives at the station and secants over the window, {signs}. Signs: docs/compliance.md\n"

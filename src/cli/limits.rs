@@ -328,9 +328,10 @@ fn toggles(range: &RockerRange, travel: &Range) -> [(f64, String); 2] {
 fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
     let mut table = Table::with_columns(columns()).keyed(2);
     for (row, range) in ranges(study, limits, by_rack) {
-        table.push(match range.is_empty() {
-            true => row.of_no_rack(),
-            false => row.of(study, &range.lower, &range.upper),
+        table.push(if range.is_empty() {
+            row.of_no_rack()
+        } else {
+            row.of(study, &range.lower, &range.upper)
         });
     }
     if study.motion().rack_moves {
@@ -339,9 +340,10 @@ fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
         let upper = ranges().min_by(|a, b| a.ends()[1].total_cmp(&b.ends()[1]));
         if let (Some(lower), Some(upper)) = (lower, upper) {
             let row = driven(study, "every rack".to_owned());
-            table.push(match ranges().any(Range::is_empty) {
-                true => row.of_no_rack(),
-                false => row.of(study, &lower.lower, &upper.upper),
+            table.push(if ranges().any(Range::is_empty) {
+                row.of_no_rack()
+            } else {
+                row.of(study, &lower.lower, &upper.upper)
             });
         }
     }

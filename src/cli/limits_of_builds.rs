@@ -69,15 +69,16 @@ pub(super) fn run(
         && study.motion().drive == Drive::Travel
     {
         let unit = study.wheel().length_unit.symbol();
-        let left = match margin >= 0.0 {
-            true => format!(
+        let left = if margin >= 0.0 {
+            format!(
                 "Nearest travel limit: at least {} {unit} away",
                 brief(margin)
-            ),
-            false => format!(
+            )
+        } else {
+            format!(
                 "The motion goes up to {} {unit} beyond the travel limit",
                 brief(-margin)
-            ),
+            )
         };
         out.say(&format!("\n{left} (build {build}).\n"))?;
     }

@@ -356,18 +356,22 @@ pub fn run_embedded<A: Into<std::ffi::OsString> + Clone>(
             let run = || stoppable(interrupt::stop(), || carried_out(arguments));
             let ended = catch_unwind(AssertUnwindSafe(run));
             ended
-                .unwrap_or_else(|payload| match payload.is::<interrupt::Ended>() {
-                    true => None,
-                    false => resume_unwind(payload),
+                .unwrap_or_else(|payload| {
+                    if payload.is::<interrupt::Ended>() {
+                        None
+                    } else {
+                        resume_unwind(payload)
+                    }
                 })
                 .unwrap_or(Exit::Interrupted)
         }
         Err(error) => {
             // clap also reports requests for help and version as errors.
             terminal::print_usage(&error);
-            match error.use_stderr() {
-                true => Exit::WrongInput,
-                false => Exit::Done,
+            if error.use_stderr() {
+                Exit::WrongInput
+            } else {
+                Exit::Done
             }
         }
     }

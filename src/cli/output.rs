@@ -120,12 +120,13 @@ impl<'a> Destination<'a> {
 /// Default directory for the results of a study, below `out`.
 fn default_directory(name: &str) -> Result<PathBuf, Stop> {
     let is_plain = !["", ".", ".."].contains(&name) && !name.contains(['/', '\\']);
-    match is_plain {
-        true => Ok(PathBuf::from("out").join(name)),
-        false => Err(Stop::wrong_input(format!(
+    if is_plain {
+        Ok(PathBuf::from("out").join(name))
+    } else {
+        Err(Stop::wrong_input(format!(
             "the study is called {name:?}, from its file's name, which is no name for a directory below \
-             out: give one with --out"
-        ))),
+         out: give one with --out"
+        )))
     }
 }
 
@@ -291,17 +292,19 @@ impl Output {
 
     /// Prints text between tables for people only. Programs identify tables by their names.
     pub(super) fn text_only(&self, text: &str) -> Result<(), Stop> {
-        match self.is_text() {
-            true => self.say(text),
-            false => Ok(()),
+        if self.is_text() {
+            self.say(text)
+        } else {
+            Ok(())
         }
     }
 
     /// Prints a request that could not be met. This is an error, so it is also printed with `--quiet`.
     pub(super) fn say_failure(&self, text: &str) -> Result<(), Stop> {
-        match terminal::is_quiet() {
-            true => terminal::eprint(text.trim_start_matches('\n')),
-            false => self.say(text)?,
+        if terminal::is_quiet() {
+            terminal::eprint(text.trim_start_matches('\n'))
+        } else {
+            self.say(text)?
         }
         Ok(())
     }
@@ -323,9 +326,10 @@ impl Output {
     ) -> Result<(), Stop> {
         for remark in remarks {
             let text = format!("\n{remark}\n");
-            match !is_complete && remark.starts_with("warning: ") {
-                true => self.say_failure(&text)?,
-                false => self.say(&text)?,
+            if !is_complete && remark.starts_with("warning: ") {
+                self.say_failure(&text)?
+            } else {
+                self.say(&text)?
             }
         }
         Ok(())
@@ -333,9 +337,10 @@ impl Output {
 
     /// Prints a table of the summary. In formats for programs, the table is printed at the end under this name.
     pub(super) fn table(&self, name: &'static str, table: &Table) -> Result<(), Stop> {
-        match self.is_text() {
-            true => self.say(&table.text(terminal::width()))?,
-            false => self.tables.borrow_mut().push(name, table.clone()),
+        if self.is_text() {
+            self.say(&table.text(terminal::width()))?
+        } else {
+            self.tables.borrow_mut().push(name, table.clone())
         }
         Ok(())
     }

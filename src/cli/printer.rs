@@ -20,9 +20,10 @@ impl Printer {
 
     /// Prints text for people, except with `--quiet`.
     pub(super) fn say(&self, text: &str) -> Result<(), Stop> {
-        match self.format == Format::Text && !terminal::is_quiet() {
-            true => Ok(terminal::print(text)?),
-            false => Ok(()),
+        if self.format == Format::Text && !terminal::is_quiet() {
+            Ok(terminal::print(text)?)
+        } else {
+            Ok(())
         }
     }
 
@@ -37,9 +38,10 @@ impl Printer {
 
     /// Prints a request that could not be met. This is an error, so it is also printed with `--quiet`.
     pub(super) fn failure(&self, text: &str) -> Result<(), Stop> {
-        match terminal::is_quiet() {
-            true => terminal::eprint(text.trim_matches('\n')),
-            false => self.remark(text)?,
+        if terminal::is_quiet() {
+            terminal::eprint(text.trim_matches('\n'))
+        } else {
+            self.remark(text)?
         }
         Ok(())
     }

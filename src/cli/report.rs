@@ -102,16 +102,13 @@ impl ReportOptions {
             files.push("report.html");
         }
         if let Some(plots) = &self.plots {
-            match is_same(plots, directory.path()) {
-                true => {
-                    for picture in pictures(&run) {
-                        let written = directory.write(&picture.name, &picture.contents);
-                        written.map_err(Stop::unwritten)?;
-                    }
+            if is_same(plots, directory.path()) {
+                for picture in pictures(&run) {
+                    let written = directory.write(&picture.name, &picture.contents);
+                    written.map_err(Stop::unwritten)?;
                 }
-                false => {
-                    write_pictures(&run, plots, self.force)?;
-                }
+            } else {
+                write_pictures(&run, plots, self.force)?;
             }
         }
         Ok(files)

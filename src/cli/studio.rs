@@ -44,9 +44,10 @@ pub(super) fn run(arguments: &StudioArguments) -> Result<Exit, Stop> {
     );
     // From here on a signal ends the server in order, so that the file with the address is removed.
     interrupt::stops_by_itself();
-    let invitation = match arguments.no_open {
-        true => None,
-        false => invited(&address),
+    let invitation = if arguments.no_open {
+        None
+    } else {
+        invited(&address)
     };
     studio
         .serve(interrupt::flag(), invitation)

@@ -160,9 +160,10 @@ pub(super) fn carry_out(
     (ready.draw)(&output, &done.statistics)?;
     let exit = finish(&output, record, &done.statistics, arguments.report)?;
     // For a shard, the exit code tells if its own parts are complete. Workflow engines treat every code but 0 as a failure.
-    Ok(match arguments.shard.is_some() && own_are_whole {
-        true => Exit::Done,
-        false => exit,
+    Ok(if arguments.shard.is_some() && own_are_whole {
+        Exit::Done
+    } else {
+        exit
     })
 }
 
@@ -198,10 +199,7 @@ fn open(arguments: &SweepArguments, ready: &Ready<'_>) -> Result<Output, Stop> {
     let (out, format) = (arguments.out.as_deref(), arguments.study.format);
     let destination = Destination::of(out, &record.study, arguments.force, format)?;
     let keeps_study = destination.keeps_study(&ready.inputs);
-    let kept_names = match keeps_study {
-        true => ready.kept_names,
-        false => &[],
-    };
+    let kept_names = if keeps_study { ready.kept_names } else { &[] };
     let mut files = SweepDirectory::files(record);
     files.extend(arguments.report.then(|| "report.html".to_owned()));
     let mut files: Vec<&str> = files.iter().map(String::as_str).collect();
@@ -224,9 +222,10 @@ fn open(arguments: &SweepArguments, ready: &Ready<'_>) -> Result<Output, Stop> {
     };
     let output = Output::at(&destination, claim)?;
     // The texts name other files relative to the directory, which exists only from here on.
-    let texts = match keeps_study {
-        true => (ready.kept)(destination.path()),
-        false => Vec::new(),
+    let texts = if keeps_study {
+        (ready.kept)(destination.path())
+    } else {
+        Vec::new()
     };
     for (name, text) in kept_names.iter().zip(texts) {
         output.file(name, text.as_bytes())?;
@@ -421,9 +420,10 @@ pub(super) fn finish(
         show_sweep(directory)?;
         files.push("report.html".to_owned());
     }
-    match summary.is_done() {
-        true => output.finish()?,
-        false => output.leave_unfinished()?,
+    if summary.is_done() {
+        output.finish()?
+    } else {
+        output.leave_unfinished()?
     }
 
     output.say(&format!("{}: {}\n", record.study, summary.headline()))?;

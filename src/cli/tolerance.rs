@@ -124,9 +124,10 @@ pub(super) fn ended(
         ))?;
     }
     output.print_files(files)?;
-    Ok(match interrupted {
-        true => Exit::Interrupted,
-        false => Exit::Done,
+    Ok(if interrupted {
+        Exit::Interrupted
+    } else {
+        Exit::Done
     })
 }
 
@@ -168,9 +169,10 @@ fn print_build(problem: &Problem, number: u64) -> Result<Exit, Stop> {
     let (study, seed) = (problem.study, problem.tolerance.seed);
     match problem.built_text(number) {
         Ok(built) => {
-            let aligned = match problem.tolerance.aligned {
-                true => "aligned",
-                false => "as assembled",
+            let aligned = if problem.tolerance.aligned {
+                "aligned"
+            } else {
+                "as assembled"
             };
             let text = format!(
                 "# Build {number} of {} (seed {seed}, {aligned}): the design of its parts at rest.\n{built}",
@@ -199,9 +201,10 @@ fn with_progress(
     interrupt::stops_by_itself();
     let found = monte_carlo(problem, drawn, |done| {
         line.set_position(done);
-        match interrupt::is_raised() && done < tolerance.builds {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
+        if interrupt::is_raised() && done < tolerance.builds {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
         }
     });
     line.finish_and_clear();

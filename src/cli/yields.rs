@@ -55,9 +55,12 @@ fn builds(study: &Study, tolerance: &Tolerance) -> Option<MonteCarlo> {
     let problem = Problem::of(study, tolerance).ok()?;
     let problem = problem.interruptible(interrupt::flag());
     let nominal = problem.drawn().ok()?;
-    let found = monte_carlo(&problem, &nominal, |_| match interrupt::is_raised() {
-        true => ControlFlow::Break(()),
-        false => ControlFlow::Continue(()),
+    let found = monte_carlo(&problem, &nominal, |_| {
+        if interrupt::is_raised() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
     });
     found.ok()
 }

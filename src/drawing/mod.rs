@@ -47,9 +47,10 @@ fn drawn<'a>(few: &Plan, designs: &[Solved<'a>]) -> Result<Vec<DrawnDesign<'a>>,
     };
     let designs = designs.iter().enumerate();
     let drawn = designs.map(|(number, (label, file, wheel, curves))| {
-        let frames = match shown_later(number, wheel) {
-            true => Vec::new(),
-            false => wheel_frames(wheel, few)?,
+        let frames = if shown_later(number, wheel) {
+            Vec::new()
+        } else {
+            wheel_frames(wheel, few)?
         };
         Ok(DrawnDesign {
             label,

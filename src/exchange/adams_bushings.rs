@@ -225,11 +225,12 @@ fn are_equal(one: &Points, other: &Points) -> bool {
 /// Refuses a curve that is not an odd function, because its direction would matter.
 fn is_odd(axis: &str, curve: &Points) -> Result<(), String> {
     let turned: Points = curve.iter().rev().map(|[d, f]| [-d, -f]).collect();
-    match are_equal(curve, &turned) {
-        true => Ok(()),
-        false => Err(format!(
+    if are_equal(curve, &turned) {
+        Ok(())
+    } else {
+        Err(format!(
             "{axis} is not the same in both directions, and the subsystem does not have the directions of its axes"
-        )),
+        ))
     }
 }
 
@@ -238,9 +239,10 @@ fn law(curve: Points) -> Law {
     let [deflection, force] = curve[curve.len() - 1];
     let rate = force / deflection;
     let is_line = |point: &[f64; 2]| (point[1] - rate * point[0]).abs() <= SAME * force.abs();
-    match deflection > 0.0 && curve.iter().all(is_line) {
-        true => Law::Rate(rate),
-        false => Law::Curve(curve),
+    if deflection > 0.0 && curve.iter().all(is_line) {
+        Law::Rate(rate)
+    } else {
+        Law::Curve(curve)
     }
 }
 

@@ -45,9 +45,10 @@ pub fn import_car(
             open => open,
         };
         let left = of_side(Side::Left).map_err(fault)?;
-        let right = match left.topology.carries_both_wheels() {
-            true => None,
-            false => Some(of_side(Side::Right).map_err(fault)?),
+        let right = if left.topology.carries_both_wheels() {
+            None
+        } else {
+            Some(of_side(Side::Right).map_err(fault)?)
         };
         let text = left.axle_study(right.as_ref(), &format!("the {name} study"), origin);
         texts.push(text.map_err(|reason| {
@@ -141,9 +142,10 @@ fn car(
     match figures.mass {
         Some(mass) => {
             let [x, y, z] = mass.cg;
-            let (key, cg) = match mass.is_sprung {
-                true => ("sprung_mass", "sprung_cg"),
-                false => ("mass", "cg"),
+            let (key, cg) = if mass.is_sprung {
+                ("sprung_mass", "sprung_cg")
+            } else {
+                ("mass", "cg")
             };
             let _ = writeln!(
                 text,

@@ -64,9 +64,10 @@ impl Imported {
     ///
     /// The faults of the suspension in words.
     pub fn study(&self, name: &str, origin: &str) -> Result<String, String> {
-        let text = match self.topology.carries_both_wheels() {
-            true => self.running(name, origin, Part::Solid),
-            false => self.running(name, origin, Part::Wheel),
+        let text = if self.topology.carries_both_wheels() {
+            self.running(name, origin, Part::Solid)
+        } else {
+            self.running(name, origin, Part::Wheel)
         }?;
         let text = text + &bushings::sections(&self.bushings, self.unit);
         let study = Study::elastic_from_text(name, &text, Path::new(""));
@@ -193,9 +194,10 @@ impl Imported {
             }
         }
         if let Part::Axle(differences) = part {
-            text += match differences.is_empty() {
-                true => "\n[axle]\nright = \"mirrored\"\n",
-                false => differences,
+            text += if differences.is_empty() {
+                "\n[axle]\nright = \"mirrored\"\n"
+            } else {
+                differences
             };
         }
         self.wheel(&mut text);

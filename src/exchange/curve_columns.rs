@@ -145,9 +145,10 @@ fn sign(outgoing: &Outgoing<'_>, stem: &str) -> f64 {
         .iter()
         .find_map(|end| of.strip_suffix(end));
     let mechanism = &outgoing.study.wheel().mechanism;
-    match point.is_some_and(|name| mechanism.point(name).is_some()) {
-        true => by_rack * along(axis),
-        false => by_rack,
+    if point.is_some_and(|name| mechanism.point(name).is_some()) {
+        by_rack * along(axis)
+    } else {
+        by_rack
     }
 }
 

@@ -32,9 +32,10 @@ pub(super) fn read(text: &str) -> Result<Sheet, String> {
             }
         }
     }
-    match sheet.cells.is_empty() {
-        true => Err("the file is empty".to_owned()),
-        false => Ok(sheet),
+    if sheet.cells.is_empty() {
+        Err("the file is empty".to_owned())
+    } else {
+        Ok(sheet)
     }
 }
 

@@ -197,9 +197,10 @@ type Rings = [Vec<Vector3<f64>>; 2];
 
 fn corners([centre, axis]: WheelPose, tyre: Tyre) -> Rings {
     // up, across and axis are right-handed, so the corners are counter-clockwise seen from outboard.
-    let up = match axis.z.abs() < 0.9 {
-        true => Vector3::new(0.0, 0.0, 1.0),
-        false => Vector3::new(1.0, 0.0, 0.0),
+    let up = if axis.z.abs() < 0.9 {
+        Vector3::new(0.0, 0.0, 1.0)
+    } else {
+        Vector3::new(1.0, 0.0, 0.0)
     };
     let across = axis.cross(up);
     let across = across * (1.0 / across.norm_squared().sqrt());

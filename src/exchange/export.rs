@@ -54,16 +54,18 @@ fn right_half<'a>(outgoing: &'a Outgoing<'_>, id: PointId) -> Half<'a> {
     let pairs = mechanism.rigid_axle.iter().flat_map(|axle| &axle.pairs);
     let Some([near, _]) = pairs.into_iter().find(|[_, far]| *far == id) else {
         // A point that mirrors another one is not written in the study.
-        return match mechanism.is_far(id) {
-            true => Half::MirrorImage,
-            false => Half::Left,
+        return if mechanism.is_far(id) {
+            Half::MirrorImage
+        } else {
+            Half::Left
         };
     };
     let place = |id: PointId| outgoing.place(Side::Left, id);
     let (left, right) = (place(*near), place(id));
-    match (right.x, right.y, right.z) == (left.x, -left.y, left.z) {
-        true => Half::MirrorImage,
-        false => Half::Right(mechanism.name(*near)),
+    if (right.x, right.y, right.z) == (left.x, -left.y, left.z) {
+        Half::MirrorImage
+    } else {
+        Half::Right(mechanism.name(*near))
     }
 }
 

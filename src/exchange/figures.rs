@@ -71,9 +71,10 @@ pub(super) fn read(
             FigureKind::ContactPoint => continue,
             kind => {
                 let own = own_unit.unwrap_or(unit);
-                let value = match own == unit {
-                    true => row.value,
-                    false => row.value / own.per_metre() * unit.per_metre(),
+                let value = if own == unit {
+                    row.value
+                } else {
+                    row.value / own.per_metre() * unit.per_metre()
                 };
                 (kind, value)
             }
@@ -155,9 +156,10 @@ fn angle(
         ));
     }
     if value != 0.0 && (outward || (toe_out && !inward)) {
-        let why = match outward {
-            true => "is toe-out",
-            false => "is positive outward in OptimumKinematics",
+        let why = if outward {
+            "is toe-out"
+        } else {
+            "is positive outward in OptimumKinematics"
         };
         value = -value;
         notes.push(format!(

@@ -387,9 +387,10 @@ fn radius(
         return;
     }
     if let Some(diameter) = figures.tyre_diameter {
-        let tool = match is_optimum {
-            true => ", as OptimumKinematics takes it",
-            false => "",
+        let tool = if is_optimum {
+            ", as OptimumKinematics takes it"
+        } else {
+            ""
         };
         notes.push(format!(
             "[wheel] radius: half of the tyre diameter {diameter}{tool}, not the loaded radius"

@@ -108,9 +108,10 @@ impl Rows<'_> {
         // Sheets write values of the wheel in their first column, also if the names of points are in another one.
         let first = texts.first().copied().filter(|text| figure(text).is_some());
         let Some(name) = own_name.or(first.filter(|_| has_number)) else {
-            return match has_number {
-                true => Ok(()),
-                false => self.title(row, &texts, false),
+            return if has_number {
+                Ok(())
+            } else {
+                self.title(row, &texts, false)
             };
         };
         if filled == 0 {

@@ -143,9 +143,10 @@ impl File<'_> {
         );
         for [d, f] in points {
             // A torque is a force times a length.
-            let [d, f] = match is_force {
-                true => [self.outgoing.length(d), f],
-                false => [d, self.outgoing.length(f)],
+            let [d, f] = if is_force {
+                [self.outgoing.length(d), f]
+            } else {
+                [d, self.outgoing.length(f)]
             };
             let [d, f] = [d, f].map(|number| shortest(number + 0.0));
             let _ = writeln!(self.text, " {d:>24}  {f:>24}");
@@ -156,9 +157,10 @@ impl File<'_> {
     fn sampled(&mut self, axis: usize, rate: f64, cubic: f64) -> Vec<[f64; 2]> {
         let is_force = axis < 3;
         let own = self.outgoing.study.wheel().length_unit;
-        let end = match is_force {
-            true => own.convert(RANGE[0], LengthUnit::Millimetre),
-            false => RANGE[1],
+        let end = if is_force {
+            own.convert(RANGE[0], LengthUnit::Millimetre)
+        } else {
+            RANGE[1]
         };
         let steps = STEPS[usize::from(cubic != 0.0)];
         let count = i32::try_from(steps).expect("few steps");
@@ -170,15 +172,16 @@ impl File<'_> {
             .collect();
         if cubic != 0.0 {
             let step = end / f64::from(count);
-            let [reach, unit] = match is_force {
-                true => [
+            let [reach, unit] = if is_force {
+                [
                     format!("{} {}", shortest(end), own.symbol()),
                     "N".to_owned(),
-                ],
-                false => [
+                ]
+            } else {
+                [
                     format!("{} rad", shortest(end)),
                     format!("N {}", own.symbol()),
-                ],
+                ]
             };
             self.notes.push(format!(
                 "{}: the cubic law is written as {} points to {reach} on both sides. A straight line between them is off by up to \

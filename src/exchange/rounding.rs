@@ -128,9 +128,10 @@ impl Grid {
     /// Length of this number of steps. A decimal grid gives the shortest decimal: 3 x 0.1 is 0.3.
     fn length(&self, steps: f64) -> f64 {
         let parts = (1.0 / self.step).round();
-        match parts >= 1.0 && 1.0 / parts == self.step {
-            true => steps / parts,
-            false => steps * self.step,
+        if parts >= 1.0 && 1.0 / parts == self.step {
+            steps / parts
+        } else {
+            steps * self.step
         }
     }
 }
@@ -183,13 +184,19 @@ impl<'a> Problem<'a> {
             // A coordinate on the grid is written with the grid's digits if the units differ, because its conversion has lost the
             // last digit.
             let keeps_digits = |n: usize| !self.free[n] || stays(n) && own == self.grid.unit;
-            let written = numbers.map(|n| match keeps_digits(n) {
-                true => self.before[n],
-                false => self.grid.length(steps[n]),
+            let written = numbers.map(|n| {
+                if keeps_digits(n) {
+                    self.before[n]
+                } else {
+                    self.grid.length(steps[n])
+                }
             });
-            let [x, y, z] = [0, 1, 2].map(|axis| match stays(numbers[axis]) {
-                true => of_study[axis],
-                false => own.convert(written[axis], self.grid.unit),
+            let [x, y, z] = [0, 1, 2].map(|axis| {
+                if stays(numbers[axis]) {
+                    of_study[axis]
+                } else {
+                    own.convert(written[axis], self.grid.unit)
+                }
             });
             design.push(suspension.frame.vector(Vector3::new(x, y, z)));
             coordinates.push(written);
@@ -234,9 +241,10 @@ impl Targets<'_> {
 /// Integers on both sides of a number. An integer, within rounding errors, is both of its own neighbours.
 fn neighbours(at: f64) -> (f64, f64) {
     let nearest = at.round();
-    match (at - nearest).abs() <= 1e-9 * at.abs().max(1.0) {
-        true => (nearest, nearest),
-        false => (at.floor(), at.ceil()),
+    if (at - nearest).abs() <= 1e-9 * at.abs().max(1.0) {
+        (nearest, nearest)
+    } else {
+        (at.floor(), at.ceil())
     }
 }
 

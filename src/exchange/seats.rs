@@ -83,9 +83,10 @@ fn said(
     };
     let written = named.get(hardpoint.name).or(hardpoint.body.as_ref());
     if let Some(text) = written {
-        let place = match named.contains_key(hardpoint.name) {
-            true => format!("--body {}", hardpoint.name),
-            false => format!("{}: body of {}", hardpoint.place, hardpoint.name),
+        let place = if named.contains_key(hardpoint.name) {
+            format!("--body {}", hardpoint.name)
+        } else {
+            format!("{}: body of {}", hardpoint.place, hardpoint.name)
         };
         return of_words(text).map(Some).ok_or_else(|| {
             format!(
@@ -178,9 +179,10 @@ fn to_segment(point: [f64; 3], a: [f64; 3], b: [f64; 3]) -> f64 {
     let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
     let (along, from) = (sub(b, a), sub(point, a));
     let length = dot(along, along);
-    let share = match length > 0.0 {
-        true => (dot(from, along) / length).clamp(0.0, 1.0),
-        false => 0.0,
+    let share = if length > 0.0 {
+        (dot(from, along) / length).clamp(0.0, 1.0)
+    } else {
+        0.0
     };
     let foot: [f64; 3] = std::array::from_fn(|k| a[k] + share * along[k]);
     let apart = sub(point, foot);

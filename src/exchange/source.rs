@@ -93,9 +93,12 @@ pub fn bytes_of(path: &Path) -> Result<Vec<u8>, String> {
 /// Decodes a text: UTF-8, or UTF-16 with a byte-order mark as spreadsheets write it, or else one byte per character.
 pub(super) fn decoded(bytes: &[u8]) -> Result<String, String> {
     let wide = |big: bool| {
-        let units = bytes[2..].chunks_exact(2).map(|pair| match big {
-            true => u16::from_be_bytes([pair[0], pair[1]]),
-            false => u16::from_le_bytes([pair[0], pair[1]]),
+        let units = bytes[2..].chunks_exact(2).map(|pair| {
+            if big {
+                u16::from_be_bytes([pair[0], pair[1]])
+            } else {
+                u16::from_le_bytes([pair[0], pair[1]])
+            }
         });
         char::decode_utf16(units)
             .map(|c| c.unwrap_or('\u{fffd}'))
@@ -109,9 +112,10 @@ pub(super) fn decoded(bytes: &[u8]) -> Result<String, String> {
             Err(_) => adams::text_of(bytes),
         },
     };
-    match text.contains('\0') {
-        true => Err("it is no text, no workbook and no subsystem of Adams/Car".to_owned()),
-        false => Ok(text),
+    if text.contains('\0') {
+        Err("it is no text, no workbook and no subsystem of Adams/Car".to_owned())
+    } else {
+        Ok(text)
     }
 }
 
@@ -149,9 +153,10 @@ fn of_subsystem(path: &Path, text: &str) -> Result<PointTable, String> {
         // Only these two parameters are geometry. In nearly every file they are equal for both wheels.
         let is_angle = ["camber_angle", "toe_angle"].contains(&parameter.name.as_str());
         if is_angle && parameter.symmetry != Symmetry::Right {
-            let degrees = match subsystem.degrees {
-                true => parameter.value,
-                false => parameter.value.to_degrees(),
+            let degrees = if subsystem.degrees {
+                parameter.value
+            } else {
+                parameter.value.to_degrees()
             };
             table.figures.push(Figure {
                 read_as: parameter.name.clone(),

@@ -139,11 +139,12 @@ fn meanings<'f>(
 /// Notes about parts that an Adams/Car subsystem keeps in its template.
 fn without_bodies(suspension: &Suspension) -> Vec<String> {
     let moved = suspension.mechanism.points_on_other_bodies();
-    match moved.is_empty() {
-        true => Vec::new(),
-        false => vec![format!(
+    if moved.is_empty() {
+        Vec::new()
+    } else {
+        vec![format!(
             "a subsystem cannot hold the bodies of [suspension.bodies]: {}",
             moved.join(", ")
-        )],
+        )]
     }
 }

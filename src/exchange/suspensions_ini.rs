@@ -60,21 +60,18 @@ pub fn suspensions_ini_of_car(study: &CarStudy) -> Result<Written, String> {
     ini.line("WHEELBASE", &shortest(metres(wheelbase)));
     // The sprung mass and the whole car have different centres of gravity.
     let has_whole = car.masses == Masses::Whole;
-    match has_whole {
-        true => {
-            let share = (car.cg.x - rear_centre.x) / wheelbase;
-            ini.line("CG_LOCATION", &shortest(share));
-        }
-        false => {
-            ini.blank(
-                "CG_LOCATION",
-                "share of the weight on the front axle; the study has the sprung mass",
-            );
-            ini.notes.push(
-                "CG_LOCATION and BASEY are to be filled in: the study has the sprung mass alone"
-                    .to_owned(),
-            );
-        }
+    if has_whole {
+        let share = (car.cg.x - rear_centre.x) / wheelbase;
+        ini.line("CG_LOCATION", &shortest(share));
+    } else {
+        ini.blank(
+            "CG_LOCATION",
+            "share of the weight on the front axle; the study has the sprung mass",
+        );
+        ini.notes.push(
+            "CG_LOCATION and BASEY are to be filled in: the study has the sprung mass alone"
+                .to_owned(),
+        );
     }
     let (mut file, mut notes) = (ini.file, ini.notes);
     for (outgoing, centre) in [(&front, front_centre), (&rear, rear_centre)] {

@@ -65,9 +65,10 @@ pub(super) fn limits_of(band: &Band) -> [Option<f64>; 2] {
         printed.is_finite().then(|| (printed * 1e9).round() / 1e9)
     };
     let [low, high] = [&band.between[0], &band.between[1]].map(printed);
-    match band.of.factor() < 0.0 {
-        true => [high, low],
-        false => [low, high],
+    if band.of.factor() < 0.0 {
+        [high, low]
+    } else {
+        [low, high]
     }
 }
 

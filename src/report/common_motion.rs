@@ -33,9 +33,10 @@ impl CommonMotion {
         let left = in_unit("travel_left");
         let is_axle = has(&tables[0], &left);
         if let Some(other) = tables.iter().position(|t| has(t, &left) != is_axle) {
-            let (axle, wheel) = match is_axle {
-                true => (labels[0], labels[other]),
-                false => (labels[other], labels[0]),
+            let (axle, wheel) = if is_axle {
+                (labels[0], labels[other])
+            } else {
+                (labels[other], labels[0])
             };
             return Err(format!(
                 "{axle} has curves of both wheels of an axle, {wheel} of one wheel: compare axles with axles, or \

@@ -331,9 +331,12 @@ impl Comparison {
             .zip(&output.values[design])
             .enumerate();
         let differences = pairs.filter_map(|(row, (a, b))| Some(((*b)? - (*a)?, row)));
-        differences.reduce(|most, next| match next.0.abs() > most.0.abs() {
-            true => next,
-            false => most,
+        differences.reduce(|most, next| {
+            if next.0.abs() > most.0.abs() {
+                next
+            } else {
+                most
+            }
         })
     }
 

@@ -84,9 +84,10 @@ impl CurveTable {
                 .iter()
                 .map(|c| kept.iter().map(|row| c[*row]).collect())
                 .collect(),
-            status: match self.status.is_empty() {
-                true => Vec::new(),
-                false => kept.iter().map(|row| self.status[*row].clone()).collect(),
+            status: if self.status.is_empty() {
+                Vec::new()
+            } else {
+                kept.iter().map(|row| self.status[*row].clone()).collect()
             },
         }
     }

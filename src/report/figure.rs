@@ -29,9 +29,10 @@ pub fn brief(value: f64) -> String {
 
 /// Formats with six significant digits. A rounding error in this unit (named as in columns: `deg_per_mm`) becomes 0.
 pub fn figure(value: f64, unit: &str) -> String {
-    match value.abs() < resolution(unit) {
-        true => "0".to_owned(),
-        false => brief(value),
+    if value.abs() < resolution(unit) {
+        "0".to_owned()
+    } else {
+        brief(value)
     }
 }
 
@@ -128,9 +129,10 @@ fn magnitude(value: f64) -> i32 {
 
 /// Removes trailing zeros of a decimal number.
 pub(super) fn without_zeros(text: &str) -> &str {
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.'),
-        false => text,
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        text
     }
 }
 

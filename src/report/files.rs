@@ -57,9 +57,10 @@ pub fn sensitivities_csv(study: &Study, curves: &Curves) -> Vec<u8> {
     let (wheel, is_axle) = (study.wheel(), study.axle().is_some());
     csv_of(|writer| {
         let mut header = motion_names(curves);
-        let own: &[&str] = match is_axle {
-            true => &["output", "side", "hardpoint", "axis", "value", "unit"],
-            false => &["output", "hardpoint", "axis", "order", "value", "unit"],
+        let own: &[&str] = if is_axle {
+            &["output", "side", "hardpoint", "axis", "value", "unit"]
+        } else {
+            &["output", "hardpoint", "axis", "order", "value", "unit"]
         };
         header.extend(own.iter().map(|name| (*name).to_owned()));
         writer.write_record(&header)?;
@@ -70,12 +71,11 @@ pub fn sensitivities_csv(study: &Study, curves: &Curves) -> Vec<u8> {
             let (axis, value) = (s.axis.name().to_owned(), optional(s.value));
             let unit = column.unit_per(wheel.length_unit);
             let output = column.output.clone();
-            record.extend(match is_axle {
-                true => {
-                    let side = s.side.map_or("both", |side| side.name()).to_owned();
-                    [output, side, point, axis, value, unit]
-                }
-                false => [output, point, axis, column.order.to_string(), value, unit],
+            record.extend(if is_axle {
+                let side = s.side.map_or("both", |side| side.name()).to_owned();
+                [output, side, point, axis, value, unit]
+            } else {
+                [output, point, axis, column.order.to_string(), value, unit]
             });
             writer.write_record(&record)?;
         }

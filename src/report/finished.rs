@@ -51,12 +51,13 @@ pub(super) fn in_form<T: DeserializeOwned>(
     }
     let wrong = |e: serde_json::Error| format!("not in the format of `{writer}`: {e}");
     let found: Form = serde_json::from_slice(text).map_err(wrong)?;
-    match found.form == form {
-        true => serde_json::from_slice(text).map_err(wrong),
-        false => Err(format!(
+    if found.form == form {
+        serde_json::from_slice(text).map_err(wrong)
+    } else {
+        Err(format!(
             "written in format {} by hardpoint {}, this version reads format {form}; run the {kind} again",
             found.form, found.version
-        )),
+        ))
     }
 }
 

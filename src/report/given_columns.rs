@@ -59,8 +59,9 @@ impl GivenColumns<'_> {
 fn degrees(angle: f64) -> f64 {
     let exact = angle.to_degrees();
     let short: f64 = format!("{exact:.13e}").parse().unwrap_or(exact);
-    match short.to_radians() == angle {
-        true => short,
-        false => exact,
+    if short.to_radians() == angle {
+        short
+    } else {
+        exact
     }
 }

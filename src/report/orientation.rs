@@ -152,9 +152,10 @@ impl Directions {
             unit(total)
         };
         // A rocker can put the spring in either orientation.
-        let springs: &[(&str, &str)] = match at("rocker_pivot_front").is_none() {
-            true => &[("spring_upper", "spring_lower")],
-            false => &[],
+        let springs: &[(&str, &str)] = if at("rocker_pivot_front").is_none() {
+            &[("spring_upper", "spring_lower")]
+        } else {
+            &[]
         };
         Directions {
             forward: sum(BEFORE),
@@ -198,9 +199,10 @@ impl Directions {
             .into_iter()
             .flatten()
             .all(|cosine| cosine >= LEAST_COSINE);
-        match leads && points_there {
-            true => Verdict::Clear(reading),
-            false => Verdict::Unclear(reading),
+        if leads && points_there {
+            Verdict::Clear(reading)
+        } else {
+            Verdict::Unclear(reading)
         }
     }
 

@@ -252,9 +252,10 @@ pub(crate) fn wanted_between(
     let samples = target.wanted.samples(stations).into_iter();
     let limits = samples.map(|sample| {
         // If the study's axis points in the other direction, the limits swap.
-        let [low, high] = match factor < 0.0 {
-            true => [sample.high, sample.low],
-            false => [sample.low, sample.high],
+        let [low, high] = if factor < 0.0 {
+            [sample.high, sample.low]
+        } else {
+            [sample.low, sample.high]
         };
         (drive.printed(sample.drive), printed(low), printed(high))
     });

@@ -122,9 +122,10 @@ impl Run {
             "tolerance" => Summary::Tolerance(Box::new(folder.json("summary.json")?)),
             _ => Summary::Solve(folder.json("summary.json")?),
         };
-        let history = match optimised {
-            true => Some(folder.table("history.csv")?),
-            false => None,
+        let history = if optimised {
+            Some(folder.table("history.csv")?)
+        } else {
+            None
         };
         let others = [
             "sensitivities.csv",

@@ -288,9 +288,10 @@ impl SetUpSummary {
         ];
         let mut table = Table::new(header);
         for s in self.statics.iter().filter(|s| s.wanted.is_some()) {
-            let name = match s.kept {
-                true => format!("{} (kept)", s.column),
-                false => s.column.clone(),
+            let name = if s.kept {
+                format!("{} (kept)", s.column)
+            } else {
+                s.column.clone()
             };
             let mut push = |head: [Cell; 2], value, miss, allowed, met: bool| {
                 let numbers = [s.wanted, value, miss, Some(allowed)].map(figure);
@@ -452,9 +453,10 @@ pub fn set_up_refusal(study: &Study, setup: &Setup, none: &SetUpError) -> String
         SetUpError::OutOfReach(missed) => {
             let words = |miss: &MissedTarget| {
                 let (column, wanted) = (static_column(miss.of, length), brief(miss.wanted));
-                match miss.value.is_finite() {
-                    true => format!("{column} ends at {}, not {wanted}", brief(miss.value)),
-                    false => format!("{column} has no value, not {wanted}"),
+                if miss.value.is_finite() {
+                    format!("{column} ends at {}, not {wanted}", brief(miss.value))
+                } else {
+                    format!("{column} has no value, not {wanted}")
                 }
             };
             let missed: Vec<String> = missed.iter().map(words).collect();

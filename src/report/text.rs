@@ -4,9 +4,10 @@ use std::fmt::Display;
 
 /// Number with a noun: `1 design`, `5 designs`.
 pub fn counted<N: Display + PartialEq + From<u8>>(number: N, thing: &str) -> String {
-    match number == N::from(1) {
-        true => format!("{number} {thing}"),
-        false => format!("{number} {thing}s"),
+    if number == N::from(1) {
+        format!("{number} {thing}")
+    } else {
+        format!("{number} {thing}s")
     }
 }
 

@@ -287,9 +287,10 @@ impl ToleranceSummary {
 
     /// Names of the columns with the position of a value.
     fn place_columns(&self, length: &str) -> Vec<String> {
-        match self.places.is_empty() {
-            true => vec![format!("travel_{length}"), format!("rack_{length}")],
-            false => self.places.clone(),
+        if self.places.is_empty() {
+            vec![format!("travel_{length}"), format!("rack_{length}")]
+        } else {
+            self.places.clone()
         }
     }
 

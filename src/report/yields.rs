@@ -116,11 +116,10 @@ impl YieldRecord {
         let error = surrogate.error.map_or(String::new(), |error| {
             format!(", {:+.1} points from the yield", 100.0 * error)
         });
-        let kept = match surrogate.keeps_plain {
-            true => {
-                "; the search found no larger yield than that of the optimum without scatter, which is kept"
-            }
-            false => "",
+        let kept = if surrogate.keeps_plain {
+            "; the search found no larger yield than that of the optimum without scatter, which is kept"
+        } else {
+            ""
         };
         Some(format!(
             "smooth surrogate of the yield over {}: {}{error}{kept}",

@@ -119,9 +119,10 @@ impl RunDirectory {
             .find(|above| above.symlink_metadata().is_ok());
         let there = there.filter(|above| !above.as_os_str().is_empty());
         let there = there.unwrap_or(Path::new("."));
-        let writable = match there.is_dir() {
-            true => temporary(there).map(drop),
-            false => Err(io::ErrorKind::NotADirectory.into()),
+        let writable = if there.is_dir() {
+            temporary(there).map(drop)
+        } else {
+            Err(io::ErrorKind::NotADirectory.into())
         };
         writable.map_err(|error| Refusal::Unwritable(unwritten(path)(error)))?;
         examine(path, claim).map(drop)
@@ -271,9 +272,10 @@ impl RunDirectory {
                 }
             }
         }
-        match state.manifest == before {
-            true => Ok(()),
-            false => self.store(&state),
+        if state.manifest == before {
+            Ok(())
+        } else {
+            self.store(&state)
         }
     }
 

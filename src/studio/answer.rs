@@ -109,11 +109,12 @@ fn solved_wheel(
         failures: FailureRange::all(&found, suspension),
         frame: frame(own).map(Drawn::from),
         right: None,
-        opened: match suspension.design == opened.study.wheel().design {
-            true => None,
-            false => (opened.study.vehicle.one_wheel())
+        opened: if suspension.design == opened.study.wheel().design {
+            None
+        } else {
+            (opened.study.vehicle.one_wheel())
                 .and_then(frame)
-                .map(Drawn::from),
+                .map(Drawn::from)
         },
         misfit,
         remarks: said,
@@ -167,8 +168,9 @@ pub(super) fn columns(found: &Curves) -> Vec<ColumnValues> {
 
 /// Converts a printed drive value to the kernel's unit.
 fn in_kernel(drive: Drive, printed: f64) -> f64 {
-    match drive.is_angle() {
-        true => printed.to_radians(),
-        false => printed,
+    if drive.is_angle() {
+        printed.to_radians()
+    } else {
+        printed
     }
 }

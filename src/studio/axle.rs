@@ -133,9 +133,10 @@ fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan
         axle.elastic.is_none() || not_in_equilibrium(*q, axle.kind(), true).is_none()
     };
     // The page may request any quantity, but some have no second derivatives.
-    let derivatives = match quantities.iter().all(has_derivative) {
-        true => plan.derivatives.min(1),
-        false => 0,
+    let derivatives = if quantities.iter().all(has_derivative) {
+        plan.derivatives.min(1)
+    } else {
+        0
     };
     Ok(AxlePlan {
         quantities,
@@ -201,9 +202,10 @@ pub(super) fn solved(
         failures: FailureRange::all(&found.curves, left),
         frame: left_frame,
         right: right_frame,
-        opened: match left.design == opened.study.wheel().design {
-            true => None,
-            false => frames(opened_axle())[0].take(),
+        opened: if left.design == opened.study.wheel().design {
+            None
+        } else {
+            frames(opened_axle())[0].take()
         },
         misfit: super::misfit::misfit(opened, study).map_err(fault)?,
         remarks: said,

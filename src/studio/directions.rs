@@ -98,8 +98,9 @@ fn ends(range: &Range, sign: f64) -> [LimitEnd; 2] {
         },
     };
     let [lower, upper] = [end(&range.lower), end(&range.upper)];
-    match sign < 0.0 {
-        true => [upper, lower],
-        false => [lower, upper],
+    if sign < 0.0 {
+        [upper, lower]
+    } else {
+        [lower, upper]
     }
 }

@@ -179,9 +179,10 @@ fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
     let home = home(study);
     let drive = Slider::over(key, name, unit, home, &values);
     // If the study holds the rack, the held value is the home position of the slider.
-    let rack_home = match motion.rack_moves {
-        true => 0.0,
-        false => motion.rack[0],
+    let rack_home = if motion.rack_moves {
+        0.0
+    } else {
+        motion.rack[0]
     };
     let rack = rack_slider(study.wheel(), rack_home, &motion.rack);
     (vec![drive, rack], 0)

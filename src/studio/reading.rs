@@ -58,9 +58,10 @@ impl Files {
     /// Follows a link now, so that later writes go to the file it led to.
     pub(super) fn at(path: &Path) -> io::Result<Self> {
         let file = StudyFile::at(path)?;
-        Ok(match CarStudy::is_at(file.path()) {
-            true => Files::Car(car::CarFiles::at(file.path())),
-            false => Files::Study(file),
+        Ok(if CarStudy::is_at(file.path()) {
+            Files::Car(car::CarFiles::at(file.path()))
+        } else {
+            Files::Study(file)
         })
     }
 

@@ -319,9 +319,10 @@ pub(super) fn write_new(path: &Path, text: &str, anyway: bool) -> Result<(), Not
     if anyway && path.is_dir() {
         return Err(NotSaved::Refused(format!("{name} is a directory")));
     }
-    let written = undivided(|| match anyway {
-        true => replace(temporary, path, text),
-        false => {
+    let written = undivided(|| {
+        if anyway {
+            replace(temporary, path, text)
+        } else {
             let written = temporary.persist_noclobber(path);
             written.map(drop).map_err(|e| e.error)
         }

@@ -134,9 +134,10 @@ fn the_spring_feels_what_the_percentages_leave_to_it() {
             let lever = down * (RADIUS / down.norm());
             let force = Vector3::new(case.share * FORCE, 0.0, 0.0);
             let torque = axis * axis.dot(lever.cross(force));
-            let moment = match case.shafts {
-                true => -torque,
-                false => Vector3::default(),
+            let moment = if case.shafts {
+                -torque
+            } else {
+                Vector3::default()
             };
             let transfer = case.transfer * FORCE * CG_HEIGHT / WHEELBASE;
             let loads = format!(

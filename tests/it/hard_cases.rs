@@ -278,14 +278,13 @@ fn estimated_condition_numbers_hold_to_a_factor_of_ten() {
                             solver.conditioned_series(&series, pose, &point.along_drive());
                         let found = conditioned.unwrap().1.number;
                         let true_one = solver.conditioning(pose, &point).number;
-                        match found == true_one {
-                            true => exact += 1,
-                            false => {
-                                assert!(found < 1e3);
-                                least = least.min(found / true_one);
-                                most = most.max(found / true_one);
-                                estimated += 1;
-                            }
+                        if found == true_one {
+                            exact += 1
+                        } else {
+                            assert!(found < 1e3);
+                            least = least.min(found / true_one);
+                            most = most.max(found / true_one);
+                            estimated += 1;
                         }
                     }
                     ControlFlow::Continue(())

@@ -112,9 +112,10 @@ fn trial(number: u64) -> Trial {
         .map(|p| POINTS.iter().position(|(n, _)| *n == p.name).unwrap())
         .map(|k| Vector3::from(points[k]))
         .collect();
-    let drive = match random.chance(4) {
-        true => Drive::ArmAngle,
-        false => Drive::Travel,
+    let drive = if random.chance(4) {
+        Drive::ArmAngle
+    } else {
+        Drive::Travel
     };
     let reach = match drive {
         Drive::Travel => [0.05, 0.1, 0.3][random.below(3)] * scale,
@@ -123,9 +124,10 @@ fn trial(number: u64) -> Trial {
     let values = (0..2 + random.below(5))
         .map(|_| reach * random.symmetric())
         .collect();
-    let rack = match random.chance(4) {
-        true => 0.1 * scale * random.symmetric(),
-        false => 0.0,
+    let rack = if random.chance(4) {
+        0.1 * scale * random.symmetric()
+    } else {
+        0.0
     };
     Trial {
         mechanism,

@@ -293,9 +293,10 @@ characteristics = ["rocker_angle", "camber"]
         let fits = apart(moved, pivot) < rod + lever;
         passed |= !fits;
         fits_again += usize::from(passed && fits);
-        let expected = match passed {
-            false => Status::Ok,
-            true => Status::Toggle([Some(Rod::Pushrod), None]),
+        let expected = if !passed {
+            Status::Ok
+        } else {
+            Status::Toggle([Some(Rod::Pushrod), None])
         };
         assert_eq!(found.stations[i].status, expected, "{} deg", angle(&i));
         assert_eq!(found.stations[i].values[0].is_ok(), !passed);

@@ -233,10 +233,13 @@ fn mutilate(cases: u64) {
             let text = mutilated(&text, &mut random);
             let outcome = catch_unwind(AssertUnwindSafe(|| {
                 match Study::from_text("study.toml", &text, &directory("studies")) {
-                    Ok(study) => match judge(&study) {
-                        true => solved += 1,
-                        false => faulty += 1,
-                    },
+                    Ok(study) => {
+                        if judge(&study) {
+                            solved += 1
+                        } else {
+                            faulty += 1
+                        }
+                    }
                     Err(errors) => {
                         refused += 1;
                         assert!(!errors.all().is_empty());

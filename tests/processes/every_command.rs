@@ -151,9 +151,10 @@ fn examine(
     let Some(size) = mutant.size.filter(|_| checked.status.code() != Some(2)) else {
         let said = String::from_utf8_lossy(&checked.stderr);
         let refused = checked.status.code() == Some(2) && said.starts_with("error: ");
-        return match refused {
-            true => Ok(()),
-            false => Err(format!("refused by the reader, and check says {said}")),
+        return if refused {
+            Ok(())
+        } else {
+            Err(format!("refused by the reader, and check says {said}"))
         };
     };
     if size.stations > MANY_STATIONS {

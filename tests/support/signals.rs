@@ -310,9 +310,10 @@ impl Signals {
             Some(serde_json::from_slice(bytes).unwrap_or(Value::Null))
         };
         let Some(run) = read("run.json") else {
-            return match interrupted || at_once {
-                true => Ok(()),
-                false => Err("no run.json".to_owned()),
+            return if interrupted || at_once {
+                Ok(())
+            } else {
+                Err("no run.json".to_owned())
             };
         };
         for (file, state) in [

@@ -254,9 +254,10 @@ impl SmallSteps {
             let here = between(reached);
             let tangent = lu.solve(&-self.by_motion(&x, drive, here, change))?;
             step = step.min(LONGEST / tangent.amax());
-            let (next, goal) = match reached + step >= 1.0 {
-                true => (1.0, to),
-                false => (reached + step, between(reached + step)),
+            let (next, goal) = if reached + step >= 1.0 {
+                (1.0, to)
+            } else {
+                (reached + step, between(reached + step))
             };
             let length = (next - reached) * tangent.amax();
             let mut guess = x + tangent * (next - reached);

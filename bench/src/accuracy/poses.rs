@@ -133,14 +133,13 @@ impl<'s, T: Measured, E: Equations<T>> Traversal<'s, T, E> {
             known.clear();
             known.push(self.equations.design());
             for step in side {
-                let start = match self.walk.cold {
-                    true => known[0],
-                    false => {
-                        let earlier = &known[known.len() - step.earlier..];
-                        match step.earlier {
-                            1 => earlier[0],
-                            _ => self.equations.predicted(earlier, &step.weights),
-                        }
+                let start = if self.walk.cold {
+                    known[0]
+                } else {
+                    let earlier = &known[known.len() - step.earlier..];
+                    match step.earlier {
+                        1 => earlier[0],
+                        _ => self.equations.predicted(earlier, &step.weights),
                     }
                 };
                 let travel = self.travels[step.station];

@@ -348,9 +348,10 @@ impl<'a, T: Balanced> Balance<'a, T> {
             });
         let none = self.at.rack.zero();
         let constraints = forces.fold(Vector3::new(none, none, none), |sum, force| sum + force);
-        match sprung_joint(self.at.mechanism) == Some(point) {
-            true => constraints + carried.support_force,
-            false => constraints,
+        if sprung_joint(self.at.mechanism) == Some(point) {
+            constraints + carried.support_force
+        } else {
+            constraints
         }
     }
 }

@@ -21,22 +21,26 @@ impl<T: Balanced> Balance<'_, T> {
         let rigid = at.mechanism.rigid_axle.as_ref()?;
         let steering = rigid.steering.as_ref()?;
         let zero = at.rack.zero();
-        let up = |support: T| match self.is_at_wheel {
-            true => Vector3::new(zero, zero, support),
-            false => Vector3::new(zero, zero, zero),
+        let up = |support: T| {
+            if self.is_at_wheel {
+                Vector3::new(zero, zero, support)
+            } else {
+                Vector3::new(zero, zero, zero)
+            }
         };
         let (centre, far_centre) = (at.mechanism.wheel_centre, rigid.far_centre);
         let (force, moment) = (
             load.point.constant(load.force),
             load.point.constant(load.moment),
         );
-        let tension = |knuckle: RockerId| match knuckle == steering.near_knuckle {
-            true => {
+        let tension = |knuckle: RockerId| {
+            if knuckle == steering.near_knuckle {
                 at.rod_tension(knuckle, load.point, force)
                     + at.rod_tension_by_couple(knuckle, moment)
                     + at.rod_tension(knuckle, at.point(centre), up(near))
+            } else {
+                at.rod_tension(knuckle, at.point(far_centre), up(far))
             }
-            false => at.rod_tension(knuckle, at.point(far_centre), up(far)),
         };
         let knuckles = [steering.near_knuckle, steering.far_knuckle];
         let is_pulled = |id: &RockerId| at.mechanism.rocker(*id).rod == Rod::DragLink;

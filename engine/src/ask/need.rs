@@ -59,9 +59,12 @@ impl Need {
         let (mechanism, vehicle) = (&suspension.mechanism, &suspension.vehicle);
         let is_at = |axle: AxlePosition| vehicle.position == Some(axle);
         let has_share = |of_front: Option<f64>| {
-            of_front.is_some_and(|share| match is_at(AxlePosition::Front) {
-                true => share > 0.0,
-                false => share < 1.0,
+            of_front.is_some_and(|share| {
+                if is_at(AxlePosition::Front) {
+                    share > 0.0
+                } else {
+                    share < 1.0
+                }
             })
         };
         let is_braked = vehicle.brakes.is_some() && has_share(vehicle.brake_share_front);

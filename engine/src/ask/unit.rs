@@ -104,9 +104,10 @@ impl Unit {
 /// Name of a column: `name` with its unit, unless the unit is empty.
 pub fn with_unit(name: impl Into<String>, unit: &str) -> String {
     let name = name.into();
-    match unit.is_empty() {
-        true => name,
-        false => format!("{name}_{unit}"),
+    if unit.is_empty() {
+        name
+    } else {
+        format!("{name}_{unit}")
     }
 }
 

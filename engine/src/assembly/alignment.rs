@@ -69,9 +69,10 @@ impl Alignment {
         // A value that no adjustment changes cannot be kept.
         let held_all =
             (&by * &alignment.inverse - DMatrix::identity(held.len(), held.len())).amax();
-        match held_all < 1e-6 {
-            true => Ok(alignment),
-            false => Err(SetUpError::Unsettled),
+        if held_all < 1e-6 {
+            Ok(alignment)
+        } else {
+            Err(SetUpError::Unsettled)
         }
     }
 

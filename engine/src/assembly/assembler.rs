@@ -267,9 +267,10 @@ impl Assembler {
         if let Some(rigid) = &self.suspension.mechanism.rigid_axle {
             at.rack = self.rise(rigid, parts, rigid.held) + height;
         }
-        let residuals = match T::IN_REGISTERS {
-            true => closure.residuals_inlined(&at, self.driver(parts, height)),
-            false => closure.residuals(&at, self.driver(parts, height)),
+        let residuals = if T::IN_REGISTERS {
+            closure.residuals_inlined(&at, self.driver(parts, height))
+        } else {
+            closure.residuals(&at, self.driver(parts, height))
         };
         let mut correction = residuals;
         for (entry, row) in correction.iter_mut().zip(inverse) {
@@ -334,9 +335,10 @@ impl Assembler {
     /// counterpart.
     #[inline(always)]
     pub(super) fn in_carrier<T: Real>(&self, parts: &Parts<T>, number: usize) -> Vector3<T> {
-        match is_of_body(&self.suspension.mechanism, PointId(number)) {
-            true => parts.drawn[number],
-            false => parts.points[number],
+        if is_of_body(&self.suspension.mechanism, PointId(number)) {
+            parts.drawn[number]
+        } else {
+            parts.points[number]
         }
     }
 

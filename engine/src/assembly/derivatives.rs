@@ -38,9 +38,10 @@ pub fn built_curves(
 ) -> Result<BuiltCurves, DesignFault> {
     let suspension = &built.suspension;
     let mut plan = plan.clone();
-    plan.sensitivities = match directions.is_empty() {
-        true => Vec::new(),
-        false => (0..suspension.design.len()).map(PointId).collect(),
+    plan.sensitivities = if directions.is_empty() {
+        Vec::new()
+    } else {
+        (0..suspension.design.len()).map(PointId).collect()
     };
     let mut curves = curves(suspension, &plan)?;
     let sensitivities = std::mem::take(&mut curves.sensitivities);

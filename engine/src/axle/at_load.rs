@@ -44,9 +44,10 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
             by_heave: axle_load(&state.moving(Motion::Heave))[1],
         };
         // This condition also excludes NaN.
-        match carried.by_heave > 0.0 && carried.load.is_finite() {
-            true => Ok(carried),
-            false => Err(NoPose::NoLoad),
+        if carried.by_heave > 0.0 && carried.load.is_finite() {
+            Ok(carried)
+        } else {
+            Err(NoPose::NoLoad)
         }
     }
 

@@ -179,12 +179,11 @@ impl<'a> AxleCertifier<'a> {
         let over = |[left, right]: [Interval; 2]| {
             // In its own frame, the rack of the right wheel moves in the opposite direction.
             let rack = placement.rack();
-            let coordinates = match self.is_rigid {
-                false => [(left, rack), (right, -rack)],
-                true => {
-                    let half = (left - right).scaled(0.5);
-                    [(half, placement.mean()), (-half, placement.mean())]
-                }
+            let coordinates = if !self.is_rigid {
+                [(left, rack), (right, -rack)]
+            } else {
+                let half = (left - right).scaled(0.5);
+                [(half, placement.mean()), (-half, placement.mean())]
             };
             let [(left, one), (right, two)] = coordinates;
             Ok([over(Side::Left, left, one)?, over(Side::Right, right, two)?])
@@ -202,9 +201,10 @@ impl<'a> AxleCertifier<'a> {
                 let roll = on_plane.then_some(placed.roll);
                 let proof = self.at_travels(&wheels, roll)?;
                 // Accounts for the rounding of the mean of both travels.
-                let rounding = match self.is_rigid {
-                    true => f64::EPSILON * (travels[0].abs() + travels[1].abs()),
-                    false => 0.0,
+                let rounding = if self.is_rigid {
+                    f64::EPSILON * (travels[0].abs() + travels[1].abs())
+                } else {
+                    0.0
                 };
                 Ok(AxleProof {
                     travel_error: rounding,

@@ -159,9 +159,10 @@ impl AxleColumn {
             }
             _ => (format!("{}_by_{by}_d2", self.output()), format!("{per}2")),
         };
-        let unit = match self.unit.is_empty() {
-            true => per,
-            false => format!("{}_{per}", self.unit),
+        let unit = if self.unit.is_empty() {
+            per
+        } else {
+            format!("{}_{per}", self.unit)
         };
         let sign = match motion {
             Motion::Rack => rack_sign,

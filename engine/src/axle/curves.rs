@@ -123,9 +123,10 @@ pub fn axle_curves(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side, De
     if let Some(elastic) = &axle.elastic {
         return super::elastic::curves(axle, elastic, plan);
     }
-    match plan.certify {
-        true => on_large_stacks(1, || curves_here(axle, plan)),
-        false => curves_here(axle, plan),
+    if plan.certify {
+        on_large_stacks(1, || curves_here(axle, plan))
+    } else {
+        curves_here(axle, plan)
     }
 }
 
@@ -225,9 +226,12 @@ fn certify<const N: usize>(
     let certifier = AxleCertifier::new(axle);
     let stations: Vec<usize> = (0..placements.len()).collect();
     let is_rigid = solver.is_rigid();
-    let rack_of = |station: usize| match is_rigid {
-        true => placements[station].mean(),
-        false => placements[station].rack(),
+    let rack_of = |station: usize| {
+        if is_rigid {
+            placements[station].mean()
+        } else {
+            placements[station].rack()
+        }
     };
     for stations in stations.chunk_by(|a, b| rack_of(*a) == rack_of(*b)) {
         let rack = rack_of(stations[0]);
@@ -403,13 +407,12 @@ fn gradients<const N: usize>(
                         value,
                     });
                 };
-                match is_own {
+                if !is_own {
                     // The mirror image moves with it.
-                    false => add(None, (by[0] + by[1]) * frames[0].sign(axis)),
-                    true => {
-                        add(Some(Side::Left), by[0] * frames[0].sign(axis));
-                        add(Some(Side::Right), by[1] * frames[1].sign(axis));
-                    }
+                    add(None, (by[0] + by[1]) * frames[0].sign(axis))
+                } else {
+                    add(Some(Side::Left), by[0] * frames[0].sign(axis));
+                    add(Some(Side::Right), by[1] * frames[1].sign(axis));
                 }
             }
         }

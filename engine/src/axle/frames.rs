@@ -209,9 +209,10 @@ fn drawn(
         frame,
         sine,
         cosine,
-        lifted: match has_ground {
-            true => ground - 0.5 * (wheels[0].height() + wheels[1].height()),
-            false => 0.0,
+        lifted: if has_ground {
+            ground - 0.5 * (wheels[0].height() + wheels[1].height())
+        } else {
+            0.0
         },
     };
     let mut points = Vec::new();
@@ -221,9 +222,10 @@ fn drawn(
         points.extend(all.map(|i| attitude.place(side, at.point(PointId(i)))));
     }
     let [left, right] = Side::ALL.map(|side| attitude.wheel(side, &state, has_ground));
-    let roll_centre = match has_ground {
-        true => attitude.roll_centre(&state),
-        false => None,
+    let roll_centre = if has_ground {
+        attitude.roll_centre(&state)
+    } else {
+        None
     };
     let flat = |[x, y]: [f64; 2]| {
         let [x, y, _] = frame.vector(Vector3::new(x, y, 0.0)).to_array();

@@ -87,9 +87,10 @@ impl<const N: usize> AxleSolver<'_, N> {
             [lower, upper]
         });
         let rack = rack.or_else(|| self.drag_link_range());
-        let rockers = match self.is_rigid() {
-            false => [left.rockers, right.rockers],
-            true => [Vec::new(), Vec::new()],
+        let rockers = if !self.is_rigid() {
+            [left.rockers, right.rockers]
+        } else {
+            [Vec::new(), Vec::new()]
         };
         let (left, right) = (left.travel, right.travel);
         // In roll to the left, the left wheel is in droop.
@@ -101,12 +102,13 @@ impl<const N: usize> AxleSolver<'_, N> {
         let upper = roll([&left.lower, &right.upper]);
         let lower = roll([&left.upper, &right.lower]);
         let roll = [lower, upper];
-        let travels = match self.is_rigid() {
-            false => TravelRanges::OfWheels([left, right]),
-            true => TravelRanges::OfAxle {
+        let travels = if !self.is_rigid() {
+            TravelRanges::OfWheels([left, right])
+        } else {
+            TravelRanges::OfAxle {
                 heave: self.heave_range()?,
                 half_difference: left,
-            },
+            }
         };
         Ok(AxleLimits {
             travels,
@@ -197,9 +199,10 @@ impl<const N: usize> AxleSolver<'_, N> {
             let leverages = both.iter().map(|at| at.leverage(id));
             leverages.fold(f64::INFINITY, f64::min)
         });
-        let side = match leverages[0] <= leverages[1] {
-            true => Side::Left,
-            false => Side::Right,
+        let side = if leverages[0] <= leverages[1] {
+            Side::Left
+        } else {
+            Side::Right
         };
         let mechanism = &self.axle.left.mechanism;
         let rod = mechanism.rocker(knuckles[side as usize]).rod;
@@ -230,9 +233,10 @@ impl<const N: usize> AxleSolver<'_, N> {
             Side::Right => [other, limit.pose],
         };
         let roll = self.plane_under(&poses).filter(|roll| roll.is_finite())?;
-        let share = match self.is_rigid() {
-            true => BEFORE_FOLD,
-            false => BEFORE_END,
+        let share = if self.is_rigid() {
+            BEFORE_FOLD
+        } else {
+            BEFORE_END
         };
         let before = Placement::Roll {
             heave: 0.0,
@@ -247,9 +251,10 @@ impl<const N: usize> AxleSolver<'_, N> {
 /// value to the axle's.
 fn nearer(ends: [(&RangeEnd, f64); 2]) -> AxleEnd {
     let [left, right] = ends.map(|(end, sign)| (end, sign * end.value()));
-    let (side, (end, value)) = match left.1.abs() <= right.1.abs() {
-        true => (Side::Left, left),
-        false => (Side::Right, right),
+    let (side, (end, value)) = if left.1.abs() <= right.1.abs() {
+        (Side::Left, left)
+    } else {
+        (Side::Right, right)
     };
     AxleEnd {
         value,

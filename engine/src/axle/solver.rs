@@ -119,9 +119,10 @@ const NEAR: f64 = 1e-4;
 /// Returns true if the wheels rise with their travels, given the slopes of both heights. Independent wheels must both rise.
 /// A rigid axle needs a positive sum of the slopes. Returns false for NaN.
 fn rise(is_rigid: bool, [left, right]: [f64; 2]) -> bool {
-    match is_rigid {
-        true => left + right > 0.0,
-        false => left > 0.0 && right > 0.0,
+    if is_rigid {
+        left + right > 0.0
+    } else {
+        left > 0.0 && right > 0.0
     }
 }
 
@@ -169,9 +170,10 @@ pub struct Read<'a> {
 impl Read<'_> {
     /// Value of a quantity, or the reason for its absence.
     pub fn value(&self, quantity: Quantity) -> Result<f64, NoValue> {
-        match self.is_stuck(quantity) {
-            true => Err(NoValue::Toggle),
-            false => quantity.value(&self.state),
+        if self.is_stuck(quantity) {
+            Err(NoValue::Toggle)
+        } else {
+            quantity.value(&self.state)
         }
     }
 
@@ -212,9 +214,10 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let orders_by_rack = quantities.iter().filter(|q| q.info().by_rack).map(order);
         // Terms beyond those that the quantities need serve derivatives along motions.
         let further = (N - 1).saturating_sub(quantities.iter().map(order).max().unwrap_or(0));
-        let degree_with_rack = match by_rack {
-            true => N - 1,
-            false => orders_by_rack.max().map_or(0, |order| order + further),
+        let degree_with_rack = if by_rack {
+            N - 1
+        } else {
+            orders_by_rack.max().map_or(0, |order| order + further)
         };
         let corner = |side| {
             let rockers = axle.rockers(side, quantities);
@@ -231,10 +234,11 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             corners,
             setup: &axle.setup,
             parts,
-            lines: Line::needed(match axle.is_rigid() {
+            lines: Line::needed(if axle.is_rigid() {
                 // Each wheel of a rigid axle moves with both travels.
-                true => N - 1,
-                false => degree_with_rack,
+                N - 1
+            } else {
+                degree_with_rack
             }),
             whole: Default::default(),
             tape: Tape::default(),

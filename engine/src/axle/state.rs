@@ -283,10 +283,11 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
     #[inline(always)]
     fn rises(&self) -> [T; 2] {
         let [left, right] = self.wheels();
-        match self.carriers.is_rigid() {
+        if self.carriers.is_rigid() {
             // The contact points of a rigid axle rise by each wheel's own share of the difference.
-            true => [left, right].each(|wheel| wheel.rise_by_difference()),
-            false => [left.rise(), right.rise()],
+            [left, right].each(|wheel| wheel.rise_by_difference())
+        } else {
+            [left.rise(), right.rise()]
         }
     }
 
@@ -355,12 +356,11 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         if self.hold == Hold::TravelsOnPlane && is_one_sided {
             let [left, right] = self.rises();
             let [z_left, z_right] = rates.travel;
-            let mismatch = match self.carriers.is_rigid() {
-                false => left * z_left - right * z_right,
-                true => {
-                    let (mean, difference) = ((z_left + z_right), (z_left - z_right));
-                    (difference * (left + right) + mean * self.mismatch_by_mean()).scaled(0.5)
-                }
+            let mismatch = if !self.carriers.is_rigid() {
+                left * z_left - right * z_right
+            } else {
+                let (mean, difference) = ((z_left + z_right), (z_left - z_right));
+                (difference * (left + right) + mean * self.mismatch_by_mean()).scaled(0.5)
             };
             rates.roll = -mismatch / self.track();
         }

@@ -276,9 +276,10 @@ impl<T: Scalar> Supports<'_, T> {
             side: x[SIDE_FORCES + axle] * shares[0],
             longitudinal: x[LONGITUDINAL] * share * shares[1],
             share: shares[0],
-            bar: match corner.sign > 0.0 {
-                true => self.bars[axle],
-                false => -self.bars[axle],
+            bar: if corner.sign > 0.0 {
+                self.bars[axle]
+            } else {
+                -self.bars[axle]
             },
             rocker: self.rockers[axle].work[number % 2],
             inertia: self.acceleration * unsprung,

@@ -91,9 +91,12 @@ impl At {
     fn least(&self) -> (f64, usize) {
         let loads = self.loads();
         let most = loads.iter().fold(0.0, |most: f64, load| most.max(*load));
-        let wheel = (1..4).fold(0, |least, wheel| match loads[wheel] < loads[least] {
-            true => wheel,
-            false => least,
+        let wheel = (1..4).fold(0, |least, wheel| {
+            if loads[wheel] < loads[least] {
+                wheel
+            } else {
+                least
+            }
         });
         (loads[wheel] / most, wheel)
     }
@@ -117,9 +120,10 @@ impl Case {
             ay,
             ..at_rest.clone()
         };
-        case.setting.longitudinal = match ax < 0.0 {
-            true => Longitudinal::Brake,
-            false => Longitudinal::Drive,
+        case.setting.longitudinal = if ax < 0.0 {
+            Longitudinal::Brake
+        } else {
+            Longitudinal::Drive
         };
         case.setting.longitudinal_shares = super::LongitudinalShares::ByLoad;
         case

@@ -52,9 +52,10 @@ impl CarMember {
         let of_wheel = |place: WheelPlace| {
             let axle = &car.axles[place.0 / 2];
             let wheel = axle.suspension(Side::ALL[place.0 % 2]);
-            let members = match axle.is_rigid() {
-                true => Vec::new(),
-                false => members(&wheel.mechanism),
+            let members = if axle.is_rigid() {
+                Vec::new()
+            } else {
+                members(&wheel.mechanism)
             };
             let member = move |(name, what)| CarMember { place, name, what };
             members.into_iter().map(member)
@@ -242,14 +243,13 @@ impl CarSolver<'_> {
         let across = road.up * wheel.load + wheel.across * wheel.side_force;
         let push = wheel.heading * wheel.longitudinal_force;
         let setting = &case.setting;
-        let moment = match self.car.carrier_takes_torque(axle, setting.longitudinal) {
-            true => nothing,
+        let moment = if self.car.carrier_takes_torque(axle, setting.longitudinal) {
+            nothing
+        } else {
             // Shafts from the body take the torque about the spin axis.
-            false => {
-                let spin = wheel.corner.spin;
-                let lever = wheel.contact - wheel.corner.centre;
-                spin * -spin.dot(lever.cross(push))
-            }
+            let spin = wheel.corner.spin;
+            let lever = wheel.contact - wheel.corner.centre;
+            spin * -spin.dot(lever.cross(push))
         };
         let acceleration = road.forward * case.ax + road.left * case.ay + road.up * (1.0 + case.az);
         let unsprung = self.car.axles[axle].setup.unsprung_mass.unwrap_or(0.0);

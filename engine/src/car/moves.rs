@@ -80,9 +80,10 @@ impl Moves {
     pub(crate) fn changes_wheelbase(&self, car: &Car) -> bool {
         let change = |at: &PointMove| {
             let is_centre = at.point == car.axles[at.axle].left.mechanism.wheel_centre;
-            match is_centre && at.axis == Axis::X {
-                true => [1.0, -1.0][at.axle] * at.sign(car) * at.factor,
-                false => 0.0,
+            if is_centre && at.axis == Axis::X {
+                [1.0, -1.0][at.axle] * at.sign(car) * at.factor
+            } else {
+                0.0
             }
         };
         self.points().iter().map(change).sum::<f64>() != 0.0

@@ -66,9 +66,10 @@ impl<'a> RigRows<'a> {
     pub(super) fn write_rows(&self, first: [usize; 2], into: &mut Linearisation) {
         let equalities = self.shape().equalities;
         for row in 0..self.assessment.rows.residuals.len() {
-            let place = match row < equalities {
-                true => first[0] + row,
-                false => first[1] + row - equalities,
+            let place = if row < equalities {
+                first[0] + row
+            } else {
+                first[1] + row - equalities
             };
             self.write(&self.assessment.rows, (row, place), 1.0, into);
         }

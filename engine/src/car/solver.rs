@@ -260,9 +260,12 @@ impl<'a> CarSolver<'a> {
             let mut found = self.newton(case, start)?;
             evaluations += found.evaluations;
             let gaps = self.gaps(case, &found)?;
-            let next = [0, 1, 2, 3].map(|number| match lifted[number] {
-                true => gaps[number] >= 0.0,
-                false => found.unknowns[LOADS + number] < 0.0,
+            let next = [0, 1, 2, 3].map(|number| {
+                if lifted[number] {
+                    gaps[number] >= 0.0
+                } else {
+                    found.unknowns[LOADS + number] < 0.0
+                }
             });
             if next == lifted {
                 found.evaluations = evaluations;

@@ -210,9 +210,10 @@ impl Objective<'_> {
                     // Inside a band, the deviation stays zero.
                     let is_inside = deviation == 0.0 && target.wanted[0] < target.wanted[1];
                     for (column, variable) in goals.variables.iter().enumerate() {
-                        into.jacobian[(row, column)] = match is_inside {
-                            true => 0.0,
-                            false => scale * slope(variable),
+                        into.jacobian[(row, column)] = if is_inside {
+                            0.0
+                        } else {
+                            scale * slope(variable)
                         };
                     }
                 }
@@ -285,9 +286,10 @@ impl Constrained for Objective<'_> {
         for rig in &self.rigs {
             let equalities = rig.shape().equalities;
             for (place, limit) in rig.row_limits().into_iter().enumerate() {
-                let next = match place < equalities {
-                    true => &mut equality,
-                    false => &mut row,
+                let next = if place < equalities {
+                    &mut equality
+                } else {
+                    &mut row
                 };
                 limits[*next] = limit;
                 *next += 1;

@@ -76,10 +76,7 @@ formulas! {
         reads: CONTACT_VELOCITY,
         needs: &[Need::WheelRadius, Need::Wheelbase, Need::CgHeight, Need::RearBrakingOrFrontDrive],
     } = |inputs| {
-        match inputs.constants.is_front {
-            true => driving(inputs),
-            false => -braking(inputs),
-        }
+        if inputs.constants.is_front { driving(inputs) } else { -braking(inputs) }
     };
 
     /// Driven rear axle under drive.

@@ -180,11 +180,12 @@ fn value_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
 #[inline(never)]
 fn gradient_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> Gradient<T> {
     let (zero, one) = (inputs.turn.x.zero(), inputs.turn.x.one());
-    let mut seeded = match size_of::<T>() > size_of::<f64>() {
-        true => constants(inputs, F::INFO.reads),
+    let mut seeded = if size_of::<T>() > size_of::<f64>() {
+        constants(inputs, F::INFO.reads)
+    } else {
         // If this is inlined, the compiler drops numbers that are not read, and a Jacobian takes a fifth less time. For long
         // series, inlining would take seconds of compile time.
-        false => constants_inline(inputs, F::INFO.reads),
+        constants_inline(inputs, F::INFO.reads)
     };
     let mut gradient = [inputs.turn.zero(); Slot::MOST];
     for (k, slot) in F::INFO.reads.iter().enumerate() {

@@ -44,9 +44,10 @@ impl Slot {
                 // dw = d(turn)' + d(turn) x w, so g.dw contains d(turn).(w x g).
                 seeds.turn(shifted(turn.cross(*by)));
             }
-            let seed = match slot.is_rate() {
-                true => by_rate(*by),
-                false => shifted(*by),
+            let seed = if slot.is_rate() {
+                by_rate(*by)
+            } else {
+                shifted(*by)
             };
             slot.push(seed, at, seeds);
         }

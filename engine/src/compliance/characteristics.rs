@@ -74,15 +74,16 @@ impl<T: Scalar> ElasticWheel<T> {
         of: Characteristic,
         is_rate: bool,
     ) -> Option<T> {
-        let found = match is_rate {
-            true => of.evaluate(inputs)[1],
-            false => of.evaluate(&Inputs {
+        let found = if is_rate {
+            of.evaluate(inputs)[1]
+        } else {
+            of.evaluate(&Inputs {
                 now: inputs.now.map(|c| c[0]),
                 rate: inputs.now.map(|c| c[1]),
                 turn: inputs.turn.map(|c| c[0]),
                 design: inputs.design.map(|c| c[0]),
                 constants: inputs.constants,
-            }),
+            })
         };
         found.value().is_finite().then_some(found)
     }

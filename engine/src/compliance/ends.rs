@@ -295,9 +295,10 @@ pub(super) trait Followable {
         let first = |event: Event| {
             let before = |from: &Self::State, value: f64| {
                 let found = next(from, value)?;
-                match self.is_past(event, &found, &task(value)) {
-                    true => Err(Refusal::Event),
-                    false => Ok(found),
+                if self.is_past(event, &found, &task(value)) {
+                    Err(Refusal::Event)
+                } else {
+                    Ok(found)
                 }
             };
             (event, followed(start, way, before).value)

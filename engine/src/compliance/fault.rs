@@ -106,9 +106,10 @@ impl AxleFault {
 
 impl From<NoEquilibrium> for NoPose {
     fn from(why: NoEquilibrium) -> Self {
-        match why.is_unstable {
-            true => NoPose::Unstable,
-            false => NoPose::NoEquilibrium { share: why.share },
+        if why.is_unstable {
+            NoPose::Unstable
+        } else {
+            NoPose::NoEquilibrium { share: why.share }
         }
     }
 }

@@ -302,9 +302,10 @@ pub(super) struct Pose<T> {
 impl<T: Scalar> Pose<T> {
     /// Cross-product matrix of a force, for its change with rotation or with its lever.
     pub(super) fn turning(&self, force: Vector3<T>) -> Matrix3<T> {
-        match self.balance_only {
-            true => Matrix3::null(force.x),
-            false => cross_matrix(force),
+        if self.balance_only {
+            Matrix3::null(force.x)
+        } else {
+            cross_matrix(force)
         }
     }
 }

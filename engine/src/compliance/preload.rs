@@ -82,9 +82,10 @@ impl<T: Scalar> Built<T> {
         let upward = self.system.vertical_force(&design.carrier);
         self.system
             .border(equations, &design, upward, self.system.like());
-        match bounds.is_none_or(|bounds| is_definite(equations, bounds, LOOSE)) {
-            true => Ok(()),
-            false => Err(singular(Singular::Carrier)),
+        if bounds.is_none_or(|bounds| is_definite(equations, bounds, LOOSE)) {
+            Ok(())
+        } else {
+            Err(singular(Singular::Carrier))
         }
     }
 

@@ -101,9 +101,10 @@ impl Equations<f64> {
         if self.unstable.is_some() {
             return Err(Obstacle::Unstable(self.unstable));
         }
-        match is_definite(self, bounds, 0.0) {
-            true => Ok(()),
-            false => Err(Obstacle::Unstable(None)),
+        if is_definite(self, bounds, 0.0) {
+            Ok(())
+        } else {
+            Err(Obstacle::Unstable(None))
         }
     }
 }

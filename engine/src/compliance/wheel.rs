@@ -174,9 +174,10 @@ impl<T: Scalar> ElasticWheel<T> {
     pub(super) fn check_leverage(&self, around: &Surroundings<T>) -> Result<(), ElasticFault> {
         let spring = self.built.spring_reading(&self.start, around);
         let force = spring.map_or(0.0, |spring| spring.force.value());
-        match self.start.vertical.value().abs() > LEAST_LEVERAGE * force.abs() {
-            true => Ok(()),
-            false => Err(ElasticFault::NoLeverage),
+        if self.start.vertical.value().abs() > LEAST_LEVERAGE * force.abs() {
+            Ok(())
+        } else {
+            Err(ElasticFault::NoLeverage)
         }
     }
 

@@ -28,9 +28,10 @@ impl ByTime {
         let Some([velocity, acceleration]) = self.0 else {
             return by_drive[order];
         };
-        let [y, first, second] = match is_rate {
-            true => [f64::NAN, by_drive[0], by_drive[1]],
-            false => by_drive,
+        let [y, first, second] = if is_rate {
+            [f64::NAN, by_drive[0], by_drive[1]]
+        } else {
+            by_drive
         };
         match order + is_rate as usize {
             0 => y,

@@ -153,9 +153,10 @@ impl<'a> ElasticLoads<'a> {
         };
         let forces = self.values(&station).into_iter();
         values.extend(forces.map(|force| force.ok_or(NoValue::NotHeld)));
-        match values.contains(&Err(NoValue::NotHeld)) {
-            true => Status::Unsupported,
-            false => Status::Ok,
+        if values.contains(&Err(NoValue::NotHeld)) {
+            Status::Unsupported
+        } else {
+            Status::Ok
         }
     }
 

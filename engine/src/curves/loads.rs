@@ -59,12 +59,11 @@ impl<'a> Loads<'a> {
             frame,
             length,
             support,
-            members: match loads.is_empty() {
-                true => Vec::new(),
-                false => {
-                    let members = members(mechanism, support).into_iter();
-                    members.map(|m| with_side(m, mechanism, frame)).collect()
-                }
+            members: if loads.is_empty() {
+                Vec::new()
+            } else {
+                let members = members(mechanism, support).into_iter();
+                members.map(|m| with_side(m, mechanism, frame)).collect()
             },
         }
     }

@@ -19,9 +19,10 @@ use std::ops::ControlFlow;
 
 /// Computes the curves of a suspension under a plan. An error says why its design position cannot be solved.
 pub fn curves(suspension: &Suspension, plan: &Plan) -> Result<Curves, DesignFault> {
-    match plan.certify {
-        true => on_large_stacks(1, || curves_here(suspension, plan)),
-        false => curves_here(suspension, plan),
+    if plan.certify {
+        on_large_stacks(1, || curves_here(suspension, plan))
+    } else {
+        curves_here(suspension, plan)
     }
 }
 
@@ -122,11 +123,12 @@ impl<'a, const N: usize> Run<'a, N> {
         }
         // Stations are visited outward, but results are in the order of the motion.
         self.sensitivities.sort_by_key(|s| s.station);
-        let bounds = match self.plan.certify {
-            true => ["position_error", "uniqueness"]
+        let bounds = if self.plan.certify {
+            ["position_error", "uniqueness"]
                 .map(|bound| format!("{bound}_{}", self.suspension.length_unit.symbol()))
-                .to_vec(),
-            false => Vec::new(),
+                .to_vec()
+        } else {
+            Vec::new()
         };
         Ok(Curves {
             motion: motion(self.plan, self.suspension.length_unit.symbol()),
@@ -314,9 +316,10 @@ impl<'a, const N: usize> Run<'a, N> {
             for column in columns {
                 let value = in_time.apply(output.quantity.is_rate(), orders, column.order);
                 let printed = value * column.factor;
-                values.push(match printed.is_finite() {
-                    true => Ok(printed),
-                    false => Err(undefined),
+                values.push(if printed.is_finite() {
+                    Ok(printed)
+                } else {
+                    Err(undefined)
                 });
             }
         }
@@ -361,15 +364,16 @@ impl<'a, const N: usize> Run<'a, N> {
             let counts = matches!(output.quantity, Quantity::Characteristic(_));
             self.work_counter
                 .note(|w| w.characteristic_gradients += u64::from(counts));
-            match self.is_stuck(columns) {
-                true => found.fill([Vector3::new(f64::NAN, f64::NAN, f64::NAN); 3]),
-                false => view.gradients(
+            if self.is_stuck(columns) {
+                found.fill([Vector3::new(f64::NAN, f64::NAN, f64::NAN); 3])
+            } else {
+                view.gradients(
                     linearised,
                     output.quantity,
                     output.highest,
                     &mut buffer,
                     &mut |order, id, gradient| found[id.0][order] = gradient,
-                ),
+                )
             }
             for column in columns {
                 for id in &plan.sensitivities {
@@ -422,9 +426,10 @@ pub(super) fn motion(plan: &Plan, length: &'static str) -> Vec<MotionColumn> {
 /// Coordinates of the motion at a station, in the order of [`motion`].
 pub(super) fn place(plan: &Plan, number: usize, value: f64, rack: f64) -> Vec<Option<f64>> {
     let printed = Some(plan.drive.printed(value));
-    let mut at = match plan.drive.is_angle() {
-        true => vec![None, printed],
-        false => vec![printed],
+    let mut at = if plan.drive.is_angle() {
+        vec![None, printed]
+    } else {
+        vec![printed]
     };
     at.push(Some(rack));
     at.extend(plan.time.as_ref().map(|law| Some(law.times[number])));

@@ -82,9 +82,10 @@ impl<'s> AxleStations<'s> {
         solver: &mut AxleSolver<'_, N>,
         wheels: Pairs<'_>,
     ) -> Result<(), (Side, DesignFault)> {
-        match self.of_builds {
-            true => solver.prepare_whole(wheels),
-            false => solver.prepare(wheels),
+        if self.of_builds {
+            solver.prepare_whole(wheels)
+        } else {
+            solver.prepare(wheels)
         }
     }
 

@@ -71,9 +71,10 @@ impl<const N: usize> DifferentiatesOneByOne for OneByOne<'_, N> {
                     into.put_gradients((number, numbers[k], station), side, gradient);
                 }
             };
-            let found = match stations.of_builds {
-                true => solver.gradients_by_each_point(&placed, &quantities, receive),
-                false => solver.gradients(&placed, &quantities, receive),
+            let found = if stations.of_builds {
+                solver.gradients_by_each_point(&placed, &quantities, receive)
+            } else {
+                solver.gradients(&placed, &quantities, receive)
             };
             into.solved_of(number)[station] = found.is_ok();
         }

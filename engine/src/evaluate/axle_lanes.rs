@@ -44,15 +44,19 @@ fn parts(placement: &Placement, is_rigid: bool) -> Option<[f64; 3]> {
             travels: [left, right],
             rack,
             on_plane: false,
-        } if left == right => match is_rigid {
-            true => [left, 0.0, 0.0],
-            false => [0.0, rack, left],
-        },
+        } if left == right => {
+            if is_rigid {
+                [left, 0.0, 0.0]
+            } else {
+                [0.0, rack, left]
+            }
+        }
         Placement::AtLoad { .. } | Placement::Travels { .. } => return None,
     };
-    Some(match is_rigid {
-        true => [0.0, heave, value],
-        false => [heave, rack, value],
+    Some(if is_rigid {
+        [0.0, heave, value]
+    } else {
+        [heave, rack, value]
     })
 }
 

@@ -146,11 +146,12 @@ fn read(
     for (station, numbers) in of.at_stations.iter().enumerate() {
         let travel = stations.values()[stations.value_of(station)];
         let rack = stations.racks[stations.rack_of(station)] * sign;
-        let slopes: Vec<usize> = match station == stations.design() {
-            true => (0..of.reads.len())
+        let slopes: Vec<usize> = if station == stations.design() {
+            (0..of.reads.len())
                 .filter(|k| of.reads[*k].slope.is_some())
-                .collect(),
-            false => Vec::new(),
+                .collect()
+        } else {
+            Vec::new()
         };
         wanted.clear();
         wanted.extend(numbers.iter().map(|k| of.reads[*k].value));

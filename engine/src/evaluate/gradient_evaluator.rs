@@ -197,9 +197,10 @@ impl<'a> GradientEvaluator<'a> {
             sides: 1,
             wanted: points.to_vec(),
             lanes: width.and_then(|w| Gradients::new(suspension, stations, quantities, w)),
-            one_by_one: match rates {
-                false => OneByOne::<1>::new(suspension, stations, quantities, points)?,
-                true => OneByOne::<2>::new(suspension, stations, quantities, points)?,
+            one_by_one: if !rates {
+                OneByOne::<1>::new(suspension, stations, quantities, points)?
+            } else {
+                OneByOne::<2>::new(suspension, stations, quantities, points)?
             },
         })
     }
@@ -246,9 +247,10 @@ impl<'a> GradientEvaluator<'a> {
                 }
                 left += 1;
                 into.forget(place);
-                let right = match rights.is_empty() {
-                    true => rights,
-                    false => &rights[place * points..(place + 1) * points],
+                let right = if rights.is_empty() {
+                    rights
+                } else {
+                    &rights[place * points..(place + 1) * points]
                 };
                 let solved = self.one_by_one.evaluate([design, right], place, into);
                 into.faults[place] = solved.err();

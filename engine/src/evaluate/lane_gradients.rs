@@ -67,9 +67,10 @@ impl<'a> Gradients<'a> {
         let constants = Constants::of(suspension);
         let reader = LaneReader::new(mechanism, &batch, constants, quantities.to_vec())?;
         reader.has_gradients().then_some(())?;
-        let along_travel = match reader.reads_rates() {
-            true => Some(AlongTravel::of(mechanism, design)?),
-            false => None,
+        let along_travel = if reader.reads_rates() {
+            Some(AlongTravel::of(mechanism, design)?)
+        } else {
+            None
         };
         let (angles, points) = (quantities.len(), design.len());
         let groups = (0..racks.len()).flat_map(|rack| {

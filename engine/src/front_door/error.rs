@@ -126,12 +126,13 @@ pub(super) fn checked(
     expected: &'static str,
     is_right: impl Fn(f64) -> bool,
 ) -> Result<f64, Error> {
-    match is_right(value) {
-        true => Ok(value),
-        false => Err(Error::Number {
+    if is_right(value) {
+        Ok(value)
+    } else {
+        Err(Error::Number {
             what: what.to_owned(),
             value,
             expected,
-        }),
+        })
     }
 }

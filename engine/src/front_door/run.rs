@@ -184,13 +184,14 @@ fn refuse_wrong(sampled: &Sampled) -> Result<(), Error> {
         Sampling::Grid => {
             let steps = variables.iter().map(|v| v.steps);
             let points = steps.reduce(|product, steps| product?.checked_mul(steps?));
-            match points.flatten() == Some(sampled.samples) {
-                true => Ok(()),
-                false => number(
+            if points.flatten() == Some(sampled.samples) {
+                Ok(())
+            } else {
+                number(
                     "the number of samples of a grid",
                     sampled.samples,
                     "the product of the steps of its variables, as 125 for 5 steps of each of 3",
-                ),
+                )
             }
         }
         Sampling::Saltelli if variables.len() > MOST_EXCHANGED => number(

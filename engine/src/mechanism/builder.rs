@@ -290,12 +290,13 @@ fn checked(
     expected: &'static str,
     is_right: impl Fn(f64) -> bool,
 ) -> Result<(), BuildError> {
-    match is_right(value) {
-        true => Ok(()),
-        false => Err(BuildError::Number {
+    if is_right(value) {
+        Ok(())
+    } else {
+        Err(BuildError::Number {
             what: what.to_owned(),
             value,
             expected,
-        }),
+        })
     }
 }

@@ -304,14 +304,15 @@ impl<'a, T: Real> Configuration<'a, T> {
     /// Adds the derivative of `gradient . point(id)` to the sink.
     #[inline(always)]
     pub(crate) fn push_point(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
-        match T::IN_REGISTERS {
-            true => self.rack.outlined(PushingPoint {
+        if T::IN_REGISTERS {
+            self.rack.outlined(PushingPoint {
                 at: self,
                 id,
                 gradient,
                 sink,
-            }),
-            false => self.push_point_outlined(id, gradient, sink),
+            })
+        } else {
+            self.push_point_outlined(id, gradient, sink)
         }
     }
 

@@ -218,25 +218,23 @@ impl<T: Real> Configuration<'_, T> {
     /// Position in the base of a rocker: y of (12).
     #[inline(always)]
     fn in_base(&self, rocker: Rocker, now: Vector3<T>) -> Vector3<T> {
-        match self.is_on_axle(rocker) {
-            false => now,
-            true => {
-                let from_origin = now - self.pose.origin;
-                let lever = self.pose.rotation.apply_transposed(from_origin);
-                self.designed(self.mechanism.origin) + lever
-            }
+        if !self.is_on_axle(rocker) {
+            now
+        } else {
+            let from_origin = now - self.pose.origin;
+            let lever = self.pose.rotation.apply_transposed(from_origin);
+            self.designed(self.mechanism.origin) + lever
         }
     }
 
     /// Inverse of [`Configuration::in_base`]: x of (12).
     #[inline(always)]
     pub(super) fn out_of_base(&self, rocker: Rocker, place: Vector3<T>) -> Vector3<T> {
-        match self.is_on_axle(rocker) {
-            false => place,
-            true => {
-                let lever = place - self.designed(self.mechanism.origin);
-                self.pose.origin + self.pose.rotation.apply(lever)
-            }
+        if !self.is_on_axle(rocker) {
+            place
+        } else {
+            let lever = place - self.designed(self.mechanism.origin);
+            self.pose.origin + self.pose.rotation.apply(lever)
         }
     }
 
@@ -274,10 +272,7 @@ impl<T: Real> Configuration<'_, T> {
                 let on_axle = at.is_on_axle(rocker);
                 let columns = Matrix3::identity(at.rack).columns.each(|column| {
                     let turned = turn.turned(column);
-                    match on_axle {
-                        true => at.pose.rotation.apply(turned),
-                        false => turned,
-                    }
+                    if on_axle { at.pose.rotation.apply(turned) } else { turned }
                 });
                 Matrix3 { columns }
             }
@@ -344,16 +339,15 @@ impl<T: Real> Configuration<'_, T> {
         for (k, id) in designed.iter().enumerate() {
             sink.hardpoint(*id, by[k]);
         }
-        let by_outer = match self.is_on_axle(rocker) {
-            false => by[4],
+        let by_outer = if !self.is_on_axle(rocker) {
+            by[4]
+        } else {
             // Second form of (12): the outer end goes into the frame of the axle.
-            true => {
-                let pull = self.pose.rotation.apply(by[4]);
-                let lever = self.point(rocker.outer) - self.pose.origin;
-                sink.wrench(-pull, -lever.cross(pull));
-                sink.hardpoint(self.mechanism.origin, by[4]);
-                pull
-            }
+            let pull = self.pose.rotation.apply(by[4]);
+            let lever = self.point(rocker.outer) - self.pose.origin;
+            sink.wrench(-pull, -lever.cross(pull));
+            sink.hardpoint(self.mechanism.origin, by[4]);
+            pull
         };
         self.push_point(rocker.outer, by_outer, sink);
         by_point

@@ -270,9 +270,10 @@ fn levers_turn(suspension: &Suspension) -> Vec<GeometryFault> {
 fn plausible_size(suspension: &Suspension) -> Vec<GeometryFault> {
     let (size, unit) = (suspension.size(), suspension.length_unit);
     let [smallest, largest] = PLAUSIBLE_SIZE;
-    match (smallest..=largest).contains(&(size / unit.per_metre())) {
-        true => Vec::new(),
-        false => vec![GeometryFault::ImplausibleSize { size, unit }],
+    if (smallest..=largest).contains(&(size / unit.per_metre())) {
+        Vec::new()
+    } else {
+        vec![GeometryFault::ImplausibleSize { size, unit }]
     }
 }
 
@@ -286,10 +287,11 @@ fn right_side(suspension: &Suspension) -> Vec<GeometryFault> {
         .collect();
     let mean = inboard.iter().sum::<f64>() / inboard.len() as f64;
     let centre = mechanism.wheel_centre;
-    match design[centre.0].y >= mean {
-        true => Vec::new(),
-        false => vec![GeometryFault::WrongSide {
+    if design[centre.0].y >= mean {
+        Vec::new()
+    } else {
+        vec![GeometryFault::WrongSide {
             wheel_centre: name(suspension, centre),
-        }],
+        }]
     }
 }

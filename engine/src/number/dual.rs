@@ -20,9 +20,10 @@ impl<T: Real, const N: usize> Dual<T, N> {
             value,
             partials: [value.zero(); N],
         };
-        match Self::IS_LONG {
-            true => call_outlined(value, fill),
-            false => fill(value),
+        if Self::IS_LONG {
+            call_outlined(value, fill)
+        } else {
+            fill(value)
         }
     }
 
@@ -239,9 +240,10 @@ impl<T: Real, const N: usize> Real for Dual<T, N> {
                 partials,
             }
         };
-        match Self::IS_LONG {
-            true => call_outlined((self, factor), scale),
-            false => scale((self, factor)),
+        if Self::IS_LONG {
+            call_outlined((self, factor), scale)
+        } else {
+            scale((self, factor))
         }
     }
 }

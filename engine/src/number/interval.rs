@@ -92,9 +92,10 @@ impl Interval {
         if is_exact(factor) || (self.low == self.high && is_exact(self.low)) {
             return self * Interval::point(factor);
         }
-        let (low, high) = match factor > 0.0 {
-            true => (self.low * factor, self.high * factor),
-            false => (self.high * factor, self.low * factor),
+        let (low, high) = if factor > 0.0 {
+            (self.low * factor, self.high * factor)
+        } else {
+            (self.high * factor, self.low * factor)
         };
         // If a factor is NaN, the result is the whole line.
         Interval::bounds(low.next_down(), high.next_up())

@@ -132,11 +132,10 @@ impl<T: Real, const N: usize> Neg for Jet<T, N> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        match T::IN_REGISTERS {
-            true => {
-                outlined!(small [T: Real; N] self.0[0]; a: Jet<T, N> = self => Jet<T, N> { a.negated() })
-            }
-            false => self.negated(),
+        if T::IN_REGISTERS {
+            outlined!(small [T: Real; N] self.0[0]; a: Jet<T, N> = self => Jet<T, N> { a.negated() })
+        } else {
+            self.negated()
         }
     }
 }
@@ -145,12 +144,13 @@ impl<T: Real, const N: usize> Mul for Jet<T, N> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        match T::IN_REGISTERS {
-            true => outlined!(
+        if T::IN_REGISTERS {
+            outlined!(
                 small [T: Real; N] self.0[0];
                 a: Jet<T, N> = self, b: Jet<T, N> = other => Jet<T, N> { a.times(b) }
-            ),
-            false => self.times_outlined(other),
+            )
+        } else {
+            self.times_outlined(other)
         }
     }
 }
@@ -183,9 +183,10 @@ impl<T: Real, const N: usize> Jet<T, N> {
 
     #[inline]
     fn times_outlined(self, other: Self) -> Self {
-        match Self::LARGE {
-            true => call_outlined((self, other), |(a, b)| a.times(b)),
-            false => self.times(other),
+        if Self::LARGE {
+            call_outlined((self, other), |(a, b)| a.times(b))
+        } else {
+            self.times(other)
         }
     }
 
@@ -283,11 +284,12 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
 
     #[inline(always)]
     fn intersected_with(self, other: Self) -> Self {
-        match T::SHARES_DIVISIONS {
-            true => self,
-            false => Jet(std::array::from_fn(|k| {
+        if T::SHARES_DIVISIONS {
+            self
+        } else {
+            Jet(std::array::from_fn(|k| {
                 self.0[k].intersected_with(other.0[k])
-            })),
+            }))
         }
     }
 
@@ -310,11 +312,10 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
         if Self::IS_SINGLE {
             return Jet::constant(self.0[0].asin());
         }
-        match Self::ANGLES_IN_CALLS {
-            true => {
-                outlined!([T: Real; N] self; series: Jet<T, N> = self => Jet<T, N> { series.arc_sine() })
-            }
-            false => self.arc_sine(),
+        if Self::ANGLES_IN_CALLS {
+            outlined!([T: Real; N] self; series: Jet<T, N> = self => Jet<T, N> { series.arc_sine() })
+        } else {
+            self.arc_sine()
         }
     }
 
@@ -323,11 +324,12 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
         if Self::IS_SINGLE {
             return Jet::constant(self.0[0].atan2(x.0[0]));
         }
-        match Self::ANGLES_IN_CALLS {
-            true => outlined!(
+        if Self::ANGLES_IN_CALLS {
+            outlined!(
                 [T: Real; N] self; y: Jet<T, N> = self, x: Jet<T, N> = x => Jet<T, N> { y.angle_from(x) }
-            ),
-            false => self.angle_from(x),
+            )
+        } else {
+            self.angle_from(x)
         }
     }
 

@@ -75,9 +75,10 @@ pub(super) struct Plain;
 impl Instructions for Plain {
     #[inline(always)]
     fn compiled<P: crate::number::Outlined>(self, piece: P) -> P::Output {
-        match P::IS_SMALL {
-            true => piece.work_small(),
-            false => piece.work_outlined(),
+        if P::IS_SMALL {
+            piece.work_small()
+        } else {
+            piece.work_outlined()
         }
     }
 }

@@ -51,12 +51,13 @@ impl Adjoints {
                 continue;
             }
             let sums = self.note(operand);
-            *sums = match slope.is_finite() {
-                true => array_of(|k| sums[k] + weights[k] * slope),
-                false => array_of(|k| match weights[k] {
+            *sums = if slope.is_finite() {
+                array_of(|k| sums[k] + weights[k] * slope)
+            } else {
+                array_of(|k| match weights[k] {
                     0.0 => sums[k],
                     weight => sums[k] + weight * slope,
-                }),
+                })
             };
         }
     }

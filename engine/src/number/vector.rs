@@ -120,34 +120,37 @@ impl<T: Real> Vector3<T> {
     /// Scalar product.
     #[inline(always)]
     pub fn dot(self, other: Self) -> T {
-        match Self::IN_PIECES {
-            true => outlined!(
+        if Self::IN_PIECES {
+            outlined!(
                 small [T: Real] self.x; a: Vector3<T> = self, b: Vector3<T> = other => T { a.dot_inline(b) }
-            ),
-            false => self.dot_inline(other),
+            )
+        } else {
+            self.dot_inline(other)
         }
     }
 
     /// Vector product.
     #[inline(always)]
     pub fn cross(self, other: Self) -> Self {
-        match Self::IN_PIECES {
-            true => outlined!(
+        if Self::IN_PIECES {
+            outlined!(
                 small [T: Real] self.x; a: Vector3<T> = self, b: Vector3<T> = other => Vector3<T> { a.cross_inline(b) }
-            ),
-            false => self.cross_inline(other),
+            )
+        } else {
+            self.cross_inline(other)
         }
     }
 
     /// Sum of this vector and a multiple of another.
     #[inline(always)]
     pub fn plus_scaled(self, other: Self, factor: T) -> Self {
-        match Self::IN_PIECES {
-            true => outlined!(
+        if Self::IN_PIECES {
+            outlined!(
                 small [T: Real] self.x;
                 a: Vector3<T> = self, b: Vector3<T> = other, f: T = factor => Vector3<T> { a.plus_scaled_inline(b, f) }
-            ),
-            false => self.plus_scaled_inline(other, factor),
+            )
+        } else {
+            self.plus_scaled_inline(other, factor)
         }
     }
 
@@ -182,11 +185,10 @@ impl<T: Real> Vector3<T> {
     /// Unit vector in this direction.
     #[inline(always)]
     pub fn normalised(self) -> Self {
-        match Self::IN_PIECES {
-            true => {
-                outlined!(small [T: Real] self.x; a: Vector3<T> = self => Vector3<T> { a.normalised_inline() })
-            }
-            false => self.normalised_inline(),
+        if Self::IN_PIECES {
+            outlined!(small [T: Real] self.x; a: Vector3<T> = self => Vector3<T> { a.normalised_inline() })
+        } else {
+            self.normalised_inline()
         }
     }
 
@@ -248,11 +250,12 @@ impl<T: Real> Mul<T> for Vector3<T> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, factor: T) -> Self {
-        match Self::IN_PIECES {
-            true => outlined!(
+        if Self::IN_PIECES {
+            outlined!(
                 small [T: Real] self.x; v: Vector3<T> = self, f: T = factor => Vector3<T> { v.times_inline(f) }
-            ),
-            false => self.times_inline(factor),
+            )
+        } else {
+            self.times_inline(factor)
         }
     }
 }
@@ -310,11 +313,12 @@ impl<T: Real> Matrix3<T> {
     /// Product of the matrix and a column vector.
     #[inline(always)]
     pub fn apply(&self, v: Vector3<T>) -> Vector3<T> {
-        match Vector3::<T>::IN_PIECES {
-            true => outlined!(
+        if Vector3::<T>::IN_PIECES {
+            outlined!(
                 small [T: Real] v.x; m: &'p Matrix3<T> = self, v: Vector3<T> = v => Vector3<T> { m.apply_inline(v) }
-            ),
-            false => self.apply_inline(v),
+            )
+        } else {
+            self.apply_inline(v)
         }
     }
 
@@ -329,11 +333,12 @@ impl<T: Real> Matrix3<T> {
     /// Product of the transposed matrix (the inverse rotation) and a column vector.
     #[inline(always)]
     pub fn apply_transposed(&self, v: Vector3<T>) -> Vector3<T> {
-        match Vector3::<T>::IN_PIECES {
-            true => outlined!(
+        if Vector3::<T>::IN_PIECES {
+            outlined!(
                 small [T: Real] v.x; m: &'p Matrix3<T> = self, v: Vector3<T> = v => Vector3<T> { m.apply_transposed_inline(v) }
-            ),
-            false => self.apply_transposed_inline(v),
+            )
+        } else {
+            self.apply_transposed_inline(v)
         }
     }
 
@@ -347,9 +352,10 @@ impl<T: Real> Matrix3<T> {
     /// axis (Cayley's form: rational, and exactly orthogonal for every kind of number).
     #[inline(always)]
     pub fn turned(&self, rodrigues: Vector3<T>) -> Self {
-        match T::IN_REGISTERS {
-            true => self.turned_inline(rodrigues),
-            false => self.turned_outlined(rodrigues),
+        if T::IN_REGISTERS {
+            self.turned_inline(rodrigues)
+        } else {
+            self.turned_outlined(rodrigues)
         }
     }
 

@@ -448,9 +448,10 @@ impl ActiveSet {
 /// Returns true if a gradient depends on the held gradients. `gain` is the part of its squared length `size` outside their
 /// span. `lack` is the violation of its constraint.
 fn depends(gain: f64, size: f64, lack: f64, rows: Rows<'_>) -> bool {
-    let share = match lack <= rows.slack {
-        true => NEARLY_DEPENDENT,
-        false => DEPENDENT,
+    let share = if lack <= rows.slack {
+        NEARLY_DEPENDENT
+    } else {
+        DEPENDENT
     };
     gain <= share * size
 }

@@ -238,9 +238,10 @@ impl Fit {
             self.termination,
             Termination::Interrupted | Termination::ConstraintsExcludeEachOther
         );
-        match self.termination.at_minimum() || is_short {
-            true => self.termination.to_string(),
-            false => format!("{} (KKT residual {:.1e})", self.termination, self.residual),
+        if self.termination.at_minimum() || is_short {
+            self.termination.to_string()
+        } else {
+            format!("{} (KKT residual {:.1e})", self.termination, self.residual)
         }
     }
 

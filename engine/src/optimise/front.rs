@@ -403,9 +403,10 @@ impl Gap {
     /// Width of the gap. Zero if one of its ends is better than the other.
     fn width(&self, extent: [f64; 2]) -> f64 {
         let [first, second] = self.sides(extent);
-        match first.min(second) > 0.0 {
-            true => first.max(second),
-            false => 0.0,
+        if first.min(second) > 0.0 {
+            first.max(second)
+        } else {
+            0.0
         }
     }
 

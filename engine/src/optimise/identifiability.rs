@@ -52,9 +52,10 @@ impl Direction {
             let (mut low, mut high) = (0.0_f64, most);
             for _ in 0..10 {
                 let middle = low.midpoint(high);
-                match keeps(middle) {
-                    true => low = middle,
-                    false => high = middle,
+                if keeps(middle) {
+                    low = middle
+                } else {
+                    high = middle
                 }
             }
             *free = low;

@@ -450,10 +450,13 @@ fn shares(optimise: &Optimise, rows: usize, own: &[usize]) -> Vec<f64> {
     let total: f64 = optimise.targets.iter().map(|t| t.weight).sum();
     let targets = optimise.targets.iter().zip(own);
     targets
-        .map(|(target, own)| match optimise.fit {
-            // Each measured point counts equally, whatever the number of points of its kind.
-            true => (target.weight / total * optimise.targets.len() as f64).sqrt(),
-            false => (target.weight / total * rows as f64 / *own as f64).sqrt(),
+        .map(|(target, own)| {
+            if optimise.fit {
+                // Each measured point counts equally, whatever the number of points of its kind.
+                (target.weight / total * optimise.targets.len() as f64).sqrt()
+            } else {
+                (target.weight / total * rows as f64 / *own as f64).sqrt()
+            }
         })
         .collect()
 }

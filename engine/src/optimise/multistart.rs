@@ -111,9 +111,10 @@ pub(super) fn every_start(
 ) -> Vec<Start> {
     let run = |index| {
         let x = starting_point(bounds, design, index, seed);
-        let outcome = match index > 0 && control.is_interrupted() {
-            true => Err(Infeasible::Interrupted),
-            false => run(index, &x),
+        let outcome = if index > 0 && control.is_interrupted() {
+            Err(Infeasible::Interrupted)
+        } else {
+            run(index, &x)
         };
         Start { x, outcome }
     };
@@ -209,9 +210,12 @@ mod tests {
     /// With two zeros, at -1 and 0.5, the result is the one nearer to the design. Some starts have no residuals.
     #[test]
     fn of_equal_fits_the_smallest_move_is_kept_and_failures_are_reported() {
-        let rows: Function = |x| match x[0] > 1.5 {
-            true => Err(Infeasible::Refused("too far".into())),
-            false => Ok(vec![((x[0] + 1.0) * (x[0] - 0.5), vec![2.0 * x[0] + 0.5])]),
+        let rows: Function = |x| {
+            if x[0] > 1.5 {
+                Err(Infeasible::Refused("too far".into()))
+            } else {
+                Ok(vec![((x[0] + 1.0) * (x[0] - 0.5), vec![2.0 * x[0] + 0.5])])
+            }
         };
         let problem = || written(rows, &[0.0]);
         let bounds = Bounds::new(&[[-3.0, 3.0]]).unwrap();

@@ -121,10 +121,11 @@ mod tests {
         let mut noise = Noise::new(2);
         for ends in [vec![2, 4, 6], vec![1, 3, 3, 7], vec![5; 5]] {
             let (columns, rows) = (ends.len(), 7);
-            let a = DMatrix::from_fn(rows, columns, |i, j| match i < ends[j] {
-                true => noise.next(),
-                false => 0.0,
-            });
+            let a = DMatrix::from_fn(
+                rows,
+                columns,
+                |i, j| if i < ends[j] { noise.next() } else { 0.0 },
+            );
             let b = DVector::from_fn(rows, |_, _| noise.next());
             let (mut r, mut c) = (a.clone(), b.clone());
             triangularise(r.as_mut_slice(), rows, c.as_mut_slice());

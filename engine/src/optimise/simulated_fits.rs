@@ -182,14 +182,15 @@ mod tests {
                     };
                     let inner = r.clone().lu().solve(&-&e).unwrap();
                     let is_inside = (0..2).all(|j| (ends[j][0]..=ends[j][1]).contains(&inner[j]));
-                    let candidates = match is_inside {
-                        true => vec![[inner[0], inner[1]]],
-                        false => vec![
+                    let candidates = if is_inside {
+                        vec![[inner[0], inner[1]]]
+                    } else {
+                        vec![
                             along(0, ends[0][0]),
                             along(0, ends[0][1]),
                             along(1, ends[1][0]),
                             along(1, ends[1][1]),
-                        ],
+                        ]
                     };
                     let better = |a: &[f64; 2], b: &[f64; 2]| squares(*a).total_cmp(&squares(*b));
                     let best = candidates.into_iter().min_by(better).unwrap();

@@ -423,13 +423,15 @@ mod tests {
                     panic!("{:?}", found.intervals[0]);
                 };
                 let [below, above] = [-lower, upper].map(|end| end / (t * error));
-                match is_far {
-                    true => assert!((above - 1.0).abs() < 1e-6, "{rows} {room}: {above}"),
-                    false => assert!(above > 0.9, "{rows} {room}: {above}"),
+                if is_far {
+                    assert!((above - 1.0).abs() < 1e-6, "{rows} {room}: {above}")
+                } else {
+                    assert!(above > 0.9, "{rows} {room}: {above}")
                 }
-                match is_far {
-                    true => assert!((below - 1.0).abs() < 1e-6, "{rows}: {below}"),
-                    false => assert!((below - 1.0).abs() > 1e-3, "{rows}: {below}"),
+                if is_far {
+                    assert!((below - 1.0).abs() < 1e-6, "{rows}: {below}")
+                } else {
+                    assert!((below - 1.0).abs() > 1e-3, "{rows}: {below}")
                 }
             }
         }

@@ -118,10 +118,7 @@ impl<'a> Tuner<'a> {
     fn good_enough_without(&self, fixed: &FixedRows) -> f64 {
         let good = self.optimise.good_enough;
         let rest = good * good - fixed.square() / self.layout.residuals() as f64;
-        match rest > 0.0 {
-            true => rest.sqrt(),
-            false => good,
-        }
+        if rest > 0.0 { rest.sqrt() } else { good }
     }
 
     /// Lowers the misfit from every start, until it is good enough or at a minimum.

@@ -64,9 +64,10 @@ impl Scale {
     /// Residual of the optimality conditions, from the remaining imbalance `left` and the largest term `most`.
     pub(super) fn residual(self, left: f64, most: f64) -> f64 {
         let size = most.max(self.steepest).max(f64::MIN_POSITIVE);
-        match left.is_nan() {
-            true => f64::INFINITY,
-            false => (left - self.rounding).max(0.0) / size,
+        if left.is_nan() {
+            f64::INFINITY
+        } else {
+            (left - self.rounding).max(0.0) / size
         }
     }
 }

@@ -258,9 +258,12 @@ fn val_a_planted_design_is_found_through_weak_directions() {
 
 /// Rosenbrock without residuals to the right of a line through the valley, or beyond a parabola.
 fn fenced(fence: fn(&[f64]) -> bool) -> impl Fn(&[f64]) -> Rows {
-    move |x: &[f64]| match fence(x) {
-        true => Err(Infeasible::Refused("beyond the fence".into())),
-        false => rosenbrock(x),
+    move |x: &[f64]| {
+        if fence(x) {
+            Err(Infeasible::Refused("beyond the fence".into()))
+        } else {
+            rosenbrock(x)
+        }
     }
 }
 

@@ -275,9 +275,10 @@ impl<'a> Tuner<'a> {
         fit.x.clone_from(&found.x);
         fit.residual = found.imbalance;
         let end = found.termination.clone().checked(found.imbalance);
-        fit.termination = match end.at_minimum() {
-            true => Termination::LargestYield,
-            false => Termination::YieldNotConverged,
+        fit.termination = if end.at_minimum() {
+            Termination::LargestYield
+        } else {
+            Termination::YieldNotConverged
         };
         if let Some(state) = &mut fit.constraints {
             state.violation = assessment.violation(shape.equalities, &[]);

@@ -168,9 +168,10 @@ impl<'a> YieldSearch<'a> {
     fn smoothed(&self, widths: &[f64]) -> Vec<Target> {
         let target = |(band, width): (&Band, &f64)| {
             let [low, high] = band.between;
-            let width = match high > low {
-                true => width.min(WIDEST * (high - low)),
-                false => *width,
+            let width = if high > low {
+                width.min(WIDEST * (high - low))
+            } else {
+                *width
             };
             self.target(band, [low + width, high - width], width)
         };

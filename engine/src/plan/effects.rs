@@ -261,9 +261,10 @@ impl Plan {
         let share = (points.len() as f64 / mechanism.points.len() as f64).min(1.0);
         let each = cost::LEAST_GRADIENT + (cost::GRADIENT - cost::LEAST_GRADIENT) * share;
         // Newton's method has already computed the factors.
-        let factors = match has_closed_form(mechanism) {
-            true => cost::FACTORS,
-            false => 0.0,
+        let factors = if has_closed_form(mechanism) {
+            cost::FACTORS
+        } else {
+            0.0
         };
         let what = format!(
             "of {} by {} ({} coordinates)",

@@ -90,15 +90,17 @@ fn effect(
                 lost += usize::from(values[0].is_some());
                 continue;
             };
-            let shift = match wanted.shifts.is_empty() {
-                true => asked.shift_at(&before.output, stations[station].drive()),
-                false => wanted.shift_at(stations, station),
+            let shift = if wanted.shifts.is_empty() {
+                asked.shift_at(&before.output, stations[station].drive())
+            } else {
+                wanted.shift_at(stations, station)
             };
             // A value has no side effect if it stays, or if it changes as a target asks.
             let [plain, beyond] = [to - from, to - from - shift];
-            let amount = match plain.abs() <= beyond.abs() {
-                true => plain,
-                false => beyond,
+            let amount = if plain.abs() <= beyond.abs() {
+                plain
+            } else {
+                beyond
             };
             if largest
                 .as_ref()

@@ -192,9 +192,10 @@ impl Looked<'_> {
         if site.motion.as_ref().map(|(name, _)| name.as_str()) != self.name {
             return Vec::new();
         }
-        let home = match self.motion.rack_moves {
-            true => 0.0,
-            false => self.motion.rack[0],
+        let home = if self.motion.rack_moves {
+            0.0
+        } else {
+            self.motion.rack[0]
         };
         let racks = match site.racks.as_slice() {
             [] => vec![home],

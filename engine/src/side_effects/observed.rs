@@ -141,9 +141,10 @@ impl Grid {
             .partition_point(|other| *other < value)
             .min(axis.len() - 1);
         let below = above.saturating_sub(1);
-        match value - axis[below] < axis[above] - value {
-            true => below,
-            false => above,
+        if value - axis[below] < axis[above] - value {
+            below
+        } else {
+            above
         }
     }
 

@@ -110,12 +110,13 @@ impl Solver<'_> {
         {
             let configuration = design_series.at(self.mechanism(), series, motion.rack);
             // With this form of the test, NaN leads to a new computation.
-            let condition = match number < Conditioning::ESTIMATED {
-                true => Conditioning {
+            let condition = if number < Conditioning::ESTIMATED {
+                Conditioning {
                     number,
                     distance: self.size() / number,
-                },
-                false => self.conditioning(pose, &motion.value_point()),
+                }
+            } else {
+                self.conditioning(pose, &motion.value_point())
             };
             return Ok((configuration, condition));
         }

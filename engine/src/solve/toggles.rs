@@ -79,18 +79,17 @@ impl Toggles {
         let (stuck, rods) = self.seen(&solver.configuration(&pose, point.rack), 0, |c| c);
         let (pose, point) = solver.design_place(drive);
         let (_, designed) = self.seen(&solver.configuration(&pose, point.rack), 0, |c| c);
-        let stuck = match self.keep_leverage(&designed, &rods, stuck) {
-            true => stuck,
-            false => {
-                let mut solver = solver.clone();
-                let mut between = |part: f64, before: RockerSet| {
-                    let placed = solver.placed(drive, part * rack).ok()?.ok();
-                    placed.map(|(pose, point)| {
-                        self.seen(&solver.configuration(&pose, point.rack), before, |c| c)
-                    })
-                };
-                self.between(&mut between, [0.0, 1.0], [&designed, &rods], stuck, DEPTH)
-            }
+        let stuck = if self.keep_leverage(&designed, &rods, stuck) {
+            stuck
+        } else {
+            let mut solver = solver.clone();
+            let mut between = |part: f64, before: RockerSet| {
+                let placed = solver.placed(drive, part * rack).ok()?.ok();
+                placed.map(|(pose, point)| {
+                    self.seen(&solver.configuration(&pose, point.rack), before, |c| c)
+                })
+            };
+            self.between(&mut between, [0.0, 1.0], [&designed, &rods], stuck, DEPTH)
         };
         self.begin_with(stuck, rods);
         self.way.set(Some((drive, rack)));
@@ -115,12 +114,11 @@ impl Toggles {
         };
         let (before, designed) = look(0.0, 0);
         let (stuck, rods) = look(1.0, before);
-        let stuck = match self.keep_leverage(&designed, &rods, stuck) {
-            true => stuck,
-            false => {
-                let mut look = |part: f64, before: RockerSet| Some(look(part, before));
-                self.between(&mut look, [0.0, 1.0], [&designed, &rods], stuck, DEPTH)
-            }
+        let stuck = if self.keep_leverage(&designed, &rods, stuck) {
+            stuck
+        } else {
+            let mut look = |part: f64, before: RockerSet| Some(look(part, before));
+            self.between(&mut look, [0.0, 1.0], [&designed, &rods], stuck, DEPTH)
         };
         let mut watched = self.watched.iter();
         let first = watched.find(|id| stuck & 1 << id.0 != 0);
@@ -163,13 +161,12 @@ impl Toggles {
         let past = self.past.get();
         // Otherwise the visit has changed to the other side of its start.
         let goes_on = value.abs() >= past.value.abs() && value * past.value >= 0.0;
-        let (from, before) = match goes_on {
-            true => (past.value, past.stuck),
-            false => {
-                let at_start = self.rods_at_start.borrow();
-                self.rods.borrow_mut().clone_from(&at_start);
-                (0.0, self.at_start.get())
-            }
+        let (from, before) = if goes_on {
+            (past.value, past.stuck)
+        } else {
+            let at_start = self.rods_at_start.borrow();
+            self.rods.borrow_mut().clone_from(&at_start);
+            (0.0, self.at_start.get())
         };
         let (mut stuck, rods) = self.seen(at, before, |c| c[0]);
         if let (Some((drive, rack)), Some(solver)) = (self.way.get(), solver)
@@ -221,13 +218,14 @@ impl Toggles {
         let (mut here, mut rods) = (from, ends[0].to_vec());
         for part in 1..=PARTS {
             let next = from + (to - from) * part as f64 / PARTS as f64;
-            let (seen, reached) = match part == PARTS {
-                true => (stuck, ends[1].to_vec()),
+            let (seen, reached) = if part == PARTS {
+                (stuck, ends[1].to_vec())
+            } else {
                 // Points without a pose are left out.
-                false => match look(next, stuck) {
+                match look(next, stuck) {
                     Some(found) => found,
                     None => continue,
-                },
+                }
             };
             stuck = seen;
             if depth > 1 && !self.keep_leverage(&rods, &reached, stuck) {

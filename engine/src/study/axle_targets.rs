@@ -130,9 +130,10 @@ pub(super) fn band(
     let written = spanned.get_ref();
     let wanted = Where::from(written);
     let of = subject(&written.characteristic, wanted.side, study, problems);
-    let site = match written.at.is_some() || wanted.is_given() {
-        true => Some(site(&wanted, spanned.span(), study, context, problems)?),
-        false => None,
+    let site = if written.at.is_some() || wanted.is_given() {
+        Some(site(&wanted, spanned.span(), study, context, problems)?)
+    } else {
+        None
     };
     Some((of?, site))
 }

@@ -213,9 +213,10 @@ impl CarStudy {
             .filter(|change| !change.starts_with("front.") && !change.starts_with("rear."))
             .cloned()
             .collect();
-        let text = match own.is_empty() {
-            true => text,
-            false => overrides::apply(&shown, &text, &own)?,
+        let text = if own.is_empty() {
+            text
+        } else {
+            overrides::apply(&shown, &text, &own)?
         };
         let source = Arc::new(Source { name: shown, text });
         let file = parse::parse_car(&source)?;
@@ -285,9 +286,10 @@ impl CarStudy {
 
     /// Results that sweeps and tolerances keep for each design: those that the study names, or else the key results.
     pub fn kept_quantities(&self) -> Vec<CarQuantity> {
-        match self.quantities == CarQuantity::default_columns(&self.car) {
-            true => CarQuantity::key_columns(&self.car),
-            false => self.quantities.clone(),
+        if self.quantities == CarQuantity::default_columns(&self.car) {
+            CarQuantity::key_columns(&self.car)
+        } else {
+            self.quantities.clone()
         }
     }
 

@@ -105,9 +105,10 @@ fn curve(source: &Arc<Source>, wanted: &WantedColumns<'_>) -> Result<Vec<[f64; 2
             points.push([drive, value]);
         }
     }
-    let curve = match wanted.as_measured {
-        true => points,
-        false => function(points),
+    let curve = if wanted.as_measured {
+        points
+    } else {
+        function(points)
     };
     if curve.len() < 2 {
         let message = match columns {

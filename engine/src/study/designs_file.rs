@@ -74,9 +74,10 @@ impl DesignTable {
             let variable = variable(column, suspension).map_err(|m| at(&header, m))?;
             let same = |v: &SweepVariable| v.moves == variable.moves;
             if let Some(other) = variables.iter().find(|v| same(v)) {
-                let message = match other.name == variable.name {
-                    true => format!("the column {column} is there twice"),
-                    false => format!("{column} and {} give the same coordinate", other.name),
+                let message = if other.name == variable.name {
+                    format!("the column {column} is there twice")
+                } else {
+                    format!("{column} and {} give the same coordinate", other.name)
                 };
                 return Err(at(&header, message));
             }

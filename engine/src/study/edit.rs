@@ -152,16 +152,18 @@ impl Study {
         }
         let of_axle = moved.axle().and_then(|both| both.axle.elastic.as_ref());
         let differ = of_axle.is_some_and(|elastic| write_right_rates(root, elastic, mechanism));
-        let left_out = match differ {
-            true => leave_out_rates(root),
-            false => Vec::new(),
+        let left_out = if differ {
+            leave_out_rates(root)
+        } else {
+            Vec::new()
         };
-        match left_out.is_empty() {
-            true => document.to_string(),
-            false => format!(
+        if left_out.is_empty() {
+            document.to_string()
+        } else {
+            format!(
                 "# Without {}: rates there apply to both wheels, which have their own rates here.\n{document}",
                 left_out.join(", ")
-            ),
+            )
         }
     }
 
@@ -410,9 +412,10 @@ fn coordinates<'a>(root: &'a mut dyn TableLike, name: &str) -> Option<&'a mut Ar
         .get("hardpoints")
         .and_then(Item::as_table_like)
         .is_some_and(|hardpoints| hardpoints.contains_key(name));
-    let item = match is_hardpoint {
-        true => table(suspension, &["hardpoints"])?.get_mut(name)?,
-        false => table(suspension, &["extra_points", name])?.get_mut("position")?,
+    let item = if is_hardpoint {
+        table(suspension, &["hardpoints"])?.get_mut(name)?
+    } else {
+        table(suspension, &["extra_points", name])?.get_mut("position")?
     };
     item.as_array_mut()
 }

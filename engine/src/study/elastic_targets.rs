@@ -55,12 +55,15 @@ pub(super) fn figures(elastic: &ComplianceStudy, suspension: &Suspension) -> Vec
     }
     let names: Vec<String> = found.iter().map(|(_, own)| own.name.clone()).collect();
     let is_shared = |name: &String| names.iter().filter(|other| *other == name).count() > 1;
-    let named = |(test, figure): (KcTest, ElasticFigure)| match is_shared(&figure.name) {
-        true => ElasticFigure {
-            name: format!("{}_{}", figure.name, test.load.name()),
-            ..figure
-        },
-        false => figure,
+    let named = |(test, figure): (KcTest, ElasticFigure)| {
+        if is_shared(&figure.name) {
+            ElasticFigure {
+                name: format!("{}_{}", figure.name, test.load.name()),
+                ..figure
+            }
+        } else {
+            figure
+        }
     };
     found.into_iter().map(named).collect()
 }
@@ -364,9 +367,10 @@ pub(super) fn rate(
         let message = format!("the range leaves out the study's own, which is {own}");
         return problems.refuse(range.span(), message);
     }
-    let range = match is_relative {
-        true => [low.ln(), high.ln()],
-        false => [low - design, high - design],
+    let range = if is_relative {
+        [low.ln(), high.ln()]
+    } else {
+        [low - design, high - design]
     };
     Some(Variable {
         name,

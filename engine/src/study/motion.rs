@@ -59,9 +59,10 @@ impl Drive {
 
     /// Converts a value of the drive to the unit of studies: degrees or length units.
     pub fn printed(self, value: f64) -> f64 {
-        match self.is_angle() {
-            true => degrees(value),
-            false => value,
+        if self.is_angle() {
+            degrees(value)
+        } else {
+            value
         }
     }
 }

@@ -158,9 +158,10 @@ pub(super) fn scatter(
             (true, Some(setup)) => Some(setup.adjust.clone()),
             _ => None,
         },
-        aim: match seeks_yield {
-            true => RobustAim::Yield(tolerance.bands.clone()),
-            false => RobustAim::Misfit,
+        aim: if seeks_yield {
+            RobustAim::Yield(tolerance.bands.clone())
+        } else {
+            RobustAim::Misfit
         },
     }))
 }

@@ -208,9 +208,10 @@ fn refuses_axle_quantity(
     let Some(meant) = meant.filter(|meant| !is_of_a_wheel(meant)) else {
         return false;
     };
-    let message = match meant == name {
-        true => format!("{name} is a quantity of an axle, not of one wheel"),
-        false => format!("unknown characteristic {name:?}; did you mean {meant:?}?"),
+    let message = if meant == name {
+        format!("{name} is a quantity of an axle, not of one wheel")
+    } else {
+        format!("unknown characteristic {name:?}; did you mean {meant:?}?")
     };
     let error = problems.add(text.span(), message);
     error.help(format!(

@@ -85,9 +85,10 @@ impl Study {
         let is_input = path == Path::new("-");
         let path = if is_input { Path::new("stdin") } else { path };
         let name = path.display().to_string();
-        let text = match is_input {
-            true => source::read_input(source::LONGEST_TEXT),
-            false => source::read_text(path, source::LONGEST_TEXT),
+        let text = if is_input {
+            source::read_input(source::LONGEST_TEXT)
+        } else {
+            source::read_text(path, source::LONGEST_TEXT)
         };
         let text =
             text.map_err(|reason| StudyError::of_file(&name, format!("cannot be read: {reason}")))?;
@@ -102,9 +103,10 @@ impl Study {
     /// Returns the study with edits `path=value`, like those of `--set`. `name` is the file name in messages.
     pub fn with_overrides(&self, name: &str, overrides: &[String]) -> Result<Study, StudyErrors> {
         let text = overrides::apply(name, &self.text, overrides)?;
-        let parts = match self.is_elastic() {
-            true => Parts::Elastic,
-            false => Parts::Rigid,
+        let parts = if self.is_elastic() {
+            Parts::Elastic
+        } else {
+            Parts::Rigid
         };
         resolve(Path::new(name), name.to_owned(), text, Path::new(""), parts)
     }
@@ -236,17 +238,17 @@ impl MainSections {
         problems: &mut Problems,
     ) -> Self {
         let of_axle = is_of_axle(file);
-        let motion = match of_axle {
-            true => Some(Motion::still()),
-            false => motion::motion(&file.motion, false, problems),
+        let motion = if of_axle {
+            Some(Motion::still())
+        } else {
+            motion::motion(&file.motion, false, problems)
         };
         let motions = motions_of_wheel(file, of_axle, problems);
-        let axle = match of_axle {
-            true => axle::axle(file, suspension, (parts, directory), problems).map(Some),
-            false => {
-                axle::refuse_without_axle(file, problems);
-                Some(None)
-            }
+        let axle = if of_axle {
+            axle::axle(file, suspension, (parts, directory), problems).map(Some)
+        } else {
+            axle::refuse_without_axle(file, problems);
+            Some(None)
         };
         let elastic = match &axle {
             Some(None) => compliance::compliance(file, suspension, parts, directory, problems),

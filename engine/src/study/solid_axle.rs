@@ -52,15 +52,15 @@ fn refused_steering(file: &File, mechanism: &Mechanism) -> Refused<'static> {
     for motion in motions {
         let rack = motion.rack.as_ref().map(Spanned::span);
         let wheel = motion.steering_wheel_angle.as_ref().map(Spanned::span);
-        match is_steered {
-            true => refused.push((
-                wheel,
-                "a drag link steers this axle, and no ratio relates it to a steering wheel; expected rack, the displacement of the drag link's end",
-            )),
-            false => {
-                let steered = "this axle has no rack and no drag link; leave rack and steering_wheel_angle out";
-                refused.extend([(rack, steered), (wheel, steered)]);
-            }
+        if is_steered {
+            refused.push((
+            wheel,
+            "a drag link steers this axle, and no ratio relates it to a steering wheel; expected rack, the displacement of the drag link's end",
+        ))
+        } else {
+            let steered =
+                "this axle has no rack and no drag link; leave rack and steering_wheel_angle out";
+            refused.extend([(rack, steered), (wheel, steered)]);
         }
     }
     let Some(section) = &file.steering else {
@@ -68,11 +68,10 @@ fn refused_steering(file: &File, mechanism: &Mechanism) -> Refused<'static> {
     };
     let own = section.get_ref();
     if !is_steered {
-        let message = match mechanism.topology.is_twist_beam() {
-            true => "a twist beam is not steered; leave [steering] out",
-            false => {
-                "[steering] of a solid axle needs its drag link: drag_link_body, drag_link_knuckle, kingpin_upper, kingpin_lower and tie_rod_end"
-            }
+        let message = if mechanism.topology.is_twist_beam() {
+            "a twist beam is not steered; leave [steering] out"
+        } else {
+            "[steering] of a solid axle needs its drag link: drag_link_body, drag_link_knuckle, kingpin_upper, kingpin_lower and tie_rod_end"
         };
         refused.push((Some(section.span()), message));
         return refused;
@@ -127,10 +126,7 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
         ),
         (
             tolerance.map(Spanned::span),
-            match is_beam {
-                true => "[tolerance] is not available for twist beams; leave it out",
-                false => "[tolerance] of a solid axle needs rigid links and joints; leave it out, or [compliance], [bushings] and [links]",
-            },
+            if is_beam { "[tolerance] is not available for twist beams; leave it out" } else { "[tolerance] of a solid axle needs rigid links and joints; leave it out, or [compliance], [bushings] and [links]" },
         ),
         (
             file.setup.as_ref().map(|setup| setup.adjust.span()),
@@ -267,11 +263,8 @@ fn links(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool 
                 }
             );
             let error = problems.add(place, message);
-            error.help(match has_watt {
-                true => "give the upper links as one in the middle (single = [\"upper_link\"] in [suspension]), or leave the Watt linkage out",
-                false => "give the links axial_stiffness ([links.upper_link] and the others, with [compliance]), give the upper links as one in \
-                          the middle (single = [\"upper_link\"] in [suspension]), or leave the Panhard rod out",
-            });
+            error.help(if has_watt { "give the upper links as one in the middle (single = [\"upper_link\"] in [suspension]), or leave the Watt linkage out" } else { "give the links axial_stiffness ([links.upper_link] and the others, with [compliance]), give the upper links as one in \
+            the middle (single = [\"upper_link\"] in [suspension]), or leave the Panhard rod out" });
             false
         }
         (false, false) => {

@@ -107,9 +107,10 @@ pub(super) fn force(
     problems: &mut Problems,
 ) -> Option<(CarriedForce, f64)> {
     if context.loads.is_empty() {
-        let message = match context.axle.is_some() {
-            true => NO_FORCES_OF_AN_AXLE,
-            false => "this study has no loads; give them in [outputs] loads",
+        let message = if context.axle.is_some() {
+            NO_FORCES_OF_AN_AXLE
+        } else {
+            "this study has no loads; give them in [outputs] loads"
         };
         return problems.refuse(name.span(), message);
     }

@@ -400,9 +400,10 @@ impl TargetContext<'_> {
         };
         let (lower, upper) = (limit(lower)?, limit(upper)?);
         // If the axis has the opposite sign, upper and lower limit are exchanged.
-        let [lower, upper] = match self.of.sign < 0.0 {
-            true => [upper, lower],
-            false => [lower, upper],
+        let [lower, upper] = if self.of.sign < 0.0 {
+            [upper, lower]
+        } else {
+            [lower, upper]
         };
         let limits = [&lower, &upper].into_iter().flatten();
         let is_level = limits
@@ -438,9 +439,10 @@ impl TargetContext<'_> {
 
     /// Converts a target's drive value from degrees to radians if it is an angle.
     fn drive_value(&self, written: f64) -> f64 {
-        match self.motion.drive.is_angle() {
-            false => written,
-            true => written.to_radians(),
+        if !self.motion.drive.is_angle() {
+            written
+        } else {
+            written.to_radians()
         }
     }
 }
@@ -456,8 +458,9 @@ pub(super) fn ends(values: &[f64]) -> (f64, f64) {
 fn range_in_words(motion: &Motion) -> String {
     let (lowest, highest) = ends(&motion.values);
     let [lowest, highest] = [lowest, highest].map(|value| motion.drive.printed(value));
-    match motion.drive.is_angle() {
-        false => format!("runs from {lowest} to {highest}"),
-        true => format!("runs from {lowest} to {highest} degrees"),
+    if !motion.drive.is_angle() {
+        format!("runs from {lowest} to {highest}")
+    } else {
+        format!("runs from {lowest} to {highest} degrees")
     }
 }

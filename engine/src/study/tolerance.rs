@@ -172,12 +172,11 @@ pub(super) fn contributors_of_axle(
             }
             solid::note_other_view(contributor, &of_side);
         }
-        match found.is_empty() {
-            true => found = own,
-            false => {
-                for (both, right) in found.iter_mut().zip(own) {
-                    both.sources.extend(right.sources);
-                }
+        if found.is_empty() {
+            found = own
+        } else {
+            for (both, right) in found.iter_mut().zip(own) {
+                both.sources.extend(right.sources);
             }
         }
     }

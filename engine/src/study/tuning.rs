@@ -19,9 +19,10 @@ impl Move {
     pub fn apply(&self, frame: &Frame, value: f64, absolute: bool, design: &mut [Vector3<f64>]) {
         let coordinate = &mut design[self.point.0][self.axis];
         let along = frame.sign(self.axis) * self.factor * value;
-        match absolute {
-            true => *coordinate = along,
-            false => *coordinate += along,
+        if absolute {
+            *coordinate = along
+        } else {
+            *coordinate += along
         }
     }
 }
@@ -99,9 +100,10 @@ impl Optimise {
     /// targets of an axle, and targets of a characteristic in the study's own motion, but no measurements.
     pub fn swept_targets(&self) -> &[Target] {
         let is_swept = |target: &Target| target.site.axle.is_some() || target.is_in_motion();
-        match self.targets.iter().all(is_swept) && !self.fit {
-            true => &self.targets,
-            false => &[],
+        if self.targets.iter().all(is_swept) && !self.fit {
+            &self.targets
+        } else {
+            &[]
         }
     }
 }
@@ -214,25 +216,28 @@ pub const RATE_AXES: [&str; 6] = ["x", "y", "z", "tx", "ty", "tz"];
 impl Rate {
     /// The rate and its derivative by the variable, at the value `x` of the variable.
     pub fn at(&self, x: f64) -> [f64; 2] {
-        match self.is_relative {
-            true => [self.design * x.exp(); 2],
-            false => [self.design + x, 1.0],
+        if self.is_relative {
+            [self.design * x.exp(); 2]
+        } else {
+            [self.design + x, 1.0]
         }
     }
 
     /// Rate for a value of a sweep or a scatter. The value is a rate, or a factor.
     pub fn of_value(&self, value: f64) -> f64 {
-        match self.is_relative {
-            true => self.design * value,
-            false => value,
+        if self.is_relative {
+            self.design * value
+        } else {
+            value
         }
     }
 
     /// Rate after a change, and its derivative by the change. If the rate is relative, the change is a fraction of it.
     pub fn scattered(&self, change: f64) -> [f64; 2] {
-        match self.is_relative {
-            true => [self.design * (1.0 + change), self.design],
-            false => [self.design + change, 1.0],
+        if self.is_relative {
+            [self.design * (1.0 + change), self.design]
+        } else {
+            [self.design + change, 1.0]
         }
     }
 
@@ -250,10 +255,7 @@ impl Rate {
 
     /// Value for [`Rate::of_value`] that gives the study's own rate.
     pub fn own_value(&self) -> f64 {
-        match self.is_relative {
-            true => 1.0,
-            false => self.design,
-        }
+        if self.is_relative { 1.0 } else { self.design }
     }
 
     /// Name of the kind of rate: `rate` of springs and bars, else `stiffness`.

@@ -32,9 +32,10 @@ impl Span {
 
     pub(super) fn scaled(&self, value: f64) -> f64 {
         // A column of a file may be constant.
-        match self.half > 0.0 {
-            true => (value - self.middle) / self.half,
-            false => 0.0,
+        if self.half > 0.0 {
+            (value - self.middle) / self.half
+        } else {
+            0.0
         }
     }
 }

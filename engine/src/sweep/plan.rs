@@ -293,9 +293,10 @@ impl<'s> SweepPlan<'s> {
         let mut put = |value: f64| {
             let cell = cells.next().expect("a cell for each output");
             // A number that is not finite becomes NaN, and a negative zero becomes 0.
-            *cell = match value.is_finite() {
-                true => value + 0.0,
-                false => f64::NAN,
+            *cell = if value.is_finite() {
+                value + 0.0
+            } else {
+                f64::NAN
             };
         };
         for (k, (column, gains)) in self.values().iter().zip(&self.gains).enumerate() {
@@ -308,12 +309,13 @@ impl<'s> SweepPlan<'s> {
             for station in self.stations().of_motion() {
                 let value = value_at(station) * factor;
                 // A range over a part of the motion would look like a range over all of it.
-                (min, max) = match value.is_nan() {
-                    true => (f64::NAN, f64::NAN),
-                    false => (
+                (min, max) = if value.is_nan() {
+                    (f64::NAN, f64::NAN)
+                } else {
+                    (
                         if value < min { value } else { min },
                         if value > max { value } else { max },
-                    ),
+                    )
                 };
                 if min.is_nan() {
                     break;

@@ -49,9 +49,10 @@ pub(super) fn second(
     let readable: Vec<bool> = stations.quantities.iter().map(is_readable).collect();
     let count = problem.tolerance.sources();
     let work = count.saturating_mul(count + 1) / 2 * stations.placements.len();
-    let positions = match work <= MOST_SERIES && readable.contains(&true) {
-        true => Some(DrawnPositions::of(problem, stations)?),
-        false => None,
+    let positions = if work <= MOST_SERIES && readable.contains(&true) {
+        Some(DrawnPositions::of(problem, stations)?)
+    } else {
+        None
     };
     let second_derivatives =
         positions.map(|positions| move |along: &[&Source]| positions.second_derivatives(along));

@@ -323,9 +323,10 @@ fn along(gradient: &CarGradient, axle: usize, moves: &[PointMoves; 2]) -> f64 {
 
 /// Spread of values about a nominal value. Sums run in the order of the builds.
 fn spread(mut values: Vec<f64>, nominal: f64) -> Spread {
-    let about = match nominal.is_nan() {
-        true => values.first().copied().unwrap_or(0.0),
-        false => nominal,
+    let about = if nominal.is_nan() {
+        values.first().copied().unwrap_or(0.0)
+    } else {
+        nominal
     };
     let mut powers = [0.0; 5];
     for value in &values {

@@ -53,9 +53,10 @@ impl Law {
             *number = sigma * centre(fraction - 0.5);
         }
         for (fraction, number) in fractions.iter_mut().zip(numbers) {
-            *fraction = match (*fraction - 0.5).abs() <= HALF_CENTRE {
-                true => number,
-                false => self.quantile(*fraction),
+            *fraction = if (*fraction - 0.5).abs() <= HALF_CENTRE {
+                number
+            } else {
+                self.quantile(*fraction)
             };
         }
     }
@@ -121,9 +122,10 @@ pub fn normal_quantile(fraction: f64) -> f64 {
     }
     let tail = fraction.min(1.0 - fraction);
     let r = (-tail.ln()).sqrt();
-    let value = match r <= 5.0 {
-        true => ratio(r - 1.6, &FLANK),
-        false => ratio(r - 5.0, &TAIL),
+    let value = if r <= 5.0 {
+        ratio(r - 1.6, &FLANK)
+    } else {
+        ratio(r - 5.0, &TAIL)
     };
     value.copysign(q)
 }

@@ -223,9 +223,12 @@ pub(super) fn combined(
     // Second derivatives y'' along d_j + d_k.
     let second_derivatives: Vec<Vec<f64>> = pairs
         .par_iter()
-        .map(|(j, k)| match j == k {
-            true => second_derivatives(&[sources[*j]]),
-            false => second_derivatives(&[sources[*j], sources[*k]]),
+        .map(|(j, k)| {
+            if j == k {
+                second_derivatives(&[sources[*j]])
+            } else {
+                second_derivatives(&[sources[*j], sources[*k]])
+            }
         })
         .collect();
     let place = |j: usize, k: usize| j * count - j * (j + 1) / 2 + k;

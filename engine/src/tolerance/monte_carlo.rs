@@ -130,9 +130,10 @@ impl Sums {
             }
         }
         // Without bands, every build that can be assembled counts as good.
-        let mut in_all = match bands.is_empty() {
-            true => has_values,
-            false => [true; BLOCK],
+        let mut in_all = if bands.is_empty() {
+            has_values
+        } else {
+            [true; BLOCK]
         };
         for (cells, [low, high]) in bands {
             let mut in_band = [true; BLOCK];

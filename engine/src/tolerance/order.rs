@@ -191,9 +191,10 @@ impl Cell {
 
     fn add(&mut self, value: f64, count: u64, windows: &[[f64; 2]; MOST]) {
         let above = windows.iter().filter(|w| value > w[1]).count();
-        match windows.get(above).is_some_and(|w| value >= w[0]) {
-            true => self.kept.push((value, count)),
-            false => self.between[above] += count,
+        if windows.get(above).is_some_and(|w| value >= w[0]) {
+            self.kept.push((value, count))
+        } else {
+            self.between[above] += count
         }
     }
 
@@ -234,9 +235,10 @@ impl Cell {
             // If there are not enough values, or if the value lies in no window, this end of the window does not change.
             let reach = 7.0 * (n * p * (1.0 - p)).sqrt() + 24.0;
             let least = (n * p - reach).floor();
-            let least = match least < 0.0 {
-                true => None,
-                false => ranks.at(least as u64),
+            let least = if least < 0.0 {
+                None
+            } else {
+                ranks.at(least as u64)
             };
             let greatest = ranks.at((n * p + reach).ceil() as u64);
             let window = [

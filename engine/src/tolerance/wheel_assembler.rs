@@ -45,9 +45,10 @@ impl WheelAssembler {
     /// Dimensions that a source changes in this wheel. Empty if the source belongs to the other wheel alone.
     pub(super) fn changes<'s>(&self, source: &'s Source) -> &'s [(BuildParameter, f64)] {
         let own = source.side.or(self.side.and(Some(Side::Left)));
-        match own == self.side {
-            true => &source.changes,
-            false => &source.seen_from_other,
+        if own == self.side {
+            &source.changes
+        } else {
+            &source.seen_from_other
         }
     }
 

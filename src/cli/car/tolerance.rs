@@ -75,9 +75,10 @@ fn with_progress(problem: &CarProblem<'_>, tolerance: &CarTolerance, nominal: &[
     interrupt::stops_by_itself();
     let builds = problem.monte_carlo(nominal, |done| {
         line.set_position(done);
-        match interrupt::is_raised() && done < tolerance.builds {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
+        if interrupt::is_raised() && done < tolerance.builds {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
         }
     });
     line.finish_and_clear();

@@ -66,20 +66,22 @@ pub(super) fn margin(
     );
     if drive == model::Drive::Travel {
         let reached = || by_rack.iter().filter(|(_, range)| !range.is_empty());
-        let where_reached = match reached().count() == by_rack.len() {
-            true => "",
-            false => " at the rack positions that are reached",
+        let where_reached = if reached().count() == by_rack.len() {
+            ""
+        } else {
+            " at the rack positions that are reached"
         };
         let left = travel_left(reached().map(|(_, range)| range), values);
-        text += &match left >= 0.0 {
-            true => format!(
+        text += &if left >= 0.0 {
+            format!(
                 " Nearest travel limit{where_reached}: {} {unit} away.",
                 brief(left)
-            ),
-            false => format!(
+            )
+        } else {
+            format!(
                 " The motion goes {} {unit} beyond the travel limit{where_reached}.",
                 brief(-left)
-            ),
+            )
         };
     }
     Ok(text)

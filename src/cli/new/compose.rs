@@ -65,9 +65,10 @@ pub(super) fn study(topology: &Topology, parts: &[Part]) -> Result<String, Strin
         Part::Sweep,
         Part::Optimise,
     ];
-    let fitting = match needs_fitting.iter().any(|part| composed.has(*part)) {
-        true => Some(composed.fitting()?),
-        false => None,
+    let fitting = if needs_fitting.iter().any(|part| composed.has(*part)) {
+        Some(composed.fitting()?)
+    } else {
+        None
     };
     if let Some(fitting) = fitting {
         composed.add_rockers(fitting)?;
@@ -175,13 +176,13 @@ impl Composed<'_> {
         let name = self.topology.name;
         let carrier = fitting.carrier;
         if self.has(Part::Pushrod) {
-            let places =
-                fitting
-                    .pushrod
-                    .ok_or_else(|| match self.topology.carries_both_wheels() {
-                        true => format!("{name} has no pushrod"),
-                        false => format!("{name} has no pushrod: its strut is the spring"),
-                    })?;
+            let places = fitting.pushrod.ok_or_else(|| {
+                if self.topology.carries_both_wheels() {
+                    format!("{name} has no pushrod")
+                } else {
+                    format!("{name} has no pushrod: its strut is the spring")
+                }
+            })?;
             self.text = with_points(&self.text, PUSHROD, &places, carrier, "rocker_angle");
         }
         if self.has(Part::AntiRollBar) {
@@ -211,9 +212,10 @@ impl Composed<'_> {
 
     /// Adds the sections `[sweep]` and `[optimise]`.
     fn add_tasks(&mut self, fitting: &Fitting) {
-        let steers = match self.has(Part::DragLink) {
-            true => "drag_link_body",
-            false => fitting.steers,
+        let steers = if self.has(Part::DragLink) {
+            "drag_link_body"
+        } else {
+            fitting.steers
         };
         if self.has(Part::Sweep) {
             let _ = write!(

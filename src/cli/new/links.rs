@@ -22,9 +22,10 @@ const TARGETS: &str =
 /// Adds a spring and the stiffness of the links to the text of a solid axle.
 pub(super) fn with_links(text: &str) -> String {
     let has_rod = text.contains("\npanhard_axle ");
-    let text = match has_rod && !text.contains("\nsingle = ") {
-        true => text.replace(FOUR, FIVE),
-        false => text.to_owned(),
+    let text = if has_rod && !text.contains("\nsingle = ") {
+        text.replace(FOUR, FIVE)
+    } else {
+        text.to_owned()
     };
     let mut written = String::new();
     let mut is_motion = false;

@@ -87,9 +87,10 @@ pub(super) fn as_steered_front_axle(text: &str) -> String {
     let mut written = String::new();
     let mut within = false;
     for line in text.lines() {
-        within = match line.starts_with('[') {
-            true => line.starts_with("[suspension.hardpoints]"),
-            false => within,
+        within = if line.starts_with('[') {
+            line.starts_with("[suspension.hardpoints]")
+        } else {
+            within
         };
         let line = line
             .replace("A solid rear axle", "A steered solid front axle")
@@ -132,20 +133,18 @@ pub(super) fn as_steered_front_axle(text: &str) -> String {
 /// Adds springs, bump stops, tyres and masses to the text of an axle, and their outputs. With `has_bar` it also adds the rate of
 /// the anti-roll bar.
 pub(super) fn with_springs(text: &str, has_bar: bool) -> String {
-    let bar = match has_bar {
-        true => {
-            "[anti_roll_bar]\n\
-             rate = 6.0e5                     # N mm per rad between its levers\n\n"
-        }
-        false => "",
+    let bar = if has_bar {
+        "[anti_roll_bar]\n\
+         rate = 6.0e5                     # N mm per rad between its levers\n\n"
+    } else {
+        ""
     };
-    let vehicle = match text.contains("\n[vehicle]") {
-        true => "",
-        false => {
-            "[vehicle]\n\
-             sprung_mass = 680.0              # kg on this axle\n\
-             unsprung_mass = 84.0             # kg of the axle\n\n"
-        }
+    let vehicle = if text.contains("\n[vehicle]") {
+        ""
+    } else {
+        "[vehicle]\n\
+         sprung_mass = 680.0              # kg on this axle\n\
+         unsprung_mass = 84.0             # kg of the axle\n\n"
     };
     let sections = format!(
         "\n[spring]\n\

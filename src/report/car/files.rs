@@ -71,9 +71,10 @@ impl<'s> CarResults<'s> {
         ];
         let mut header: Vec<String> = fixed.map(str::to_owned).to_vec();
         header.extend(self.columns());
-        let members = match self.study.member_loads {
-            true => CarMember::all(&self.study.car),
-            false => Vec::new(),
+        let members = if self.study.member_loads {
+            CarMember::all(&self.study.car)
+        } else {
+            Vec::new()
         };
         let unit = self.study.car.length_unit;
         let force_unit = unit.force_symbol();
@@ -98,9 +99,10 @@ impl<'s> CarResults<'s> {
                     shortest(self.rack(case)),
                     optional(angle),
                     longitudinal(case).to_owned(),
-                    match case.setting.elastic_tyres {
-                        true => "elastic".to_owned(),
-                        false => "rigid".to_owned(),
+                    if case.setting.elastic_tyres {
+                        "elastic".to_owned()
+                    } else {
+                        "rigid".to_owned()
                     },
                     match state {
                         CarState::Solved { found, .. } => lifted_wheels(&found.lifted),

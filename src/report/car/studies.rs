@@ -104,11 +104,12 @@ pub fn settings_of_car(
 /// Edit that writes a wheelbase where the study gives it: as `wheelbase`, or as the offset of the rear study.
 fn wheelbase_edit(text: &str, wheelbase: f64, offset: Vector3<f64>) -> String {
     let gives_offset = |line: &str| line.trim_start().starts_with("rear_offset");
-    match text.lines().any(gives_offset) {
-        true => format!(
+    if text.lines().any(gives_offset) {
+        format!(
             "car.rear_offset=[{}]",
             offset.to_array().map(shortest).join(", ")
-        ),
-        false => format!("car.wheelbase={}", shortest(wheelbase)),
+        )
+    } else {
+        format!("car.wheelbase={}", shortest(wheelbase))
     }
 }

@@ -163,9 +163,10 @@ impl CarToleranceSummary {
         let mut table = Table::with_columns(head.into_iter().chain(numbers)).keyed(2);
         let has_bands = !self.bands.is_empty();
         for value in &self.values {
-            let is_shown = match has_bands {
-                true => value.has_band,
-                false => value.sigma.is_some_and(|sigma| sigma > 0.0),
+            let is_shown = if has_bands {
+                value.has_band
+            } else {
+                value.sigma.is_some_and(|sigma| sigma > 0.0)
             };
             if !is_shown {
                 continue;

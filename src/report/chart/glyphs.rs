@@ -93,9 +93,12 @@ impl<'a> Font<'a> {
     }
 
     fn outline(&self, glyph: u16) -> Option<Bytes<'a>> {
-        let place = |k: usize| match self.has_long_places {
-            true => Some(self.places.u32(4 * k)? as usize),
-            false => Some(2 * usize::from(self.places.u16(2 * k)?)),
+        let place = |k: usize| {
+            if self.has_long_places {
+                Some(self.places.u32(4 * k)? as usize)
+            } else {
+                Some(2 * usize::from(self.places.u16(2 * k)?))
+            }
         };
         let number = usize::from(glyph);
         let outline = self.outlines.0.get(place(number)?..place(number + 1)?)?;

@@ -10,9 +10,10 @@ pub(super) const LABEL: f64 = 13.0;
 
 /// Shortens a text to at most `longest` letters.
 pub(in crate::report) fn shortened(label: &str, longest: usize) -> String {
-    match label.chars().count() > longest {
-        true => label.chars().take(longest - 1).chain(['…']).collect(),
-        false => label.to_owned(),
+    if label.chars().count() > longest {
+        label.chars().take(longest - 1).chain(['…']).collect()
+    } else {
+        label.to_owned()
     }
 }
 

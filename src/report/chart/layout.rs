@@ -139,9 +139,10 @@ impl Chart {
         let y_ticks = (bottom - START[1]) / 34.0;
         let ends_y = [bottom, START[1]];
         let values = own().map(|p| p[1]);
-        let y = match self.y.is_log {
-            true => Scale::logarithmic(values, ends_y),
-            false => Scale::showing(values.chain(zero()), y_ticks, ends_y),
+        let y = if self.y.is_log {
+            Scale::logarithmic(values, ends_y)
+        } else {
+            Scale::showing(values.chain(zero()), y_ticks, ends_y)
         };
         // Long tick labels need space beside the title.
         let widest = y
@@ -163,9 +164,10 @@ impl Chart {
             .chain(places);
         let x_ticks = ((right - left) / 62.0).max(2.0);
         let ends_x = [left, right];
-        let x = match self.x.is_log {
-            true => Scale::logarithmic(along, ends_x),
-            false => Scale::within(along.chain(zero()), x_ticks, ends_x),
+        let x = if self.x.is_log {
+            Scale::logarithmic(along, ends_x)
+        } else {
+            Scale::within(along.chain(zero()), x_ticks, ends_x)
         };
         let labels = end_labels(&self.lines, labels, &points, &x, &y, plot);
         Layout {
@@ -191,9 +193,10 @@ impl AxisLayout {
     /// Axis of length 1 that shows these values.
     pub(in crate::report) fn unit(quantity: &Quantity, values: impl Iterator<Item = f64>) -> Self {
         let ends = [0.0, 1.0];
-        let scale = match quantity.is_log {
-            true => Scale::logarithmic(values, ends),
-            false => Scale::showing(values, 6.0, ends),
+        let scale = if quantity.is_log {
+            Scale::logarithmic(values, ends)
+        } else {
+            Scale::showing(values, 6.0, ends)
         };
         AxisLayout::of(quantity, &scale)
     }

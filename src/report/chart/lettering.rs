@@ -103,9 +103,10 @@ fn write_text(svg: &mut String, words: &Words) {
         Anchor::Middle => " text-anchor=\"middle\"",
         Anchor::End => " text-anchor=\"end\"",
     };
-    let turned = match words.upward {
-        true => format!(" transform=\"rotate(-90 {x} {y})\""),
-        false => String::new(),
+    let turned = if words.upward {
+        format!(" transform=\"rotate(-90 {x} {y})\"")
+    } else {
+        String::new()
     };
     let text = text(words.text);
     let _ = write!(
@@ -146,9 +147,10 @@ fn classes(first: &str, words: &Words) -> String {
         .into_iter()
         .filter(|c| !c.is_empty())
         .collect();
-    match all.is_empty() {
-        true => String::new(),
-        false => format!(" class=\"{}\"", all.join(" ")),
+    if all.is_empty() {
+        String::new()
+    } else {
+        format!(" class=\"{}\"", all.join(" "))
     }
 }
 

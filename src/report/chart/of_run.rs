@@ -78,11 +78,12 @@ pub(in crate::report) fn charts_over(
 
 fn title_of(output: &OutputRecord, is_pair: bool) -> &str {
     let title = output.title.as_str();
-    match is_pair {
-        true => title
+    if is_pair {
+        title
             .trim_start_matches("left ")
-            .trim_start_matches("right "),
-        false => title,
+            .trim_start_matches("right ")
+    } else {
+        title
     }
 }
 

@@ -26,15 +26,13 @@ impl Scale {
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
             (l.min(v), h.max(v))
         });
-        let (low, high) = match low <= high {
-            true => (low, high),
-            false => (0.0, 1.0),
-        };
+        let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
         // For a constant, the range is wide enough that rounding errors do not look like a slope.
         let least = 1e-6 * low.abs().max(high.abs()).max(1e-3);
-        let (low, high) = match high - low < least {
-            true => (low - least, high + least),
-            false => (low, high),
+        let (low, high) = if high - low < least {
+            (low - least, high + least)
+        } else {
+            (low, high)
         };
         let step = round_step((high - low) / ticks);
         Scale {
@@ -52,13 +50,14 @@ impl Scale {
         let least = values.iter().copied().fold(f64::INFINITY, f64::min);
         let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let round = Scale::showing(values.into_iter(), ticks, ends);
-        match most - least > 1e-6 * least.abs().max(most.abs()) {
-            true => Scale {
+        if most - least > 1e-6 * least.abs().max(most.abs()) {
+            Scale {
                 low: least,
                 high: most,
                 ..round
-            },
-            false => round,
+            }
+        } else {
+            round
         }
     }
 
@@ -66,9 +65,10 @@ impl Scale {
     pub(super) fn logarithmic(values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Self {
         let positive = values.filter(|v| *v > 0.0);
         let (low, high) = positive.fold((f64::INFINITY, 0.0f64), |(l, h), v| (l.min(v), h.max(v)));
-        let (low, high) = match low <= high {
-            true => (low, high),
-            false => (1.0, 10.0),
+        let (low, high) = if low <= high {
+            (low, high)
+        } else {
+            (1.0, 10.0)
         };
         let low = low.log10().floor();
         let high = high.log10().ceil().max(low + 1.0);
@@ -83,9 +83,10 @@ impl Scale {
 
     /// Position of a value.
     pub(in crate::report) fn place(&self, value: f64) -> f64 {
-        let share = match self.is_log {
-            true => (value / self.low).log10() / (self.high / self.low).log10(),
-            false => (value - self.low) / (self.high - self.low),
+        let share = if self.is_log {
+            (value / self.low).log10() / (self.high / self.low).log10()
+        } else {
+            (value - self.low) / (self.high - self.low)
         };
         self.ends[0] + share * (self.ends[1] - self.ends[0])
     }

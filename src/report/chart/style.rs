@@ -101,9 +101,10 @@ mod tests {
         let part = |k: usize| {
             let value = u8::from_str_radix(&colour[k..k + 2], 16).unwrap();
             let share = f64::from(value) / 255.0;
-            match share <= 0.040_45 {
-                true => share / 12.92,
-                false => ((share + 0.055) / 1.055).powf(2.4),
+            if share <= 0.040_45 {
+                share / 12.92
+            } else {
+                ((share + 0.055) / 1.055).powf(2.4)
             }
         };
         0.2126 * part(1) + 0.7152 * part(3) + 0.0722 * part(5)

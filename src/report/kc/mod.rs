@@ -45,9 +45,10 @@ pub fn no_equilibrium(why: &NoEquilibrium) -> String {
     let softest = why.softest.as_ref();
     let motion = softest.map(|(part, motion)| weakest_motion(part, *motion));
     let motion = motion.unwrap_or_else(|| "no equilibrium is found".to_owned());
-    match why.is_unstable {
-        true => format!("found, but not stable: {motion}"),
-        false => format!("holds {:.6} of the way; then {motion}", why.share),
+    if why.is_unstable {
+        format!("found, but not stable: {motion}")
+    } else {
+        format!("holds {:.6} of the way; then {motion}", why.share)
     }
 }
 
@@ -61,9 +62,10 @@ pub fn weakest_motion(part: &str, motion: Motion) -> String {
 
 /// Status word of a state without equilibrium.
 fn status(why: &NoEquilibrium) -> &'static str {
-    match why.is_unstable {
-        true => "unstable",
-        false => "no_equilibrium",
+    if why.is_unstable {
+        "unstable"
+    } else {
+        "no_equilibrium"
     }
 }
 
@@ -87,17 +89,19 @@ fn bar(test: &KcTest) -> &'static str {
 
 /// Part of the steering that is held in a test of an axle.
 fn steering(test: &KcTest) -> &'static str {
-    match test.locks_rack {
-        true => "locked_rack",
-        false => "locked_wheel",
+    if test.locks_rack {
+        "locked_rack"
+    } else {
+        "locked_wheel"
     }
 }
 
 /// Mode of a load test: the quantity that is held.
 fn mode(test: &KcTest) -> &'static str {
-    match test.load.is_motion() {
-        true => "",
-        false => test.mode.name(),
+    if test.load.is_motion() {
+        ""
+    } else {
+        test.mode.name()
     }
 }
 
@@ -155,9 +159,10 @@ impl KcResults<'_> {
 
     /// Names of the columns of [`KcResults::station`].
     fn station_columns(&self) -> Vec<String> {
-        match self.is_axle {
-            true => self.columns(&["travel_left_U", "travel_right_U", "rack_U"]),
-            false => self.columns(&["travel_U", "rack_U"]),
+        if self.is_axle {
+            self.columns(&["travel_left_U", "travel_right_U", "rack_U"])
+        } else {
+            self.columns(&["travel_U", "rack_U"])
         }
     }
 
@@ -310,9 +315,10 @@ impl KcResults<'_> {
             };
             for (k, values) in matrix.iter().enumerate() {
                 let (side, axis) = (sides[k / 6], Axis::ALL[k % 3].name());
-                let (output, unit) = match k % 6 < 3 {
-                    true => (format!("{side}wheel_centre_{axis}"), u),
-                    false => (format!("{side}rotation_{axis}"), "rad"),
+                let (output, unit) = if k % 6 < 3 {
+                    (format!("{side}wheel_centre_{axis}"), u)
+                } else {
+                    (format!("{side}rotation_{axis}"), "rad")
                 };
                 let mut row = self.station(station);
                 row.extend([output, unit.to_owned()]);
@@ -327,9 +333,10 @@ impl KcResults<'_> {
     /// Name of a test in words: `lateral, trail 30 mm`, `braking, wheel load held`.
     pub(in crate::report) fn test_name(&self, test: &KcTest) -> String {
         let apart = self.test_apart(test);
-        match apart.is_empty() {
-            true => test.load.name().to_owned(),
-            false => format!("{}, {apart}", test.load.name()),
+        if apart.is_empty() {
+            test.load.name().to_owned()
+        } else {
+            format!("{}, {apart}", test.load.name())
         }
     }
 

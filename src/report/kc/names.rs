@@ -149,10 +149,13 @@ impl StationMatrix<'_> {
             (OtherProgram::Altair, KcSubject::Wheel(side)) => {
                 format!("{} {}{name}", capital(side), wording(test, sign))
             }
-            (OtherProgram::Adams, KcSubject::Wheel(side)) => match name.contains('_') {
-                true => format!("{name}.{}", side.name()),
-                false => format!("{name}, {}", side.name()),
-            },
+            (OtherProgram::Adams, KcSubject::Wheel(side)) => {
+                if name.contains('_') {
+                    format!("{name}.{}", side.name())
+                } else {
+                    format!("{name}, {}", side.name())
+                }
+            }
             _ => name.to_owned(),
         };
         value
@@ -253,9 +256,12 @@ impl LoadedWheel<'_> {
         let side_force = test.load == TestLoad::Lateral && test.trail == 0.0;
         let is_parallel = self.sign > 0.0;
         let at_centre = place == TestPlace::WheelCentre;
-        let named = |at_centre_name, at_patch_name| match at_centre {
-            true => at_centre_name,
-            false => at_patch_name,
+        let named = |at_centre_name, at_patch_name| {
+            if at_centre {
+                at_centre_name
+            } else {
+                at_patch_name
+            }
         };
         let rate = 1.0 / self.both(3, 3);
         Some(match quantity {

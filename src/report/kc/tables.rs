@@ -28,9 +28,10 @@ impl KcResults<'_> {
     pub fn table(&self) -> Table {
         let u = self.length().symbol();
         let mut columns = vec!["test".to_owned()];
-        match self.is_axle {
-            true => columns.extend(["left travel", "right travel"].map(|c| format!("{c} {u}"))),
-            false => columns.push(format!("travel {u}")),
+        if self.is_axle {
+            columns.extend(["left travel", "right travel"].map(|c| format!("{c} {u}")))
+        } else {
+            columns.push(format!("travel {u}"))
         }
         columns.push(format!("rack {u}"));
         columns.extend(self.is_axle.then(|| "wheel".to_owned()));

@@ -53,11 +53,12 @@ pub fn car_page(record: &CarRecord) -> String {
         Some(format!("<li>{}: {}</li>", titled(case), html(reason)))
     });
     let failures: String = failures.collect();
-    let failures = match failures.is_empty() {
-        true => String::new(),
-        false => format!(
+    let failures = if failures.is_empty() {
+        String::new()
+    } else {
+        format!(
             "<div class=\"failures\"><h2>Cases without equilibrium</h2><ul>{failures}</ul></div>"
-        ),
+        )
     };
     let remarks: String = record
         .remarks
@@ -92,9 +93,10 @@ pub fn car_page(record: &CarRecord) -> String {
 }
 
 fn about(record: &CarRecord) -> String {
-    let tyres = match record.elastic_tyres {
-        true => "tyre springs",
-        false => "rigid tyres",
+    let tyres = if record.elastic_tyres {
+        "tyre springs"
+    } else {
+        "rigid tyres"
     };
     let cases = counted(record.cases.len(), "case");
     format!(

@@ -104,9 +104,10 @@ fn figures(comparison: &Comparison, moving: &[String], charts: &mut Charts) -> S
                     })
                     .map(String::as_str)
                     .collect();
-                let remark = match missing.is_empty() {
-                    true => String::new(),
-                    false => format!("<small>not of {}</small>", html(&missing.join(", "))),
+                let remark = if missing.is_empty() {
+                    String::new()
+                } else {
+                    format!("<small>not of {}</small>", html(&missing.join(", ")))
                 };
                 figures += &charts.figure(chart, &attributes, &remark);
             }
@@ -169,16 +170,16 @@ pub fn comparison_page(comparison: &Comparison, topologies: &[String], files: &[
         .iter()
         .map(|(column, labels)| format!("<li>{}: {}</li>", html(column), html(&labels.join(", "))))
         .collect();
-    let partial = match partial.is_empty() {
-        true => partial,
-        false => format!(
-            "<p>Outputs that not all designs have, with those that do:</p><ul>{partial}</ul>"
-        ),
+    let partial = if partial.is_empty() {
+        partial
+    } else {
+        format!("<p>Outputs that not all designs have, with those that do:</p><ul>{partial}</ul>")
     };
     let moved = comparison.moved_table();
-    let moved = match moved.is_empty() {
-        true => "<p>No point of the same name is somewhere else.</p>".to_owned(),
-        false => moved.html(),
+    let moved = if moved.is_empty() {
+        "<p>No point of the same name is somewhere else.</p>".to_owned()
+    } else {
+        moved.html()
     };
     let moving = comparison.moving_columns();
     let mut charts = Charts::default();

@@ -27,10 +27,7 @@ pub fn kc_page(study: &str, results: &KcResults<'_>) -> String {
     if !charts.is_empty() {
         sections.push(Section {
             title: format!("Toe, camber and displacement by load, at {place}"),
-            note: match results.is_axle {
-                true => "Equilibria under rising load, of the left wheel; of the right one where it is loaded alone. Toe-in and top outboard are positive.",
-                false => "Equilibria under rising load. Positive toe is toe-in; positive camber leans the top of the wheel outboard.",
-            }
+            note: if results.is_axle { "Equilibria under rising load, of the left wheel; of the right one where it is loaded alone. Toe-in and top outboard are positive." } else { "Equilibria under rising load. Positive toe is toe-in; positive camber leans the top of the wheel outboard." }
             .to_owned(),
             table: format!("<div class=\"plots\">{charts}</div>"),
         });
@@ -71,9 +68,10 @@ fn verdict(results: &KcResults<'_>) -> String {
             Some(format!("{} {value} {unit}", name.replace('_', " ")))
         })
         .collect();
-    match shown.is_empty() {
-        true => failed,
-        false => format!("{failed} {}.", shown.join("; ")),
+    if shown.is_empty() {
+        failed
+    } else {
+        format!("{failed} {}.", shown.join("; "))
     }
 }
 

@@ -79,12 +79,13 @@ impl<Data: Serialize> Page<'_, Data> {
             sections = self.sections.iter().map(link).collect::<String>(),
             controls = self.controls,
             main = self.main,
-            source = match files.is_empty() {
-                true => "Made from results in memory, without files.".to_owned(),
-                false => format!(
+            source = if files.is_empty() {
+                "Made from results in memory, without files.".to_owned()
+            } else {
+                format!(
                     "Read from {}. Numbers on this page are those of the files.",
                     files.join(", ")
-                ),
+                )
             },
             data = escape::json(&self.data),
             script = script,

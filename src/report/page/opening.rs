@@ -19,11 +19,10 @@ pub(super) fn opening(tuning: &TuningSummary, record: &Record) -> String {
     });
     let unit = &record.length_unit;
     let moved = tuning.moved_points(unit);
-    let together = match moved.rows().any(|row| row[0].text().contains('+')) {
-        true => {
-            "<p class=\"note\">Where points move together, the numbers are those of the first.</p>"
-        }
-        false => "",
+    let together = if moved.rows().any(|row| row[0].text().contains('+')) {
+        "<p class=\"note\">Where points move together, the numbers are those of the first.</p>"
+    } else {
+        ""
     };
     let moved = moved.html();
     let picture = pictures(record);

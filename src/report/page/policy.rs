@@ -10,9 +10,10 @@ pub(super) fn policy(scripts: &[&str], style: &str) -> String {
         )
     };
     let scripts: Vec<String> = scripts.iter().map(|script| hash(script)).collect();
-    let scripts = match scripts.is_empty() {
-        true => "'none'".to_owned(),
-        false => scripts.join(" "),
+    let scripts = if scripts.is_empty() {
+        "'none'".to_owned()
+    } else {
+        scripts.join(" ")
     };
     format!(
         "default-src 'none'; base-uri 'none'; form-action 'none'; style-src {}; script-src {scripts}",
@@ -29,9 +30,10 @@ fn base64(bytes: &[u8]) -> String {
         let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
         for place in 0..4 {
             let digit = (bits >> (18 - 6 * place)) & 63;
-            text.push(match place <= chunk.len() {
-                true => DIGITS[digit as usize] as char,
-                false => '=',
+            text.push(if place <= chunk.len() {
+                DIGITS[digit as usize] as char
+            } else {
+                '='
             });
         }
     }

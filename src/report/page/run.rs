@@ -192,9 +192,10 @@ fn figures(run: &Run, first_of_front: usize, charts: &mut Charts) -> String {
             let lines = front_lines(record, &charts.tables, first_of_front, &group, over);
             chart.lines.splice(0..0, lines);
             let mut attributes = attribute("data-over", over);
-            attributes += match over == usual {
-                true => " data-usual",
-                false => " hidden",
+            attributes += if over == usual {
+                " data-usual"
+            } else {
+                " hidden"
             };
             figures += &charts.figure(chart, &attributes, &remarks);
         }
@@ -206,9 +207,10 @@ fn figures(run: &Run, first_of_front: usize, charts: &mut Charts) -> String {
 fn front_curves(points: &[FrontPoint]) -> Vec<CurveTable> {
     let curves = points.iter().filter_map(|point| point.curves.as_ref());
     let numbers = |table: &CurveTable| table.rows() * table.header.len();
-    match curves.clone().map(numbers).sum::<usize>() > MOST_NUMBERS {
-        true => Vec::new(),
-        false => curves.cloned().collect(),
+    if curves.clone().map(numbers).sum::<usize>() > MOST_NUMBERS {
+        Vec::new()
+    } else {
+        curves.cloned().collect()
     }
 }
 
@@ -252,11 +254,12 @@ fn drawn(run: &Run) -> (Vec<CurveTable>, String) {
     let widths = run.curves.iter().map(|table| table.header.len());
     let most = (MOST_NUMBERS / widths.sum::<usize>().max(1)).max(2);
     let all = run.curves.iter().map(CurveTable::rows).max().unwrap_or(0);
-    let note = match all > most {
-        true => format!(
+    let note = if all > most {
+        format!(
             r#"<p class="notice">{most} of {all} stations are drawn, evenly chosen; the files have all.</p>"#
-        ),
-        false => String::new(),
+        )
+    } else {
+        String::new()
     };
     (run.curves.iter().map(|t| t.thinned(most)).collect(), note)
 }
@@ -331,20 +334,18 @@ fn failures(run: &Run) -> String {
             );
         }
     }
-    match items.is_empty() {
-        true => items,
-        false => format!(
+    if items.is_empty() {
+        items
+    } else {
+        format!(
             r#"<div class="failures"><h2>Not solved</h2><p>These stations have no values; the curves have gaps there.</p><ul>{items}</ul></div>"#
-        ),
+        )
     }
 }
 
 /// Remark about a run that a signal ended early.
 fn interruption(run: &Run) -> String {
-    match run.interrupted {
-        true => r#"<p class="notice">Interrupted: these are the results that were finished. Run the study again for all of them.</p>"#,
-        false => "",
-    }
+    if run.interrupted { r#"<p class="notice">Interrupted: these are the results that were finished. Run the study again for all of them.</p>"# } else { "" }
     .to_owned()
 }
 
@@ -396,9 +397,10 @@ fn missed(tuning: &TuningSummary) -> Vec<(&str, String)> {
 fn missed_in_words(missed: &[(&str, String)]) -> String {
     let item = |(column, by): &(&str, String)| format!("{}, by up to {}", html(column), html(by));
     let items: Vec<String> = missed.iter().map(item).collect();
-    match items.is_empty() {
-        true => String::new(),
-        false => format!(r#"<p class="unmet">Missed: {}.</p>"#, items.join("; ")),
+    if items.is_empty() {
+        String::new()
+    } else {
+        format!(r#"<p class="unmet">Missed: {}.</p>"#, items.join("; "))
     }
 }
 
@@ -409,9 +411,10 @@ fn tuning_sections(tuning: &TuningSummary, history: String, charts: &mut Charts)
         .iter()
         .map(|u| format!("<li>{}</li>", html(u)))
         .collect();
-    let unseen = match unseen.is_empty() {
-        true => unseen,
-        false => format!("<p>Moves that the targets cannot tell apart:</p><ul>{unseen}</ul>"),
+    let unseen = if unseen.is_empty() {
+        unseen
+    } else {
+        format!("<p>Moves that the targets cannot tell apart:</p><ul>{unseen}</ul>")
     };
     let unmet: Vec<usize> = tuning.missed().iter().map(|(row, ..)| *row).collect();
     format!(

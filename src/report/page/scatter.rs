@@ -228,9 +228,10 @@ pub(super) fn contributors(summary: &ToleranceSummary) -> String {
         );
         for (class, end) in [("better", *yield_halved), ("worse", *yield_doubled)] {
             let (a, b) = (x(now).min(x(end)), x(now).max(x(end)));
-            let (place, anchor) = match end < now {
-                true => (a - 4.0, "end"),
-                false => (b + 4.0, "start"),
+            let (place, anchor) = if end < now {
+                (a - 4.0, "end")
+            } else {
+                (b + 4.0, "start")
             };
             let _ = write!(
                 svg,

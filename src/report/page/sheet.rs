@@ -60,9 +60,10 @@ pub fn set_up_page(wheels: &[SetUpSummary]) -> String {
         let note = "Change of each static value by one unit of an adjustment, about the design.";
         sections.push(titled("Effect of each adjustment", note, effects));
     }
-    let verdict = match met {
-        true => "Every wanted value is met.",
-        false => "Not every wanted value is met.",
+    let verdict = if met {
+        "Every wanted value is met."
+    } else {
+        "Not every wanted value is met."
     };
     sheet(study, "set-up", verdict, &sections)
 }
@@ -119,9 +120,10 @@ pub fn limits_page(of: &LimitsSheet<'_>) -> String {
             table(of.limits, |_| None)
         ),
     };
-    let verdict = match of.failures.is_empty() {
-        true => "The whole motion of the study can be solved.",
-        false => "Part of the motion of the study cannot be solved.",
+    let verdict = if of.failures.is_empty() {
+        "The whole motion of the study can be solved."
+    } else {
+        "Part of the motion of the study cannot be solved."
     };
     sheet(of.study, "limits", verdict, &[section])
 }

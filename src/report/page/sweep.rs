@@ -189,9 +189,10 @@ fn unmoved(outputs: &[OutputSummary]) -> Vec<usize> {
 
 fn about(record: &SweepRecord) -> String {
     let seed = record.seed.map(|seed| format!(", seed {seed}"));
-    let stations = match record.is_of_car() {
-        true => "load cases",
-        false => "stations",
+    let stations = if record.is_of_car() {
+        "load cases"
+    } else {
+        "stations"
     };
     format!(
         "{}, sweep by {}{}, {} {stations} · hardpoint {}",
@@ -289,9 +290,10 @@ fn without_unit<'a>(column: &'a str, unit: &str) -> &'a str {
 /// Key values at the top of the page.
 fn facts(run: &SweepRun) -> Vec<(&'static str, String)> {
     let summary = &run.summary;
-    let class = match summary.solved == summary.done {
-        true => "",
-        false => " class=\"bad\"",
+    let class = if summary.solved == summary.done {
+        ""
+    } else {
+        " class=\"bad\""
     };
     let mut facts = Vec::new();
     if let Some(best) = summary.best.first() {
@@ -338,9 +340,10 @@ fn remarks(run: &SweepRun) -> String {
             0 => String::new(),
             more => format!("<p>And {more} more reasons, in <code>summary.json</code>.</p>"),
         };
-        let nearest = match run.record.is_of_car() {
-            true => "the number of the first case without equilibrium, from 0 for static",
-            false => "the drive value nearest to the design position at which one failed",
+        let nearest = if run.record.is_of_car() {
+            "the number of the first case without equilibrium, from 0 for static"
+        } else {
+            "the drive value nearest to the design position at which one failed"
         };
         remarks += &format!(
             "<div class=\"failures\"><h2>Not solved everywhere</h2><p>Designs by reason, with {nearest}. The \
@@ -373,9 +376,10 @@ fn choice(run: &SweepRun) -> String {
         0 => String::new(),
         best => format!("the {best} best, "),
     };
-    let failures = match summary.failures.is_empty() {
-        true => "",
-        false => "examples of every failure listed above, ",
+    let failures = if summary.failures.is_empty() {
+        ""
+    } else {
+        "examples of every failure listed above, "
     };
     format!(
         "<strong>Drawn are {shown} of {} designs:</strong> {best}{front}{failures}and of all designs those \
@@ -390,20 +394,19 @@ fn best(run: &SweepRun) -> String {
     if summary.best.is_empty() {
         return String::new();
     }
-    let front = match run.choice.front.is_empty() {
-        true => String::new(),
-        false => {
-            let (table, left_out) = front_table(run).first(MOST_ROWS);
-            let more = match left_out {
-                0 => String::new(),
-                _ => "<p class=\"note\"><code>pareto.csv</code> has all of them.</p>".to_owned(),
-            };
-            format!(
-                "<h3>Pareto front</h3><p class=\"note\">No design is better in one target without being \
-                 worse in another. Deviations in tolerances.</p>{}{more}",
-                table.html()
-            )
-        }
+    let front = if run.choice.front.is_empty() {
+        String::new()
+    } else {
+        let (table, left_out) = front_table(run).first(MOST_ROWS);
+        let more = match left_out {
+            0 => String::new(),
+            _ => "<p class=\"note\"><code>pareto.csv</code> has all of them.</p>".to_owned(),
+        };
+        format!(
+            "<h3>Pareto front</h3><p class=\"note\">No design is better in one target without being \
+             worse in another. Deviations in tolerances.</p>{}{more}",
+            table.html()
+        )
     };
     format!(
         "<section id=\"best\" aria-labelledby=\"best-title\"><h2 id=\"best-title\">Best designs</h2>\

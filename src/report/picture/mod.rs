@@ -264,9 +264,12 @@ fn chart(run: &Run, group: &[&OutputRecord]) -> Layout {
 
 /// File name for a column. Names of points may contain any characters.
 fn file_name(column: &str) -> String {
-    let kept = |c: char| match c.is_alphanumeric() || "_-.".contains(c) {
-        true => c,
-        false => '_',
+    let kept = |c: char| {
+        if c.is_alphanumeric() || "_-.".contains(c) {
+            c
+        } else {
+            '_'
+        }
     };
     let name: String = column.chars().map(kept).collect();
     name.trim_start_matches('.').to_owned()

@@ -225,8 +225,9 @@ fn read_record(directory: &Path) -> Result<SweepRecord, NotARun> {
         )));
     }
     let is_sound = record.designs > 0 && record.block() > 0 && record.blocks_of_part > 0;
-    match is_sound && record.designs <= crate::study::MOST_DESIGNS {
-        true => Ok(record),
-        false => Err(wrong("not in the format of `hardpoint sweep`".to_owned())),
+    if is_sound && record.designs <= crate::study::MOST_DESIGNS {
+        Ok(record)
+    } else {
+        Err(wrong("not in the format of `hardpoint sweep`".to_owned()))
     }
 }

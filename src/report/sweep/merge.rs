@@ -96,9 +96,10 @@ impl Parts {
     pub fn join(&self, into: &RunDirectory, mut watch: impl FnMut(u64)) -> Result<(), MergeError> {
         let directory = SweepDirectory::prepare(into, &self.record, true)?;
         let rows = self.joined(&directory, SweepRecord::rows_name, &mut watch)?;
-        let curves = match self.record.curves {
-            true => Some(self.joined(&directory, SweepRecord::curves_name, &mut |_| {})?),
-            false => None,
+        let curves = if self.record.curves {
+            Some(self.joined(&directory, SweepRecord::curves_name, &mut |_| {})?)
+        } else {
+            None
         };
         let statistics = self.statistics.clone();
         part::put(into.path(), &self.record, 0, rows, curves, statistics)?;

@@ -274,13 +274,14 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
         }
         let reason = undefined_where(record, output).unwrap_or("it is not a finite number there");
         let column = &output.column;
-        notes.push(match lacking == statistics.solved {
-            true => format!("warning: {column} has no value in any solved design: {reason}"),
-            false => format!(
+        notes.push(if lacking == statistics.solved {
+            format!("warning: {column} has no value in any solved design: {reason}")
+        } else {
+            format!(
                 "{} {} {column}: {reason}",
                 counted(lacking, "solved design"),
                 if lacking == 1 { "lacks" } else { "lack" }
-            ),
+            )
         });
     }
     // In each of Saltelli's groups, only the first two designs are independent.
@@ -300,9 +301,10 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
         let lacking = lacking.filter(|(_, range)| range.is_none());
         let mut names: Vec<&str> = lacking.map(|(o, _)| o.output.as_str()).collect();
         names.dedup();
-        let without = match names.is_empty() {
-            true => String::new(),
-            false => format!("; it would be known without {}", names.join(", ")),
+        let without = if names.is_empty() {
+            String::new()
+        } else {
+            format!("; it would be known without {}", names.join(", "))
         };
         notes.push(format!(
             "Main effects are not known: they need designs that have every output, and none has{without}."

@@ -113,9 +113,10 @@ impl From<bool> for Cell {
 impl From<String> for Cell {
     fn from(text: String) -> Self {
         Cell {
-            data: match text.is_empty() {
-                true => Value::Null,
-                false => Value::from(text.as_str()),
+            data: if text.is_empty() {
+                Value::Null
+            } else {
+                Value::from(text.as_str())
             },
             shown: text,
         }

@@ -29,9 +29,12 @@ impl Layout {
         let prose = cells.clone().any(|cell| cell.text().contains(' '));
         let mut cells = cells.filter(|cell| !cell.text().is_empty());
         let numbers = cells.all(Cell::is_number);
-        let whole = |name: &str| match name.contains(' ') {
-            true => widest(name),
-            false => name.chars().count(),
+        let whole = |name: &str| {
+            if name.contains(' ') {
+                widest(name)
+            } else {
+                name.chars().count()
+            }
         };
         let fits = |length: usize| 2 * length + 4 <= width;
         let words = cells.clone().flat_map(|cell| cell.text().split(' '));
@@ -56,9 +59,10 @@ impl Layout {
 pub(super) fn pieces(widths: &[usize], width: usize, keys: usize) -> Vec<Vec<usize>> {
     let taken = |keys: usize| widths[..keys].iter().map(|w| w + 2).sum::<usize>();
     let widest = widths.iter().skip(keys).max().unwrap_or(&0);
-    let keys = match taken(keys) + widest + 2 <= width {
-        true => keys,
-        false => 1,
+    let keys = if taken(keys) + widest + 2 <= width {
+        keys
+    } else {
+        1
     };
     let mut pieces = vec![Vec::new()];
     let mut room = 0;
@@ -94,9 +98,10 @@ pub(super) fn line<'a>(
             let cell = lines.get(number).map_or("", String::as_str);
             let padding = " ".repeat(width.saturating_sub(cell.chars().count()));
             out.push_str("  ");
-            match layout.to_the_right {
-                true => out.extend([&padding, cell]),
-                false => out.extend([cell, &padding]),
+            if layout.to_the_right {
+                out.extend([&padding, cell])
+            } else {
+                out.extend([cell, &padding])
             }
         }
         text.push_str(out.trim_end());

@@ -105,9 +105,10 @@ impl TunedStudy<'_> {
             (Some(_), _) => ("deg".to_owned(), ", deg".to_owned()),
             (None, Some(rate)) => {
                 let unit = readable_unit(&rate.value_unit(length)).replace('_', " ");
-                let of_axis = match rate.is_relative {
-                    true => ", ln of a factor".to_owned(),
-                    false => format!(", {unit}"),
+                let of_axis = if rate.is_relative {
+                    ", ln of a factor".to_owned()
+                } else {
+                    format!(", {unit}")
                 };
                 (unit, of_axis)
             }
@@ -276,9 +277,10 @@ fn wanted(target: &Target) -> [Option<f64>; 2] {
         Wanted::Curve { points, .. } | Wanted::Points(points) => range(points),
         Wanted::At { value, .. } => range(&[[0.0, *value]]),
         Wanted::Band { lower, upper, .. } => {
-            let (lower, upper) = match factor < 0.0 {
-                true => (upper, lower),
-                false => (lower, upper),
+            let (lower, upper) = if factor < 0.0 {
+                (upper, lower)
+            } else {
+                (lower, upper)
             };
             [limit(lower)[0], limit(upper)[1]]
         }

@@ -187,9 +187,10 @@ impl TuningSummary {
                 c.unit.as_str().into(),
                 c.place(),
                 kept.into(),
-                match c.price_not_determined {
-                    true => Cell::from("not determined"),
-                    false => c.price.into(),
+                if c.price_not_determined {
+                    Cell::from("not determined")
+                } else {
+                    c.price.into()
                 },
                 c.at_unit.as_str().into(),
             ]);
@@ -208,9 +209,10 @@ impl TuningSummary {
         let mut table = Table::with_columns(columns.into_iter().chain(more));
         for s in &self.starts {
             let kept = self.best_start == Some(s.start);
-            let name = match kept {
-                true => format!("{} (kept)", s.start),
-                false => s.start.to_string(),
+            let name = if kept {
+                format!("{} (kept)", s.start)
+            } else {
+                s.start.to_string()
             };
             table.push([
                 Cell::from(name),

@@ -113,13 +113,16 @@ impl TuningSummary {
         let start = self
             .best_start
             .and_then(|kept| self.starts.iter().find(|s| s.start == kept));
-        let ended = start.map(|start| match self.good_enough > 0.0 {
-            true => format!(
-                "{} (good_enough = {} tolerances; 0 asks for the least misfit)",
-                start.ended,
-                brief(self.good_enough)
-            ),
-            false => start.ended.clone(),
+        let ended = start.map(|start| {
+            if self.good_enough > 0.0 {
+                format!(
+                    "{} (good_enough = {} tolerances; 0 asks for the least misfit)",
+                    start.ended,
+                    brief(self.good_enough)
+                )
+            } else {
+                start.ended.clone()
+            }
         });
         let missed = self.missed().into_iter();
         let missed = missed.map(|(_, output, by)| format!("missed: {output}, by up to {by}"));

@@ -44,9 +44,10 @@ pub(super) fn solved(opened: &OpenedCar, request: &SolveRequest) -> Result<Solve
         let [own, was] = [&study, &opened.study].map(|study| &study.axles[end].wheel().design);
         own != was
     });
-    let was = match is_moved {
-        true => as_opened(opened, shown),
-        false => None,
+    let was = if is_moved {
+        as_opened(opened, shown)
+    } else {
+        None
     };
     let failures = results.states.iter().enumerate();
     let failures = failures.filter_map(|(case, state)| match state {

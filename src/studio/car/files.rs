@@ -113,9 +113,10 @@ impl CarFiles {
             (false, false) => {
                 let own = opened.texts_without_edits();
                 let changed = own.map_or(Vec::new(), |own| changed_files(self, &own, &before));
-                let names = match changed.is_empty() {
-                    true => self.names().join(", "),
-                    false => changed.join(", "),
+                let names = if changed.is_empty() {
+                    self.names().join(", ")
+                } else {
+                    changed.join(", ")
                 };
                 let message = format!("{names}: changed since it was opened");
                 return Err(NotSaved::Changed(message));

@@ -193,18 +193,20 @@ fn group(quantity: CarQuantity) -> String {
         CarQuantity::Whole(result) => result.info().name.to_owned(),
     };
     // A name of the whole car is the car's alone.
-    match CarQuantity::named(&name).contains(&quantity) {
-        true => name,
-        false => quantity.name(),
+    if CarQuantity::named(&name).contains(&quantity) {
+        name
+    } else {
+        quantity.name()
     }
 }
 
 /// The results, and which of them the study or its targets ask for.
 fn catalogue(study: &CarStudy) -> Vec<CharacteristicOverview> {
     let car = &study.car;
-    let mut asked: Vec<String> = match study.quantities == CarQuantity::default_columns(car) {
-        true => SHOWN.map(str::to_owned).to_vec(),
-        false => study.quantities.iter().copied().map(group).collect(),
+    let mut asked: Vec<String> = if study.quantities == CarQuantity::default_columns(car) {
+        SHOWN.map(str::to_owned).to_vec()
+    } else {
+        study.quantities.iter().copied().map(group).collect()
     };
     if let Some(optimise) = &study.optimise {
         let targets = optimise.targets.iter().map(|target| target.quantity);

@@ -718,9 +718,10 @@ fn frames_change_the_rack_alone() {
     for (one, two) in plain.lines().zip(sae.lines()).skip(1) {
         let [one, two] = [one, two].map(|line| line.split(',').collect::<Vec<_>>());
         for (column, (one, two)) in one.iter().zip(&two).enumerate() {
-            match column == rack {
-                true => assert_eq!(one.parse::<f64>().unwrap(), -two.parse::<f64>().unwrap()),
-                false => assert_eq!(one, two),
+            if column == rack {
+                assert_eq!(one.parse::<f64>().unwrap(), -two.parse::<f64>().unwrap())
+            } else {
+                assert_eq!(one, two)
             }
         }
     }

@@ -420,9 +420,10 @@ impl Drawing {
             let (parts, at) = way(target);
             let mut next = x.clone();
             let goes = self.newton(&parts, at, &mut next, &mut None, 1e-8);
-            let there = match goes {
-                true => self.jacobian(&parts, at, &next).determinant(),
-                false => f64::NAN,
+            let there = if goes {
+                self.jacobian(&parts, at, &next).determinant()
+            } else {
+                f64::NAN
             };
             if (0.6..1.6).contains(&(there / determinant)) {
                 (x, determinant, reached) = (next, there, target);

@@ -265,9 +265,12 @@ fn builds_can_be_ended_early() {
     let tolerance = study.tolerance.as_ref().unwrap();
     let problem = Problem::of(&study, tolerance).unwrap();
     let drawn = problem.drawn().unwrap();
-    let found = monte_carlo(&problem, &drawn, |done| match done >= 2000 {
-        true => std::ops::ControlFlow::Break(()),
-        false => on(done),
+    let found = monte_carlo(&problem, &drawn, |done| {
+        if done >= 2000 {
+            std::ops::ControlFlow::Break(())
+        } else {
+            on(done)
+        }
     });
     let found = found.unwrap();
     assert!((2000..20_000).contains(&found.builds), "{}", found.builds);

@@ -386,9 +386,10 @@ fn plant(seed: u64, seeds: usize) -> Vec<f64> {
             .iter()
             .map(|moves| {
                 let now = moves.value(&car).unwrap();
-                let range = match now == 0.0 {
-                    true => [-8.0, 8.0],
-                    false => [0.6 * now, 1.4 * now],
+                let range = if now == 0.0 {
+                    [-8.0, 8.0]
+                } else {
+                    [0.6 * now, 1.4 * now]
                 };
                 CarVariable {
                     moves: moves.clone(),
@@ -400,9 +401,10 @@ fn plant(seed: u64, seeds: usize) -> Vec<f64> {
             .iter()
             .map(|variable| {
                 let now = variable.moves.value(&car).unwrap();
-                match now == 0.0 {
-                    true => between(&mut random, -5.0, 5.0),
-                    false => now * between(&mut random, 0.8, 1.2),
+                if now == 0.0 {
+                    between(&mut random, -5.0, 5.0)
+                } else {
+                    now * between(&mut random, 0.8, 1.2)
                 }
             })
             .collect();

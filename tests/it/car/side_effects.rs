@@ -73,9 +73,12 @@ fn largest_changes_are_those_of_the_cases_solved_before_and_after() {
                 .collect::<Vec<_>>()
         });
         let (case, change) = of_cases
-            .reduce(|one, other| match other.1.abs() > one.1.abs() {
-                true => other,
-                false => one,
+            .reduce(|one, other| {
+                if other.1.abs() > one.1.abs() {
+                    other
+                } else {
+                    one
+                }
             })
             .unwrap();
         let effect = named(&effects, name);

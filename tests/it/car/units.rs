@@ -83,9 +83,10 @@ fn texts(is_imperial: bool) -> [String; 3] {
             60.0 * spring
         )
     };
-    let (bar, spring) = match is_imperial {
-        true => (1.0 / (INCH * POUND_FORCE), INCH / POUND_FORCE),
-        false => (1.0, 1.0),
+    let (bar, spring) = if is_imperial {
+        (1.0 / (INCH * POUND_FORCE), INCH / POUND_FORCE)
+    } else {
+        (1.0, 1.0)
     };
     let tuning: Table = tuning(bar, spring).parse().unwrap();
     if is_imperial {

@@ -85,9 +85,10 @@ fn derivatives_by_travel_are_slopes_of_the_curves() {
                 "mm" => format!("{value}_d1"),
                 _ => format!("{value}_d1_deg_per_mm"),
             };
-            let derivative = match values.columns.iter().any(|c| c.name == derivative) {
-                true => derivative,
-                false => format!("{value}_d1_mm_per_mm"),
+            let derivative = if values.columns.iter().any(|c| c.name == derivative) {
+                derivative
+            } else {
+                format!("{value}_d1_mm_per_mm")
             };
             let exact = column(&values, &derivative)[2];
             let expected = slope(&found, step);

@@ -352,9 +352,10 @@ fn forces_of_an_axle_balance_both_carriers() {
         ("brake", [[-2000.0, 0.0, 0.0]; 2]),
     ] {
         let is_complete = name == "turn";
-        let held = match is_complete {
-            true => HeldQuantity::WheelLoad,
-            false => HeldQuantity::WheelHeight,
+        let held = if is_complete {
+            HeldQuantity::WheelLoad
+        } else {
+            HeldQuantity::WheelHeight
         };
         let loads = Side::ALL.map(|side| {
             let [x, y, z] = sides[side as usize];

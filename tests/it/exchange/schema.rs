@@ -124,9 +124,10 @@ fn the_schema_takes_every_sample_and_refuses_what_the_reader_refuses() {
         for changed in broken(&text.parse::<toml::Table>().unwrap().into()) {
             count += 1;
             let text = toml::to_string(&changed).unwrap();
-            let is_refused = match is_car {
-                true => refuses_car(&text, &directory),
-                false => Study::from_text("broken.toml", &text, &directory).is_err(),
+            let is_refused = if is_car {
+                refuses_car(&text, &directory)
+            } else {
+                Study::from_text("broken.toml", &text, &directory).is_err()
             };
             let by_schema = is_valid(&schema, &as_json(&text));
             // Names of hardpoints are not keys to the schema.

@@ -54,16 +54,13 @@ fn examine(designs: u64, scatter: f64) -> Count {
                     };
                     let measures = points.measures();
                     let said = format!("{number} {:?} {measures:?}", limit.cause);
-                    match limit.cause.is_part() {
-                        true => {
-                            let own = measures.iter().find(|(part, _)| *part == limit.cause);
-                            assert!(own.unwrap().1 < SINGULAR, "{said}");
-                            count.named += 1;
-                        }
-                        false => {
-                            assert!(measures.iter().all(|(_, m)| *m >= SINGULAR), "{said}");
-                            count.unnamed += 1;
-                        }
+                    if limit.cause.is_part() {
+                        let own = measures.iter().find(|(part, _)| *part == limit.cause);
+                        assert!(own.unwrap().1 < SINGULAR, "{said}");
+                        count.named += 1;
+                    } else {
+                        assert!(measures.iter().all(|(_, m)| *m >= SINGULAR), "{said}");
+                        count.unnamed += 1;
                     }
                     let nearest = measures.iter().map(|(_, m)| *m).fold(1.0, f64::min);
                     let told = limit.nearest.unwrap();

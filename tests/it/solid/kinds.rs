@@ -136,9 +136,10 @@ impl Kind {
 
     /// Names of a point in both halves, or its name alone.
     pub fn both(&self, name: &str) -> Vec<String> {
-        match self.is_single(name) {
-            true => vec![name.to_owned()],
-            false => vec![name.to_owned(), format!("right_{name}")],
+        if self.is_single(name) {
+            vec![name.to_owned()]
+        } else {
+            vec![name.to_owned(), format!("right_{name}")]
         }
     }
 

@@ -167,9 +167,10 @@ fn second_order_is_that_of_builds() {
                 let mean = 0.5 * (one + two);
                 let growth = 0.5 * (one * one + two * two) + mixed * mixed;
                 // Rounding of differences of positions in millimetres.
-                let rounding = match column.name.ends_with("_deg") {
-                    true => 1e-12,
-                    false => 1e-9,
+                let rounding = if column.name.ends_with("_deg") {
+                    1e-12
+                } else {
+                    1e-9
                 };
                 let size = one.abs() + two.abs() + mixed.abs() + rounding;
                 let at = format!("{}, {motion} {}", kind.name, column.name);

@@ -214,9 +214,10 @@ fn instantaneous_steering_axis_agrees_with_thirty_digits() {
                 } else {
                     1.0
                 };
-                let (found, rate) = match is_angle {
-                    true => (tangent, stretch * series.derivative(1)),
-                    false => (series[0], series.derivative(1)),
+                let (found, rate) = if is_angle {
+                    (tangent, stretch * series.derivative(1))
+                } else {
+                    (series[0], series.derivative(1))
                 };
                 let scale = if is_angle { 1.0 } else { 100.0 };
                 worst[0].note((found - wanted[0][i].value()) / scale);
@@ -241,12 +242,13 @@ fn instantaneous_steering_axis_agrees_with_thirty_digits() {
                     (0..design.len()).flat_map(|p| (0..3).map(move |a| (PointId(p), a)))
                 {
                     let [by_p, by_p_rate] = [0, 1].map(|order| gradients[p][order][axis]);
-                    let (by_p, by_p_rate) = match is_angle {
-                        true => (
+                    let (by_p, by_p_rate) = if is_angle {
+                        (
                             stretch * by_p,
                             stretch * (by_p_rate + 2.0 * tangent * by_p * series.derivative(1)),
-                        ),
-                        false => (by_p, by_p_rate),
+                        )
+                    } else {
+                        (by_p, by_p_rate)
                     };
                     let wanted = slopes[3 * p + axis];
                     worst[2].note((by_p - wanted[0][i]) / first);

@@ -168,13 +168,14 @@ fn mirror() {
                 .map(|p| Vector3::new(-p.x, p.y, p.z))
                 .collect();
             let angle = i % 2 == 0 && !suspension.mechanism.arms.is_empty();
-            let point = match angle {
-                true => MotionPoint {
+            let point = if angle {
+                MotionPoint {
                     drive: Drive::ArmAngle,
                     value: reach / 400.0 * random.signed(),
                     rack: 10.0 * random.signed(),
-                },
-                false => travel(reach * random.signed(), 10.0 * random.signed()),
+                }
+            } else {
+                travel(reach * random.signed(), 10.0 * random.signed())
             };
             // Lengths and angles of rockers are those of the mirror image.
             let signs = [

@@ -172,9 +172,10 @@ fn what_is_found_in_lanes_is_what_is_found_one_by_one() {
         for aligned in [false, true] {
             let scattered = points.map(|point| format!("{point:?}")).join(",");
             let is_steered = !name.starts_with("semi") && !name.starts_with("five");
-            let targets = match is_steered {
-                true => angles.to_owned(),
-                false => angles.replace(", rack = [-4.0, 4.0]", ""),
+            let targets = if is_steered {
+                angles.to_owned()
+            } else {
+                angles.replace(", rack = [-4.0, 4.0]", "")
             };
             let mut overrides = vec![
                 TRAVEL.to_owned(),

@@ -156,9 +156,10 @@ impl Random {
         let mut seed = 0x2545_F491_4F6C_DD1D ^ (number + 1).wrapping_mul(0xD134_2543_DE82_EF95);
         let mut off = |by: f64| by * noise(&mut seed);
         let is_strut = number.is_multiple_of(2);
-        let file = match is_strut {
-            true => "macpherson_front.toml",
-            false => "double_wishbone_front.toml",
+        let file = if is_strut {
+            "macpherson_front.toml"
+        } else {
+            "double_wishbone_front.toml"
         };
         let plain = edited(file, &[]);
         let suspension = plain.wheel();
@@ -171,8 +172,8 @@ impl Random {
                 format!("suspension.hardpoints.{name}=[{x}, {y}, {z}]")
             })
             .collect();
-        let moved = match is_strut {
-            true => [
+        let moved = if is_strut {
+            [
                 ("strut_top", "y"),
                 ("lower_ball_joint", "y"),
                 ("lower_ball_joint", "z"),
@@ -181,8 +182,9 @@ impl Random {
                 ("lower_arm_rear", "z"),
                 ("tie_rod_inner", "z"),
                 ("tie_rod_outer", "y"),
-            ],
-            false => [
+            ]
+        } else {
+            [
                 ("upper_ball_joint", "y"),
                 ("lower_ball_joint", "y"),
                 ("lower_ball_joint", "z"),
@@ -191,7 +193,7 @@ impl Random {
                 ("lower_arm_front", "z"),
                 ("tie_rod_inner", "z"),
                 ("tie_rod_outer", "y"),
-            ],
+            ]
         };
         let variables = moved.map(|(name, axis)| {
             format!("{{ hardpoint = \"{name}\", axis = \"{axis}\", range = [-20.0, 20.0] }}")
@@ -556,9 +558,10 @@ fn compared(random: &Random) -> Compared {
         .nearest(&DVector::zeros(random.bounds.variables()));
     let ours = random.ours(&start);
     let first = slsqp(random, &start);
-    let other = match first.is_feasible() {
-        true => first.clone(),
-        false => multipliers(random, &start),
+    let other = if first.is_feasible() {
+        first.clone()
+    } else {
+        multipliers(random, &start)
     };
     let misfit = ours.at.goal.misfit();
     let keeps = ours.violation <= KEPT;

@@ -327,10 +327,11 @@ fn constraints(
             }
             _ => {
                 let other = |k: usize| (a + 1 + (b + k) % (all.len() - 1)) % all.len();
-                let four: Vec<usize> = match all.len() > 3 {
-                    true => vec![a, other(0), other(1), other(2)],
+                let four: Vec<usize> = if all.len() > 3 {
+                    vec![a, other(0), other(1), other(2)]
+                } else {
                     // A plane holds any three points.
-                    false => (0..all.len()).collect(),
+                    (0..all.len()).collect()
                 };
                 let names: Vec<String> =
                     four.iter().map(|k| format!("\"{}\"", all[*k].0)).collect();
@@ -341,9 +342,10 @@ fn constraints(
             }
         };
         // A text that came with braces is a copy.
-        written.push(match text.starts_with('{') {
-            true => text,
-            false => format!("{{ {text} }}"),
+        written.push(if text.starts_with('{') {
+            text
+        } else {
+            format!("{{ {text} }}")
         });
         kinds.push(name);
     }

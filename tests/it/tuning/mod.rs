@@ -333,9 +333,12 @@ fn check_derivatives(
         };
         let steps = [1.0, 2.0, 3.0].map(|k| (at(&moved(k)), at(&moved(-k))));
         for (is_goal, count) in [(true, shape.goal), (false, shape.rows)] {
-            let part = |of: &Assessment, row: usize| match is_goal {
-                true => of.goal.residuals[row],
-                false => of.rows.residuals[row],
+            let part = |of: &Assessment, row: usize| {
+                if is_goal {
+                    of.goal.residuals[row]
+                } else {
+                    of.rows.residuals[row]
+                }
             };
             for row in 0..count {
                 let weights = [45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0];
@@ -351,9 +354,12 @@ fn check_derivatives(
                     continue;
                 }
                 // The largest of its kind: of its target, or of its constraint.
-                let kind = |row: usize| match is_goal {
-                    true => targets[row],
-                    false => layout.labels()[row].constraint,
+                let kind = |row: usize| {
+                    if is_goal {
+                        targets[row]
+                    } else {
+                        layout.labels()[row].constraint
+                    }
                 };
                 let same = (0..count).filter(|other| kind(*other) == kind(row));
                 let largest = same

@@ -20,14 +20,13 @@ fn assert_nothing_is_torn(directory: &Path, whole: &[(String, Vec<u8>)]) {
             continue;
         }
         // A summary is whole before it says that the run has finished.
-        let text = match name == "summary.json" {
-            true => {
-                let text = String::from_utf8(text).unwrap();
-                let begun = "{\n  \"finished\": false,";
-                text.replacen(begun, "{\n  \"finished\": true,", 1)
-                    .into_bytes()
-            }
-            false => text,
+        let text = if name == "summary.json" {
+            let text = String::from_utf8(text).unwrap();
+            let begun = "{\n  \"finished\": false,";
+            text.replacen(begun, "{\n  \"finished\": true,", 1)
+                .into_bytes()
+        } else {
+            text
         };
         let expected = whole.iter().find(|(known, _)| *known == name);
         assert!(
@@ -98,9 +97,10 @@ fn kill(rounds: u64, samples: &str, disk: Disk) {
                 let said = String::from_utf8_lossy(&second.stderr);
                 let is_full = said.contains("cannot write");
                 full_disks += usize::from(is_full);
-                match is_full && disk == Disk::Fills {
-                    false => assert!(matches!(second.status.code(), Some(0 | 2)), "{said}"),
-                    true => assert!(matches!(second.status.code(), Some(1 | 2)), "{said}"),
+                if !(is_full && disk == Disk::Fills) {
+                    assert!(matches!(second.status.code(), Some(0 | 2)), "{said}")
+                } else {
+                    assert!(matches!(second.status.code(), Some(1 | 2)), "{said}")
                 }
                 for name in ["notes.txt", "curves_of_mine.csv"] {
                     assert_eq!(fs::read(directory.join(name)).unwrap(), b"mine");

@@ -189,9 +189,10 @@ impl Branch {
             return Verdict::Open;
         }
         let at = |angle: f64| self.miss(Interval::point(angle)).1[0];
-        let ends = match slope.low > 0.0 {
-            true => [at(low), at(high)],
-            false => [at(high), at(low)],
+        let ends = if slope.low > 0.0 {
+            [at(low), at(high)]
+        } else {
+            [at(high), at(low)]
         };
         match ends {
             [first, last] if first.low > 0.0 || last.high < 0.0 => Verdict::None,

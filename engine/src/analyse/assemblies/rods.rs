@@ -303,9 +303,10 @@ impl Chart {
                 break moves;
             }
         };
-        match one {
-            true => Verdict::One(cell),
-            false => Verdict::Open(cell, moves),
+        if one {
+            Verdict::One(cell)
+        } else {
+            Verdict::Open(cell, moves)
         }
     }
 

@@ -153,9 +153,10 @@ impl<'m> Certifier<'m> {
         let radii = radii(&inverse, &jacobian, &equations.pose_bends, bound.high)?;
         // The proved solutions at both ends are those near the line.
         let within = (radii.uniqueness * self.scale).next_down();
-        match errors.into_iter().all(|error| error <= within) {
-            true => Ok(()),
-            false => Err(Unproven::TooClose),
+        if errors.into_iter().all(|error| error <= within) {
+            Ok(())
+        } else {
+            Err(Unproven::TooClose)
         }
     }
 }

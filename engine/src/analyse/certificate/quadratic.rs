@@ -133,9 +133,12 @@ impl Quadratic {
         let [a, b, c] = pose.rotation.columns;
         let norm = |v: Vector3<Twice>| (v.norm_squared() - v.x.one()).scaled(0.5);
         let turned = [norm(a), norm(b), norm(c), a.dot(b), b.dot(c), c.dot(a)];
-        let unit = |j: usize| match j < 3 || is_length(j, drive) {
-            true => scale,
-            false => 1.0,
+        let unit = |j: usize| {
+            if j < 3 || is_length(j, drive) {
+                scale
+            } else {
+                1.0
+            }
         };
         let mut first = [Interval::point(0.0); N];
         let mut linear = [[Interval::point(0.0); V]; N];
@@ -303,10 +306,7 @@ pub(crate) fn radius(interval: Interval, middle: f64) -> f64 {
     let reach = (interval.high - middle).max(middle - interval.low);
     // A difference of doubles is zero only if they are equal. The next number after zero would make all products with it
     // subnormal, and slow.
-    match reach > 0.0 {
-        true => reach.next_up(),
-        false => 0.0,
-    }
+    if reach > 0.0 { reach.next_up() } else { 0.0 }
 }
 
 /// Middles of a Jacobian.
@@ -363,12 +363,13 @@ mod tests {
                     },
                 };
                 let rack = along(0.0, size);
-                let driver = match trial % 2 == 1 && !mechanism.arms.is_empty() {
-                    false => Driver::Travel(along(0.0, size)),
-                    true => Driver::ArmAngle {
+                let driver = if !(trial % 2 == 1 && !mechanism.arms.is_empty()) {
+                    Driver::Travel(along(0.0, size))
+                } else {
+                    Driver::ArmAngle {
                         sine: along(0.0, 1.0),
                         cosine: along(1.0, 1.0),
-                    },
+                    }
                 };
                 let at = Configuration::new(mechanism, &design, pose, rack);
                 for (row, residual) in closure.residuals(&at, driver).into_iter().enumerate() {

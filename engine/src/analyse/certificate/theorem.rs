@@ -101,9 +101,10 @@ fn largest(sums: impl Iterator<Item = f64>) -> f64 {
     sums.fold(0.0, |most: f64, sum| {
         // With this form of the test, NaN becomes infinite.
         let bound = sum * UPWARD + f64::MIN_POSITIVE;
-        match bound <= f64::MAX {
-            true => most.max(bound),
-            false => f64::INFINITY,
+        if bound <= f64::MAX {
+            most.max(bound)
+        } else {
+            f64::INFINITY
         }
     })
 }

@@ -50,9 +50,10 @@ pub(in crate::axle) fn curves(
         let (status, values) = match read {
             Ok(((mut values, sensitivities), forces)) => {
                 found.sensitivities.extend(sensitivities);
-                let status = match forces.contains(&None) {
-                    true => Status::Unsupported,
-                    false => Status::Ok,
+                let status = if forces.contains(&None) {
+                    Status::Unsupported
+                } else {
+                    Status::Ok
                 };
                 let forces = forces.into_iter();
                 values.extend(forces.map(|force| force.ok_or(NoValue::NotHeld)));

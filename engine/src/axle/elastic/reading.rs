@@ -36,12 +36,13 @@ pub fn not_in_equilibrium(
     const REMOVE: &str =
         "with [compliance] ask a figure of a test; without [compliance] the mechanism is rigid";
     let rigid = Some(["applies to the rigid mechanism alone", REMOVE]);
-    let once = match is_derivative {
-        true => Some([
+    let once = if is_derivative {
+        Some([
             "has no derivative along a motion with [compliance]",
             "expected order = \"position\"",
-        ]),
-        false => None,
+        ])
+    } else {
+        None
     };
     match quantity {
         Quantity::Corner(_, Characteristic::MotionRatio) => rigid,
@@ -199,9 +200,10 @@ impl<T: Scalar> Reader<'_, T> {
     /// A quantity that is no figure of a test.
     fn quantity(&mut self, read: &AxleRead) -> Option<T> {
         let AxleRead { quantity, by } = *read;
-        let kind = match self.here.axle.is_joined() {
-            true => AxleKind::Solid,
-            false => AxleKind::Independent,
+        let kind = if self.here.axle.is_joined() {
+            AxleKind::Solid
+        } else {
+            AxleKind::Independent
         };
         if by.is_some() && not_in_equilibrium(quantity, kind, true).is_some() {
             return None;
@@ -275,9 +277,10 @@ fn read<T: Scalar>(
                 let same =
                     |k: &(KcTest, bool, Vec<_>)| k.0 == figure.test && (k.1 || !figure.is_secant);
                 if !known.iter().any(same) {
-                    let over = match figure.is_secant {
-                        true => secants(reader.here, &figure.test),
-                        false => None,
+                    let over = if figure.is_secant {
+                        secants(reader.here, &figure.test)
+                    } else {
+                        None
                     };
                     let all = run.figures(reader.here, &figure.test, over);
                     known.push((figure.test, figure.is_secant, all));
@@ -295,9 +298,10 @@ fn read<T: Scalar>(
 fn of<T: Copy>(figure: &TestFigure, all: &[AxleFigure<T>]) -> Option<T> {
     let same = |own: &&AxleFigure<T>| own.quantity == figure.quantity && own.of == figure.of;
     let own = all.iter().find(same)?;
-    match figure.is_secant {
-        true => own.secant,
-        false => own.value,
+    if figure.is_secant {
+        own.secant
+    } else {
+        own.value
     }
 }
 

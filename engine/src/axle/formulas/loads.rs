@@ -204,9 +204,10 @@ pub(crate) fn ride_frequency<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W
 pub(crate) fn wheel_hop_frequency<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let tyre = state.setup.tyre_rate.unwrap_or(f64::NAN);
     // Both wheels of a solid axle hop together. For independent wheels the rate is the same either way.
-    let rate = match state.carriers.is_rigid() {
-        true => axle_load(&state.on_pads().moving(Motion::Heave))[1].scaled(0.5),
-        false => (wheel_rate(state, Side::Left) + wheel_rate(state, Side::Right)).scaled(0.5),
+    let rate = if state.carriers.is_rigid() {
+        axle_load(&state.on_pads().moving(Motion::Heave))[1].scaled(0.5)
+    } else {
+        (wheel_rate(state, Side::Left) + wheel_rate(state, Side::Right)).scaled(0.5)
     };
     frequency(state, rate + rate.constant(tyre), state.setup.unsprung_mass)
 }

@@ -250,9 +250,10 @@ pub(crate) fn anti_squat<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> 
 /// The same share for a rear axle in braking, or for a driven front axle under drive.
 #[inline(always)]
 pub(crate) fn anti_lift<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
-    match state.setup.constants.is_front {
-        true => -driving(state),
-        false => braking(state),
+    if state.setup.constants.is_front {
+        -driving(state)
+    } else {
+        braking(state)
     }
 }
 

@@ -235,9 +235,10 @@ pub(crate) fn turn(state: &AxleState<f64>) -> Option<FromAbove> {
     let meets = (!is_straight_ahead(state)).then(|| {
         let turn = Turn::of(state);
         let left_is_inner = mean_steer(state) * forward >= 0.0;
-        let (inner, outer, inside) = match left_is_inner {
-            true => (0, 1, 1.0),
-            false => (1, 0, -1.0),
+        let (inner, outer, inside) = if left_is_inner {
+            (0, 1, 1.0)
+        } else {
+            (1, 0, -1.0)
         };
         let away = turn.cotangents();
         let mut meets = [[other_axle, 0.0]; 2];

@@ -220,12 +220,11 @@ impl<'a, const N: usize> Corner<'a, N> {
     /// Prepares the search for toggles at this rack displacement.
     pub(super) fn begin(&mut self, rack: f64) -> Result<(), DesignFault> {
         let (_, rack) = self.inner(0.0, rack);
-        match self.begun == Some(rack) {
-            true => self.toggles.begin_again(),
-            false => {
-                self.toggles.begin(&mut self.solver, Drive::Travel, rack)?;
-                self.begun = Some(rack);
-            }
+        if self.begun == Some(rack) {
+            self.toggles.begin_again()
+        } else {
+            self.toggles.begin(&mut self.solver, Drive::Travel, rack)?;
+            self.begun = Some(rack);
         }
         Ok(())
     }

@@ -75,9 +75,10 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     ) -> Result<(AxlePose, Read<'a>), NoPose> {
         checkpoint();
         let poses = wheels.each(|wheel| wheel.pose);
-        let (roll, hold) = match on_plane {
-            false => (0.0, Hold::TravelsOnPads),
-            true => (self.tilted(&poses)?, Hold::TravelsOnPlane),
+        let (roll, hold) = if !on_plane {
+            (0.0, Hold::TravelsOnPads)
+        } else {
+            (self.tilted(&poses)?, Hold::TravelsOnPlane)
         };
         let placed = AxlePose {
             travels: wheels.each(|wheel| wheel.travel),

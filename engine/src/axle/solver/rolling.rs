@@ -46,9 +46,10 @@ impl<const N: usize> AxleSolver<'_, N> {
             let pose = self.corners[side as usize].solver.design_pose();
             self.contact(side, &pose, level).y
         };
-        let slope = match self.is_rigid() {
-            true => roll.sin(),
-            false => roll.tan(),
+        let slope = if self.is_rigid() {
+            roll.sin()
+        } else {
+            roll.tan()
         };
         -0.5 * slope * (half(Side::Left) + half(Side::Right))
     }
@@ -151,10 +152,7 @@ impl<const N: usize> AxleSolver<'_, N> {
                     corner.at(drive, rack, |_, _, pose| Ok(*pose))
                 };
                 let poses = join_results(pose(Side::Left), pose(Side::Right))?;
-                let roll = match on_plane {
-                    false => 0.0,
-                    true => self.tilted(&poses)?,
-                };
+                let roll = if !on_plane { 0.0 } else { self.tilted(&poses)? };
                 (travels, poses, roll)
             }
         };
@@ -193,9 +191,12 @@ impl<const N: usize> AxleSolver<'_, N> {
             // If a wheel falls as its travel grows, both wheels are beyond the wanted position. NaN counts as a fall.
             let rises =
                 |l: &WheelSeries, r: &WheelSeries| rise(is_rigid, [l.height[1], r.height[1]]);
-            let found = found.and_then(|[l, r]| match rises(&l, &r) {
-                true => Ok((l, r)),
-                false => Err(NoPose::NoGround),
+            let found = found.and_then(|[l, r]| {
+                if rises(&l, &r) {
+                    Ok((l, r))
+                } else {
+                    Err(NoPose::NoGround)
+                }
             });
             let (left_wheel, right_wheel) = match found {
                 Ok(found) => found,
@@ -247,9 +248,10 @@ impl<const N: usize> AxleSolver<'_, N> {
     pub(super) fn tilted(&self, [left, right]: &[Pose<f64>; 2]) -> Result<f64, NoPose> {
         // A rigid axle can stand upright, far from level ground. Its iteration starts with the line through both wheel
         // centres.
-        let mut roll = match self.is_rigid() {
-            false => 0.0_f64,
-            true => (right.origin.z - left.origin.z).atan2(left.origin.y + right.origin.y),
+        let mut roll = if !self.is_rigid() {
+            0.0_f64
+        } else {
+            (right.origin.z - left.origin.z).atan2(left.origin.y + right.origin.y)
         };
         let mut smallest = f64::INFINITY;
         for _ in 0..MOST_STEPS {

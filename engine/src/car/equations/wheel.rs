@@ -161,12 +161,11 @@ impl<T: Scalar> Tread<T> {
     /// Velocity of the point at which the longitudinal force acts. If the body takes the torque, rotation about the spin
     /// axis does not count.
     fn pushed(&self, rates: &WheelRates<T>, spin: Vector3<T>, by_carrier: bool) -> Vector3<T> {
-        match by_carrier {
-            true => self.carried(rates),
-            false => {
-                let turn = rates.turn - spin * rates.turn.dot(spin);
-                rates.centre + turn.cross(self.lever)
-            }
+        if by_carrier {
+            self.carried(rates)
+        } else {
+            let turn = rates.turn - spin * rates.turn.dot(spin);
+            rates.centre + turn.cross(self.lever)
         }
     }
 }

@@ -49,17 +49,19 @@ pub(in crate::car) fn friction_demand<T: Scalar>(state: &Balance<T>, place: Whee
     let wheel = of(state, place);
     let squared = wheel.side_force.squared() + wheel.longitudinal_force.squared();
     // The square root has no finite slope at zero.
-    match squared.value() == 0.0 {
-        true => squared,
-        false => squared.sqrt() / wheel.load,
+    if squared.value() == 0.0 {
+        squared
+    } else {
+        squared.sqrt() / wheel.load
     }
 }
 
 pub(in crate::car) fn gap<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
     let gap = of(state, place).gap;
-    match state.lifted[place.0] {
-        true => gap,
-        false => gap.zero(),
+    if state.lifted[place.0] {
+        gap
+    } else {
+        gap.zero()
     }
 }
 

@@ -111,9 +111,10 @@ impl Characteristic {
     /// The slope by the drive in one lane, from inputs as series.
     #[inline(never)]
     fn slope(self, inputs: &Inputs<Jet<f64, 2>>) -> f64 {
-        match self.info().reads_rates() {
-            true => f64::NAN,
-            false => self.evaluate(inputs)[1],
+        if self.info().reads_rates() {
+            f64::NAN
+        } else {
+            self.evaluate(inputs)[1]
         }
     }
 }

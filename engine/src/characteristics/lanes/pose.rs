@@ -63,13 +63,15 @@ impl<B: SimdReal, P: LanePose<B>> Outlined for ReadingPose<'_, '_, B, P> {
             rods,
         } = self.into;
         let mut accepted = self.rack.everywhere();
-        let rates = match self.rates || reader.watches_rods() {
-            true => Some(at.rates()),
-            false => None,
+        let rates = if self.rates || reader.watches_rods() {
+            Some(at.rates())
+        } else {
+            None
         };
-        let configuration = match reader.reads_others {
-            true => Some(at.configuration(self.rack)),
-            false => None,
+        let configuration = if reader.reads_others {
+            Some(at.configuration(self.rack))
+        } else {
+            None
         };
         if let Some(rates) = &rates {
             accepted = at.velocity_is_reliable(rates);

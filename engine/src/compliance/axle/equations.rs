@@ -187,12 +187,11 @@ impl<T: Scalar> SharedParts<T> {
             Ok(sides) => sides,
             Err(_) => return Err(AxleSingular::Shared),
         };
-        let corners = match self.is_joined {
-            false => Corners::apart(&sides)?,
-            true => {
-                let bounds = (purpose == Purpose::Preload).then_some(wheels[0].bounds);
-                Corners::joined(&mut sides, bounds)?
-            }
+        let corners = if !self.is_joined {
+            Corners::apart(&sides)?
+        } else {
+            let bounds = (purpose == Purpose::Preload).then_some(wheels[0].bounds);
+            Corners::joined(&mut sides, bounds)?
         };
         let by_shared = |shared: &usize| [0, 1].map(|side| sides[side].by_shared(side, *shared));
         let columns = active.iter().map(by_shared);
@@ -230,9 +229,10 @@ impl<T: Scalar> SharedParts<T> {
                 }
             }
         }
-        let factors = match active.is_empty() {
-            true => None,
-            false => Some(SquareLu::of(matrix, active.len()).ok_or(AxleSingular::Shared)?),
+        let factors = if active.is_empty() {
+            None
+        } else {
+            Some(SquareLu::of(matrix, active.len()).ok_or(AxleSingular::Shared)?)
         };
         Ok(AxleEquations {
             sides,
@@ -423,9 +423,10 @@ impl AxleEquations<f64> {
         bounds: Bounds,
     ) -> Result<(), (Option<usize>, Obstacle)> {
         self.corners.check_stable(&self.sides, bounds)?;
-        match self.is_definite() {
-            true => Ok(()),
-            false => Err((None, Obstacle::Unstable(None))),
+        if self.is_definite() {
+            Ok(())
+        } else {
+            Err((None, Obstacle::Unstable(None)))
         }
     }
 

@@ -224,9 +224,10 @@ impl ElasticAxle {
         };
         for (side, wheel) in self.wheels.iter().enumerate() {
             let own = &step.wheels[side];
-            match self.shared.is_joined {
-                true => body(own.carrier, AXLE),
-                false => body(own.carrier, &of_side(side, CARRIER)),
+            if self.shared.is_joined {
+                body(own.carrier, AXLE)
+            } else {
+                body(own.carrier, &of_side(side, CARRIER))
             }
             for (k, limb) in wheel.built.system.limbs.iter().enumerate() {
                 let turn = limb.turn_vector(&own.limbs[k]);

@@ -181,12 +181,11 @@ impl<'a> AxleKcRun<'a> {
         let (has_bar, locks_rack) = conditions;
         let keeps_bar = has_bar || self.parts.bar_rate.is_none();
         let keeps_rack = !locks_rack || !self.parts.steering_yields();
-        match keeps_bar && keeps_rack {
-            true => Ok(self.axle.clone()),
-            false => {
-                let parts = self.parts_of(conditions);
-                ElasticAxle::of(self.vehicle.suspensions, self.designs(), &parts)
-            }
+        if keeps_bar && keeps_rack {
+            Ok(self.axle.clone())
+        } else {
+            let parts = self.parts_of(conditions);
+            ElasticAxle::of(self.vehicle.suspensions, self.designs(), &parts)
         }
     }
 
@@ -287,26 +286,26 @@ impl<'a> AxleKcRun<'a> {
         let factors = test.factors();
         let loads = |force: f64| factors.map(|factor| end_loads(&load, force * factor));
         let has_levels = !test.load.is_motion() && test.levels > 0;
-        let levels = match has_levels {
-            false => Vec::new(),
-            true => {
-                let (axle, at) = (&here.axle, &here.at);
-                let next = |from: &AxleEquilibrium, force: f64| {
-                    axle.loaded_about(at, from, &loads(force), test.held)
-                };
-                let read = |level, load, at: &Result<AxleEquilibrium, NoEquilibrium>| KcLevel {
-                    level,
-                    load,
-                    state: at.clone().map(|at| self.state(axle, &at)),
-                };
-                levels(at, test, next, read)
-            }
+        let levels = if !has_levels {
+            Vec::new()
+        } else {
+            let (axle, at) = (&here.axle, &here.at);
+            let next = |from: &AxleEquilibrium, force: f64| {
+                axle.loaded_about(at, from, &loads(force), test.held)
+            };
+            let read = |level, load, at: &Result<AxleEquilibrium, NoEquilibrium>| KcLevel {
+                level,
+                load,
+                state: at.clone().map(|at| self.state(axle, &at)),
+            };
+            levels(at, test, next, read)
         };
-        let secants = match levels.is_empty() {
-            true => None,
-            false => secant(&levels, 0)
+        let secants = if levels.is_empty() {
+            None
+        } else {
+            secant(&levels, 0)
                 .zip(secant(&levels, 1))
-                .map(|(l, r)| [l, r]),
+                .map(|(l, r)| [l, r])
         };
         let figures = self.figures(here, test, secants);
         let figures = figures.into_iter().map(|figure| KcFigure {

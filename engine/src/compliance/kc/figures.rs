@@ -192,13 +192,14 @@ impl Sheet<'_> {
     fn by_longitudinal<T: Scalar>(&self, test: &KcTest, read: &Read<T>) -> Vec<Figure<T>> {
         let rearward = read.by.map(|by| -by.centre.x);
         let is_braking = test.load == TestLoad::Braking;
-        let (angles, recession, along) = match is_braking {
-            true => (BRAKING, "recession_by_braking", rearward),
-            false => (
+        let (angles, recession, along) = if is_braking {
+            (BRAKING, "recession_by_braking", rearward)
+        } else {
+            (
                 TRACTION,
                 "recession_by_traction",
                 read.by.map(|by| by.centre.x),
-            ),
+            )
         };
         let mut found = Vec::new();
         if !self.is_rigid {

@@ -91,9 +91,10 @@ impl<'s, T: Scalar> Station<'s, T> {
             } => {
                 let same = |k: &(KcTest, bool, Vec<_>)| k.0 == test && k.1 == is_secant;
                 if !known.iter().any(same) {
-                    let all = match is_secant {
-                        false => self.figures(&test),
-                        true => self.secants(&test, secant(&test)),
+                    let all = if !is_secant {
+                        self.figures(&test)
+                    } else {
+                        self.secants(&test, secant(&test))
                     };
                     known.push((test, is_secant, all));
                 }

@@ -228,9 +228,10 @@ impl<'a> KcRun<'a> {
 
     fn outcome(&self, station: &mut Station<'_, f64>, test: &KcTest) -> KcOutcome {
         let (load, place) = test.unit_load(&self.suspension.vehicle);
-        let levels = match test.load.is_motion() || test.levels == 0 {
-            true => Vec::new(),
-            false => self.levels(&station.at, test, &load),
+        let levels = if test.load.is_motion() || test.levels == 0 {
+            Vec::new()
+        } else {
+            self.levels(&station.at, test, &load)
         };
         let values = station.figures(test);
         let secants = station.secants(test, secant(&levels, 0));

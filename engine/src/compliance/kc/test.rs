@@ -167,9 +167,10 @@ impl KcTest {
             if test.load == TestLoad::Steering && !steers {
                 continue;
             }
-            let modes: &[TestMode] = match test.load.is_motion() {
-                true => &[TestMode::Parallel],
-                false => &[TestMode::Parallel, TestMode::Opposed],
+            let modes: &[TestMode] = if test.load.is_motion() {
+                &[TestMode::Parallel]
+            } else {
+                &[TestMode::Parallel, TestMode::Opposed]
             };
             let in_mode = |mode: &TestMode| KcTest {
                 mode: *mode,

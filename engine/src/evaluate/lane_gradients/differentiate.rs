@@ -147,9 +147,10 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
         let length = self.found.points * 3 * B::LANES;
         let mut angle = 0;
         while angle < angles {
-            let (first, end) = match is_sum {
-                true => (angle, angles),
-                false => (angle, angle + 1),
+            let (first, end) = if is_sum {
+                (angle, angles)
+            } else {
+                (angle, angle + 1)
             };
             if !is_sum {
                 clear(

@@ -30,9 +30,10 @@ impl Found {
     #[inline(always)]
     pub(super) fn row(&mut self, is_sum: bool, angle: usize) -> &mut [f64] {
         let length = self.points * 3 * self.lanes;
-        match is_sum {
-            true => &mut self.gradient,
-            false => &mut self.jacobian[angle * length..][..length],
+        if is_sum {
+            &mut self.gradient
+        } else {
+            &mut self.jacobian[angle * length..][..length]
         }
     }
 

@@ -143,9 +143,10 @@ impl<T: Real> RockerEnd<T> {
     fn wrench_rate_inline(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         let [inner, outer] = [self.inner, self.outer];
         let on_rocker = |id: PointId| matches!(at.mechanism.body(id), Body::Rocker(_));
-        let (x, p) = match on_rocker(inner) {
-            true => (inner, outer),
-            false => (outer, inner),
+        let (x, p) = if on_rocker(inner) {
+            (inner, outer)
+        } else {
+            (outer, inner)
         };
         let Some(turned) = TurnedRockers::under(x, at, along) else {
             // A row of its own stands for such a link, so this row has no wrench.
@@ -256,9 +257,10 @@ impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
         let axis = direction.times(direction.now.x.one() / direction.now.norm());
         let end = at.point(rocker.inner);
         let s = end - off.now;
-        let base = match is_on_knuckle {
-            true => knuckle.velocity(end),
-            false => end.zero(),
+        let base = if is_on_knuckle {
+            knuckle.velocity(end)
+        } else {
+            end.zero()
         };
         let tangent = axis.now.cross(end - foot.now);
         let speed = s.dot(off.rate - base) / s.dot(tangent);
@@ -278,9 +280,10 @@ impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
     fn point(&self, id: PointId) -> Moving<T> {
         let now = self.knuckle.at.point(id);
         let turning = self.axis.now.cross(now - self.foot.now) * self.speed;
-        let rate = match self.is_on_knuckle {
-            true => self.knuckle.velocity(now) + turning,
-            false => turning,
+        let rate = if self.is_on_knuckle {
+            self.knuckle.velocity(now) + turning
+        } else {
+            turning
         };
         Moving { now, rate }
     }

@@ -151,13 +151,12 @@ impl<B: SimdReal> Configuration<'_, B> {
         [now, rate]: [Vector3<B>; 2],
         motion: &Twist<B>,
     ) -> [Vector3<B>; 2] {
-        match self.is_on_axle(rocker) {
-            false => [now, rate],
-            true => {
-                let carried = motion.shift + motion.turn.cross(now - self.pose.origin);
-                let rate = self.pose.rotation.apply_transposed(rate - carried);
-                [self.in_base(rocker, now), rate]
-            }
+        if !self.is_on_axle(rocker) {
+            [now, rate]
+        } else {
+            let carried = motion.shift + motion.turn.cross(now - self.pose.origin);
+            let rate = self.pose.rotation.apply_transposed(rate - carried);
+            [self.in_base(rocker, now), rate]
         }
     }
 
@@ -170,13 +169,12 @@ impl<B: SimdReal> Configuration<'_, B> {
         motion: &Twist<B>,
     ) -> [Vector3<B>; 2] {
         let rocker = self.mechanism.rocker(id);
-        match self.is_on_axle(rocker) {
-            false => [now, rate],
-            true => {
-                let now = self.out_of_base(rocker, now);
-                let carried = motion.shift + motion.turn.cross(now - self.pose.origin);
-                [now, carried + self.pose.rotation.apply(rate)]
-            }
+        if !self.is_on_axle(rocker) {
+            [now, rate]
+        } else {
+            let now = self.out_of_base(rocker, now);
+            let carried = motion.shift + motion.turn.cross(now - self.pose.origin);
+            [now, carried + self.pose.rotation.apply(rate)]
         }
     }
 

@@ -91,13 +91,13 @@ impl Program {
     /// Largest violation of rows and bounds at a point.
     fn violation(&self, d: &DVector<f64>) -> f64 {
         let rows = &self.normals * d + &self.offsets;
-        let rows = rows
-            .iter()
-            .enumerate()
-            .map(|(i, value)| match i < self.equalities {
-                true => value.abs(),
-                false => *value,
-            });
+        let rows = rows.iter().enumerate().map(|(i, value)| {
+            if i < self.equalities {
+                value.abs()
+            } else {
+                *value
+            }
+        });
         let bounds = (0..d.len()).map(|j| (self.lower[j] - d[j]).max(d[j] - self.upper[j]));
         rows.chain(bounds).fold(0.0, f64::max)
     }

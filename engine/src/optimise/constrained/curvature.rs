@@ -32,9 +32,10 @@ impl Curvature {
 
     /// Returns d . S d, or zero while S is not in use.
     pub(super) fn quadratic(&self, d: &[f64]) -> f64 {
-        match self.in_use {
-            true => dot(&self.image(d), d),
-            false => 0.0,
+        if self.in_use {
+            dot(&self.image(d), d)
+        } else {
+            0.0
         }
     }
 
@@ -121,15 +122,14 @@ fn cholesky(square: &[f64], n: usize, shift: f64) -> Option<Vec<f64>> {
             let (before, column) = factor.split_at(j * n);
             let other = if i < j { &before[i * n..] } else { column };
             let sum = square[j * n + i] - dot(&other[..i], &column[..i]);
-            factor[j * n + i] = match i < j {
-                true => sum / factor[i * n + i],
-                false => {
-                    let pivot = sum + shift;
-                    if pivot.is_nan() || pivot <= 0.1 * shift {
-                        return None;
-                    }
-                    pivot.sqrt()
+            factor[j * n + i] = if i < j {
+                sum / factor[i * n + i]
+            } else {
+                let pivot = sum + shift;
+                if pivot.is_nan() || pivot <= 0.1 * shift {
+                    return None;
                 }
+                pivot.sqrt()
             };
         }
     }

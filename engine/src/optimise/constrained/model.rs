@@ -153,9 +153,10 @@ impl<'a> ConvexModel<'a> {
         self.norm = at.goal.residuals.norm();
         for (row, speaks) in self.speaks.iter_mut().enumerate() {
             let value = at.rows.residuals[row];
-            let missed = match row < self.equalities {
-                true => value.abs() > KEPT,
-                false => value > KEPT,
+            let missed = if row < self.equalities {
+                value.abs() > KEPT
+            } else {
+                value > KEPT
             };
             // A violated row can stand still here and move elsewhere. Such a row does not restrict the step.
             *speaks = movable.is_none_or(|movable| {

@@ -354,9 +354,10 @@ fn evaluations_end_at_a_request_and_at_their_budget() {
             let fit = constrained_fit(0, problem, &bounds, &start, &options, control).unwrap();
             assert_eq!(count.get(), stop_at + 1);
             assert_eq!(fit.evaluations(), stop_at);
-            let wanted = match by_flag {
-                true => Termination::Interrupted,
-                false => Termination::EvaluationLimit,
+            let wanted = if by_flag {
+                Termination::Interrupted
+            } else {
+                Termination::EvaluationLimit
             };
             assert_eq!(fit.termination, wanted);
         }

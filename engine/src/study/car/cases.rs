@@ -77,9 +77,10 @@ impl Resolver<'_> {
             ("brake", Longitudinal::Brake),
             ("drive", Longitudinal::Drive),
         ];
-        let default = match ax < 0.0 {
-            true => Longitudinal::Brake,
-            false => Longitudinal::Drive,
+        let default = if ax < 0.0 {
+            Longitudinal::Brake
+        } else {
+            Longitudinal::Drive
         };
         setting.longitudinal = choose_or(
             &written.longitudinal,

@@ -206,9 +206,10 @@ fn right_parts(
 /// Figures of the tests. A test with a motion has no window, and so no secants.
 fn figures(run: &AxleKcRun<'_>, tests: &[KcTest]) -> Vec<TestFigure> {
     let of_test = |test: &KcTest| {
-        let kinds = match test.load.is_motion() {
-            true => &[false][..],
-            false => &[false, true],
+        let kinds = if test.load.is_motion() {
+            &[false][..]
+        } else {
+            &[false, true]
         };
         let quantities = run.quantities(test).into_iter();
         let figure = |(quantity, unit, of)| {

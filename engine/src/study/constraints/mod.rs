@@ -182,18 +182,18 @@ impl Reader<'_> {
         self.takes(&["kept", "between", "at_least", "at_most"], problems);
         let (name, ends) = length(written, self.suspension(), problems)?;
         let kept = self.written.kept.as_ref().is_some_and(|k| *k.get_ref());
-        let [lower, upper] = match kept {
-            true => {
-                self.refuse(|key| LIMITS.contains(&key), problems);
-                let [a, b] = ends.map(|id| self.suspension().design[id.0]);
-                [Some((a - b).norm()); 2]
-            }
-            false => self.needed_limits(problems)?,
+        let [lower, upper] = if kept {
+            self.refuse(|key| LIMITS.contains(&key), problems);
+            let [a, b] = ends.map(|id| self.suspension().design[id.0]);
+            [Some((a - b).norm()); 2]
+        } else {
+            self.needed_limits(problems)?
         };
         let of = self.limited(Measure::Length(ends), lower, upper);
-        let name = match kept {
-            true => format!("length {name} kept"),
-            false => format!("length {name} {}", words([lower, upper])),
+        let name = if kept {
+            format!("length {name} kept")
+        } else {
+            format!("length {name} {}", words([lower, upper]))
         };
         Some((name, vec![of]))
     }

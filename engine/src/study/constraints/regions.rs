@@ -57,9 +57,10 @@ impl Reader<'_> {
             );
             return problems.refuse(name.span(), message);
         }
-        let (what, parts) = match is_inside {
-            true => self.inside(id, shape, region.span(), gap, problems)?,
-            false => self.outside(id, shape, region.span(), gap, problems)?,
+        let (what, parts) = if is_inside {
+            self.inside(id, shape, region.span(), gap, problems)?
+        } else {
+            self.outside(id, shape, region.span(), gap, problems)?
         };
         let word = if is_inside { "inside" } else { "outside" };
         Some((format!("{} {word} the {what}", name.get_ref()), parts))

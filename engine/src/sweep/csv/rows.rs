@@ -128,9 +128,10 @@ fn read_row(record: &SweepRecord, design: u64, line: &str, rows: &mut Rows) -> O
     }
     let stations = next_cell(&mut rest)?.parse().ok()?;
     let at = next_cell(&mut rest)?;
-    let at = match at.is_empty() {
-        true => None,
-        false => Some(at.parse().ok()?),
+    let at = if at.is_empty() {
+        None
+    } else {
+        Some(at.parse().ok()?)
     };
     let (reason, status) = (next_cell(&mut rest)?, next_cell(&mut rest)?);
     let failing = || Failing {

@@ -23,9 +23,10 @@ pub(super) fn of_corner<'s>(
             unit: gain.unit,
             slope,
         };
-        match quantities[slope].is_gain() {
-            true => Vec::new(),
-            false => vec![own],
+        if quantities[slope].is_gain() {
+            Vec::new()
+        } else {
+            vec![own]
         }
     };
     let gains: Vec<Vec<Gain>> = slopes.into_iter().enumerate().map(gain).collect();

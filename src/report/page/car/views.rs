@@ -98,9 +98,10 @@ pub(super) fn front(record: &CarRecord, state: &CarStateRecord, axle: usize) -> 
     }
     for (side, outline) in wheels.iter().enumerate() {
         let number = 2 * axle + side;
-        let class = match state.lifted[number] {
-            true => "wheel lifted",
-            false => "wheel",
+        let class = if state.lifted[number] {
+            "wheel lifted"
+        } else {
+            "wheel"
         };
         let closed = outline.iter().chain(outline.first());
         line(&mut svg, class, closed.map(|place| scale.at(*place)));
@@ -165,9 +166,10 @@ pub(super) fn side(record: &CarRecord, state: &CarStateRecord) -> String {
     );
     for (axle, (centre, radius)) in wheels.iter().enumerate() {
         let [x, y] = scale.at(*centre);
-        let lifted = match state.lifted[2 * axle] {
-            true => " lifted",
-            false => "",
+        let lifted = if state.lifted[2 * axle] {
+            " lifted"
+        } else {
+            ""
         };
         let _ = write!(
             svg,

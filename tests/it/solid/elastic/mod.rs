@@ -94,9 +94,10 @@ pub fn made(kind: Kind, scatter: Scatter, random: &mut Random, further: &str) ->
     let mut right = String::new();
     let mut others = Vec::new();
     for (name, place) in points.iter().chain(&seats) {
-        let other = match scatter.differs && !is_single(name) {
-            true => near(*place),
-            false => *place,
+        let other = if scatter.differs && !is_single(name) {
+            near(*place)
+        } else {
+            *place
         };
         others.push(flipped(other));
         if other != *place {
@@ -138,9 +139,10 @@ pub fn made(kind: Kind, scatter: Scatter, random: &mut Random, further: &str) ->
         force,
         rate: spring_rate,
     };
-    let springs = match scatter.springs {
-        true => vec![spring(seats[0].1, seats[1].1), spring(others[4], others[5])],
-        false => Vec::new(),
+    let springs = if scatter.springs {
+        vec![spring(seats[0].1, seats[1].1), spring(others[4], others[5])]
+    } else {
+        Vec::new()
     };
 
     points.extend(seats.iter().copied());

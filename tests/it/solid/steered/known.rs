@@ -111,9 +111,10 @@ fn parallelogram_steering_turns_both_wheels_equally() {
         assert!((x.hypot(y) - length).abs() < 1e-11, "{left}");
         assert!(left * gear > 0.0);
         let [left, right] = turns(25.0);
-        let (inner, outer) = match gear > 0.0 {
-            true => (left, right),
-            false => (-right, -left),
+        let (inner, outer) = if gear > 0.0 {
+            (left, right)
+        } else {
+            (-right, -left)
         };
         assert!(inner > outer + 0.1 * inner * inner, "{inner} {outer}");
     }

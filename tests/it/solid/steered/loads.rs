@@ -60,15 +60,12 @@ fn forces(world: &World, place: Place, has_spring: bool, tension: &dyn Fn(&str) 
     };
     link("lower_link", 0, "left_lower_link");
     link("lower_link", 1, "right_lower_link");
-    match world.single {
-        true => {
-            link("upper_link", 0, "upper_link");
-            link("panhard", 0, "panhard");
-        }
-        false => {
-            link("upper_link", 0, "left_upper_link");
-            link("upper_link", 1, "right_upper_link");
-        }
+    if world.single {
+        link("upper_link", 0, "upper_link");
+        link("panhard", 0, "panhard");
+    } else {
+        link("upper_link", 0, "left_upper_link");
+        link("upper_link", 1, "right_upper_link");
     }
     let mut on_knuckles = [Vec::new(), Vec::new()];
     for side in [0, 1] {
@@ -167,9 +164,10 @@ fn members_balance_loads_on_steered_wheels() {
                 let [lower, upper] = ["kingpin_lower", "kingpin_upper"]
                     .map(|name| world.place_on_axle(&solved, knuckle, name));
                 let axis = minus(upper, lower);
-                let mut turning = match knuckle == side {
-                    true => dot(axis, moment),
-                    false => 0.0,
+                let mut turning = if knuckle == side {
+                    dot(axis, moment)
+                } else {
+                    0.0
                 };
                 for (point, force) in on_it {
                     turning += dot(axis, cross(minus(*point, lower), *force));

@@ -29,17 +29,18 @@ pub fn random(random: &mut Random, single: bool, by: f64) -> World {
         ("drag_link_knuckle", near([160.0, 560.0, 480.0])),
         ("tie_rod_end", near([-150.0, 610.0, 330.0])),
     ];
-    match single {
-        true => points.extend([
+    if single {
+        points.extend([
             ("upper_link_chassis", near([-640.0, 270.0, 525.0])),
             ("upper_link_axle", near([-15.0, 250.0, 555.0])),
             ("panhard_chassis", near([130.0, -480.0, 560.0])),
             ("panhard_axle", near([120.0, 470.0, 500.0])),
-        ]),
-        false => points.extend([
+        ])
+    } else {
+        points.extend([
             ("upper_link_chassis", near([-640.0, 470.0, 525.0])),
             ("upper_link_axle", near([-15.0, 150.0, 555.0])),
-        ]),
+        ])
     }
     World {
         points,

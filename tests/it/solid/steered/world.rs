@@ -151,9 +151,10 @@ impl World {
         let [a, b] = ends(0, "lower_link");
         let [c, d] = ends(1, "lower_link");
         let [e, f] = ends(0, "upper_link");
-        let [g, h] = match self.single {
-            true => ends(0, "panhard"),
-            false => ends(1, "upper_link"),
+        let [g, h] = if self.single {
+            ends(0, "panhard")
+        } else {
+            ends(1, "upper_link")
         };
         let (end, knuckle) = (self.at("drag_link_body"), self.at("drag_link_knuckle"));
         let moved = plus(end, times(self.direction.map(Hyper::constant), at.gear));

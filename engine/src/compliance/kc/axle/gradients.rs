@@ -25,9 +25,10 @@ impl AxleKcRun<'_> {
         let plain = self.here(test.conditions(), travels, rack, [test]).ok()?;
         let inputs: Vec<AxleParameter> = parameters.iter().map(|p| (*p).into()).collect();
         let mut station = self.on_tape(test.conditions(), &plain, &inputs, tape)?;
-        let secants = match test.load.is_motion() || test.levels == 0 {
-            true => None,
-            false => self.secants_on_tape(&plain, &station, test),
+        let secants = if test.load.is_motion() || test.levels == 0 {
+            None
+        } else {
+            self.secants_on_tape(&plain, &station, test)
         };
         let figures = self.figures(&mut station, test, secants);
         let values = figures

@@ -59,9 +59,10 @@ impl AxleKcRun<'_> {
                 unit: Unit::Force,
                 value: Some(tension),
                 secant: None,
-                of: match mechanism.is_single(inner) {
-                    true => KcSubject::Axle,
-                    false => KcSubject::Wheel(side),
+                of: if mechanism.is_single(inner) {
+                    KcSubject::Axle
+                } else {
+                    KcSubject::Wheel(side)
                 },
             })
         };

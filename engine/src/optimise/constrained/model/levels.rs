@@ -53,9 +53,10 @@ impl<'a> ConvexModel<'a> {
             if at.1.abs() <= self.met[k] {
                 break;
             }
-            match at.1 > 0.0 {
-                true => low = Some(at),
-                false => high = Some(at),
+            if at.1 > 0.0 {
+                low = Some(at)
+            } else {
+                high = Some(at)
             }
             weight = match (low, high) {
                 // Beyond this weight the model cannot meet the level. The step comes as near as it can.

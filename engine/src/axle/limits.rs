@@ -137,18 +137,21 @@ impl<const N: usize> AxleSolver<'_, N> {
             rack: displacement,
             on_plane: false,
         };
-        let mut step = sign * size / 32.0;
+        let step = sign * size / 32.0;
         let (mut value, mut last, mut beyond) = (0.0_f64, None, None);
-        while step.abs() > 1e-13 * size && value.abs() < FARTHEST_GEAR * size {
+        while beyond.is_none() && value.abs() < FARTHEST_GEAR * size {
             match self.place(&level(value + step)) {
-                Ok(placed) => {
-                    value += step;
-                    last = Some(placed);
-                }
-                Err(failure) => {
-                    beyond = Some((value + step, failure));
-                    step *= 0.5;
-                }
+                Ok(placed) => (value, last) = (value + step, Some(placed)),
+                Err(failure) => beyond = Some((value + step, failure)),
+            }
+        }
+        while let Some((outside, _)) = beyond
+            && (outside - value).abs() > 1e-13 * size
+        {
+            let middle = 0.5 * (value + outside);
+            match self.place(&level(middle)) {
+                Ok(placed) => (value, last) = (middle, Some(placed)),
+                Err(failure) => beyond = Some((middle, failure)),
             }
         }
         let nearest = last.and_then(|placed| self.nearest_toggle(&placed));

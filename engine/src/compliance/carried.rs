@@ -19,7 +19,7 @@ pub(crate) enum MemberPart {
     /// Tension of a rigid rod, by the number of its joint.
     Rod(usize),
     /// Tension of a rod with axial stiffness, by its number.
-    Spring(usize),
+    ElasticRod(usize),
     /// Tension of a link with bushings, by its number among the parts with inner unknowns.
     Link(usize),
     /// Component of the force on the wheel carrier at a joint.
@@ -31,7 +31,7 @@ pub(crate) enum MemberPart {
     /// Tension of the rod between suspension and rocker.
     RockerRod,
     /// Force of the spring.
-    Suspension,
+    Spring,
 }
 
 /// A force in the results.
@@ -56,7 +56,7 @@ impl ElasticMember {
     pub(crate) fn positive(&self) -> &'static str {
         match self.part {
             MemberPart::Rod(_)
-            | MemberPart::Spring(_)
+            | MemberPart::ElasticRod(_)
             | MemberPart::Link(_)
             | MemberPart::RockerRod => "tension",
             MemberPart::Joint(_, Axis::X) => "on the wheel carrier along +x",
@@ -64,7 +64,7 @@ impl ElasticMember {
             MemberPart::Joint(_, Axis::Z) => "on the wheel carrier along +z",
             MemberPart::Force(..) => "on the arm, link or mount along the bushing's axis",
             MemberPart::Torque(..) => "on the arm, link or mount about the bushing's axis",
-            MemberPart::Suspension => "compression",
+            MemberPart::Spring => "compression",
         }
     }
 
@@ -81,7 +81,7 @@ impl ElasticMember {
 #[derive(Clone, Debug)]
 pub(crate) struct CarriedForces {
     joints: Vec<f64>,
-    springs: Vec<f64>,
+    elastic_rods: Vec<f64>,
     links: Vec<f64>,
     /// Forces on the carrier with the points where they act.
     at_points: Vec<(PointId, Vector3<f64>)>,
@@ -95,7 +95,7 @@ impl CarriedForces {
     pub(crate) fn of(&self, part: &MemberPart) -> Option<f64> {
         match *part {
             MemberPart::Rod(number) => self.joints.get(number).copied(),
-            MemberPart::Spring(number) => self.springs.get(number).copied(),
+            MemberPart::ElasticRod(number) => self.elastic_rods.get(number).copied(),
             MemberPart::Link(number) => self.links.get(number).copied(),
             MemberPart::Joint(point, axis) => {
                 let here = self.at_points.iter().filter(|(at, _)| *at == point);
@@ -108,7 +108,7 @@ impl CarriedForces {
                 self.bushings.get(number).map(|found| found.torque[axis])
             }
             MemberPart::RockerRod => self.rocker_rod,
-            MemberPart::Suspension => self.spring,
+            MemberPart::Spring => self.spring,
         }
     }
 }
@@ -143,7 +143,7 @@ impl Built<f64> {
         }
         for (number, [inner, outer]) in places.rods.iter().enumerate() {
             if !self.is_bent(*outer) {
-                members.push(tension(*inner, MemberPart::Spring(number)));
+                members.push(tension(*inner, MemberPart::ElasticRod(number)));
             }
         }
         for (number, place) in places.limbs.iter().enumerate() {
@@ -180,7 +180,7 @@ impl Built<f64> {
             members.push(member(rod.key().to_owned(), MemberPart::RockerRod, false));
         }
         if places.has_spring {
-            members.push(member("spring".to_owned(), MemberPart::Suspension, false));
+            members.push(member("spring".to_owned(), MemberPart::Spring, false));
         }
         members
     }
@@ -240,13 +240,13 @@ impl Built<f64> {
                     .map(|point| (point, turned(holder, force))),
             );
         }
-        let mut springs = Vec::new();
+        let mut elastic_rods = Vec::new();
         for (k, rod) in system.rods.iter().enumerate() {
             let holder = system.holders.rods[k];
             let (at, [rate, tension]) = (frames.of(holder), rod.elastic?);
             let line = rod.line(at);
             let pull = tension + rate * line.stretch;
-            springs.push(pull);
+            elastic_rods.push(pull);
             let [_, outer] = places.rods[k];
             at_points.push((outer, turned(holder, -(line.direction * pull))));
         }
@@ -264,7 +264,7 @@ impl Built<f64> {
         }
         Some(CarriedForces {
             joints: state.joints[..system.joints.len()].to_vec(),
-            springs,
+            elastic_rods,
             links,
             at_points,
             bushings: self.bushing_readings(state, around),

@@ -38,7 +38,8 @@ fn text() -> String {
     let text = text.replace("[  -0.2, 660.0, 309.1]", "[   0.0, 660.0, 310.0]");
     let own = "[axle.right.bushings.lower_arm_rear]\nstiffness = [900.0, 2100.0, 1700.0, 8.0e4, 2.5e5, 2.5e5]\n";
     let one = "heave = { from = -30.0, to = 30.0, steps = 3 }";
-    text.replace(one, "heave = [0.0]") + own
+    let text = text.replace(one, "heave = [0.0]");
+    text.replace("right = \"mirrored\"\n", "") + own
 }
 
 /// The same axle with x rearward and y to the right.

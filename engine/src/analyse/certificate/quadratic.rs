@@ -363,13 +363,13 @@ mod tests {
                     },
                 };
                 let rack = along(0.0, size);
-                let driver = if !(trial % 2 == 1 && !mechanism.arms.is_empty()) {
-                    Driver::Travel(along(0.0, size))
-                } else {
+                let driver = if trial % 2 == 1 && !mechanism.arms.is_empty() {
                     Driver::ArmAngle {
                         sine: along(0.0, 1.0),
                         cosine: along(1.0, 1.0),
                     }
+                } else {
+                    Driver::Travel(along(0.0, size))
                 };
                 let at = Configuration::new(mechanism, &design, pose, rack);
                 for (row, residual) in closure.residuals(&at, driver).into_iter().enumerate() {

@@ -82,9 +82,8 @@ fn response(study: &Study, loads: [WheelLoads; 2], step: f64) -> [WheelFigures; 
     });
     Side::ALL.map(|side| {
         let figures = at.map(|at| axle.figures(&at, side));
-        let slope = |of: &dyn Fn(&WheelFigures) -> f64| {
-            fourth_order(figures.each_ref().map(|figures| of(figures)), step)
-        };
+        let slope =
+            |of: &dyn Fn(&WheelFigures) -> f64| fourth_order(figures.each_ref().map(of), step);
         WheelFigures {
             toe: slope(&|f| f.toe),
             camber: slope(&|f| f.camber),

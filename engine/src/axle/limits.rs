@@ -87,10 +87,10 @@ impl<const N: usize> AxleSolver<'_, N> {
             [lower, upper]
         });
         let rack = rack.or_else(|| self.drag_link_range());
-        let rockers = if !self.is_rigid() {
-            [left.rockers, right.rockers]
-        } else {
+        let rockers = if self.is_rigid() {
             [Vec::new(), Vec::new()]
+        } else {
+            [left.rockers, right.rockers]
         };
         let (left, right) = (left.travel, right.travel);
         // In roll to the left, the left wheel is in droop.
@@ -102,13 +102,13 @@ impl<const N: usize> AxleSolver<'_, N> {
         let upper = roll([&left.lower, &right.upper]);
         let lower = roll([&left.upper, &right.lower]);
         let roll = [lower, upper];
-        let travels = if !self.is_rigid() {
-            TravelRanges::OfWheels([left, right])
-        } else {
+        let travels = if self.is_rigid() {
             TravelRanges::OfAxle {
                 heave: self.heave_range()?,
                 half_difference: left,
             }
+        } else {
+            TravelRanges::OfWheels([left, right])
         };
         Ok(AxleLimits {
             travels,

@@ -356,11 +356,11 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         if self.hold == Hold::TravelsOnPlane && is_one_sided {
             let [left, right] = self.rises();
             let [z_left, z_right] = rates.travel;
-            let mismatch = if !self.carriers.is_rigid() {
-                left * z_left - right * z_right
-            } else {
+            let mismatch = if self.carriers.is_rigid() {
                 let (mean, difference) = ((z_left + z_right), (z_left - z_right));
                 (difference * (left + right) + mean * self.mismatch_by_mean()).scaled(0.5)
+            } else {
+                left * z_left - right * z_right
             };
             rates.roll = -mismatch / self.track();
         }

@@ -197,10 +197,10 @@ impl<'a> GradientEvaluator<'a> {
             sides: 1,
             wanted: points.to_vec(),
             lanes: width.and_then(|w| Gradients::new(suspension, stations, quantities, w)),
-            one_by_one: if !rates {
-                OneByOne::<1>::new(suspension, stations, quantities, points)?
-            } else {
+            one_by_one: if rates {
                 OneByOne::<2>::new(suspension, stations, quantities, points)?
+            } else {
+                OneByOne::<1>::new(suspension, stations, quantities, points)?
             },
         })
     }

@@ -218,23 +218,23 @@ impl<T: Real> Configuration<'_, T> {
     /// Position in the base of a rocker: y of (12).
     #[inline(always)]
     fn in_base(&self, rocker: Rocker, now: Vector3<T>) -> Vector3<T> {
-        if !self.is_on_axle(rocker) {
-            now
-        } else {
+        if self.is_on_axle(rocker) {
             let from_origin = now - self.pose.origin;
             let lever = self.pose.rotation.apply_transposed(from_origin);
             self.designed(self.mechanism.origin) + lever
+        } else {
+            now
         }
     }
 
     /// Inverse of [`Configuration::in_base`]: x of (12).
     #[inline(always)]
     pub(super) fn out_of_base(&self, rocker: Rocker, place: Vector3<T>) -> Vector3<T> {
-        if !self.is_on_axle(rocker) {
-            place
-        } else {
+        if self.is_on_axle(rocker) {
             let lever = place - self.designed(self.mechanism.origin);
             self.pose.origin + self.pose.rotation.apply(lever)
+        } else {
+            place
         }
     }
 
@@ -339,15 +339,15 @@ impl<T: Real> Configuration<'_, T> {
         for (k, id) in designed.iter().enumerate() {
             sink.hardpoint(*id, by[k]);
         }
-        let by_outer = if !self.is_on_axle(rocker) {
-            by[4]
-        } else {
+        let by_outer = if self.is_on_axle(rocker) {
             // Second form of (12): the outer end goes into the frame of the axle.
             let pull = self.pose.rotation.apply(by[4]);
             let lever = self.point(rocker.outer) - self.pose.origin;
             sink.wrench(-pull, -lever.cross(pull));
             sink.hardpoint(self.mechanism.origin, by[4]);
             pull
+        } else {
+            by[4]
         };
         self.push_point(rocker.outer, by_outer, sink);
         by_point

@@ -439,10 +439,10 @@ impl TargetContext<'_> {
 
     /// Converts a target's drive value from degrees to radians if it is an angle.
     fn drive_value(&self, written: f64) -> f64 {
-        if !self.motion.drive.is_angle() {
-            written
-        } else {
+        if self.motion.drive.is_angle() {
             written.to_radians()
+        } else {
+            written
         }
     }
 }
@@ -458,9 +458,9 @@ pub(super) fn ends(values: &[f64]) -> (f64, f64) {
 fn range_in_words(motion: &Motion) -> String {
     let (lowest, highest) = ends(&motion.values);
     let [lowest, highest] = [lowest, highest].map(|value| motion.drive.printed(value));
-    if !motion.drive.is_angle() {
-        format!("runs from {lowest} to {highest}")
-    } else {
+    if motion.drive.is_angle() {
         format!("runs from {lowest} to {highest} degrees")
+    } else {
+        format!("runs from {lowest} to {highest}")
     }
 }

@@ -97,10 +97,10 @@ fn kill(rounds: u64, samples: &str, disk: Disk) {
                 let said = String::from_utf8_lossy(&second.stderr);
                 let is_full = said.contains("cannot write");
                 full_disks += usize::from(is_full);
-                if !(is_full && disk == Disk::Fills) {
-                    assert!(matches!(second.status.code(), Some(0 | 2)), "{said}")
-                } else {
+                if (is_full && disk == Disk::Fills) {
                     assert!(matches!(second.status.code(), Some(1 | 2)), "{said}")
+                } else {
+                    assert!(matches!(second.status.code(), Some(0 | 2)), "{said}")
                 }
                 for name in ["notes.txt", "curves_of_mine.csv"] {
                     assert_eq!(fs::read(directory.join(name)).unwrap(), b"mine");

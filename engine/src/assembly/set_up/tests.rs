@@ -163,17 +163,17 @@ fn half_steps_allow_half_effects() {
         let found = SetUp::solve(&study, study.setup.as_ref().unwrap(), &assembler).unwrap();
         let by = &found.last().by;
         // The thread turns toe back, and changes camber a little.
-        let effect = if !has_thread {
-            by[0][0]
-        } else {
+        let effect = if has_thread {
             by[0][0] - by[1][0] * by[0][1] / by[1][1]
+        } else {
+            by[0][0]
         };
         let allowed = 1.01 * 0.25 * effect.abs();
         assert!((found.allowed[0] / allowed - 1.0).abs() < 1e-9);
-        let thread = if !has_thread {
-            0.0
-        } else {
+        let thread = if has_thread {
             1.01 * 0.5 * 2.0 / 16.0 * by[1][0].abs()
+        } else {
+            0.0
         };
         let turned = found.allowed_rounded[0] - found.allowed[0];
         assert!((turned - thread).abs() < 1e-12, "{turned} {thread}");

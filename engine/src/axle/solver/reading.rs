@@ -75,10 +75,10 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     ) -> Result<(AxlePose, Read<'a>), NoPose> {
         checkpoint();
         let poses = wheels.each(|wheel| wheel.pose);
-        let (roll, hold) = if !on_plane {
-            (0.0, Hold::TravelsOnPads)
-        } else {
+        let (roll, hold) = if on_plane {
             (self.tilted(&poses)?, Hold::TravelsOnPlane)
+        } else {
+            (0.0, Hold::TravelsOnPads)
         };
         let placed = AxlePose {
             travels: wheels.each(|wheel| wheel.travel),

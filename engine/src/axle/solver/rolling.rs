@@ -152,7 +152,7 @@ impl<const N: usize> AxleSolver<'_, N> {
                     corner.at(drive, rack, |_, _, pose| Ok(*pose))
                 };
                 let poses = join_results(pose(Side::Left), pose(Side::Right))?;
-                let roll = if !on_plane { 0.0 } else { self.tilted(&poses)? };
+                let roll = if on_plane { self.tilted(&poses)? } else { 0.0 };
                 (travels, poses, roll)
             }
         };
@@ -248,10 +248,10 @@ impl<const N: usize> AxleSolver<'_, N> {
     pub(super) fn tilted(&self, [left, right]: &[Pose<f64>; 2]) -> Result<f64, NoPose> {
         // A rigid axle can stand upright, far from level ground. Its iteration starts with the line through both wheel
         // centres.
-        let mut roll = if !self.is_rigid() {
-            0.0_f64
-        } else {
+        let mut roll = if self.is_rigid() {
             (right.origin.z - left.origin.z).atan2(left.origin.y + right.origin.y)
+        } else {
+            0.0_f64
         };
         let mut smallest = f64::INFINITY;
         for _ in 0..MOST_STEPS {

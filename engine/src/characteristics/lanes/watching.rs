@@ -65,14 +65,14 @@ impl<B: SimdReal> Outlined for Watching<'_, B> {
         let ToggleWatch { rods, has_begun } = self.on_their_way;
         for ([first, last], id) in rods.iter_mut().zip(self.rockers) {
             let rod = self.at.moving_rod(*id, self.motion);
-            let before = if !*has_begun {
+            let before = if *has_begun {
+                // The visit may have changed to the other side of its start.
+                rod.nearer(first, last)
+            } else {
                 // At the start, the rack has moved since the design position, so the path begins with the rod in that
                 // position.
                 *first = rod;
                 self.at.designed_rod(*id)
-            } else {
-                // The visit may have changed to the other side of its start.
-                rod.nearer(first, last)
             };
             right = right & before.keeps_leverage_to(&rod);
             *last = rod;

@@ -187,11 +187,11 @@ impl<T: Scalar> SharedParts<T> {
             Ok(sides) => sides,
             Err(_) => return Err(AxleSingular::Shared),
         };
-        let corners = if !self.is_joined {
-            Corners::apart(&sides)?
-        } else {
+        let corners = if self.is_joined {
             let bounds = (purpose == Purpose::Preload).then_some(wheels[0].bounds);
             Corners::joined(&mut sides, bounds)?
+        } else {
+            Corners::apart(&sides)?
         };
         let by_shared = |shared: &usize| [0, 1].map(|side| sides[side].by_shared(side, *shared));
         let columns = active.iter().map(by_shared);

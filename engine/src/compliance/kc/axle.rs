@@ -286,9 +286,7 @@ impl<'a> AxleKcRun<'a> {
         let factors = test.factors();
         let loads = |force: f64| factors.map(|factor| end_loads(&load, force * factor));
         let has_levels = !test.load.is_motion() && test.levels > 0;
-        let levels = if !has_levels {
-            Vec::new()
-        } else {
+        let levels = if has_levels {
             let (axle, at) = (&here.axle, &here.at);
             let next = |from: &AxleEquilibrium, force: f64| {
                 axle.loaded_about(at, from, &loads(force), test.held)
@@ -299,6 +297,8 @@ impl<'a> AxleKcRun<'a> {
                 state: at.clone().map(|at| self.state(axle, &at)),
             };
             levels(at, test, next, read)
+        } else {
+            Vec::new()
         };
         let secants = if levels.is_empty() {
             None

@@ -91,10 +91,10 @@ impl<'s, T: Scalar> Station<'s, T> {
             } => {
                 let same = |k: &(KcTest, bool, Vec<_>)| k.0 == test && k.1 == is_secant;
                 if !known.iter().any(same) {
-                    let all = if !is_secant {
-                        self.figures(&test)
-                    } else {
+                    let all = if is_secant {
                         self.secants(&test, secant(&test))
+                    } else {
+                        self.figures(&test)
                     };
                     known.push((test, is_secant, all));
                 }

@@ -151,12 +151,12 @@ impl<B: SimdReal> Configuration<'_, B> {
         [now, rate]: [Vector3<B>; 2],
         motion: &Twist<B>,
     ) -> [Vector3<B>; 2] {
-        if !self.is_on_axle(rocker) {
-            [now, rate]
-        } else {
+        if self.is_on_axle(rocker) {
             let carried = motion.shift + motion.turn.cross(now - self.pose.origin);
             let rate = self.pose.rotation.apply_transposed(rate - carried);
             [self.in_base(rocker, now), rate]
+        } else {
+            [now, rate]
         }
     }
 
@@ -169,12 +169,12 @@ impl<B: SimdReal> Configuration<'_, B> {
         motion: &Twist<B>,
     ) -> [Vector3<B>; 2] {
         let rocker = self.mechanism.rocker(id);
-        if !self.is_on_axle(rocker) {
-            [now, rate]
-        } else {
+        if self.is_on_axle(rocker) {
             let now = self.out_of_base(rocker, now);
             let carried = motion.shift + motion.turn.cross(now - self.pose.origin);
             [now, carried + self.pose.rotation.apply(rate)]
+        } else {
+            [now, rate]
         }
     }
 

@@ -80,10 +80,10 @@ impl Solver<'_> {
         from: &MotionPoint<f64>,
         to: &MotionPoint<f64>,
     ) -> Result<Pose<f64>, Failure> {
-        let (moving, value, target) = if to.rack != from.rack {
-            (Moving::Rack, from.rack, to.rack)
-        } else {
+        let (moving, value, target) = if to.rack == from.rack {
             (Moving::Drive, from.value, to.value)
+        } else {
+            (Moving::Rack, from.rack, to.rack)
         };
         let curve = self.curve(moving, *to);
         let (limit, cause) = match curve.to(pose, value, target) {

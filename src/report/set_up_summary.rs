@@ -352,7 +352,7 @@ fn adjustment_record(
     }
 }
 
-/// Instruction for a mechanic, such as "shorten by 1 3/16 turns" or "move outboard by 3 shims: 1.5 mm". Directions are those of
+/// Instruction for a mechanic, such as "shorten by 1 3/16 turns" or "move outboard by 3 shims: 1.5 mm". Directions refer to
 /// the vehicle, so they hold for both wheels and for any axes of the study.
 fn instruction(adjustment: &Adjustment, suspension: &Suspension, amount: f64) -> String {
     let size = |amount: f64| {

@@ -176,8 +176,8 @@ impl Assembler {
         correction.map(|c| c.partials[0])
     }
 
-    /// Returns the pose of the carrier, starting from the nominal pose. Parts of a solid axle are those of [`Assembler::turned`], here
-    /// and below.
+    /// Returns the pose of the carrier, starting from the nominal pose. For a solid axle, this function and those below take the
+    /// parts that [`Assembler::turned`] returns.
     pub(crate) fn pose(&self, parts: &Parts<f64>, height: f64) -> Result<Pose<f64>, AssemblyError> {
         match self.settle(&mut parts.clone(), None, height, &self.home) {
             Some(pose) => Ok(pose),

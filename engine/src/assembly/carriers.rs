@@ -48,7 +48,7 @@ impl Assembler {
         }
     }
 
-    /// Names a rod of a solid axle that is too short or too long. `parts` are those of [`Assembler::turned`].
+    /// Names a rod of a solid axle that is too short or too long. [`Assembler::turned`] gives `parts`.
     pub(super) fn check_turned(&self, parts: &Parts<f64>) -> Result<(), AssemblyError> {
         let mechanism = &self.suspension().mechanism;
         if mechanism.rigid_axle.is_none() {
@@ -61,8 +61,8 @@ impl Assembler {
         }
     }
 
-    /// Writes the built design: positions of all points of parts, assembled in a pose of the carrier. Parts of a solid axle are
-    /// those of [`Assembler::turned`].
+    /// Writes the built design: positions of all points of parts, assembled in a pose of the carrier. For a solid axle,
+    /// [`Assembler::turned`] gives the parts.
     #[inline(always)]
     pub(crate) fn place<T: Real>(&self, parts: &Parts<T>, pose: &Pose<T>, into: &mut [Vector3<T>]) {
         let mechanism = &self.suspension().mechanism;

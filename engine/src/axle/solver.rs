@@ -331,7 +331,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
 
     /// Takes new designs of the same mechanisms, each in the frame of its side.
     ///
-    /// The far half of a rigid axle moves with the near half of the left design, and the right design is that of the left.
+    /// For a rigid axle, the far half follows the near half of the left design. The right design is not read.
     pub fn prepare(&mut self, designs: [&[Vector3<f64>]; 2]) -> Result<(), (Side, DesignFault)> {
         let Some(rigid) = self.rigid() else {
             return self.prepare_whole(designs);
@@ -384,7 +384,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    /// The same for designs of which each is complete, as those of builds are.
+    /// The same for complete designs, such as builds. There, no point follows another one.
     pub(crate) fn prepare_whole(
         &mut self,
         designs: [&[Vector3<f64>]; 2],

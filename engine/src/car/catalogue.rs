@@ -132,7 +132,7 @@ catalogue! {
         Unsprung, "wheel_load_unsprung", Force, "pressed to the ground", "m_b alpha.W'/(n.C')", [], state, wheel::unsprung;
         SideForce, "side_force", Force, "on the car to the left", "S", [], state, wheel::side_force;
         LongitudinalForce, "longitudinal_force", Force, "on the car forward", "X", [], state, wheel::longitudinal_force;
-        LateralShare, "lateral_share", Ratio, "always", "S over that of the axle", [], state, wheel::share;
+        LateralShare, "lateral_share", Ratio, "always", "S/A, A the side force of the axle", [], state, wheel::share;
         FrictionDemand, "friction_demand", Ratio, "always", "hypot(S, X)/N", [], state, wheel::friction_demand;
         Gap, "gap", Length, "lifted", "height of the lifted wheel's lowest point", [], state, wheel::gap;
         LoadedRadius, "loaded_radius", Length, "always", "R_l", [], state, wheel::loaded_radius;

@@ -27,7 +27,8 @@ impl MemberColumns {
         }
     }
 
-    /// Columns for a load: its members, then the quantity that it does not hold. `prefix` is that of the wheel.
+    /// Columns of a load: the forces of its members, then the vertical force or the travel that it leaves open. `prefix` names the
+    /// wheel.
     pub(crate) fn columns<'s>(
         &'s self,
         load: &'s str,
@@ -49,9 +50,16 @@ impl MemberColumns {
         members.chain([left])
     }
 
-    fn column(&self, name: String, unit: Unit, positive: &'static str) -> Column {
+    /// Column of a value with this unit.
+    pub(crate) fn column(&self, name: String, unit: Unit, positive: &'static str) -> Column {
         let (suffix, factor) = (unit.suffix(self.length), unit.printed_factor(self.length));
         Column::of_value(name, suffix, positive, factor)
+    }
+
+    /// Value in the unit of its column. `None` if it is not finite.
+    pub(crate) fn printed(&self, value: f64, unit: Unit) -> Option<f64> {
+        let value = value * unit.printed_factor(self.length);
+        value.is_finite().then_some(value)
     }
 
     /// Values of the columns, in their units. Forces at joints are along the study's axes. `left` is the vertical force or the
@@ -62,26 +70,22 @@ impl MemberColumns {
         left: f64,
         held: HeldQuantity,
     ) -> impl Iterator<Item = Option<f64>> + 's {
-        let printed = move |value: f64, unit: Unit| {
-            let value = value * unit.printed_factor(self.length);
-            value.is_finite().then_some(value)
-        };
         let members = self.members.iter().map(move |member| {
             let value = carried.of(&member.part)?;
             let sign = member.axis().map_or(1.0, |axis| self.frame.sign(axis));
-            printed(value * sign, member.unit())
+            self.printed(value * sign, member.unit())
         });
         let unit = match held {
             HeldQuantity::WheelHeight => Unit::Force,
             HeldQuantity::WheelLoad => Unit::Length,
         };
-        members.chain([printed(left, unit)])
+        members.chain([self.printed(left, unit)])
     }
 }
 
 impl Load {
-    /// Loads to add to those of an equilibrium without horizontal loads, whose wheel load is `wheel_load`. A load that does not
-    /// hold the height is complete, so it replaces the wheel load.
+    /// Loads to add to an equilibrium that carries `wheel_load` alone. A load that holds the wheel load replaces it, because such a
+    /// load is complete.
     pub(crate) fn in_equilibrium(&self, held: HeldQuantity, wheel_load: f64) -> WheelLoads {
         let mut loads = WheelLoads::none(0.0);
         match self.at {
@@ -136,7 +140,8 @@ impl<'a> ElasticLoads<'a> {
         self.loads.iter().flat_map(of)
     }
 
-    /// Adds the values of the columns at a travel and a rack displacement to those of a station. Returns the station's status.
+    /// Appends the values of the columns at a travel and a rack displacement to the values of a station. Returns the status of the
+    /// station.
     pub(super) fn add_values(
         &self,
         [travel, rack]: [f64; 2],

@@ -27,7 +27,7 @@ pub(crate) struct AxleStations<'s> {
     pub placements: Vec<Placement>,
     of_motion: usize,
     pub(super) design: usize,
-    /// True if the designs are those of builds, so that each half of a solid axle moves by itself.
+    /// True for builds. Each half of a solid axle then moves by itself.
     pub of_builds: bool,
     /// Further data of an axle with elastic parts. `None` for a rigid one.
     pub elastic: Option<ElasticAxleParts>,

@@ -41,8 +41,8 @@ impl Study {
         document.to_string()
     }
 
-    /// Returns a built axle as the text of a study, with every hardpoint of the right wheel written out. A solid axle has those of its
-    /// right half.
+    /// Returns a built axle as the text of a study, with every hardpoint of the right wheel written out. For a solid axle, these are the
+    /// hardpoints of its right half.
     pub fn with_built_axle(&self, [left, right]: [&Suspension; 2]) -> String {
         let text = self.with_built(left);
         let Ok(mut document) = text.parse::<DocumentMut>() else {

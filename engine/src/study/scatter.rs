@@ -87,7 +87,7 @@ pub struct Source {
     /// Distribution of the scatter.
     pub law: Law,
     /// For an axle: the wheel whose dimensions these are, in the kernel's frame of its side. `None` for a part that both wheels share;
-    /// its dimensions are those of the left wheel.
+    /// the left wheel then gives its dimensions.
     pub side: Option<Side>,
     /// The same dimensions of a solid axle, as its other wheel has them. Empty for other vehicles.
     pub seen_from_other: Vec<(BuildParameter, f64)>,

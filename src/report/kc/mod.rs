@@ -235,7 +235,7 @@ impl KcResults<'_> {
         value.map(|value| value * figure.unit.printed_factor(self.length()))
     }
 
-    /// Result by the definition of another program. `None` for a test whose anti-roll bar and steering are not those of the
+    /// Result by the definition of another program. `None` if the test has another anti-roll bar or steering than the
     /// matrix.
     fn other_figure(
         &self,

@@ -33,7 +33,7 @@
 //!              Percentage Roll Steer           mean of (13) of both wheels         %             (20)
 //! ```
 //!
-//! The lower sign is that of the right wheel. `track` is the distance of the wheel centres.
+//! The lower sign applies to the right wheel. `track` is the distance of the wheel centres.
 //!
 //! Sources: Altair MotionView reference, pages of these names; Adams Car, "Output of Suspension Analyses" and the appendix "Static
 //! Vehicle Characteristics", pages of these names. MotionView prints the formulas for two orientations, A and B. Its camber is

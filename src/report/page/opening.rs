@@ -20,7 +20,7 @@ pub(super) fn opening(tuning: &TuningSummary, record: &Record) -> String {
     let unit = &record.length_unit;
     let moved = tuning.moved_points(unit);
     let together = if moved.rows().any(|row| row[0].text().contains('+')) {
-        "<p class=\"note\">Where points move together, the numbers are those of the first.</p>"
+        "<p class=\"note\">If points move together, the numbers describe the first one.</p>"
     } else {
         ""
     };

@@ -97,7 +97,7 @@ fn kill(rounds: u64, samples: &str, disk: Disk) {
                 let said = String::from_utf8_lossy(&second.stderr);
                 let is_full = said.contains("cannot write");
                 full_disks += usize::from(is_full);
-                if (is_full && disk == Disk::Fills) {
+                if is_full && disk == Disk::Fills {
                     assert!(matches!(second.status.code(), Some(1 | 2)), "{said}")
                 } else {
                     assert!(matches!(second.status.code(), Some(0 | 2)), "{said}")

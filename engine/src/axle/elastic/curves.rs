@@ -28,14 +28,13 @@ pub(in crate::axle) fn curves(
         columns: columns.iter().map(Column::from).collect(),
         ..Curves::default()
     };
-    let model = axle.elastic_model(elastic)?;
-    let loads = AxleLoads::of(axle, elastic, &model, plan);
+    let loads = AxleLoads::of(axle, elastic, equilibria.axle(), plan);
     found.columns.extend(loads.columns());
     let count = found.columns.len();
     let mut reader = StationReader {
         axle,
         plan,
-        equilibria,
+        equilibria: &equilibria,
         reads,
         columns,
         tape: Tape::default(),
@@ -86,7 +85,7 @@ type Found = (Vec<Result<f64, NoValue>>, Vec<Sensitivity>);
 struct StationReader<'a> {
     axle: &'a Axle,
     plan: &'a AxlePlan,
-    equilibria: Equilibria<'a>,
+    equilibria: &'a Equilibria<'a>,
     reads: Vec<AxleRead>,
     columns: Vec<AxleColumn>,
     tape: Tape,

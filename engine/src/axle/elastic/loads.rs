@@ -4,7 +4,7 @@ use super::super::{Axle, AxlePlan};
 use crate::ask::Unit;
 use crate::compliance::{AxleEquilibrium, ElasticAxle, HeldQuantity, WheelLoads};
 use crate::curves::{Column, MemberColumns};
-use crate::model::{Axis, LengthUnit, Side};
+use crate::model::{Axis, Side};
 use crate::study::{AxleComplianceStudy, Load};
 
 /// Loads with one name: they act together.
@@ -19,7 +19,6 @@ pub(super) struct AxleLoads<'a> {
     cases: Vec<Case<'a>>,
     wheels: [MemberColumns; 2],
     axle: &'a ElasticAxle,
-    length: LengthUnit,
     /// Sign of the study's rack axis in the left wheel's frame.
     along: f64,
     has_rack: bool,
@@ -51,41 +50,39 @@ impl<'a> AxleLoads<'a> {
             }
         }
         let bushings = elastic.bushing_names(&axle.left);
-        let length = axle.left.length_unit;
         let wheels = Side::ALL.map(|side| {
             let suspension = axle.suspension(side);
             let members = model.members(side, &suspension.mechanism, &bushings);
-            MemberColumns::of(members, axle.frame(side), length)
+            MemberColumns::of(members, axle.frame(side), axle.left.length_unit)
         });
         AxleLoads {
             cases,
             wheels,
             axle: model,
-            length,
             along: axle.left.frame.sign(Axis::Y),
             has_rack: axle.left.mechanism.has_rack(),
             has_bar: elastic.parts.bar_rate.is_some(),
         }
     }
 
-    pub(super) fn columns(&self) -> Vec<Column> {
+    pub(super) fn columns(&self) -> impl Iterator<Item = Column> {
+        self.cases.iter().flat_map(|case| self.columns_of(case))
+    }
+
+    /// Columns of both wheels, then those of the whole axle.
+    fn columns_of(&self, case: &Case<'_>) -> Vec<Column> {
         let mut columns = Vec::new();
-        for case in &self.cases {
-            for (wheel, prefix) in self.wheels.iter().zip(PREFIXES) {
-                columns.extend(wheel.columns(case.name, prefix, case.held));
-            }
-            let of = |name: &str, unit: Unit, positive| {
-                let (suffix, factor) = (unit.suffix(self.length), unit.printed_factor(self.length));
-                Column::of_value(format!("{}_{name}", case.name), suffix, positive, factor)
-            };
-            let rack = of("rack_force", Unit::Force, "on the rack along +y");
-            columns.extend(self.has_rack.then_some(rack));
-            let bar = of(
-                "anti_roll_bar_torque",
-                Unit::Torque,
-                "left lever turned further",
-            );
-            columns.extend(self.has_bar.then_some(bar));
+        for (wheel, prefix) in self.wheels.iter().zip(PREFIXES) {
+            columns.extend(wheel.columns(case.name, prefix, case.held));
+        }
+        let [left, _] = &self.wheels;
+        if self.has_rack {
+            let name = format!("{}_rack_force", case.name);
+            columns.push(left.column(name, Unit::Force, "on the rack along +y"));
+        }
+        if self.has_bar {
+            let name = format!("{}_anti_roll_bar_torque", case.name);
+            columns.push(left.column(name, Unit::Torque, "left lever turned further"));
         }
         columns
     }
@@ -93,20 +90,15 @@ impl<'a> AxleLoads<'a> {
     /// Values of the columns at these travels and this rack displacement along the study's +y. A load without equilibrium has
     /// none.
     pub(super) fn values(&self, (travels, rack): ([f64; 2], f64)) -> Vec<Option<f64>> {
+        if self.cases.is_empty() {
+            return Vec::new();
+        }
         let station = self.axle.at(travels, self.along * rack).ok();
         let mut values = Vec::new();
         for case in &self.cases {
-            let found = station.and_then(|station| self.case(case, &station));
-            match found {
+            match station.and_then(|station| self.case(case, &station)) {
                 Some(found) => values.extend(found),
-                None => {
-                    let wheels = self.wheels.iter().zip(PREFIXES);
-                    let count: usize = wheels
-                        .map(|(wheel, prefix)| wheel.columns(case.name, prefix, case.held).count())
-                        .sum();
-                    let more = usize::from(self.has_rack) + usize::from(self.has_bar);
-                    values.resize(values.len() + count + more, None);
-                }
+                None => values.extend(self.columns_of(case).iter().map(|_| None)),
             }
         }
         values
@@ -127,18 +119,13 @@ impl<'a> AxleLoads<'a> {
             };
             values.extend(wheel.values(&axle.member_forces(&at, side)?, left, held));
         }
-        let printed = |value: f64, unit: Unit| {
-            let value = value * unit.printed_factor(self.length);
-            value.is_finite().then_some(value)
-        };
+        let [left, _] = &self.wheels;
         if self.has_rack {
-            values.push(printed(self.along * axle.rack_force(&at), Unit::Force));
+            values.push(left.printed(self.along * axle.rack_force(&at), Unit::Force));
         }
         if self.has_bar {
-            values.push(
-                axle.bar_torque(&at)
-                    .and_then(|torque| printed(torque, Unit::Torque)),
-            );
+            let torque = axle.bar_torque(&at);
+            values.push(torque.and_then(|torque| left.printed(torque, Unit::Torque)));
         }
         Some(values)
     }

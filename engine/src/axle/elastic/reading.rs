@@ -15,8 +15,8 @@ use super::super::{Axle, AxleColumn, AxleKind, AxleQuantity, Motion, Quantity, W
 use super::TestFigure;
 use crate::characteristics::{Characteristic, Inputs};
 use crate::compliance::{
-    AxleChange, AxleCompliance, AxleFault, AxleFigure, AxleKcRun, AxleParameter, AxlePlace,
-    AxleVehicle, Conditions, ElasticAxle, HeldQuantity, Here, KcTest, NoEquilibrium, WheelFigures,
+    AxleChange, AxleCompliance, AxleFigure, AxleKcRun, AxleParameter, AxlePlace, AxleVehicle,
+    Conditions, ElasticAxle, HeldQuantity, Here, KcTest, NoEquilibrium, WheelFigures,
     not_of_equilibrium,
 };
 use crate::mechanism::DesignFault;
@@ -352,24 +352,6 @@ impl Axle {
         self.equilibria(designs, &elastic.parts)
     }
 
-    /// Elastic model of the axle with its own hardpoints. An error if it has none.
-    pub(in crate::axle) fn elastic_model(
-        &self,
-        elastic: &AxleComplianceStudy,
-    ) -> Result<ElasticAxle, (Side, DesignFault)> {
-        let suspensions = Side::ALL.map(|side| self.suspension(side));
-        let designs = suspensions.map(|suspension| &suspension.design[..]);
-        ElasticAxle::of(suspensions, designs, &elastic.parts)
-            .map_err(|fault| self.no_model(&fault, &elastic.parts))
-    }
-
-    /// Reason why the axle has no elastic model, with the side of the fault.
-    fn no_model(&self, fault: &AxleFault, parts: &AxleCompliance) -> (Side, DesignFault) {
-        let words = fault.describe(&parts.wheels, &self.left);
-        let side = fault.side.unwrap_or(Side::Left);
-        (side, DesignFault::Elastic(words))
-    }
-
     /// Equilibria of the axle with its hardpoints at `designs` and these parts. An error if it has no elastic model.
     pub(crate) fn equilibria(
         &self,
@@ -377,8 +359,11 @@ impl Axle {
         parts: &AxleCompliance,
     ) -> Result<Equilibria<'_>, (Side, DesignFault)> {
         let vehicle = self.on_rig(self.elastic.as_ref().and_then(|own| own.tyre_rate));
-        let run =
-            AxleKcRun::of(vehicle, designs, parts).map_err(|fault| self.no_model(&fault, parts))?;
+        let run = AxleKcRun::of(vehicle, designs, parts).map_err(|fault| {
+            let words = fault.describe(&parts.wheels, &self.left);
+            let side = fault.side.unwrap_or(Side::Left);
+            (side, DesignFault::Elastic(words))
+        })?;
         Ok(Equilibria {
             run,
             along: self.left.frame.sign(Axis::Y),
@@ -387,6 +372,11 @@ impl Axle {
 }
 
 impl Equilibria<'_> {
+    /// Elastic model of the axle, with its bar and its own steering.
+    pub(in crate::axle) fn axle(&self) -> &ElasticAxle {
+        self.run.axle()
+    }
+
     /// The axle in equilibrium at travels and a rack displacement towards the kernel's +y.
     pub(crate) fn here(&self, (travels, rack): ([f64; 2], f64)) -> Result<Here, NoEquilibrium> {
         self.run.here(USUAL, travels, self.along * rack, [])

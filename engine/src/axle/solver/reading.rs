@@ -131,8 +131,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.gradients_of(placed, &sought, &mut receive)
     }
 
-    /// The same by every point of both sides, for points of which each moves by itself. For a rigid axle these are all points of the
-    /// left design, and all points of the axle as its right wheel sees it.
+    /// The same if each point of both sides moves by itself. For a rigid axle, the first gradient is by all points of the left
+    /// design, and the second one by all points of the axle as its right wheel sees it.
     pub(crate) fn gradients_by_each_point(
         &mut self,
         placed: &AxlePose,

@@ -176,6 +176,11 @@ impl<'a> AxleKcRun<'a> {
         parts
     }
 
+    /// Elastic model of the axle, with its bar and its own steering.
+    pub(crate) fn axle(&self) -> &ElasticAxle {
+        &self.axle
+    }
+
     /// Axle under other conditions.
     fn variant(&self, conditions: Conditions) -> Result<ElasticAxle, AxleFault> {
         let (has_bar, locks_rack) = conditions;

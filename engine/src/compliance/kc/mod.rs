@@ -128,7 +128,7 @@ pub struct KcStation {
     pub tests: Vec<(KcTest, TestPlace)>,
     /// Compliance matrix of the wheel centre, in the study's axes; `None` if the wheel load cannot be held. Rows are
     /// displacements x, y, z, then rotations; columns are forces, then moments there. For an axle, the left wheel comes
-    /// first, and the anti-roll bar and the steering are those of the first test.
+    /// first, with the anti-roll bar and the steering of the first test.
     pub matrix: Option<Vec<Vec<f64>>>,
     /// Distance of both wheel centres across the vehicle, for an axle whose first test has an equilibrium.
     pub centre_distance: Option<f64>,

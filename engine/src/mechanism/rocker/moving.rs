@@ -38,7 +38,7 @@ pub struct MovingAngle<T> {
     pub leverage_squared: T,
 }
 
-/// Rockers and their points in SIMD lanes. Their velocities follow from that of the knuckle, without recursion.
+/// Rockers and their points in SIMD lanes. Their velocities follow from the velocity of the knuckle, without recursion.
 impl<B: SimdReal> Configuration<'_, B> {
     #[inline(always)]
     fn turning(&self, id: RockerId, motion: &Twist<B>) -> Turning<B> {

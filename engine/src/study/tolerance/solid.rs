@@ -1,7 +1,7 @@
-//! Scatter of the parts of a solid axle: those that it has once, and those of its halves.
+//! Scatter of the parts of a solid axle: parts that it has once, and parts of its halves.
 
+use super::super::Contributor;
 use super::super::error::Problems;
-use super::super::{Contributor, Source};
 use crate::model::{Side, Suspension};
 use std::ops::Range as Span;
 
@@ -13,8 +13,10 @@ pub(super) fn is_single(
     place: Span<usize>,
     problems: &mut Problems,
 ) -> Option<bool> {
-    let changes = |source: &Source| source.changes.clone();
-    let all = contributor.sources.iter().flat_map(changes);
+    let all = contributor
+        .sources
+        .iter()
+        .flat_map(|source| &source.changes);
     let mut kinds = all.map(|(parameter, _)| parameter.is_single(&suspension.mechanism));
     let Some(first) = kinds.next() else {
         return Some(false);

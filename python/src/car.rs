@@ -335,7 +335,7 @@ pub(crate) fn car_tolerance<'py>(
     let done = AtomicU64::new(0);
     let refused = |(axle, why): (usize, _)| {
         let reason = scatter::refusal(&study.axles[axle], why);
-        format!("{} axle: {reason}", ["front", "rear"][axle])
+        format!("{} axle: {reason}", hardpoint::car::AXLE_NAMES[axle])
     };
     let work = |flag: &AtomicBool| -> Result<_, String> {
         let problem = CarProblem::of(study, tolerance).map_err(refused)?;

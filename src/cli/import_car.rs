@@ -103,7 +103,7 @@ fn summary(file: &Path, directory: &Path, car: &ImportedCar) -> String {
     let mut text = String::new();
     let mut notes: Vec<String> = Vec::new();
     let mut left_out: Vec<String> = Vec::new();
-    for (axle, name) in car.axles.iter().zip(["front", "rear"]) {
+    for (axle, name) in car.axles.iter().zip(crate::car::AXLE_NAMES) {
         text += &format!(
             "{}: {name} axle, {} hardpoints of {}, {}, {}\n{}",
             file.display(),

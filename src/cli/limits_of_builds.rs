@@ -2,13 +2,13 @@
 
 use super::StudyArguments;
 use super::exit::{Exit, Stop};
-use super::limits::{Row, ranges, ranges_by_rack, rod_travel, straight, travel_left, travel_rows};
 use super::output::{design_fault, pool};
 use super::printer::Printer;
 use super::progress;
 use super::tolerance::{problem, tolerance_of};
 use crate::analyse::Range;
 use crate::axle::{Axle, AxlePlan, axle_curves};
+use crate::limits::{Row, ranges, ranges_by_rack, rod_travel, straight, travel_left, travel_rows};
 use crate::mechanism::DesignFault;
 use crate::model::{Side, Suspension};
 use crate::plan::Plan;

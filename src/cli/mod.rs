@@ -8,7 +8,6 @@ mod choices;
 mod compare;
 mod completions;
 mod elastic;
-mod elastic_limits;
 mod embedded;
 mod exit;
 mod export;

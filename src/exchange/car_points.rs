@@ -15,7 +15,7 @@ pub fn car_point_pages(
         let own = placed(study, axle);
         let outgoing = Outgoing::of(&own, unit, frame);
         Page {
-            name: format!("{}_hardpoints", ["front", "rear"][axle]),
+            name: format!("{}_hardpoints", crate::car::AXLE_NAMES[axle]),
             rows: point_rows(&outgoing),
         }
     })

@@ -1,11 +1,9 @@
 //! Remaining freedom of a design: moves that leave the targets unchanged, and the limits of the mechanism.
 
-use super::message::{Designed, DirectionsAnswer, FreeDirection, LimitEnd, LimitsAnswer};
+use super::message::{Designed, DirectionsAnswer, FreeDirection, LimitsAnswer};
 use super::study_file::Opened;
-use crate::analyse::{Range, RangeEnd};
-use crate::model::Axis;
+use crate::limits::LimitTable;
 use crate::optimise::{Bounds, Identifiability, assessed};
-use crate::solve::Solver;
 use crate::study::Variable;
 
 /// Largest change of the misfit, in tolerances, by a move across the whole range that counts as no change.
@@ -60,47 +58,13 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
     })
 }
 
-/// Limits of wheel and rack from the design position, with their causes.
+/// Limits of the mechanism, with the parts that end its motion.
 pub(super) fn limits(opened: &Opened, of: &Designed) -> Result<LimitsAnswer, String> {
-    let moved = opened.moved(&of.design)?;
-    if moved.is_elastic() {
-        return Err("limits need the rigid mechanism: the study has [compliance]".to_owned());
-    }
-    let suspension = moved.wheel();
-    let mechanism = &suspension.mechanism;
-    let fault = |fault: crate::mechanism::DesignFault| fault.describe(mechanism);
-    let mut solver = Solver::new(mechanism, &suspension.design).map_err(fault)?;
-    let limits = solver.limits().map_err(fault)?;
-    let sign = suspension.frame.sign(Axis::Y);
-    Ok(LimitsAnswer {
-        travel: ends(&limits.travel, 1.0),
-        rack: limits.rack.as_ref().map(|range| ends(range, sign)),
-    })
-}
-
-fn ends(range: &Range, sign: f64) -> [LimitEnd; 2] {
-    let end = |end: &RangeEnd| match end {
-        RangeEnd::Fold(limit) => LimitEnd {
-            value: Some(sign * limit.value),
-            because: limit.cause.to_string(),
-        },
-        RangeEnd::FullTurn => LimitEnd {
-            value: None,
-            because: "no limit: it turns all the way round".to_owned(),
-        },
-        RangeEnd::Toggle { value, rod } => LimitEnd {
-            value: Some(sign * value),
-            because: format!("the {rod} is at toggle"),
-        },
-        RangeEnd::Unresolved(value) => LimitEnd {
-            value: Some(sign * value),
-            because: "the path could not be followed further".to_owned(),
-        },
-    };
-    let [lower, upper] = [end(&range.lower), end(&range.upper)];
-    if sign < 0.0 {
-        [upper, lower]
-    } else {
-        [lower, upper]
-    }
+    let LimitTable { table, notes } = LimitTable::of(&opened.moved(&of.design)?)?;
+    Ok(LimitsAnswer::of(
+        "Limits of the mechanism",
+        &table,
+        |_| true,
+        notes,
+    ))
 }

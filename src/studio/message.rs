@@ -4,8 +4,8 @@
 use crate::SideEffect;
 use crate::curves::Frame;
 use crate::report::{
-    FailureRange, OutputRecord, Scene, counted, shown_side_effects, side_effects_table,
-    unchanged_in_words,
+    Cell, FailureRange, OutputRecord, Scene, Table, counted, shown_side_effects,
+    side_effects_table, unchanged_in_words,
 };
 use crate::study::ValueEdit;
 use serde::{Deserialize, Serialize};
@@ -362,17 +362,37 @@ pub(super) struct FreeDirection {
     pub free: [f64; 2],
 }
 
-/// Limits of the mechanism.
+/// Limits of the mechanism, or lift limits of a car, as a table.
 #[derive(Serialize)]
 pub(super) struct LimitsAnswer {
-    pub travel: [LimitEnd; 2],
-    pub rack: Option<[LimitEnd; 2]>,
+    pub title: &'static str,
+    pub header: Vec<String>,
+    pub rows: Vec<Vec<String>>,
+    /// Sentences below the table.
+    pub notes: Vec<String>,
 }
 
-#[derive(Serialize)]
-pub(super) struct LimitEnd {
-    pub value: Option<f64>,
-    pub because: String,
+impl LimitsAnswer {
+    /// Some columns of a table, in its order.
+    pub(super) fn of(
+        title: &'static str,
+        table: &Table,
+        is_shown: impl Fn(&str) -> bool,
+        notes: Vec<String>,
+    ) -> Self {
+        let header = table.header();
+        let shown: Vec<usize> = (0..header.len()).filter(|k| is_shown(header[*k])).collect();
+        let row = |cells: Vec<&Cell>| {
+            let texts = shown.iter().map(|k| cells[*k].text().to_owned());
+            texts.collect()
+        };
+        LimitsAnswer {
+            title,
+            header: shown.iter().map(|k| header[*k].to_owned()).collect(),
+            rows: table.rows().map(row).collect(),
+            notes,
+        }
+    }
 }
 
 /// State of a tuning.

@@ -3,25 +3,31 @@
 //! Curves of an axle are in the body's axes, in which the ground tilts. A drawing rotates everything back by the roll angle
 //! about x. It then moves the body vertically, so that the ground keeps its height of the design position.
 
+use super::elastic::Equilibria;
 use super::formulas::steering::turn;
 use super::reading::WheelParts;
 use super::solver::{AxlePose, AxleSolver, Placement};
 use super::{Axle, AxleQuantity, AxleState, Quantity};
 use crate::characteristics::instant_centres_of;
+use crate::compliance::Here;
 use crate::curves::{OtherWheel, Placement as Drawn, Turn};
 use crate::mechanism::{Configuration, DesignFault, NoPose};
 use crate::model::{Frame, PointId, Side};
 use crate::number::Vector3;
+use crate::study::AxleComplianceStudy;
 
-/// Both wheels in every pose, in the study's axes, or the reason why a pose does not exist. An error says why the design
-/// position of a wheel cannot be solved.
+/// Both wheels in every pose, in the study's axes, or the reason why a pose does not exist. With elastic parts the carriers are
+/// at their places in the equilibrium, and there are no instantaneous centres. An error says why the design position of a wheel
+/// cannot be solved, or why it has no elastic model.
 pub fn axle_frames(
     axle: &Axle,
     placements: &[Placement],
 ) -> Result<Vec<Result<Drawn, NoPose>>, (Side, DesignFault)> {
+    if let Some(elastic) = &axle.elastic {
+        return equilibrium_frames(axle, elastic, placements);
+    }
     let mut quantities = Vec::new();
-    // Roll centres belong to the rigid mechanism.
-    if axle.setup.wheel_radius.is_some() && axle.elastic.is_none() {
+    if axle.setup.wheel_radius.is_some() {
         quantities.push(Quantity::Axle(AxleQuantity::RollCentreHeight));
         quantities.push(Quantity::Axle(AxleQuantity::RollCentreLateral));
     }
@@ -51,21 +57,71 @@ pub fn axle_sides(
         return Ok(rigid_sides(axle, &mut solver, placement));
     };
     let equilibria = axle.own_equilibria(elastic)?;
-    let Some(place) = placement.on_level_pads() else {
-        return Ok(Err(NoPose::NoGround));
-    };
-    let here = match equilibria.here(place) {
-        Ok(here) => here,
-        Err(why) => return Ok(Err(why.into())),
-    };
-    Ok(each_side(|side| {
-        let (design, mechanism) = (solver.design(side), &axle.suspension(side).mechanism);
-        let pose = here.axle.pose(&here.at, side, design[mechanism.origin.0]);
-        let rack = here.axle.rack(&here.at) * side.sign();
-        let at = Configuration::new(mechanism, design, pose, rack);
-        let contact = here.axle.figures(&here.at, side).contact;
-        side_at_rest(axle, side, &at, contact)
+    Ok(in_equilibrium(&equilibria, placement).and_then(|here| {
+        each_side(|side| {
+            let (at, contact) = carrier_at(axle, &solver, &here, side);
+            side_at_rest(axle, side, &at, contact)
+        })
     }))
+}
+
+fn in_equilibrium(equilibria: &Equilibria<'_>, placement: &Placement) -> Result<Here, NoPose> {
+    let place = placement.on_level_pads().ok_or(NoPose::NoGround)?;
+    Ok(equilibria.here(place)?)
+}
+
+/// A wheel of an axle in equilibrium, and its contact point.
+fn carrier_at<'a>(
+    axle: &'a Axle,
+    solver: &'a AxleSolver<'_, 2>,
+    here: &Here,
+    side: Side,
+) -> (Configuration<'a, f64>, Vector3<f64>) {
+    let (design, mechanism) = (solver.design(side), &axle.suspension(side).mechanism);
+    let pose = here.axle.pose(&here.at, side, design[mechanism.origin.0]);
+    let rack = here.axle.rack(&here.at) * side.sign();
+    let contact = here.axle.figures(&here.at, side).contact;
+    (Configuration::new(mechanism, design, pose, rack), contact)
+}
+
+/// Both wheels in the equilibria at these placements. The body is level and each wheel stands on a pad of its own. The mean
+/// height of the pads is that of the ground in the design position.
+fn equilibrium_frames(
+    axle: &Axle,
+    elastic: &AxleComplianceStudy,
+    placements: &[Placement],
+) -> Result<Vec<Result<Drawn, NoPose>>, (Side, DesignFault)> {
+    let mut solver = AxleSolver::<2>::new(axle, &[], false)?;
+    let ground = design_ground(axle, &mut solver);
+    let equilibria = axle.own_equilibria(elastic)?;
+    let has_ground = axle.setup.wheel_radius.is_some();
+    let drawn = placements.iter().map(|placement| {
+        let here = in_equilibrium(&equilibria, placement)?;
+        let wheels = Side::ALL.map(|side| carrier_at(axle, &solver, &here, side));
+        let [left, right] = &wheels;
+        let attitude = Attitude {
+            frame: &axle.left.frame,
+            sine: 0.0,
+            cosine: 1.0,
+            lifted: if has_ground {
+                ground - 0.5 * (left.1.z + right.1.z)
+            } else {
+                0.0
+            },
+        };
+        let wheel = |side: Side| {
+            let (at, contact) = &wheels[side as usize];
+            OtherWheel {
+                spin_axis: attitude.direction(side, at.spin_axis()),
+                contact: has_ground.then(|| attitude.place(side, *contact)),
+                front_view_centre: None,
+                side_view_centre: None,
+            }
+        };
+        let points = attitude.points([&left.0, &right.0]);
+        Ok(Drawn::of_axle(points, Side::ALL.map(wheel), None, None))
+    });
+    Ok(drawn.collect())
 }
 
 fn rigid_sides(
@@ -155,6 +211,16 @@ impl Attitude<'_> {
         self.written(self.placed(side, v))
     }
 
+    /// Positions of all points, of the left wheel first.
+    fn points(&self, wheels: [&Configuration<f64>; 2]) -> Vec<[f64; 3]> {
+        let wheels = Side::ALL.into_iter().zip(wheels);
+        let points = wheels.flat_map(|(side, at)| {
+            let all = 0..at.mechanism.points.len();
+            all.map(move |i| self.place(side, at.point(PointId(i))))
+        });
+        points.collect()
+    }
+
     /// Spin axis, contact point and instantaneous centres of a wheel.
     fn wheel(&self, side: Side, state: &AxleState<f64>, has_ground: bool) -> OtherWheel {
         let wheel = &state.wheels()[side as usize];
@@ -215,13 +281,9 @@ fn drawn(
             0.0
         },
     };
-    let mut points = Vec::new();
-    for side in Side::ALL {
-        let at = solver.drawn_configuration(side, placed);
-        let all = 0..at.mechanism.points.len();
-        points.extend(all.map(|i| attitude.place(side, at.point(PointId(i)))));
-    }
-    let [left, right] = Side::ALL.map(|side| attitude.wheel(side, &state, has_ground));
+    let [left, right] = Side::ALL.map(|side| solver.drawn_configuration(side, placed));
+    let points = attitude.points([&left, &right]);
+    let wheels = Side::ALL.map(|side| attitude.wheel(side, &state, has_ground));
     let roll_centre = if has_ground {
         attitude.roll_centre(&state)
     } else {
@@ -231,20 +293,11 @@ fn drawn(
         let [x, y, _] = frame.vector(Vector3::new(x, y, 0.0)).to_array();
         [x + 0.0, y + 0.0]
     };
-    Ok(Drawn {
-        points,
-        spin_axis: left.spin_axis,
-        steering_axis: None,
-        contact: left.contact,
-        roll_centre,
-        front_view_centre: left.front_view_centre,
-        side_view_centre: left.side_view_centre,
-        right: Some(right),
-        turn: turn(&state).map(|turn| Turn {
-            wheels: turn.wheels.map(|ends| ends.map(flat)),
-            meets: turn.meets.map(|meets| meets.map(flat)),
-            centre: turn.centre.map(flat),
-            other_axle: flat([turn.other_axle, 0.0])[0],
-        }),
-    })
+    let turn = turn(&state).map(|turn| Turn {
+        wheels: turn.wheels.map(|ends| ends.map(flat)),
+        meets: turn.meets.map(|meets| meets.map(flat)),
+        centre: turn.centre.map(flat),
+        other_axle: flat([turn.other_axle, 0.0])[0],
+    });
+    Ok(Drawn::of_axle(points, wheels, roll_centre, turn))
 }

@@ -149,7 +149,7 @@ impl NoEquilibrium {
 
 impl fmt::Display for NoEquilibrium {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let end = |axle: usize| ["front", "rear"][axle];
+        let end = |axle: usize| crate::car::AXLE_NAMES[axle];
         match self {
             NoEquilibrium::NoPose { axle, failure } => write!(f, "{} axle, {failure}", end(*axle)),
             NoEquilibrium::NotFound => f.write_str("no equilibrium was found"),

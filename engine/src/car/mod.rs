@@ -106,6 +106,9 @@ use crate::number::Vector3;
 /// Standard acceleration of free fall, m/s2.
 pub const GRAVITY: f64 = 9.80665;
 
+/// Names of the axles in keys, columns and messages.
+pub const AXLE_NAMES: [&str; 2] = ["front", "rear"];
+
 /// A car: two axles and a body. Vectors are in the axes of the front axle's left wheel (x forward, y left, z up).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Car {
@@ -190,7 +193,7 @@ impl Car {
 
     /// Describes a design position that cannot be solved.
     pub fn describe_fault(&self, (axle, side, fault): &CarFault) -> String {
-        let end = ["front", "rear"][*axle];
+        let end = AXLE_NAMES[*axle];
         let reason = self.axles[*axle].describe_fault((*side, fault.clone()));
         format!("{end} axle: {reason}")
     }

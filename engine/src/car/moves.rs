@@ -94,7 +94,7 @@ impl Moves {
         let points = self.points();
         let name = |at: &PointMove| {
             let name = car.axles[at.axle].left.mechanism.name(at.point);
-            format!("{}{separator}{name}", ["front", "rear"][at.axle])
+            format!("{}{separator}{name}", crate::car::AXLE_NAMES[at.axle])
         };
         let mut names: Vec<String> = points.iter().map(name).collect();
         // Along a direction, the same point can move in several coordinates.
@@ -253,7 +253,7 @@ impl Moves {
 
     /// Label of the variable.
     pub fn label(&self, car: &Car) -> String {
-        let end = |axle: usize| ["front", "rear"][axle];
+        let end = |axle: usize| crate::car::AXLE_NAMES[axle];
         match *self {
             Moves::Hardpoints(_) => match self.names(car, '.') {
                 (names, Some(axis)) => format!("{names}.{}", axis.name()),

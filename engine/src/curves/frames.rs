@@ -53,7 +53,7 @@ pub struct Placement {
     pub turn: Option<Turn>,
 }
 
-/// Right wheel of an axle, in the same axes as the left one.
+/// A wheel of an axle, in the same axes as the other one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OtherWheel {
     /// Unit vector along the spin axis, positive outboard.
@@ -172,6 +172,26 @@ pub fn frames(suspension: &Suspension, plan: &Plan) -> Result<Vec<Frame>, Design
 }
 
 impl Placement {
+    /// Both wheels of an axle, the points of the left wheel first.
+    pub(crate) fn of_axle(
+        points: Vec<[f64; 3]>,
+        [left, right]: [OtherWheel; 2],
+        roll_centre: Option<[f64; 3]>,
+        turn: Option<Turn>,
+    ) -> Placement {
+        Placement {
+            points,
+            spin_axis: left.spin_axis,
+            steering_axis: None,
+            contact: left.contact,
+            roll_centre,
+            front_view_centre: left.front_view_centre,
+            side_view_centre: left.side_view_centre,
+            right: Some(right),
+            turn,
+        }
+    }
+
     /// The mechanism in a configuration without rates. `suspension` gives the axes. An error names the first rod that does not
     /// reach its rocker.
     pub(crate) fn at_rest(

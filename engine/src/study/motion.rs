@@ -337,7 +337,7 @@ pub(super) fn within(
 }
 
 /// Makes `count` evenly spaced values from `from` to `to`.
-fn evenly_spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
+pub(super) fn evenly_spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
     (0..count)
         .map(|i| evenly_spaced_at(from, to, count as u64, i as u64))
         .collect()

@@ -211,7 +211,7 @@ fn describe(study: &CarStudy, sweep: &CarSweep, targets: &[CarTarget]) -> SweepR
         let moves = variable.moves.points().iter().map(|at| MoveRecord {
             hardpoint: format!(
                 "{}_{}",
-                ["front", "rear"][at.axle],
+                crate::car::AXLE_NAMES[at.axle],
                 car.axles[at.axle].left.mechanism.name(at.point)
             ),
             axis: at.axis.name().to_owned(),

@@ -67,7 +67,11 @@ impl Failing {
     pub(super) fn case(case: &str, failed: &FailedCases) -> Self {
         let reason = match &failed.why {
             NoEquilibrium::NoPose { axle, failure } => {
-                format!("{} axle, {}", ["front", "rear"][*axle], no_pose(failure))
+                format!(
+                    "{} axle, {}",
+                    crate::car::AXLE_NAMES[*axle],
+                    no_pose(failure)
+                )
             }
             why => why.to_string(),
         };

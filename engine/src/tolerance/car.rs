@@ -117,7 +117,7 @@ impl<'a> CarProblem<'a> {
                 continue;
             }
             let wheels = problem.built_wheels(number).map_err(|(side, reject)| {
-                let end = ["front", "rear"][axle];
+                let end = crate::car::AXLE_NAMES[axle];
                 match side {
                     Some(side) => format!("{end} axle, {}", side.about(&reject)),
                     None => format!("{end} axle: {reject}"),

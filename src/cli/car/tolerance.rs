@@ -67,7 +67,10 @@ pub(in crate::cli) fn tolerance(arguments: &ToleranceArguments) -> Result<Exit, 
 
 fn refused(study: &CarStudy, path: &Path, (axle, why): &(usize, SetUpError)) -> Stop {
     let reason = crate::scatter::refusal(&study.axles[*axle], why.clone());
-    Stop::in_file(path, format!("{} axle: {reason}", ["front", "rear"][*axle]))
+    Stop::in_file(
+        path,
+        format!("{} axle: {reason}", crate::car::AXLE_NAMES[*axle]),
+    )
 }
 
 fn with_progress(problem: &CarProblem<'_>, tolerance: &CarTolerance, nominal: &[f64]) -> CarBuilds {

@@ -198,7 +198,7 @@ fn changes(cars: &[&Car]) -> Vec<Change> {
                     Some(wheel.frame.sign(axis) * wheel.design[point][axis])
                 };
                 let values = cars.iter().map(coordinate).collect();
-                let label = format!("{}.{name}.{}", ["front", "rear"][axle], axis.name());
+                let label = format!("{}.{name}.{}", crate::car::AXLE_NAMES[axle], axis.name());
                 push(label, cars[0].length_unit.symbol().to_owned(), values);
             }
         }

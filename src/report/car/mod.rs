@@ -112,7 +112,7 @@ impl<'s> CarResults<'s> {
             }
         }
         remarks.extend(self.warnings());
-        for (end, axle) in ["front", "rear"].iter().zip(&study.axles) {
+        for (end, axle) in crate::car::AXLE_NAMES.iter().zip(&study.axles) {
             let vehicle = &axle.wheel().vehicle;
             let figures = [
                 (

@@ -67,7 +67,7 @@ impl<'s> CarResults<'s> {
     ) {
         let car = &self.study.car;
         let (length, mass) = (self.unit(), car.mass_unit);
-        for (number, end) in ["front", "rear"].into_iter().enumerate() {
+        for (number, end) in crate::car::AXLE_NAMES.into_iter().enumerate() {
             let axle = &car.axles[number].left;
             for (k, by) in gradient.hardpoints[number].iter().enumerate() {
                 let name = axle.mechanism.name(PointId(k));

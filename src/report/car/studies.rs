@@ -73,7 +73,7 @@ pub fn settings_of_car(
     variables: &[CarVariable],
     x: &[f64],
 ) -> Vec<String> {
-    let ends = ["front", "rear"];
+    let ends = crate::car::AXLE_NAMES;
     let mut points = Vec::new();
     for at in variables
         .iter()

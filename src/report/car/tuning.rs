@@ -222,7 +222,7 @@ type Rig<'s> = (usize, &'static str, &'s RigGoals, [Option<RigOutcome>; 2]);
 fn rigs<'s>(study: &CarStudy, wanted: &'s CarOptimise, x: &[f64]) -> Vec<Rig<'s>> {
     let mut found = Vec::new();
     let start = vec![0.0; x.len()];
-    for (end, name) in ["front", "rear"].into_iter().enumerate() {
+    for (end, name) in crate::car::AXLE_NAMES.into_iter().enumerate() {
         let Some(goals) = &wanted.rigs[end] else {
             continue;
         };

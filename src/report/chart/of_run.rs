@@ -49,13 +49,18 @@ pub(in crate::report) fn charts_over(
         return Chart::default();
     };
     let is_pair = outputs.len() > 1;
+    let mut title = title_of(first, is_pair).to_owned();
+    // An axle has some quantities of its own under the name of those of its wheels.
+    if is_pair && record.outputs.iter().any(|own| own.title == title) {
+        title.push_str(" of each wheel");
+    }
     let mut chart = Chart {
         key: match side_of(&first.column) {
             Some((_, name)) if is_pair => name.to_owned(),
             _ => first.column.clone(),
         },
         x: Quantity::of_column(abscissa),
-        y: Quantity::new(&first.column, title_of(first, is_pair), &first.unit),
+        y: Quantity::new(&first.column, &title, &first.unit),
         ..Chart::default()
     };
     for output in outputs {

@@ -29,7 +29,10 @@ impl Scale {
         let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
         // For a constant, the range is wide enough that rounding errors do not look like a slope.
         let least = 1e-6 * low.abs().max(high.abs()).max(1e-3);
-        let (low, high) = if high - low < least {
+        let (low, high) = if low == 0.0 && high == 0.0 {
+            // Exact zeros tell no scale.
+            (-1.0, 1.0)
+        } else if high - low < least {
             (low - least, high + least)
         } else {
             (low, high)

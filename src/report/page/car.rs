@@ -327,7 +327,7 @@ fn attitude(record: &CarRecord) -> String {
             format!(
                 "<figure><figcaption>{}, {} axle <small>{attitude}</small></figcaption>{}</figure>",
                 titled(case),
-                ["front", "rear"][axle],
+                crate::car::AXLE_NAMES[axle],
                 views::front(record, state, axle)
             )
         })

@@ -1,8 +1,8 @@
 //! The answer to a dragged point of a car: all load cases, solved.
 
 use super::misfit::{by_coordinates, misfit};
-use super::{ENDS, OpenedCar, solver};
-use crate::car::{CarDrawing, CarQuantity, CarSolver};
+use super::{OpenedCar, solver};
+use crate::car::{AXLE_NAMES, CarDrawing, CarQuantity, CarSolver};
 use crate::number::Vector3;
 use crate::report::{CarResults, CarState, FailureRange, plausibility, readable_unit};
 use crate::studio::message::{
@@ -87,7 +87,7 @@ pub(super) fn solved(opened: &OpenedCar, request: &SolveRequest) -> Result<Solve
 /// Doubts about the points of each axle.
 fn doubts(study: &CarStudy) -> Result<Vec<String>, String> {
     let mut found = Vec::new();
-    for (end, axle) in ENDS.iter().zip(&study.axles) {
+    for (end, axle) in AXLE_NAMES.iter().zip(&study.axles) {
         let wheel = axle.wheel();
         let own = plausibility(wheel).map_err(|fault| fault.describe(&wheel.mechanism))?;
         found.extend(own.into_iter().map(|doubt| format!("{end} axle: {doubt}")));

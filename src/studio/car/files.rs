@@ -1,6 +1,7 @@
 //! The three files of a car: read, and written back with their comments.
 
-use super::{ENDS, OpenedCar};
+use super::OpenedCar;
+use crate::car::AXLE_NAMES;
 use crate::number::Vector3;
 use crate::report::car_with_axles;
 use crate::results::digest_of_texts;
@@ -70,7 +71,7 @@ impl CarFiles {
             let named = named.and_then(|name| name.as_str()).unwrap_or_default();
             text_of(&directory.join(named))
         };
-        let (front, rear) = (axle(ENDS[0])?, axle(ENDS[1])?);
+        let (front, rear) = (axle(AXLE_NAMES[0])?, axle(AXLE_NAMES[1])?);
         Ok(digest_of_texts(&[&text, &front, &rear]))
     }
 
@@ -252,7 +253,7 @@ pub(super) fn edited_texts(
     let mut texts = texts.clone();
     for edit in edits {
         let end = match edit.path.first() {
-            Some(PathStep::Key(key)) => ENDS.iter().position(|end| end == key),
+            Some(PathStep::Key(key)) => AXLE_NAMES.iter().position(|end| end == key),
             _ => None,
         };
         let (number, path) = match end {

@@ -92,7 +92,7 @@ pub(super) fn name_of(target: &CarTarget, study: &CarStudy) -> String {
 
 /// Name of a target or a constraint of an axle by itself.
 pub(super) fn name_on_rig(name: &str, end: usize) -> String {
-    format!("{name} of the {} axle", super::ENDS[end])
+    format!("{name} of the {} axle", crate::car::AXLE_NAMES[end])
 }
 
 /// Targets and constraints of the load cases.

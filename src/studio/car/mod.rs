@@ -18,17 +18,24 @@ use super::message::{
 };
 use super::reading::Reading;
 use super::study_file::{NotSaved, check_geometry, in_kernel};
-use crate::car::CarSolver;
+use crate::car::{AXLE_NAMES, CarSolver};
 use crate::exchange::{car_point_pages, car_points_csv};
 use crate::number::Vector3;
-use crate::report::{CarResults, car_page};
+use crate::report::{CarResults, car_limits, car_page, lift_limits_table};
 use crate::results::digest_of_texts;
 use crate::study::{CarStudy, Study, StudyErrors, ValueEdit, Variable};
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
-/// Names of the axles.
-const ENDS: [&str; 2] = ["front", "rear"];
+/// Columns of the lift limits that the page shows.
+const LIFT_COLUMNS: [&str; 6] = [
+    "case",
+    "direction deg",
+    "lift g",
+    "wheel",
+    "end g",
+    "reason",
+];
 
 /// Texts of a car and of its axles that were read, and their meaning.
 pub(in crate::studio) struct OpenedCar {
@@ -96,7 +103,7 @@ impl OpenedCar {
     /// The study with a design that came from the page.
     fn moved(&self, coordinates: &Coordinates) -> Result<CarStudy, String> {
         let study = self.study.at_design(self.designs(coordinates)?);
-        for (end, axle) in ENDS.iter().zip(&study.axles) {
+        for (end, axle) in AXLE_NAMES.iter().zip(&study.axles) {
             check_geometry(axle).map_err(|fault| format!("{end} axle: {fault}"))?;
         }
         Ok(study)
@@ -139,8 +146,14 @@ impl Reading for OpenedCar {
         Err("free directions are for one axle: open its study".to_owned())
     }
 
-    fn limits(&self, _: &Designed) -> Result<LimitsAnswer, String> {
-        Err("limits of the mechanism are for one axle: open its study".to_owned())
+    fn limits(&self, of: &Designed) -> Result<LimitsAnswer, String> {
+        let study = self.moved(&of.design)?;
+        let limits = car_limits(&study, &mut solver(&study)?);
+        let table = lift_limits_table(&limits);
+        let is_shown = |column: &str| LIFT_COLUMNS.contains(&column);
+        let note = "Accelerations up to 5 g, from forward (0 degrees) to the left (90 degrees).";
+        let notes = vec![note.to_owned()];
+        Ok(LimitsAnswer::of("Wheel lift", &table, is_shown, notes))
     }
 
     fn csv(&self, of: &Designed) -> Result<Vec<u8>, String> {

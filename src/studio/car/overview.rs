@@ -1,8 +1,8 @@
 //! A car, as far as it stays while points move.
 
 use super::misfit::{name_of, name_on_rig};
-use super::{ENDS, OpenedCar, coordinates};
-use crate::car::{AxleParameter, Car, CarQuantity, CarVariable, rate_key};
+use super::{OpenedCar, coordinates};
+use crate::car::{AXLE_NAMES, AxleParameter, Car, CarQuantity, CarVariable, rate_key};
 use crate::report::{Scene, readable_unit};
 use crate::studio::message::{
     CharacteristicOverview, Overview, PointOverview, Slider, TargetOverview, VariableOverview,
@@ -31,7 +31,7 @@ pub(super) fn overview(opened: &OpenedCar) -> Overview {
     let names = opened.files.names();
     let topology = |end: usize| {
         let name = study.axles[end].wheel().mechanism.topology.name;
-        format!("{} {}", ENDS[end], name.replace('_', " "))
+        format!("{} {}", AXLE_NAMES[end], name.replace('_', " "))
     };
     Overview {
         name: study.name.clone(),
@@ -79,7 +79,7 @@ fn written(study: &CarStudy) -> serde_json::Value {
         "vehicle",
     ];
     let mut all = sections(&study.text, &["car", "cases", "outputs", "optimise"]);
-    for (end, axle) in ENDS.iter().zip(&study.axles) {
+    for (end, axle) in AXLE_NAMES.iter().zip(&study.axles) {
         all[*end] = sections(&axle.text, &of_axle);
     }
     all["units"] = units(&study.car);
@@ -138,9 +138,9 @@ fn points(study: &CarStudy) -> Vec<PointOverview> {
             let about = mechanism.topology.hardpoint(&point.name);
             let about = about.map_or("a point to report", |hardpoint| hardpoint.about);
             found.push(PointOverview {
-                name: format!("{}_{}", ENDS[end], point.name),
-                about: format!("{} axle: {about}", ENDS[end]),
-                axle: Some([ENDS[end].to_owned(), point.name.clone()]),
+                name: format!("{}_{}", AXLE_NAMES[end], point.name),
+                about: format!("{} axle: {about}", AXLE_NAMES[end]),
+                axle: Some([AXLE_NAMES[end].to_owned(), point.name.clone()]),
                 shift,
             });
         }
@@ -160,10 +160,10 @@ fn scene(study: &CarStudy) -> WholeScene {
     });
     let named = |end: &str, name: &str| format!("{end} {name}");
     for body in &mut whole.bodies {
-        body.name = named(ENDS[0], &body.name);
+        body.name = named(AXLE_NAMES[0], &body.name);
     }
     for mut body in rear.bodies {
-        body.name = named(ENDS[1], &body.name);
+        body.name = named(AXLE_NAMES[1], &body.name);
         for point in body.lines.iter_mut().flatten() {
             *point += first;
         }

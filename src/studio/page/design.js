@@ -105,8 +105,19 @@ export const forget = () => {
   timeline = [{ label: 'As opened', design: copy(state.design), overview: state.overview }];
   present = 0;
 };
-// Takes the overview of a study whose values were changed; the design stays.
-export const takeOverview = (overview, label) => {
+// Takes up a history that the browser kept.
+export const resume = (deeds, at) => {
+  timeline = deeds;
+  present = at;
+  state.design = copy(timeline[at].design);
+  state.overview = timeline[at].overview;
+};
+// The text of the file: `edits` lead from the text with the digest `from` to the text of an overview.
+export const isOfFile = (overview) => { overview.from = overview.digest; overview.edits = []; };
+// Takes the overview of a study whose values were changed by these edits; the design stays.
+export const takeOverview = (overview, label, edits) => {
+  overview.from = state.overview.from;
+  overview.edits = [...state.overview.edits, ...edits];
   state.overview = overview;
   remember(label);
   emit('edited');

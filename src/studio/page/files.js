@@ -1,6 +1,8 @@
 // Save, save as, export; and what the browser keeps of moves that are not saved.
 import { byId, html, svg } from './draw.js';
-import { askGhost, copy, emit, forget, isEdited, isMoved, isSame, of, on, put, state } from './design.js';
+import { askGhost, copy, emit, forget, isEdited, isMoved, isOfFile, isSame, of, on, put, state } from './design.js';
+import { dropHistory, resumeHistory } from './history.js';
+import { edit } from './targets.js';
 import { chartSvgs } from './curves.js';
 import { viewSvgs } from './views.js';
 import { post, postForText } from './server.js';
@@ -10,8 +12,9 @@ import { acceptProposal, hasProposal, isTuning } from './tuning.js';
 
 // The study as the file has it, with the present design on top where that is wanted.
 export const readStudy = async () => {
-  state.overview = await post('study', null);
-  const { overview } = state;
+  const overview = await post('study', null);
+  isOfFile(overview);
+  state.overview = overview;
   state.opened = copy(overview.design);
   state.pins = {};
   state.design = copy(overview.design);
@@ -20,6 +23,7 @@ export const readStudy = async () => {
   state.arrows = null;
   state.selected = null;
   forget();
+  await resumeHistory();
   emit('study');
   emit('design');
   emit('deed');
@@ -31,6 +35,7 @@ const saved = ({ digest }, design) => {
   const wasMoved = isMoved() || isEdited();
   state.overview.digest = digest;
   state.overview.base = digest;
+  isOfFile(state.overview);
   state.opened = design;
   dropDraft();
   askGhost();
@@ -71,6 +76,7 @@ const save = async (anyway = false) => {
 };
 const reload = async () => {
   dropDraft();
+  dropHistory();
   try {
     await readStudy();
     say(`${state.overview.file} read again`);
@@ -104,7 +110,7 @@ const watchFile = async () => {
     action(isMoved() ? 'Read it again, keep my moves' : 'Read it again', () => readStudy().catch((refused) => say(refused.message, 'bad'))));
 };
 
-// The browser keeps unsaved moves by point, so that they outlive the tab and the server.
+// The browser keeps unsaved moves by point and edits of the text, so that they outlive the tab and the server.
 const key = () => `hardpoint studio ${state.overview.place}`;
 const dropDraft = () => { try { localStorage.removeItem(key()); } catch { /* no storage, no draft */ } };
 let timer = null;
@@ -112,23 +118,31 @@ const keepDraft = () => {
   clearTimeout(timer);
   timer = setTimeout(() => {
     if (!isMoved() && !isEdited()) return dropDraft();
-    const { points } = state.overview;
+    const { points, from, edits } = state.overview;
     const moves = points.flatMap(({ name }, p) => state.design[p].map((c, axis) => [name, axis, c, state.opened[p][axis]])).filter(([, , c, was]) => c !== was);
-    try { localStorage.setItem(key(), JSON.stringify({ when: Date.now(), moves })); } catch { /* as above */ }
+    try { localStorage.setItem(key(), JSON.stringify({ when: Date.now(), moves, from, edits })); } catch { /* as above */ }
   }, 200);
 };
 const offerDraft = () => {
   let draft = null;
   try { draft = JSON.parse(localStorage.getItem(key())); } catch { /* none that can be read */ }
-  if (!Array.isArray(draft?.moves) || !draft.moves.length) return;
+  if (!Array.isArray(draft?.moves)) return;
+  const edits = Array.isArray(draft.edits) ? draft.edits : [];
+  // Edits name places of the text by number, so they fit this text only.
+  const hasEdits = edits.length > 0 && draft.from === state.overview.from;
   const design = copy(state.opened);
   for (const [name, axis, value] of draft.moves) {
     const p = state.overview.points.findIndex((point) => point.name === name);
     if (p >= 0 && Number.isInteger(axis) && axis >= 0 && axis < 3 && Number.isFinite(value)) design[p][axis] = value;
   }
-  if (isSame(design, state.design)) return;
+  if (isSame(design, state.design) && (!hasEdits || isEdited())) return;
+  const restore = async () => {
+    if (hasEdits && !isEdited()) await edit(edits, 'Restored edits');
+    put(design, 'draft');
+    if (edits.length && !hasEdits) say('The points are restored. Edits of targets and variables are not: the file has changed since.', 'bad');
+  };
   const when = new Date(draft.when).toLocaleTimeString([], { hour: '2-digit', minute: '2-digit' });
-  say(`Unsaved changes from ${when}.`, 'ask', action('Restore', () => put(design, 'draft')), action('Discard', dropDraft));
+  say(`Unsaved changes from ${when}.`, 'ask', action('Restore', restore), action('Discard', dropDraft));
 };
 
 // Pictures: what is drawn, with the look it has on the screen.

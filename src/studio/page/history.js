@@ -1,28 +1,65 @@
 // The history that undo goes through, and designs that are pinned beside the present one.
 import { brief, byId, html } from './draw.js';
-import { askPins, copy, history, on, put, state, travel } from './design.js';
-import { question } from './dialog.js';
+import { askPins, copy, history, isEdited, isMoved, on, put, resume, state, travel } from './design.js';
+import { action, question, say } from './dialog.js';
+import { post } from './server.js';
 import { writtenDiff } from './changes.js';
 import { tellTab } from './layout.js';
 
 const LETTERS = ['A', 'B', 'C'];
 
-// The tab keeps pinned designs over a reload, by the names of points.
-const key = () => `hardpoint pins ${state.overview.place}`;
-const keepPins = () => {
-  const { points } = state.overview;
-  const kept = Object.entries(state.pins).map(([letter, { design }]) => [letter, points.map(({ name }, p) => [name, design[p]])]);
-  try { sessionStorage.setItem(key(), JSON.stringify(kept)); } catch { /* no storage */ }
+// The tab keeps pinned designs and the history over a reload, with coordinates by the names of points.
+const key = (what) => `hardpoint ${what} ${state.overview.place}`;
+const keep = (what, value) => { try { sessionStorage.setItem(key(what), JSON.stringify(value)); } catch { /* no storage */ } };
+const kept = (what) => { try { return JSON.parse(sessionStorage.getItem(key(what))); } catch { return null; } };
+const byName = (design) => state.overview.points.map(({ name }, p) => [name, design[p]]);
+const isPlace = (place) => Array.isArray(place) && place.length === 3 && place.every(Number.isFinite);
+// The design of these coordinates; null if a point has none.
+const designOf = (places) => {
+  const found = new Map(Array.isArray(places) ? places : []);
+  const design = state.overview.points.map(({ name }) => found.get(name));
+  return design.every(isPlace) ? design : null;
 };
-const restorePins = () => {
-  const isPlace = (place) => Array.isArray(place) && place.length === 3 && place.every(Number.isFinite);
+
+let timer = null;
+const keepHistory = () => {
+  clearTimeout(timer);
+  timer = setTimeout(() => {
+    const { from } = state.overview;
+    const { timeline, present } = history();
+    // Edits of deeds before a save start from a text that the file no longer has.
+    const own = timeline.filter(({ overview }) => overview.from === from);
+    const deeds = own.map(({ label, design, overview }) => ({ label, places: byName(design), edits: overview.edits }));
+    keep('history', { from, present: own.indexOf(timeline[present]), deeds });
+  }, 200);
+};
+export const dropHistory = () => { clearTimeout(timer); try { sessionStorage.removeItem(key('history')); } catch { /* no storage */ } };
+// Takes up the history of this tab, if the file still has the text that it starts from.
+export const resumeHistory = async () => {
+  const found = kept('history');
+  const opened = state.overview;
+  if (found?.from !== opened.digest || !Array.isArray(found.deeds) || !found.deeds[found.present]) return;
+  const overviews = new Map([['[]', opened]]);
+  const deeds = [];
   try {
-    for (const [letter, places] of JSON.parse(sessionStorage.getItem(key())) ?? []) {
-      const byName = new Map(places);
-      const design = state.overview.points.map(({ name }) => byName.get(name));
-      if (LETTERS.includes(letter) && design.every(isPlace)) state.pins[letter] = { design, answer: null };
+    for (const { label, places, edits } of found.deeds) {
+      const text = JSON.stringify(edits);
+      if (!overviews.has(text)) overviews.set(text, { ...await post('edit', { digest: opened.digest, edits }), from: opened.from, edits });
+      deeds.push({ label: String(label), design: designOf(places), overview: overviews.get(text) });
     }
-  } catch { /* none that can be read */ }
+  } catch { return; }
+  if (deeds.some(({ design }) => design === null)) return;
+  resume(deeds, found.present);
+  if (isMoved() || isEdited()) say('Your unsaved changes are back, with their history.', 'ask', action('Back to the file', () => travel(0)));
+};
+
+const keepPins = () => keep('pins', Object.entries(state.pins).map(([letter, { design }]) => [letter, byName(design)]));
+const restorePins = () => {
+  const pins = kept('pins');
+  for (const [letter, places] of Array.isArray(pins) ? pins : []) {
+    const design = designOf(places);
+    if (LETTERS.includes(letter) && design) state.pins[letter] = { design, answer: null };
+  }
   // Other parts of the page choose the curves first.
   if (Object.keys(state.pins).length) setTimeout(askPins);
 };
@@ -79,6 +116,7 @@ const draw = () => {
 
 export const startHistory = () => {
   on('study', restorePins);
+  on('deed', keepHistory);
   for (const event of ['study', 'edited', 'deed', 'pins']) on(event, draw);
   on('answer', () => { if (Object.keys(state.pins).length && !byId('pane-history').hidden) draw(); });
   for (const event of ['chosen', 'place', 'edited']) on(event, () => { if (Object.keys(state.pins).length) askPins(); });

@@ -1,5 +1,6 @@
 // The window: splitters between views, curves and drawer, and the tabs of the drawer.
 import { byId, html, write } from './draw.js';
+import { emit } from './design.js';
 
 const STEP = 24;
 const STORED = 'hardpoint layout';
@@ -70,6 +71,7 @@ export const openTab = (name, focus = false) => {
   byId('drawer').classList.add('open');
   byId('fold').setAttribute('aria-expanded', 'true');
   if (!isStacked() && measured.drawer() < 120) put('drawer', 260);
+  emit('tab', name);
 };
 export const tellTab = (name, note) => write(byId(`tab-${name}`).querySelector('small'), note);
 

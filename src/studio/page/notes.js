@@ -1,6 +1,6 @@
 // Panels beside the curves: targets, constraints, limits, free directions, warnings.
 import { brief, byId, html, set, write } from './draw.js';
-import { of, begin, copy, emit, finish, isInGesture, on, snapped, state } from './design.js';
+import { of, begin, copy, emit, finish, isInGesture, isSame, on, snapped, state } from './design.js';
 import { openTab, tellTab } from './layout.js';
 import { post } from './server.js';
 import { constraintForms, hasParts, partForms, targetForms } from './targets.js';
@@ -121,15 +121,13 @@ const freeDirections = () => {
   return [panel('Free directions', html('p', { class: 'hint', text: 'Directions that leave all targets unchanged to first order, each across its range.' }), ...rows)];
 };
 
+// The unit of a quantity stands behind its name.
+const quantity = (text) => text.replace(/_(mm|m|in|deg|N|lbf|N_m|lbf_in)$/, ' [$1]').replaceAll('_', ' ');
 const limitsPanel = () => {
-  if (!limits) return [];
-  const { unit } = state.overview;
-  const row = (name, ends) => html('tr', {}, html('th', { scope: 'row', text: name }),
-    ...ends.map(({ value, because }) => html('td', { class: 'number', title: because, text: value === null ? 'no end' : `${brief(value, 4)} ${unit}` })));
-  const rows = [row('travel', limits.travel)];
-  if (limits.rack) rows.push(row('rack', limits.rack));
-  const why = [...limits.travel.map((e, k) => [`travel ${k ? 'up' : 'down'}`, e]), ...(limits.rack ?? []).map((e, k) => [`rack ${k ? '+' : '−'}`, e])];
-  return [panel('Limits of the mechanism', table(['quantity', 'minimum', 'maximum'], rows), html('ul', { class: 'hint' }, ...why.map(([name, { because }]) => html('li', { text: `${name}: ${because}` }))))];
+  if (!limits) return [panel('Limits', html('p', { class: 'hint', text: 'Limits are being searched.' }))];
+  const { title, header, rows, notes } = limits;
+  const cells = rows.map((texts) => html('tr', {}, ...texts.map((text, k) => (k ? html('td', { class: Number.isFinite(Number(text)) && text ? 'number' : null, text }) : html('th', { scope: 'row', text: quantity(text) })))));
+  return [panel(title, html('div', { class: 'scroll' }, table(header, cells)), ...notes.map((text) => html('p', { class: 'hint', text })))];
 };
 
 const warnings = () => {
@@ -166,27 +164,33 @@ const draw = () => {
   fill('warnings', ...warnings());
 };
 
-// Asks for limits and free directions when the point rests, because they take longer.
+// Asks for free directions when the point rests, because they take longer. Limits take longest: they are sought where they are
+// seen.
 let timer = null;
 const rest = () => {
   clearTimeout(timer);
-  timer = setTimeout(async () => {
+  limits = null;
+  timer = setTimeout(() => {
     const base = copy(state.design);
-    const { digest, is_car: isCar } = state.overview;
-    if (isCar) return;
-    const [found, ways] = await Promise.all([post('limits', of(base)).catch(() => null), post('directions', of(base)).catch(() => null)]);
-    if (digest !== state.overview.digest) return;
-    limits = found;
-    free = ways ? [{ base, digest, directions: ways.directions }] : [];
-    draw();
-    emit('limits', limits);
+    const { digest } = state.overview;
+    const isPresent = () => digest === state.overview.digest && isSame(base, state.design);
+    post('directions', of(base)).catch(() => null).then((ways) => {
+      if (digest !== state.overview.digest) return;
+      free = ways ? [{ base, digest, directions: ways.directions }] : [];
+      draw();
+    });
+    if (byId('pane-constraints').hidden) return;
+    post('limits', of(base)).catch(({ message }) => ({ title: 'Limits', header: [], rows: [], notes: [message] })).then((found) => {
+      if (!isPresent()) return;
+      limits = found;
+      draw();
+    });
   }, 250);
 };
 
 export const startNotes = () => {
   const renew = () => {
     buildChips();
-    limits = null;
     free = [];
     const select = byId('arrows');
     const option = (value, text) => html('option', { value, text });
@@ -203,4 +207,5 @@ export const startNotes = () => {
   });
   for (const event of ['answer', 'ghost', 'options', 'deed']) on(event, draw);
   on('deed', rest);
+  on('tab', (name) => { if (name === 'constraints' && state.overview && !limits) rest(); });
 };

@@ -15,7 +15,7 @@ export const edit = (edits, label) => {
   busy = busy.then(async () => {
     try {
       const overview = await post('edit', { digest: state.overview.digest, edits });
-      takeOverview(overview, label);
+      takeOverview(overview, label, edits);
     } catch (refused) {
       say(`Not changed: ${refused.message}`, 'bad');
     }

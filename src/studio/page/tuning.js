@@ -31,8 +31,9 @@ export const isTuning = () => job !== null;
 export const acceptProposal = () => {
   const design = taken();
   const tuned = ratesTaken();
+  const { edits } = proposal;
   close();
-  if (tuned) takeOverview(tuned, 'Tuned rates');
+  if (tuned) takeOverview(tuned, 'Tuned rates', edits);
   put(design, 'tune');
 };
 // The study with the tuned rates of elastic parts, if there are any and they are taken.
@@ -128,14 +129,14 @@ const effectsTable = ({ header, rows, rest }) => [
   ...rest.map((text) => html('p', { class: 'hint', text })),
 ];
 
-const propose = (base, { design, rates: changed, headline, side_effects: effects, remarks, interrupted }, tuned) => {
+const propose = (base, { design, rates: changed, headline, side_effects: effects, remarks, interrupted, edits }, tuned) => {
   const changes = [];
   design.forEach((point, p) => point.forEach((c, axis) => { if (c !== base[p][axis]) changes.push({ p, axis }); }));
   const { points, unit } = state.overview;
   const [usual] = ROUNDINGS[unit];
   const rates = html('input', { type: 'checkbox', id: 'take-rates', 'aria-label': 'take the tuned rates', on: { change: preview } });
   rates.checked = true;
-  proposal = { base, found: design, changes, share: 1, step: usual, tuned, rates };
+  proposal = { base, found: design, changes, share: 1, step: usual, tuned, edits, rates };
   const rows = changes.map((change) => {
     const { p, axis } = change;
     const label = `${points[p].name} ${AXES[axis]}`;

@@ -1,7 +1,8 @@
 //! Drawings of an axle: the ground stays, the body rolls on it.
 
 use super::one_state::axles;
-use hardpoint::axle::{Placement, axle_frames};
+use crate::compliance::support::{elastic, with};
+use hardpoint::axle::{Placement, WheelMotion, axle_curves, axle_frames};
 
 /// A drawing of the design position has the design's points, and in roll both wheels stand on the same level ground.
 #[test]
@@ -40,5 +41,50 @@ fn the_ground_of_a_drawing_stays_where_it_is_in_the_design_position() {
                 assert!((height - ground).abs() < 1e-6, "{name}: {height} {ground}");
             }
         }
+    }
+}
+
+/// Wheels of an axle with elastic parts are drawn in the equilibrium: the drawn spin axes have the camber of the curves, and the
+/// wheel centres are as far apart in height as their travels.
+#[test]
+fn an_elastic_axle_is_drawn_in_equilibrium() {
+    let mut study = elastic(&with("subframe_axle_compliance.toml", ""));
+    let both = study.axle_mut().unwrap();
+    let pads = [(-30.0, -30.0), (0.0, 0.0), (25.0, -15.0), (30.0, 30.0)];
+    let placements = pads.map(|(left, right)| Placement::Travels {
+        travels: [left, right],
+        rack: 0.0,
+        on_plane: false,
+    });
+    let frames = axle_frames(&both.axle, &placements).unwrap();
+    for ((left, right), drawn) in pads.into_iter().zip(frames) {
+        let drawn = drawn.unwrap();
+        both.plan.motion.wheels = WheelMotion::Travels {
+            left: vec![left],
+            right: vec![right],
+            on_plane: false,
+        };
+        let curves = axle_curves(&both.axle, &both.plan).unwrap().curves;
+        let camber = |name: &str| {
+            let of_name = curves.columns.iter().position(|c| c.name == name).unwrap();
+            curves.stations[0].value(of_name).unwrap()
+        };
+        let other = drawn.right.unwrap();
+        for (axis, name) in [
+            (drawn.spin_axis, "left_camber_deg"),
+            (other.spin_axis, "right_camber_deg"),
+        ] {
+            // The spin axis points outboard and down where the top of the wheel leans outboard.
+            let drawn = -axis[2].asin().to_degrees();
+            assert!(
+                (drawn - camber(name)).abs() < 1e-9,
+                "{name} at {left}, {right}: {drawn}"
+            );
+        }
+        let centre = both.axle.left.mechanism.wheel_centre.0;
+        let [at_left, at_right] =
+            [0, drawn.points.len() / 2].map(|first| drawn.points[first + centre]);
+        let apart = at_left[2] - at_right[2];
+        assert!((apart - (left - right)).abs() < 1e-9, "{apart}");
     }
 }

@@ -184,6 +184,33 @@ fn mistakes_are_named() {
     }
 }
 
+/// A case cannot displace the rack of an axle that nothing steers.
+#[test]
+fn a_rack_needs_something_to_steer() {
+    let directory = tempfile::tempdir().unwrap();
+    for file in [
+        "off_road_car.toml",
+        "off_road_car_front.toml",
+        "off_road_car_rear.toml",
+    ] {
+        fs::copy(studies().join(file), directory.path().join(file)).unwrap();
+    }
+    let path = directory.path().join("off_road_car.toml");
+    let good = fs::read_to_string(&path).unwrap();
+    for (rear, is_refused) in [("0.0", false), ("5.0", true)] {
+        let both = format!("rack = 25.0\nrack_rear = {rear}\n#");
+        fs::write(&path, good.replacen("rack = 25.0 ", &both, 1)).unwrap();
+        let code = if is_refused { 2 } else { 0 };
+        let checked = hardpoint(directory.path(), &["check", "off_road_car.toml"]).code(code);
+        let said = text(&checked.get_output().stderr);
+        assert_eq!(
+            said.contains("nothing steers the rear axle"),
+            is_refused,
+            "{said}"
+        );
+    }
+}
+
 /// `--set` reaches the axles.
 #[test]
 fn changes_reach_the_axles() {

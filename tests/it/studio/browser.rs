@@ -175,7 +175,7 @@ fn tabs_servers_and_files_come_and_go() {
     browser.wait(SETTLED);
     assert!(assert_drawn_as_solved(&browser, &served.study) >= 2);
 
-    // The server dies: what was moved afterwards is offered when another one is opened.
+    // The server dies: what was moved afterwards is there when another one is opened.
     browser.drag(&handle("front", "upper_ball_joint"), [-5, 4], 4);
     browser.wait(SETTLED);
     let unsaved = browser.run("return studio.state.design");
@@ -200,9 +200,12 @@ fn tabs_servers_and_files_come_and_go() {
     );
     browser.open(&served.address);
     browser.wait(READY);
-    assert_ne!(browser.run("return studio.state.design"), unsaved);
-    browser.click("#banner button");
     assert_eq!(browser.run("return studio.state.design"), unsaved);
+    browser
+        .wait("document.getElementById('banner').textContent.includes('unsaved changes are back')");
+    // The message leads back to the file.
+    browser.click("#banner button");
+    assert_ne!(browser.run("return studio.state.design"), unsaved);
     browser.go_to(&second);
     assert_eq!(
         browser
@@ -374,6 +377,119 @@ fn pinned_designs_are_compared() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
+/// The limits on the page are those of `hardpoint limits`, for a wheel and for a solid axle.
+#[test]
+fn limits_are_those_of_the_command() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let shown = |panel: &str| {
+        format!(
+            "[...document.querySelectorAll('#panel-{panel} tbody tr')].map((row) => [...row.children].map((cell) => cell.textContent))"
+        )
+    };
+    for name in ["macpherson_front.toml", "solid_axle_solve.toml"] {
+        let served = Served::of(&sample(name));
+        browser.open(&served.address);
+        browser.wait(READY);
+        browser.click("#tab-constraints");
+        let rows = shown("limits-of-the-mechanism");
+        browser.wait(&format!("{rows}.length > 0"));
+        let rows = browser.run(&format!("return {rows}"));
+        let study = served.study.to_str().unwrap();
+        let mut command = assert_cmd::Command::cargo_bin("hardpoint").unwrap();
+        let printed = command
+            .args(["limits", study, "--format", "csv"])
+            .output()
+            .unwrap();
+        let printed = String::from_utf8(printed.stdout).unwrap();
+        let mut table = csv::Reader::from_reader(printed.as_bytes());
+        let records: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
+        assert!(records.len() >= 2, "{name}");
+        for (row, record) in rows.as_array().unwrap().iter().zip(&records) {
+            for limit in [2, 4] {
+                let cell: f64 = row[limit].as_str().unwrap().parse().unwrap();
+                // The table's name is in the first column.
+                let written: f64 = record[limit + 1].parse().unwrap();
+                assert!(
+                    (cell - written).abs() < 1e-4 * written.abs(),
+                    "{name}: {row} {record:?}"
+                );
+                assert_eq!(row[limit + 1], record[limit + 2], "{name}");
+            }
+        }
+        assert_eq!(rows.as_array().unwrap().len(), records.len(), "{name}");
+        assert_eq!(browser.console(), Vec::<String>::new());
+        browser.open("about:blank");
+    }
+}
+
+/// A reload keeps unsaved moves and edits with their history, and another tab offers them.
+#[test]
+fn a_reload_keeps_unsaved_work() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = Served::of(&sample("double_wishbone_compliance.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    browser.drag(&handle("front", "tie_rod_inner"), [0, -6], 5);
+    browser.wait(SETTLED);
+    browser.click("#tab-parts");
+    browser.run(
+        "const field = document.querySelector('[data-bushing=lower_arm_rear] td:nth-child(3) input'); \
+         field.value = '5000'; field.dispatchEvent(new Event('change'))",
+    );
+    let is_typed = "studio.state.overview.written.bushings.lower_arm_rear.stiffness[1] === 5000";
+    browser.wait(is_typed);
+    browser.wait(SETTLED);
+    browser.drag(&handle("front", "tie_rod_outer"), [0, -5], 5);
+    browser.wait(SETTLED);
+    browser.click("#undo");
+    browser.wait(SETTLED);
+    let deeds = "return [...document.querySelectorAll('.deeds button')].map((b) => [b.textContent, b.getAttribute('aria-current')])";
+    let work = "return [studio.state.design, studio.state.overview.digest]";
+    let (told, done) = (browser.run(deeds), browser.run(work));
+    assert_eq!(told.as_array().unwrap().len(), 4, "{told}");
+    // Work is stored a little later.
+    std::thread::sleep(std::time::Duration::from_millis(500));
+
+    browser.open(&served.address);
+    browser.wait(READY);
+    assert_eq!(browser.run(work), done);
+    assert_eq!(browser.run(deeds), told);
+    for _ in 0..2 {
+        browser.click("#undo");
+        browser.wait(SETTLED);
+    }
+    assert_eq!(browser.run(&format!("return {is_typed}")), json!(false));
+    browser.click("#undo");
+    browser.wait(SETTLED);
+    assert_eq!(
+        browser.run("return studio.state.overview.digest === studio.state.overview.base"),
+        json!(true)
+    );
+    for _ in 0..2 {
+        browser.click("#redo");
+        browser.wait(SETTLED);
+    }
+    assert_eq!(browser.run(work), done);
+    std::thread::sleep(std::time::Duration::from_millis(500));
+
+    // Another tab has no history. It offers the work.
+    browser.run("sessionStorage.clear()");
+    browser.open(&served.address);
+    browser.wait(READY);
+    assert_ne!(browser.run(work), done);
+    browser.run(
+        "[...document.querySelectorAll('#banner button')].find((b) => b.textContent === 'Restore').click()",
+    );
+    browser.wait(is_typed);
+    browser.wait(SETTLED);
+    assert_eq!(browser.run(work), done);
+    assert_eq!(browser.console(), Vec::<String>::new());
+}
+
 /// Nothing on the page changes its place while a point is dragged, and every move is drawn.
 #[test]
 fn a_drag_shifts_no_layout() {
@@ -398,6 +514,8 @@ fn a_drag_shifts_no_layout() {
         assert!(after.as_f64().unwrap() >= before.as_f64().unwrap() + 3.0);
         assert_eq!(browser.run("return window.shifted"), json!([]), "{name}");
         assert_eq!(browser.console(), Vec::<String>::new());
+        // A page asks until it is left. The server ends here.
+        browser.open("about:blank");
     }
 }
 

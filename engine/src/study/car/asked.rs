@@ -299,7 +299,7 @@ impl Resolver<'_> {
         let known = &mut into.axles[axle].scatter;
         for contributor in found {
             into.contributors.push(CarContributor::Part {
-                name: format!("{} {}", ["front", "rear"][axle], contributor.name),
+                name: format!("{} {}", crate::car::AXLE_NAMES[axle], contributor.name),
                 axle,
                 number: known.len(),
             });

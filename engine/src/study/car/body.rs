@@ -6,7 +6,7 @@ impl Resolver<'_> {
     pub(super) fn axle(&mut self, end: usize) -> Option<Axle> {
         let section = self.file.car.get_ref();
         let place = [&section.front, &section.rear][end].span();
-        let name = ["front", "rear"][end];
+        let name = crate::car::AXLE_NAMES[end];
         let Some(both) = self.axles[end].axle() else {
             let message =
                 format!("the {name} study describes one wheel; expected a study with [axle]");

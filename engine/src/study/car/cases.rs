@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::car::Setting;
+use crate::study::motion::evenly_spaced;
 
 impl Resolver<'_> {
     pub(super) fn cases(&mut self, car: &Car) -> Option<Vec<Case>> {
@@ -42,6 +43,15 @@ impl Resolver<'_> {
         if let (Some(number), None) = (&written.yaw_acceleration, car.yaw_inertia) {
             let message = "yaw_acceleration needs yaw_inertia in [car]";
             return self.problems.refuse(number.span.clone(), message);
+        }
+        for (axle, rack) in [&written.rack, &written.rack_rear].into_iter().enumerate() {
+            let moved = rack.as_ref().filter(|rack| rack.value != 0.0);
+            if let Some(rack) = moved
+                && !car.axles[axle].left.mechanism.is_steered()
+            {
+                let message = format!("nothing steers the {} axle", crate::car::AXLE_NAMES[axle]);
+                return self.problems.refuse(rack.span.clone(), message);
+            }
         }
         let side = self.frame().sign(Axis::Y);
         case.racks = [
@@ -189,12 +199,8 @@ impl Resolver<'_> {
         let by_load = LongitudinalShares::ByLoad;
         case.setting.longitudinal_shares =
             longitudinal_shares(&written.longitudinal_shares, by_load, self.problems)?;
-        let values = |range: &car_file::Steps, steps: i64| -> Vec<f64> {
-            let (from, to) = (range.from.value, range.to.value);
-            let last = (steps - 1).max(1) as f64;
-            (0..steps)
-                .map(|k| from + (to - from) * k as f64 / last)
-                .collect()
+        let values = |range: &car_file::Steps, steps: i64| {
+            evenly_spaced(range.from.value, range.to.value, steps as usize)
         };
         let (ax, ay) = (
             values(ax.get_ref(), count[0]),

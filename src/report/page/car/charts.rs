@@ -53,7 +53,7 @@ pub(super) fn transfer(state: &CarStateRecord, scale: &Scale, unit: &str) -> Str
     );
     for (axle, parts) in state.transfer.iter().enumerate() {
         let y = 10.0 + 40.0 * axle as f64;
-        let name = ["front", "rear"][axle];
+        let name = crate::car::AXLE_NAMES[axle];
         let _ = write!(svg, "<text x=\"0\" y=\"{}\">{name}</text>", y + 18.0);
         let mut ends = [0.0; 2];
         for (number, part) in parts.iter().enumerate() {

@@ -1,22 +1,18 @@
-//! `hardpoint limits` of a study with elastic parts: ends of equilibrium.
+//! Limits of a study with elastic parts: ends of equilibrium.
 //!
 //! Travel and rack end where a part gives way. A load ends at the largest value that the suspension carries. Limits of the
 //! mechanism without elasticity stand beside them.
 
-use super::StudyArguments;
-use super::exit::{Exit, Stop};
-use super::limits::{LOST, Page, Row, columns, travel_rows};
-use super::output::design_fault;
-use super::printer::Printer;
-use crate::checked::{NamedCurves, motion_alone};
+use super::row::{LOST, Row, columns};
+use super::{LimitTable, travel_rows};
 use crate::compliance::{
     AxleKcRun, AxleWay, DrivingForce, EndCause, EquilibriumEnd, Event, HeldQuantity, KcRun, KcTest,
     LARGEST_FORCE, NoEquilibrium, TestLoad, TestMode,
 };
+use crate::mechanism::DesignFault;
 use crate::model::{Axis, Body, LengthUnit, Side};
 use crate::report::{Cell, Table, as_written, brief, no_equilibrium, weakest_motion};
 use crate::solve::Solver;
-use crate::solved::Solved;
 use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Study, WheelStudy};
 
 /// Words for the limits of the mechanism whose parts are all rigid.
@@ -30,7 +26,6 @@ struct Sheet<'s> {
     study: &'s Study,
     table: Table,
     notes: Vec<String>,
-    failures: Vec<String>,
 }
 
 impl<'s> Sheet<'s> {
@@ -39,7 +34,13 @@ impl<'s> Sheet<'s> {
             study,
             table: Table::with_columns(columns()).keyed(2),
             notes: Vec::new(),
-            failures: Vec::new(),
+        }
+    }
+
+    fn done(self) -> LimitTable {
+        LimitTable {
+            table: self.table,
+            notes: self.notes,
         }
     }
 
@@ -68,29 +69,6 @@ impl<'s> Sheet<'s> {
             Cell::from(upper.0),
             upper.1.into(),
         ]);
-    }
-
-    /// Prints the table, and writes the page.
-    fn show(self, arguments: &StudyArguments, page: Option<Page<'_>>) -> Result<Exit, Stop> {
-        let Sheet {
-            study,
-            table,
-            notes,
-            failures,
-        } = self;
-        if let Some(page) = page {
-            page.save(arguments, study, &table, &notes, &failures)?;
-        }
-        let mut out = Printer::new(arguments.format);
-        out.table("limits", table)?;
-        for note in &notes {
-            out.say(&format!("\n{note}\n"))?;
-        }
-        for failure in &failures {
-            out.failure(&format!("\n{failure}\n"))?;
-        }
-        out.finish()?;
-        Ok(Exit::of(failures.is_empty()))
     }
 }
 
@@ -188,17 +166,13 @@ fn push_loads(
 
 /// Limits of an elastic wheel.
 pub(super) fn of_wheel(
-    arguments: &StudyArguments,
     study: &Study,
     own: &WheelStudy,
     elastic: &ComplianceStudy,
-    page: Option<Page<'_>>,
-) -> Result<Exit, Stop> {
-    let path = &arguments.study;
+) -> Result<LimitTable, DesignFault> {
     let suspension = &own.suspension;
-    let fault = |fault| design_fault(study, path, &fault);
     let run = KcRun::new(suspension, &elastic.parts, elastic.tyre_rate)
-        .map_err(|why| fault(why.of_design(&elastic.parts, suspension)))?;
+        .map_err(|why| why.of_design(&elastic.parts, suspension))?;
     let wheel = run.wheel();
     let unit = suspension.length_unit.symbol();
     let sign = suspension.frame.sign(Axis::Y);
@@ -239,8 +213,8 @@ pub(super) fn of_wheel(
         "travel 0"
     };
     push_loads(&mut sheet, &elastic.tests, at, |test| run.load_ends(test));
-    let mut solver = Solver::new(&suspension.mechanism, &suspension.design).map_err(fault)?;
-    let rigid = solver.limits().map_err(fault)?;
+    let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
+    let rigid = solver.limits()?;
     let row = travel(RIGID.to_owned());
     let range = &rigid.travel;
     sheet.table.push(row.of(study, &range.lower, &range.upper));
@@ -251,17 +225,7 @@ pub(super) fn of_wheel(
     sheet
         .notes
         .extend(margin(&own.motion.values, &by_rack, unit));
-    let alone = motion_alone(study);
-    let stop = |why| Stop::in_file(path, why);
-    let failures = Solved::of(&alone).map_err(stop)?.failures();
-    let failures = failures
-        .iter()
-        .map(|failure| format!("not solved: {failure}"));
-    sheet.failures.extend(failures);
-    for motion in NamedCurves::all(&alone).map_err(stop)? {
-        sheet.failures.extend(motion.failures(suspension));
-    }
-    sheet.show(arguments, page)
+    Ok(sheet.done())
 }
 
 /// Distance of the study's travels from the nearest limit, in words.
@@ -287,17 +251,14 @@ fn margin(travels: &[f64], by_rack: &[Ends], unit: &str) -> Option<String> {
 
 /// Limits of an elastic axle.
 pub(super) fn of_axle(
-    arguments: &StudyArguments,
     study: &Study,
     both: &AxleStudy,
     elastic: &AxleComplianceStudy,
-    page: Option<Page<'_>>,
-) -> Result<Exit, Stop> {
+) -> Result<LimitTable, String> {
     let axle = &both.axle;
-    let stop = |why| Stop::in_file(&arguments.study, why);
     let vehicle = axle.on_rig(elastic.tyre_rate);
     let run = AxleKcRun::new(vehicle, &elastic.parts)
-        .map_err(|why| stop(why.describe(&elastic.parts.wheels, &axle.left)))?;
+        .map_err(|why| why.describe(&elastic.parts.wheels, &axle.left))?;
     let unit = axle.left.length_unit.symbol();
     let mut sheet = Sheet::new(study);
     let row = |quantity: &str, at: &str, factor: f64| Row {
@@ -339,17 +300,11 @@ pub(super) fn of_axle(
                 .to_owned(),
         )
     } else {
-        let limits = axle.limits();
-        let limits = limits.map_err(|f| stop(axle.describe_fault(f)))?;
+        let limits = axle.limits().map_err(|f| axle.describe_fault(f))?;
         for (mut row, range) in travel_rows(axle, &limits) {
             row.at = RIGID.to_owned();
             sheet.table.push(row.of(study, &range.lower, &range.upper));
         }
     }
-    let failures = Solved::of(&motion_alone(study)).map_err(stop)?.failures();
-    let failures = failures
-        .iter()
-        .map(|failure| format!("not solved: {failure}"));
-    sheet.failures.extend(failures);
-    sheet.show(arguments, page)
+    Ok(sheet.done())
 }

@@ -8,7 +8,7 @@ use crate::report::{Cell, Column};
 use crate::study::Study;
 
 /// Cause of a limit for which no singularity was found.
-pub(in crate::cli) const LOST: &str = "the path could not be followed further";
+pub(crate) const LOST: &str = "the path could not be followed further";
 
 /// Cause of a limit at which a rod is in toggle position.
 pub(super) fn at_toggle(rod: Rod) -> String {
@@ -36,20 +36,15 @@ pub(super) fn row(what: [&str; 2], factor: f64, ends: [(f64, String); 2]) -> [Ce
 }
 
 /// Row of the table: a quantity, and the positions at which the other quantities are held.
-pub(in crate::cli) struct Row {
-    pub(in crate::cli) quantity: String,
-    pub(in crate::cli) at: String,
+pub(crate) struct Row {
+    pub(crate) quantity: String,
+    pub(crate) at: String,
     /// Factor of printed values; a negative factor swaps the limits.
-    pub(in crate::cli) factor: f64,
+    pub(crate) factor: f64,
 }
 
 impl Row {
-    pub(in crate::cli) fn of(
-        &self,
-        study: &Study,
-        lower: &RangeEnd,
-        upper: &RangeEnd,
-    ) -> [Cell; 6] {
+    pub(crate) fn of(&self, study: &Study, lower: &RangeEnd, upper: &RangeEnd) -> [Cell; 6] {
         let beyond = match (lower, upper) {
             (RangeEnd::FullTurn, RangeEnd::FullTurn) => "no limit: it turns all the way round",
             _ => "no limit within half a turn",
@@ -70,7 +65,7 @@ impl Row {
     }
 
     /// Limits as the table shows them, the lower one first.
-    pub(in crate::cli) fn in_table(&self, ends: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn in_table(&self, ends: [f64; 2]) -> [f64; 2] {
         let mut ends = ends.map(|end| end * self.factor);
         if self.factor < 0.0 {
             ends.reverse();
@@ -79,7 +74,7 @@ impl Row {
     }
 
     /// Row for the travel of one wheel of an axle.
-    pub(in crate::cli) fn wheel_travel(axle: &Axle, side: Side) -> Self {
+    pub(crate) fn wheel_travel(axle: &Axle, side: Side) -> Self {
         Row {
             quantity: format!("{}_travel_{}", side.name(), axle.left.length_unit.symbol()),
             at: "rack 0".to_owned(),
@@ -88,7 +83,7 @@ impl Row {
     }
 
     /// Row for the rack of an axle, in the study's axes.
-    pub(in crate::cli) fn axle_rack(axle: &Axle) -> Self {
+    pub(crate) fn axle_rack(axle: &Axle) -> Self {
         Row {
             quantity: format!("rack_{}", axle.left.length_unit.symbol()),
             at: "travels 0".to_owned(),
@@ -97,7 +92,7 @@ impl Row {
     }
 
     /// Row for the roll angle of an axle.
-    pub(in crate::cli) fn roll() -> Self {
+    pub(crate) fn roll() -> Self {
         Row {
             quantity: "roll_deg".to_owned(),
             at: "heave 0, rack 0".to_owned(),
@@ -157,7 +152,7 @@ pub(super) fn because(limit: &Limit, study: &Study) -> String {
 }
 
 /// Columns of the table of limits.
-pub(in crate::cli) fn columns() -> [Column; 6] {
+pub(crate) fn columns() -> [Column; 6] {
     [
         "quantity".into(),
         "at".into(),

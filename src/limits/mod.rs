@@ -1,0 +1,289 @@
+//! Limits of a mechanism: the ranges of its motion and the parts that end them, as a table.
+
+mod elastic;
+mod margin;
+mod row;
+
+use crate::analyse::{Limits, Range, RangeEnd, RockerRange};
+use crate::axle::{Axle, AxleEnd, AxleLimits, TravelRanges};
+use crate::checked::NamedCurves;
+use crate::curves::curves;
+use crate::mechanism::{DesignFault, Toggle};
+use crate::model::{self, Axis, RockerId, Side};
+use crate::plan::Plan;
+use crate::report::{Table, as_written};
+use crate::solve::Solver;
+use crate::solved::Solved;
+use crate::study::{AxleStudy, Drive, Study, Vehicle, WheelStudy};
+use margin::margin;
+pub(crate) use margin::travel_left;
+pub(crate) use row::Row;
+use row::{LOST, at_toggle, because, columns, row};
+
+/// Limits of the mechanism of a study, as they are shown.
+pub(crate) struct LimitTable {
+    /// A row for each quantity, while the others are held.
+    pub(crate) table: Table,
+    /// Sentences below the table.
+    pub(crate) notes: Vec<String>,
+}
+
+impl LimitTable {
+    /// Finds the limits of one wheel or of an axle. An error says why the design has no position.
+    pub(crate) fn of(study: &Study) -> Result<Self, String> {
+        match &study.vehicle {
+            Vehicle::Axle(both) => match &both.axle.elastic {
+                Some(elastic) => elastic::of_axle(study, both, elastic),
+                None => of_axle(study, both),
+            },
+            Vehicle::Wheel(own) => {
+                let found = match &own.compliance {
+                    Some(elastic) => elastic::of_wheel(study, own, elastic),
+                    None => of_wheel(study, own),
+                };
+                found.map_err(|fault| fault.describe(&own.suspension.mechanism))
+            }
+        }
+    }
+}
+
+/// Stations of the study's own motion and of its named motions that are not solved, one range per line. `alone` is the study
+/// without outputs.
+pub(crate) fn unsolved(alone: &Study) -> Result<Vec<String>, String> {
+    let own = Solved::of(alone)?.failures();
+    let own = own.iter().map(|failure| format!("not solved: {failure}"));
+    let mut lines: Vec<String> = own.collect();
+    if let Vehicle::Wheel(wheel) = &alone.vehicle {
+        for motion in NamedCurves::all(alone)? {
+            lines.extend(motion.failures(&wheel.suspension));
+        }
+    }
+    Ok(lines)
+}
+
+/// Ranges of the motion in a study of one wheel, by the quantities of the table of limits.
+pub(crate) fn motion_ranges(study: &Study) -> Vec<(String, [f64; 2])> {
+    let Some(own) = study.one_wheel() else {
+        return Vec::new();
+    };
+    let ends = |values: &[f64]| {
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        (least < most).then_some([least, most])
+    };
+    let motion = &own.motion;
+    let rack = format!("rack_{}", own.suspension.length_unit.symbol());
+    let travel = match motion.drive {
+        Drive::Travel => Some(driven(study, String::new()).quantity),
+        _ => None,
+    };
+    let travel = travel.zip(ends(&motion.values));
+    travel
+        .into_iter()
+        .chain(ends(&motion.rack).map(|ends| (rack, ends)))
+        .collect()
+}
+
+/// Limits of a rigid wheel.
+fn of_wheel(study: &Study, own: &WheelStudy) -> Result<LimitTable, DesignFault> {
+    let suspension = &own.suspension;
+    let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
+    let limits = solver.limits()?;
+    let plan = Plan::of(own);
+    let by_rack = ranges_by_rack(&plan, &mut solver)?;
+    let table = table(study, &limits, &by_rack);
+    let mut notes = Vec::new();
+    if study.motion().drive != Drive::PaperTheta {
+        let alone = Plan {
+            sensitivities: Vec::new(),
+            certify: false,
+            ..plan.clone()
+        };
+        let moved = curves(suspension, &alone)?;
+        notes.push(margin(study, &plan, &mut solver, &by_rack, &moved)?);
+    }
+    Ok(LimitTable { table, notes })
+}
+
+/// Limits of a rigid axle, each with the wheel that causes it.
+fn of_axle(study: &Study, both: &AxleStudy) -> Result<LimitTable, String> {
+    let axle = &both.axle;
+    let limits = axle.limits().map_err(|f| axle.describe_fault(f))?;
+    let mut table = Table::with_columns(columns()).keyed(2);
+    for (row, range) in travel_rows(axle, &limits) {
+        table.push(row.of(study, &range.lower, &range.upper));
+    }
+    if let TravelRanges::OfWheels(travels) = &limits.travels {
+        for (side, travel) in Side::ALL.into_iter().zip(travels) {
+            for range in &limits.rockers[side as usize] {
+                let name = format!("{}_{}", side.name(), rod_travel(study, range.rocker));
+                table.push(row([&name, "rack 0"], 1.0, toggles(range, travel)));
+            }
+        }
+    }
+    let end = |end: &AxleEnd| {
+        let why = match &end.end {
+            RangeEnd::Fold(limit) => because(limit, study),
+            RangeEnd::Toggle { rod, .. } => at_toggle(*rod),
+            _ => LOST.to_owned(),
+        };
+        let why = if axle.is_rigid() {
+            why
+        } else {
+            end.side.about(&why)
+        };
+        (end.value, why)
+    };
+    if let Some(ends) = &limits.rack {
+        table.push(Row::axle_rack(axle).cells(ends.each_ref().map(end)));
+    }
+    if let [Some(lower), Some(upper)] = &limits.roll {
+        table.push(Row::roll().cells([lower, upper].map(end)));
+    }
+    let mut notes = Vec::new();
+    if axle.setup.wheel_radius.is_some() && limits.roll.iter().any(Option::is_none) {
+        notes.push("The roll angle at the ends of the travels is not known.".to_owned());
+    }
+    Ok(LimitTable { table, notes })
+}
+
+/// Rows for the travels of an axle, with their ranges.
+pub(crate) fn travel_rows<'l>(axle: &Axle, limits: &'l AxleLimits) -> Vec<(Row, &'l Range)> {
+    let unit = axle.left.length_unit.symbol();
+    let row = |quantity: &str, at: &str, factor: f64| Row {
+        quantity: format!("{quantity}_{unit}"),
+        at: at.to_owned(),
+        factor,
+    };
+    match &limits.travels {
+        TravelRanges::OfWheels(ranges) => {
+            let rows = Side::ALL.map(|side| Row::wheel_travel(axle, side));
+            rows.into_iter().zip(ranges).collect()
+        }
+        TravelRanges::OfAxle {
+            heave,
+            half_difference,
+        } => vec![
+            (row("heave", "travel difference 0", 1.0), heave),
+            // Left minus right.
+            (row("travel_difference", "heave 0", 2.0), half_difference),
+        ],
+    }
+}
+
+/// Range of the study's drive at each requested rack displacement, in the study's axes.
+pub(crate) fn ranges_by_rack(
+    plan: &Plan,
+    solver: &mut Solver,
+) -> Result<Vec<(f64, Range)>, DesignFault> {
+    let drive = plan.drive.in_kernel();
+    let mut range = |rack: f64| Ok((rack, solver.drive_range(drive, rack * plan.rack_sign)?));
+    plan.racks.iter().map(|rack| range(*rack)).collect()
+}
+
+/// Position of the rack while another quantity moves to its limits.
+pub(crate) fn straight(limits: &Limits) -> &'static str {
+    match &limits.rack {
+        Some(_) => "rack 0",
+        None => "",
+    }
+}
+
+/// Range of each quantity while the others are held. Rockers have their own rows, because other parts limit them.
+pub(crate) fn ranges<'l>(
+    study: &Study,
+    limits: &'l Limits,
+    by_rack: &'l [(f64, Range)],
+) -> Vec<(Row, &'l Range)> {
+    let row = |quantity: &str, at: &str, factor: f64| Row {
+        quantity: quantity.to_owned(),
+        at: at.to_owned(),
+        factor,
+    };
+    let (unit, straight) = (study.wheel().length_unit.symbol(), straight(limits));
+    let travel = format!("travel_{unit}");
+    let mut rows = vec![(row(&travel, straight, 1.0), &limits.travel)];
+    if let Some(range) = &limits.rack {
+        let sign = study.wheel().frame.sign(Axis::Y);
+        rows.push((row(&format!("rack_{unit}"), "travel 0", sign), range));
+    }
+    if let Some(range) = &limits.arm_angle {
+        let degrees = 1.0_f64.to_degrees();
+        rows.push((row("arm_angle_deg", straight, degrees), range));
+    }
+    if study.motion().rack_moves {
+        let moved = by_rack.iter().filter(|(rack, _)| *rack != 0.0);
+        let at = |rack: f64| format!("rack {}", as_written(rack));
+        rows.extend(moved.map(|(rack, range)| (driven(study, at(*rack)), range)));
+    }
+    rows
+}
+
+/// Row for the study's drive, with the rack at this position.
+fn driven(study: &Study, at: String) -> Row {
+    let (quantity, factor) = match study.motion().drive.in_kernel() {
+        model::Drive::Travel => (
+            format!("travel_{}", study.wheel().length_unit.symbol()),
+            1.0,
+        ),
+        model::Drive::ArmAngle => ("arm_angle_deg".to_owned(), 1.0_f64.to_degrees()),
+    };
+    Row {
+        quantity,
+        at,
+        factor,
+    }
+}
+
+/// Name of the travel at which a rocker's rod is in toggle position.
+pub(crate) fn rod_travel(study: &Study, rocker: RockerId) -> String {
+    let rod = study.wheel().mechanism.rocker(rocker).rod.to_string();
+    let unit = study.wheel().length_unit.symbol();
+    format!("{}_travel_{unit}", rod.replace(' ', "_"))
+}
+
+/// Travels at which the rod of a rocker is at toggle, or at which the wheel's own travel ends before.
+fn toggles(range: &RockerRange, travel: &Range) -> [(f64, String); 2] {
+    let end = |toggle: Option<Toggle>, end: &RangeEnd| match toggle {
+        Some(Toggle { travel, rod }) => (travel, format!("the {rod} is at toggle")),
+        None => (end.value(), "the wheel's travel ends".to_owned()),
+    };
+    [
+        end(range.lower, &travel.lower),
+        end(range.upper, &travel.upper),
+    ]
+}
+
+/// Table of the limits of each quantity while the others are held.
+fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
+    let mut table = Table::with_columns(columns()).keyed(2);
+    for (row, range) in ranges(study, limits, by_rack) {
+        table.push(if range.is_empty() {
+            row.of_no_rack()
+        } else {
+            row.of(study, &range.lower, &range.upper)
+        });
+    }
+    if study.motion().rack_moves {
+        let ranges = || by_rack.iter().map(|(_, range)| range);
+        let lower = ranges().max_by(|a, b| a.ends()[0].total_cmp(&b.ends()[0]));
+        let upper = ranges().min_by(|a, b| a.ends()[1].total_cmp(&b.ends()[1]));
+        if let (Some(lower), Some(upper)) = (lower, upper) {
+            let row = driven(study, "every rack".to_owned());
+            table.push(if ranges().any(Range::is_empty) {
+                row.of_no_rack()
+            } else {
+                row.of(study, &lower.lower, &upper.upper)
+            });
+        }
+    }
+    for range in &limits.rockers {
+        let name = rod_travel(study, range.rocker);
+        table.push(row(
+            [&name, straight(limits)],
+            1.0,
+            toggles(range, &limits.travel),
+        ));
+    }
+    table
+}

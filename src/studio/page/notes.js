@@ -126,8 +126,11 @@ const quantity = (text) => text.replace(/_(mm|m|in|deg|N|lbf|N_m|lbf_in)$/, ' [$
 const limitsPanel = () => {
   if (!limits) return [panel('Limits', html('p', { class: 'hint', text: 'Limits are being searched.' }))];
   const { title, header, rows, notes } = limits;
-  const cells = rows.map((texts) => html('tr', {}, ...texts.map((text, k) => (k ? html('td', { class: Number.isFinite(Number(text)) && text ? 'number' : null, text }) : html('th', { scope: 'row', text: quantity(text) })))));
-  return [panel(title, html('div', { class: 'scroll' }, table(header, cells)), ...notes.map((text) => html('p', { class: 'hint', text })))];
+  const isNumber = (text) => text !== '' && Number.isFinite(Number(text));
+  const cell = (text) => (isNumber(text) ? html('td', { class: 'number', text: text.replace('-', '−') }) : html('td', { class: 'words', text: words(text) }));
+  const heads = header.map((text, k) => html('th', { text, class: k && rows.some((texts) => isNumber(texts[k])) ? 'number' : null }));
+  const cells = rows.map(([first, ...others]) => html('tr', {}, html('th', { scope: 'row', text: quantity(first) || '–' }), ...others.map(cell)));
+  return [panel(title, html('div', { class: 'scroll' }, html('table', {}, html('thead', {}, html('tr', {}, ...heads)), html('tbody', {}, ...cells))), ...notes.map((text) => html('p', { class: 'hint', text })))];
 };
 
 const warnings = () => {

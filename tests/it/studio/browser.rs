@@ -408,14 +408,19 @@ fn limits_are_those_of_the_command() {
         assert!(records.len() >= 2, "{name}");
         for (row, record) in rows.as_array().unwrap().iter().zip(&records) {
             for limit in [2, 4] {
-                let cell: f64 = row[limit].as_str().unwrap().parse().unwrap();
+                let cell = row[limit].as_str().unwrap().replace('\u{2212}', "-");
+                let cell: f64 = cell.parse().unwrap();
                 // The table's name is in the first column.
                 let written: f64 = record[limit + 1].parse().unwrap();
                 assert!(
                     (cell - written).abs() < 1e-4 * written.abs(),
                     "{name}: {row} {record:?}"
                 );
-                assert_eq!(row[limit + 1], record[limit + 2], "{name}");
+                assert_eq!(
+                    row[limit + 1],
+                    record[limit + 2].replace('_', " "),
+                    "{name}"
+                );
             }
         }
         assert_eq!(rows.as_array().unwrap().len(), records.len(), "{name}");

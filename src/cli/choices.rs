@@ -70,7 +70,7 @@ impl Choices {
         }
         if let Some(table) = summary.prices_table() {
             output.text_only(
-                "\nMisfit against size of change (1 = full range); gain per further tenth of a range\n\n",
+                "\nLeast misfit by the size of the change (1: full ranges), and its fall if the change may grow by a tenth of them\n\n",
             )?;
             output.table("prices", &table)?;
         }

@@ -17,7 +17,7 @@ pub(crate) fn travel_left<'r>(ranges: impl Iterator<Item = &'r Range>, values: &
     left.fold(f64::INFINITY, f64::min)
 }
 
-/// Smallest distance to a singularity over the motion of the study, in words.
+/// Smallest distance to a singular pose over the motion of the study, in words.
 pub(super) fn margin(
     study: &Study,
     plan: &Plan,
@@ -56,7 +56,7 @@ pub(super) fn margin(
         return Ok("The mechanism reaches no station of the study's motion.".to_owned());
     }
     let mut text = format!(
-        "{stations} the smallest distance to a singularity is {} {unit}, at {} {}.",
+        "{stations} the mechanism stays {} {unit} or more from a dead centre or fold; it comes nearest at {} {}.",
         brief(distance),
         plan.drive.name(),
         as_written(plan.drive.printed(at))

@@ -350,7 +350,10 @@ fn an_axle_is_tuned() {
     let arguments = ["optimise", path, "--out", directory].into_iter();
     let (said, _) = run(&arguments.chain(fewer).collect::<Vec<_>>(), 0);
     assert!(said.contains("roll_steer_deg_per_deg over roll"), "{said}");
-    assert!(said.contains("Misfit against size of change"), "{said}");
+    assert!(
+        said.contains("Least misfit by the size of the change"),
+        "{said}"
+    );
     // The front is in the page, too, to pick from.
     let record = fs::read_to_string(out.join("report.json")).unwrap();
     assert!(record.contains("\"wishes\":[\"roll_steer\",\"force_roll_centre_height\"]"));

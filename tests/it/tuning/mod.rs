@@ -794,7 +794,10 @@ fn fronts_and_price_lists_are_written_and_shown() {
         said.contains("Trade-off between camber and kingpin_inclination"),
         "{said}"
     );
-    assert!(said.contains("Misfit against size of change"), "{said}");
+    assert!(
+        said.contains("Least misfit by the size of the change"),
+        "{said}"
+    );
     let text = std::fs::read_to_string(out.join("front.csv")).unwrap();
     let mut lines = text.lines();
     assert_eq!(

@@ -1,0 +1,100 @@
+//! `[compliance]`, `[bushings]`, `[links]` and `[subframe]`.
+
+use super::Coordinates;
+use crate::value::{Number, Text, Whole};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use toml::Spanned;
+
+/// `[compliance]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Compliance {
+    /// `free` or `at_design_load`.
+    pub relaxed: Option<Text>,
+    /// Tests of `hardpoint kc`.
+    pub tests: Option<Spanned<Vec<Spanned<ComplianceTest>>>>,
+    /// `connected` or `disconnected`.
+    pub anti_roll_bar: Option<Text>,
+}
+
+/// An element of `tests` of `[compliance]`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ComplianceTest {
+    /// Name of the test load or of the test motion.
+    pub load: Text,
+    /// Distance from the contact point back to the side force.
+    pub trail: Option<Number>,
+    /// `wheel_height` or `wheel_load`.
+    pub hold: Option<Text>,
+    /// Half-width of the range of the load.
+    pub window: Option<Number>,
+    /// Number of levels of the load.
+    pub levels: Option<Whole>,
+    /// `all` or `nearest`.
+    pub stations: Option<Text>,
+    /// For an axle: `parallel`, `opposed` or `single`.
+    pub mode: Option<Text>,
+    /// For an axle: `locked_wheel` or `locked_rack`.
+    pub steering: Option<Text>,
+    /// For an axle: `connected` or `disconnected`.
+    pub anti_roll_bar: Option<Text>,
+}
+
+/// Pairs of deflection and force, or of angle and torque.
+pub type BushingCurve = Option<Spanned<Vec<Spanned<Vec<Number>>>>>;
+
+/// `[bushings.NAME]`
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bushing {
+    /// Stiffness along and about its axes. Six numbers are valid.
+    pub stiffness: Option<Spanned<Vec<Number>>>,
+    /// Coefficients of the cubed deflection. Six numbers are valid.
+    pub cubic: Option<Spanned<Vec<Number>>>,
+    /// Force along x against deflection.
+    pub fx: BushingCurve,
+    /// Force along y against deflection.
+    pub fy: BushingCurve,
+    /// Force along z against deflection.
+    pub fz: BushingCurve,
+    /// Torque about x against angle (rad).
+    pub tx: BushingCurve,
+    /// Torque about y against angle (rad).
+    pub ty: BushingCurve,
+    /// Torque about z against angle (rad).
+    pub tz: BushingCurve,
+    /// Direction of the x axis.
+    pub x_axis: Option<Coordinates>,
+    /// Direction whose component normal to the x axis is the z axis.
+    pub z_axis: Option<Coordinates>,
+    /// Constant forces and torques. Six numbers are valid.
+    pub preload: Option<Spanned<Vec<Number>>>,
+    /// Factors of the force and torque laws. Six numbers are valid.
+    pub scale: Option<Spanned<Vec<Number>>>,
+    /// Path of a bushing property file with the laws.
+    pub file: Option<Text>,
+}
+
+/// `[subframe]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Subframe {
+    /// Hardpoints on the subframe.
+    pub carries: Spanned<Vec<Text>>,
+    /// Positions of its left mounts by name.
+    pub mounts: BTreeMap<Text, Coordinates>,
+}
+
+/// `[links.NAME]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LinkStiffness {
+    /// Axial stiffness, as force per length. An alternative is `modulus` with `area`.
+    pub axial_stiffness: Option<Number>,
+    /// Elastic modulus, as force per area and strain.
+    pub modulus: Option<Number>,
+    /// Area of the cross-section.
+    pub area: Option<Number>,
+}

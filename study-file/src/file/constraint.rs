@@ -1,0 +1,113 @@
+//! Constraints of `[optimise]`.
+
+use super::Coordinates;
+use crate::value::{MemberName, Number, Numbers, Text};
+use serde::Deserialize;
+use toml::Spanned;
+
+/// An element of `constraints`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Constraint {
+    /// In the study of a car, the load case of the constraint.
+    pub case: Option<Text>,
+    /// In the study of a car, the axle to which the constraint applies.
+    pub axle: Option<Text>,
+    /// Name of the constraint.
+    pub name: Option<Text>,
+    /// Length of a member, or distance between two points.
+    pub length: Option<Spanned<MemberName>>,
+    /// Name of a point.
+    pub point: Option<Text>,
+    /// Two members that must stay apart, or members that must stay inside of the rim.
+    pub members: Option<Spanned<Vec<Text>>>,
+    /// Name of a joint whose angle is limited.
+    pub articulation: Option<Text>,
+    /// Length that may change along the motion: of a member, or between two points.
+    pub plunge: Option<Spanned<MemberName>>,
+    /// Name of a characteristic.
+    pub characteristic: Option<Text>,
+    /// Name of a force under a load.
+    pub load: Option<Text>,
+    /// Points that must lie in one plane.
+    pub coplanar: Option<Spanned<Vec<Text>>>,
+    /// Points that must lie on one line.
+    pub line: Option<Spanned<Vec<Text>>>,
+    /// Lower and upper limit.
+    pub between: Option<Spanned<Vec<Number>>>,
+    /// Lower limit.
+    pub at_least: Option<Number>,
+    /// Upper limit.
+    pub at_most: Option<Number>,
+    /// True if a length must keep its design value.
+    pub kept: Option<Spanned<bool>>,
+    /// Region in which a point must stay.
+    pub inside: Option<Spanned<Region>>,
+    /// Region that a point must not enter.
+    pub outside: Option<Spanned<Region>>,
+    /// Smallest distance.
+    pub clearance: Option<Number>,
+    /// Radii of the members.
+    pub radii: Option<Spanned<Vec<Number>>>,
+    /// `design` if the constraint applies to the design position only.
+    pub at: Option<Text>,
+    /// Rack displacement at which the constraint applies, or several.
+    pub rack: Option<Spanned<Numbers>>,
+    /// Name of a motion.
+    pub motion: Option<Text>,
+    /// For the motion of an axle, the only wheel to which the constraint applies.
+    pub side: Option<Text>,
+}
+
+/// A region. It has one of these shapes.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Region {
+    /// Box with two opposite corners.
+    #[serde(rename = "box")]
+    pub corners: Option<Spanned<Vec<Coordinates>>>,
+    /// Half-space on the side to which a normal points.
+    pub half_space: Option<HalfSpace>,
+    /// Sphere.
+    pub sphere: Option<Sphere>,
+    /// Cylinder with closed ends.
+    pub cylinder: Option<Cylinder>,
+    /// Radius of the inner space of the rim, about the spin axis.
+    pub rim: Option<Number>,
+    /// Start of the rim's space, as distance outboard of the wheel centre.
+    pub from: Option<Number>,
+    /// End of the rim's space, as distance outboard of the wheel centre.
+    pub to: Option<Number>,
+}
+
+/// `half_space`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HalfSpace {
+    /// Point on the boundary plane.
+    pub point: Coordinates,
+    /// Normal of the plane. It points into the region.
+    pub normal: Coordinates,
+}
+
+/// `sphere`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sphere {
+    /// Centre of the sphere.
+    pub centre: Coordinates,
+    /// Radius of the sphere.
+    pub radius: Number,
+}
+
+/// `cylinder`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cylinder {
+    /// First end of the axis.
+    pub from: Coordinates,
+    /// Second end of the axis.
+    pub to: Coordinates,
+    /// Radius of the cylinder.
+    pub radius: Number,
+}

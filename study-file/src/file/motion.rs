@@ -1,0 +1,64 @@
+//! `[motion]` and `[solver]`.
+
+use crate::value::{Number, Text, Values, Whole};
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+use toml::Spanned;
+
+/// `[motion]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Motion {
+    /// `travel`, `arm_angle` or `paper_theta`.
+    pub drive: Option<Text>,
+    /// Heights of the wheel centre above its design position.
+    pub travel: Option<Spanned<Values>>,
+    /// Angles of the first arm from its design position.
+    pub arm_angle: Option<Spanned<Values>>,
+    /// Values of the angle theta of Attia's paper.
+    pub theta: Option<Spanned<Values>>,
+    /// `deg` or `rad`.
+    pub angle_unit: Option<Text>,
+    /// Displacements of the rack along +y.
+    pub rack: Option<Spanned<Values>>,
+    /// Mean travels of an axle's wheel centres.
+    pub heave: Option<Spanned<Values>>,
+    /// Roll angles of the body, degrees.
+    pub roll: Option<Spanned<Values>>,
+    /// Travels of the left wheel.
+    pub travel_left: Option<Spanned<Values>>,
+    /// Travels of the right wheel.
+    pub travel_right: Option<Spanned<Values>>,
+    /// Angles of the steering wheel, degrees.
+    pub steering_wheel_angle: Option<Spanned<Values>>,
+    /// `plane` or `pads`.
+    pub ground: Option<Text>,
+    /// `mean_travel` or `load`.
+    pub hold: Option<Text>,
+    /// Drive as a function of time.
+    pub time: Option<Spanned<Time>>,
+}
+
+/// `time` of `[motion]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Time {
+    /// Coefficients, lowest power first.
+    pub polynomial: Spanned<Vec<Number>>,
+    /// First time, seconds.
+    pub from: Number,
+    /// Last time, seconds.
+    pub to: Number,
+    /// Number of times.
+    pub steps: Whole,
+}
+
+/// `[solver]`
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Solver {
+    /// `knuckle_pose` or `point_coordinates`.
+    pub formulation: Option<Text>,
+    /// Obsolete tolerance of poses; refused with an explanation.
+    pub accuracy: Option<Spanned<IgnoredAny>>,
+}

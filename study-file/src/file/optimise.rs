@@ -1,0 +1,190 @@
+//! `[sweep]` and `[optimise]`.
+
+use super::Coordinates;
+use super::constraint::Constraint;
+use crate::value::{LimitText, MemberName, Number, Numbers, Text, Whole};
+use serde::Deserialize;
+use toml::Spanned;
+
+/// `[sweep]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sweep {
+    /// Method of sampling.
+    pub method: Option<Text>,
+    /// Number of samples.
+    pub samples: Option<Whole>,
+    /// Seed of the samples.
+    pub seed: Option<Whole>,
+    /// Variables of the sweep.
+    pub variables: Option<Spanned<Vec<Spanned<SweepVariable>>>>,
+    /// Path of a CSV file with the designs. An alternative to `variables`.
+    pub designs: Option<Text>,
+    /// True if the curves of every design are kept.
+    pub curves: Option<bool>,
+    /// `csv` or `parquet`.
+    pub format: Option<Text>,
+}
+
+/// An element of `variables` of `[sweep]`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SweepVariable {
+    /// Name of the hardpoint that moves.
+    pub hardpoint: Option<Text>,
+    /// Names of several hardpoints that move together.
+    pub hardpoints: Option<Spanned<Vec<Text>>>,
+    /// Displacement of each coordinate per unit of the variable.
+    pub factors: Option<Spanned<Vec<Number>>>,
+    /// Name of a bushing whose stiffness varies.
+    pub bushing: Option<Text>,
+    /// Axis of the bushing's stiffness: `x`, `y`, `z`, `tx`, `ty` or `tz`.
+    pub stiffness: Option<Text>,
+    /// Name of a link with axial stiffness.
+    pub link: Option<Text>,
+    /// Name of a part with one rate: `spring`, `anti_roll_bar`, `rack` or `column`.
+    pub rate: Option<Text>,
+    /// True if the values of a rate are factors.
+    pub relative: Option<Spanned<bool>>,
+    /// `x`, `y` or `z`.
+    pub axis: Option<Text>,
+    /// Lowest and highest value. Two numbers are valid.
+    pub range: Spanned<Vec<Number>>,
+    /// Number of values in a grid.
+    pub steps: Option<Whole>,
+    /// True if the values are coordinates instead of offsets.
+    pub absolute: Option<Spanned<bool>>,
+    /// Name of the variable's column.
+    pub name: Option<Text>,
+}
+
+/// `[optimise]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Optimise {
+    /// Name of the method.
+    pub method: Option<Text>,
+    /// Number of starts.
+    pub starts: Option<Whole>,
+    /// Seed of the starts.
+    pub seed: Option<Whole>,
+    /// Largest number of iterations.
+    pub max_iterations: Option<Whole>,
+    /// Misfit that is good enough. Below it, the tuning prefers the nearer design.
+    pub good_enough: Option<Number>,
+    /// True if the targets are measurements.
+    pub fit: Option<Spanned<bool>>,
+    /// Number of builds of `[tolerance]` over which the misfit is averaged.
+    pub scatter: Option<Whole>,
+    /// Objective of a robust tuning: the misfit of the builds, or the share of builds within the bands.
+    pub robust: Option<Text>,
+    /// Names of the targets whose trade-off is traced.
+    pub front: Option<Spanned<Vec<Text>>>,
+    /// False if changes that no target asks for are not reported.
+    pub side_effects: Option<Spanned<bool>>,
+    /// Design variables.
+    pub variables: Spanned<Vec<Spanned<Variable>>>,
+    /// Targets.
+    pub targets: Spanned<Vec<Spanned<Target>>>,
+    /// Constraints.
+    #[serde(default)]
+    pub constraints: Vec<Spanned<Constraint>>,
+}
+
+/// An element of `variables`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Variable {
+    /// Name of the hardpoint that moves.
+    pub hardpoint: Option<Text>,
+    /// Names of several hardpoints that move together.
+    pub hardpoints: Option<Spanned<Vec<Text>>>,
+    /// Names of several hardpoints that move as one rigid body.
+    pub rigid: Option<Spanned<Vec<Text>>>,
+    /// Name of a bushing whose stiffness varies.
+    pub bushing: Option<Text>,
+    /// Axis of the bushing's stiffness: `x`, `y`, `z`, `tx`, `ty` or `tz`.
+    pub stiffness: Option<Text>,
+    /// Name of a link with axial stiffness.
+    pub link: Option<Text>,
+    /// Name of a part with one rate: `spring`, `anti_roll_bar`, `rack` or `column`.
+    pub rate: Option<Text>,
+    /// True if the range of a rate is in factors.
+    pub relative: Option<Spanned<bool>>,
+    /// Displacement of each coordinate per unit of the variable.
+    pub factors: Option<Spanned<Vec<Number>>>,
+    /// Direction of the move: `x`, `y` or `z`.
+    pub axis: Option<Text>,
+    /// Direction of the move as a vector. An alternative to `axis`.
+    pub direction: Option<Coordinates>,
+    /// Lowest and highest offset. Two numbers are valid.
+    pub range: Option<Spanned<Vec<Number>>>,
+    /// Largest shift of a body along each axis, in both directions.
+    pub shift: Option<Number>,
+    /// Largest turn of a body about each axis, in both directions, in degrees.
+    pub turn: Option<Number>,
+    /// Cost of a move across the range, relative to other variables.
+    pub cost: Option<Number>,
+}
+
+/// An element of `targets`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Target {
+    /// In the study of a car, the load case of the target.
+    pub case: Option<Text>,
+    /// In the study of a car, the axle over whose own motion the target applies.
+    pub axle: Option<Text>,
+    /// Name of the characteristic.
+    pub characteristic: Option<Text>,
+    /// Name of a point.
+    pub point: Option<Text>,
+    /// Coordinate of the point.
+    pub axis: Option<Text>,
+    /// Name or ends of a member whose length is the target.
+    pub length: Option<Spanned<MemberName>>,
+    /// Name of a force under a load.
+    pub load: Option<Text>,
+    /// Name of a result of a `kc` test.
+    pub figure: Option<Text>,
+    /// Curve: pairs of drive value and target value.
+    pub points: Option<Spanned<Vec<Spanned<Vec<Number>>>>>,
+    /// Path of a CSV file with a curve.
+    pub file: Option<Text>,
+    /// Column of the values in this file.
+    pub column: Option<Text>,
+    /// Single drive value.
+    pub at: Option<Number>,
+    /// Target value at the single drive value.
+    pub value: Option<Number>,
+    /// Lower and upper limit.
+    pub between: Option<Spanned<Vec<LimitText>>>,
+    /// Lower limit.
+    pub at_least: Option<Spanned<LimitText>>,
+    /// Upper limit.
+    pub at_most: Option<Spanned<LimitText>>,
+    /// For an axle, the coordinate of the motion over which the curve runs.
+    pub over: Option<Text>,
+    /// For an axle, the wheel to which the target applies.
+    pub side: Option<Text>,
+    /// For an axle, the roll angle at which the target applies, or several.
+    pub roll: Option<Spanned<Numbers>>,
+    /// For an axle, the heave at which the target applies, or several.
+    pub heave: Option<Spanned<Numbers>>,
+    /// For an axle, the travel of the left wheel at which the target applies, or several.
+    pub travel_left: Option<Spanned<Numbers>>,
+    /// For an axle, the travel of the right wheel at which the target applies, or several.
+    pub travel_right: Option<Spanned<Numbers>>,
+    /// For an axle, the angle of the steering wheel at which the target applies, or several.
+    pub steering_wheel_angle: Option<Spanned<Numbers>>,
+    /// Rack displacement at which the target applies, or several.
+    pub rack: Option<Spanned<Numbers>>,
+    /// Name of a motion.
+    pub motion: Option<Text>,
+    /// Deviation that is still acceptable.
+    pub tolerance: Number,
+    /// Weight relative to the other targets.
+    pub weight: Option<Number>,
+    /// `linear` or `monotone_cubic`.
+    pub interpolation: Option<Text>,
+}

@@ -1,0 +1,46 @@
+//! `[outputs]`.
+
+use super::Coordinates;
+use crate::value::{Selection, Text};
+use serde::Deserialize;
+use toml::Spanned;
+
+/// `[outputs]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Outputs {
+    /// Names of characteristics.
+    #[serde(default)]
+    pub characteristics: Vec<Text>,
+    /// Names of points.
+    #[serde(default)]
+    pub points: Vec<Text>,
+    /// Angular rates of the knuckle.
+    pub knuckle: Option<Spanned<bool>>,
+    /// `position`, `velocity` or `acceleration`.
+    pub order: Option<Text>,
+    /// Hardpoints by whose coordinates the outputs are differentiated.
+    pub sensitivities: Option<Selection>,
+    /// True if each pose is to be proved.
+    pub certify: Option<Spanned<bool>>,
+    /// Loads on the wheel for which forces in links and joints are reported.
+    pub loads: Option<Spanned<Vec<Load>>>,
+}
+
+/// An element of `loads`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Load {
+    /// First part of the names of its columns.
+    pub name: Text,
+    /// `contact_point` or `wheel_centre`.
+    pub at: Text,
+    /// For an axle, the loaded wheel. The default is both wheels.
+    pub side: Option<Text>,
+    /// With elastic parts, the quantity that stays: `wheel_load` or `wheel_height`.
+    pub hold: Option<Text>,
+    /// Force. Three components are valid.
+    pub force: Option<Coordinates>,
+    /// Moment. Three components are valid.
+    pub moment: Option<Coordinates>,
+}

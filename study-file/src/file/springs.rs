@@ -1,0 +1,74 @@
+//! Springs, stops, bars and tyres.
+
+use crate::value::Number;
+use serde::Deserialize;
+use toml::Spanned;
+
+/// `[spring]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Spring {
+    /// Force per length.
+    pub rate: Option<Number>,
+    /// Force in the design position.
+    pub force: Option<Number>,
+    /// Pairs of length and force.
+    pub force_curve: Option<Spanned<Vec<Spanned<Vec<Number>>>>>,
+}
+
+/// `[bump_stop]` and `[rebound_stop]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BumpStop {
+    /// Travel along the spring from the design position to the contact of the stop: shortening for a bump stop, lengthening for a
+    /// rebound stop.
+    pub gap: Number,
+    /// Pairs of stop compression and force.
+    pub force_curve: Spanned<Vec<Spanned<Vec<Number>>>>,
+}
+
+/// `[tyre]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tyre {
+    /// Force per length.
+    pub rate: Number,
+    /// Wheel load at which the tyre has `[wheel] radius`, for a car.
+    pub load: Option<Number>,
+}
+
+/// `[heave_spring]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HeaveSpring {
+    /// Force per length.
+    pub rate: Number,
+    /// Force in the design position.
+    pub force: Number,
+}
+
+/// `[heave_bar]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HeaveBar {
+    /// Torque per angle.
+    pub rate: Number,
+    /// Torque in the design position.
+    pub torque: Number,
+}
+
+/// `[anti_roll_bar]` and `[t_bar]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rate {
+    /// Torque per angle, or force per length.
+    pub rate: Number,
+}
+
+/// `[twist_beam]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TwistBeam {
+    /// Torque per angle between the two arms.
+    pub torsional_rate: Number,
+}

@@ -1,0 +1,120 @@
+//! `[setup]` and `[tolerance]`.
+
+use crate::value::{MemberName, Number, Numbers, Text, Whole};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use toml::Spanned;
+
+/// `[setup]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Setup {
+    /// Adjustments.
+    pub adjust: Spanned<Vec<Spanned<Adjustment>>>,
+    /// Target static values by characteristic.
+    pub want: Option<BTreeMap<Text, Number>>,
+    /// Target change of the ride height, positive if the car becomes higher. An alternative is `travel`.
+    pub ride_height_change: Option<Number>,
+    /// Wheel travel of the new static position, the negative of `ride_height_change`. An alternative to it.
+    pub travel: Option<Number>,
+}
+
+/// An element of `adjust`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Adjustment {
+    /// Member with an adjustable length. An alternative is `shim`.
+    pub length: Option<Spanned<MemberName>>,
+    /// Hardpoint that shims move. An alternative to `length`.
+    pub shim: Option<Text>,
+    /// Direction in which shims move the hardpoint.
+    pub axis: Option<Text>,
+    /// Change of length per turn, of both threads together.
+    pub per_turn: Option<Number>,
+    /// Thickness of the thinnest shim.
+    pub step: Option<Number>,
+}
+
+/// `[tolerance]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tolerance {
+    /// Number of builds.
+    pub builds: Option<Whole>,
+    /// Seed of the builds.
+    pub seed: Option<Whole>,
+    /// True if toe and camber are set again after assembly.
+    pub aligned: Option<Spanned<bool>>,
+    /// Dimensions that scatter.
+    pub scatter: Spanned<Vec<Spanned<Scatter>>>,
+    /// Limits for the builds.
+    pub bands: Option<Vec<Spanned<Band>>>,
+}
+
+/// An element of `scatter`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scatter {
+    /// Name of a hardpoint.
+    pub hardpoint: Option<Text>,
+    /// Names of several hardpoints that scatter independently.
+    pub hardpoints: Option<Spanned<Vec<Text>>>,
+    /// Name of a member whose length scatters.
+    pub length: Option<Spanned<MemberName>>,
+    /// Names of hardpoints that a jig moves together.
+    pub jig: Option<Spanned<Vec<Text>>>,
+    /// Name of a bushing whose stiffness scatters.
+    pub bushing: Option<Text>,
+    /// Axis of the bushing's stiffness: `x`, `y`, `z`, `tx`, `ty` or `tz`.
+    pub stiffness: Option<Text>,
+    /// Name of a link with axial stiffness.
+    pub link: Option<Text>,
+    /// Name of a part with one rate: `spring`, `anti_roll_bar`, `rack` or `column`.
+    pub rate: Option<Text>,
+    /// True if the scatter of a rate is relative to the rate.
+    pub relative: Option<Spanned<bool>>,
+    /// For an axle, the only wheel whose parts scatter.
+    pub side: Option<Text>,
+    /// The only coordinate that scatters.
+    pub axis: Option<Text>,
+    /// Standard deviation of a normal scatter.
+    pub sigma: Option<Number>,
+    /// Ends of a uniform scatter.
+    pub limits: Option<Spanned<Vec<Number>>>,
+    /// Standard deviation of each component of a jig's shift.
+    pub shift: Option<Number>,
+    /// Standard deviation of each component of a jig's turn, degrees.
+    pub turn: Option<Number>,
+}
+
+/// An element of `bands`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Band {
+    /// Name of the characteristic.
+    pub characteristic: Text,
+    /// Position in the motion at which the band applies. The default is the whole motion.
+    pub at: Option<Number>,
+    /// For an axle, the coordinate of the motion to which `at` refers.
+    pub over: Option<Text>,
+    /// For an axle, the wheel to which the band applies.
+    pub side: Option<Text>,
+    /// For an axle, the roll angle at which the band applies, or several.
+    pub roll: Option<Spanned<Numbers>>,
+    /// For an axle, the heave at which the band applies, or several.
+    pub heave: Option<Spanned<Numbers>>,
+    /// For an axle, the travel of the left wheel at which the band applies, or several.
+    pub travel_left: Option<Spanned<Numbers>>,
+    /// For an axle, the travel of the right wheel at which the band applies, or several.
+    pub travel_right: Option<Spanned<Numbers>>,
+    /// For an axle, the angle of the steering wheel at which the band applies, or several.
+    pub steering_wheel_angle: Option<Spanned<Numbers>>,
+    /// Rack displacement at which the band applies, or several.
+    pub rack: Option<Spanned<Numbers>>,
+    /// Lowest and highest value.
+    pub between: Option<Spanned<Vec<Number>>>,
+    /// Lowest value, if there is no highest value.
+    pub at_least: Option<Number>,
+    /// Highest value, if there is no lowest value.
+    pub at_most: Option<Number>,
+}

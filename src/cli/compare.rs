@@ -5,12 +5,18 @@ use super::exit::{Exit, Stop};
 use super::output::kept_study;
 use super::terminal::{eprint, is_quiet, note, print, width};
 use crate::compared::{FirstMotion, compared};
-use crate::report::{Compared, Comparison, CurveTable, Format, Tables, comparison_page, printable};
+use crate::report::{
+    Compared, Comparison, CurveTable, Format, KcComparison, Tables, comparison_page, counted,
+    printable,
+};
 use crate::results::{Claim, RunDirectory};
 use crate::study::{LONGEST_TABLE, Study, read_bytes};
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+
+/// Results of a run of `hardpoint kc`.
+const KC: &str = "kc.csv";
 
 /// Arguments of a comparison.
 #[derive(Args)]
@@ -33,6 +39,9 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
     if super::car::are_cars(arguments)? {
         return super::car::compare(arguments);
     }
+    if are_kc_runs(&arguments.sources)? {
+        return of_kc_runs(arguments);
+    }
     let labels = labels(&arguments.sources);
     let mut designs: Vec<Compared> = Vec::new();
     // Studies are solved over the motion of the first one.
@@ -50,25 +59,14 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
     let comparison = Comparison::of(&designs).map_err(Stop::wrong_input)?;
     let mut topologies: Vec<String> = designs.iter().filter_map(|d| d.topology.clone()).collect();
     topologies.dedup();
-    if arguments.out == Path::new("-") {
-        std::io::stdout().write_all(&comparison.csv())?;
-    } else {
-        let claim = Claim {
-            command: "compare",
-            files: &["comparison.csv", "report.html"],
-            inputs: &arguments.sources,
-            force: arguments.force,
-            ..Claim::default()
-        };
-        let directory = RunDirectory::claim(&arguments.out, &claim).map_err(Stop::wrong_input)?;
-        let files = arguments.sources.iter().map(|p| p.display().to_string());
-        let page = comparison_page(&comparison, &topologies, &files.collect::<Vec<_>>());
-        let csv = comparison.csv();
-        let written = directory.write("comparison.csv", &csv);
-        let written = written.and_then(|()| directory.write("report.html", page.as_bytes()));
-        let written = written.and_then(|()| directory.finish());
-        written.map_err(Stop::unwritten)?;
-    }
+    let files = arguments.sources.iter().map(|p| p.display().to_string());
+    let page = comparison_page(&comparison, &topologies, &files.collect::<Vec<_>>());
+    write(
+        arguments,
+        &arguments.sources,
+        &comparison.csv(),
+        Some(&page),
+    )?;
     let format: Format = arguments.format.into();
     let mut tables = Tables::default();
     tables.push("figures", comparison.table());
@@ -87,6 +85,68 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
         note(&format!("{column}: only in {}\n", labels.join(", ")));
     }
     Ok(Exit::of(is_complete))
+}
+
+/// Writes `comparison.csv` and the page, if there is one. The CSV may go to standard output.
+pub(super) fn write(
+    arguments: &CompareArguments,
+    inputs: &[PathBuf],
+    csv: &[u8],
+    page: Option<&str>,
+) -> Result<(), Stop> {
+    if arguments.out == Path::new("-") {
+        std::io::stdout().write_all(csv)?;
+        return Ok(());
+    }
+    let claim = Claim {
+        command: "compare",
+        files: &["comparison.csv", "report.html"],
+        inputs,
+        force: arguments.force,
+        ..Claim::default()
+    };
+    let directory = RunDirectory::claim(&arguments.out, &claim).map_err(Stop::wrong_input)?;
+    let written = directory.write("comparison.csv", csv);
+    let written = written.and_then(|()| match page {
+        Some(page) => directory.write("report.html", page.as_bytes()),
+        None => directory.remove("report.html"),
+    });
+    let written = written.and_then(|()| directory.finish());
+    written.map_err(Stop::unwritten)
+}
+
+/// True if all sources are runs of `kc`. Refuses a mixture of them and other sources.
+fn are_kc_runs(sources: &[PathBuf]) -> Result<bool, Stop> {
+    let is_kc = |path: &&PathBuf| path.join(KC).is_file() && !path.join("curves.csv").exists();
+    match sources.iter().filter(is_kc).count() {
+        0 => Ok(false),
+        count if count == sources.len() => Ok(true),
+        _ => Err(Stop::wrong_input(
+            "a run of `hardpoint kc` can be compared with runs of `hardpoint kc` only",
+        )),
+    }
+}
+
+fn of_kc_runs(arguments: &CompareArguments) -> Result<Exit, Stop> {
+    let mut runs = Vec::new();
+    for (path, label) in arguments.sources.iter().zip(labels(&arguments.sources)) {
+        let file = path.join(KC);
+        let text = read_bytes(&file, LONGEST_TABLE);
+        runs.push((label, text.map_err(|reason| Stop::in_file(&file, reason))?));
+    }
+    let comparison = KcComparison::of(&runs).map_err(Stop::wrong_input)?;
+    write(arguments, &arguments.sources, &comparison.csv(), None)?;
+    let mut tables = Tables::default();
+    tables.push("figures", comparison.table());
+    print_tables(arguments, &tables)?;
+    note(&format!(
+        "\nThe same in four digits: {}\n",
+        counted(comparison.equal(), "figure")
+    ));
+    if arguments.out != Path::new("-") {
+        note(&format!("{}: comparison.csv\n", arguments.out.display()));
+    }
+    Ok(Exit::Done)
 }
 
 /// Prints the tables. They go to standard error if the CSV goes to standard output.

@@ -78,24 +78,27 @@ impl Source {
             return Ok(source);
         };
         let mechanism = &study.wheel().mechanism;
-        let refused = match mechanism.rigid_axle.is_some() {
-            false => None,
-            true if mechanism.topology.is_twist_beam() => {
-                let takes_it = [Target::Csv, Target::Xlsx].contains(&arguments.to);
-                (!takes_it).then_some("a twist beam can be exported to CSV and to a workbook")
-            }
-            true if mechanism.axle_steering().is_some() => {
-                let takes_it = [Target::Csv, Target::Xlsx].contains(&arguments.to);
-                (!takes_it).then_some(
-                    "a solid axle with a drag link can be exported to CSV and to a workbook",
-                )
-            }
-            true => {
-                let takes_it = [Target::Csv, Target::Xlsx, Target::Assetto].contains(&arguments.to);
-                (!takes_it).then_some(
-                    "a solid axle can be exported to CSV, to a workbook and to Assetto Corsa",
-                )
-            }
+        let only = |targets: &[Target], message: &'static str| {
+            (!targets.contains(&arguments.to)).then_some(message)
+        };
+        let points = [Target::Csv, Target::Xlsx, Target::Dxf];
+        let refused = if mechanism.rigid_axle.is_none() {
+            None
+        } else if mechanism.topology.is_twist_beam() {
+            only(
+                &points,
+                "a twist beam can be exported to CSV, to a workbook and to DXF",
+            )
+        } else if mechanism.axle_steering().is_some() {
+            only(
+                &points,
+                "a solid axle with a drag link can be exported to CSV, to a workbook and to DXF",
+            )
+        } else {
+            only(
+                &[&points[..], &[Target::Assetto]].concat(),
+                "a solid axle can be exported to CSV, to a workbook, to DXF and to Assetto Corsa",
+            )
         };
         if let Some(message) = refused {
             return Err(Stop::in_file(path, message));

@@ -1,5 +1,6 @@
 //! Curves and points of several designs side by side, in the unit and axes of the first design.
 
+mod kc;
 mod moved;
 #[cfg(test)]
 mod tests;
@@ -12,6 +13,7 @@ use super::optional;
 use super::record::{Record, readable_unit};
 use super::table::{Cell, Table};
 use crate::model::LengthUnit;
+pub use kc::KcComparison;
 use moved::{Moved, moved};
 use serde::Serialize;
 use units::{in_unit, split};

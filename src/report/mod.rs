@@ -58,7 +58,7 @@ pub use car::{
 };
 pub use choices::{FrontPoint, FrontRecord, PriceRecord, front_csv, front_remarks, front_table};
 pub use comparison::{
-    Compared, ComparedOutput, ComparedPoints, Comparison, NamedPoints, StationColumn,
+    Compared, ComparedOutput, ComparedPoints, Comparison, KcComparison, NamedPoints, StationColumn,
 };
 pub use completeness::Completeness;
 pub use curve_table::CurveTable;

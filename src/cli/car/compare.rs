@@ -1,12 +1,10 @@
 //! `hardpoint compare` of cars.
 
-use super::super::compare::{CompareArguments, labels, print_tables};
+use super::super::compare::{CompareArguments, labels, print_tables, write};
 use super::super::exit::{Exit, Stop};
 use super::super::terminal::note;
 use super::{solver, source};
 use crate::report::{CarComparison, CarResults, Tables};
-use crate::results::{Claim, RunDirectory};
-use std::io::Write;
 use std::path::Path;
 
 /// True if all sources are cars. Refuses a mixture of cars and other studies.
@@ -39,28 +37,12 @@ pub(in crate::cli) fn compare(arguments: &CompareArguments) -> Result<Exit, Stop
         all.push((label, results));
     }
     let comparison = CarComparison::of(&all).map_err(Stop::wrong_input)?;
-    let to_stdout = arguments.out == Path::new("-");
-    if to_stdout {
-        std::io::stdout().write_all(&comparison.csv())?;
-    } else {
-        let claim = Claim {
-            command: "compare",
-            files: &["comparison.csv", "report.html"],
-            inputs: &inputs,
-            force: arguments.force,
-            ..Claim::default()
-        };
-        let directory = RunDirectory::claim(&arguments.out, &claim).map_err(Stop::wrong_input)?;
-        let written = directory.remove("report.html");
-        let written = written.and_then(|()| directory.write("comparison.csv", &comparison.csv()));
-        let written = written.and_then(|()| directory.finish());
-        written.map_err(Stop::unwritten)?;
-    }
+    write(arguments, &inputs, &comparison.csv(), None)?;
     let mut tables = Tables::default();
     tables.push("figures", comparison.table());
     tables.push("changes", comparison.changes_table());
     print_tables(arguments, &tables)?;
-    if !to_stdout {
+    if arguments.out != Path::new("-") {
         note(&format!("\n{}: comparison.csv\n", arguments.out.display()));
     }
     Ok(Exit::of(

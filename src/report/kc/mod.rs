@@ -10,6 +10,7 @@ mod tables;
 
 pub use names::OtherProgram;
 pub use parts::elastic_parts;
+pub(in crate::report) use tables::four_figures;
 
 use super::shortest;
 use crate::ask::Unit;

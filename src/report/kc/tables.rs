@@ -122,7 +122,7 @@ impl KcResults<'_> {
 }
 
 /// Formats a number with four digits, as on rig sheets.
-fn four_figures(value: f64) -> String {
+pub(in crate::report) fn four_figures(value: f64) -> String {
     let rounded = format!("{value:.3e}").parse().unwrap_or(value);
     super::super::brief(rounded)
 }

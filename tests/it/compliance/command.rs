@@ -1,5 +1,6 @@
 //! `hardpoint kc` and `hardpoint check` as a user runs them.
 
+use crate::support::rows_by_column;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -408,4 +409,50 @@ fn kc_refuses_arms_that_hold_the_carrier_twice() {
         assert_eq!(refused.status.code(), Some(2), "{said}");
         assert!(said.contains("at two points"), "{said}");
     }
+}
+
+/// `compare` of two runs of `kc` shows the results that differ, with their differences, and refuses other sources.
+#[test]
+fn two_runs_of_kc_are_compared() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = directory.path();
+    let study = study("double_wishbone_compliance.toml");
+    let softer = [
+        "--set",
+        "bushings.lower_arm_rear.stiffness=[350.0, 1250.0, 900.0, 4.0e4, 1.25e5, 1.25e5]",
+    ];
+    for (out, more) in [("stiff", &[][..]), ("soft", &softer[..])] {
+        let arguments = [&["kc", &study, "--out", out], more].concat();
+        assert_eq!(hardpoint(&arguments, at).status.code(), Some(0));
+    }
+    let compared = hardpoint(&["compare", "stiff", "soft", "--out", "both"], at);
+    let said = String::from_utf8_lossy(&compared.stdout).into_owned();
+    assert_eq!(compared.status.code(), Some(0), "{said}");
+    assert!(said.contains("recession_by_braking"), "{said}");
+    let read = |path: &str| rows_by_column(&std::fs::read(at.join(path)).unwrap());
+    let [stiff, soft, both] = ["stiff/kc.csv", "soft/kc.csv", "both/comparison.csv"].map(read);
+    assert_eq!(both.len(), stiff.len());
+    let number = |text: &str| text.parse::<f64>().ok();
+    for ((row, first), other) in both.iter().zip(&stiff).zip(&soft) {
+        for key in ["load", "trail_mm", "hold", "quantity", "unit"] {
+            assert_eq!(row[key], first[key]);
+        }
+        assert_eq!(row["stiff"], first["value"]);
+        assert_eq!(row["soft_secant"], other["secant"]);
+        let difference = number(&other["value"]).zip(number(&first["value"]));
+        assert_eq!(
+            number(&row["soft_difference"]),
+            difference.map(|(b, a)| b - a)
+        );
+    }
+    // Bushings do not change the rigid part of the table; the softer arm recedes further.
+    let recession = both
+        .iter()
+        .find(|row| row["quantity"] == "recession_by_braking");
+    assert!(number(&recession.unwrap()["soft_difference"]).unwrap() > 0.0);
+
+    let mixed = hardpoint(&["compare", "stiff", &study], at);
+    let said = String::from_utf8_lossy(&mixed.stderr).into_owned();
+    assert_eq!(mixed.status.code(), Some(2));
+    assert!(said.contains("runs of `hardpoint kc` only"), "{said}");
 }

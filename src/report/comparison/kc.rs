@@ -1,0 +1,176 @@
+//! Results of several `kc` runs side by side.
+
+use crate::report::files::csv_of_rows;
+use crate::report::kc::four_figures;
+use crate::report::optional;
+use crate::report::table::{Cell, Column, Table};
+use std::collections::HashMap;
+
+/// Results of several `kc` runs side by side.
+pub struct KcComparison {
+    labels: Vec<String>,
+    /// Names of the columns that tell station, test and quantity.
+    keys: Vec<String>,
+    figures: Vec<Figure>,
+}
+
+/// A result of a test, with value and secant in each run.
+struct Figure {
+    keys: Vec<String>,
+    unit: String,
+    values: Vec<[Option<f64>; 2]>,
+}
+
+/// Rows of one `kc.csv`: keys, unit, value and secant.
+struct Sheet {
+    keys: Vec<String>,
+    rows: Vec<(Vec<String>, String, [Option<f64>; 2])>,
+}
+
+impl KcComparison {
+    /// Compares runs, each with its label and the text of its `kc.csv`. Results have the order of the first run that has them.
+    ///
+    /// # Errors
+    /// The reason in words, with the label, if a text is no `kc.csv` or if runs have different columns.
+    pub fn of(runs: &[(String, Vec<u8>)]) -> Result<Self, String> {
+        let mut comparison = KcComparison {
+            labels: runs.iter().map(|(label, _)| label.clone()).collect(),
+            keys: Vec::new(),
+            figures: Vec::new(),
+        };
+        let mut places: HashMap<Vec<String>, usize> = HashMap::new();
+        for (run, (label, text)) in runs.iter().enumerate() {
+            let sheet = Sheet::read(text).map_err(|why| format!("{label}, kc.csv: {why}"))?;
+            if run == 0 {
+                comparison.keys = sheet.keys;
+            } else if sheet.keys != comparison.keys {
+                return Err(format!(
+                    "{label} and {} have different columns: one of a wheel and one of an axle, or different units of length",
+                    comparison.labels[0]
+                ));
+            }
+            for (keys, unit, values) in sheet.rows {
+                let place = *places.entry(keys.clone()).or_insert_with(|| {
+                    comparison.figures.push(Figure {
+                        keys,
+                        unit,
+                        values: vec![[None; 2]; runs.len()],
+                    });
+                    comparison.figures.len() - 1
+                });
+                comparison.figures[place].values[run] = values;
+            }
+        }
+        Ok(comparison)
+    }
+
+    /// `comparison.csv`: one row for each result, with value and secant of each run and their differences from the first.
+    pub fn csv(&self) -> Vec<u8> {
+        let mut header = self.keys.clone();
+        header.push("unit".to_owned());
+        for label in &self.labels {
+            header.extend([label.clone(), format!("{label}_secant")]);
+        }
+        for label in &self.labels[1..] {
+            header.extend(["difference", "secant_difference"].map(|of| format!("{label}_{of}")));
+        }
+        let rows = self.figures.iter().map(|figure| {
+            let mut cells = figure.keys.clone();
+            cells.push(figure.unit.clone());
+            cells.extend(figure.values.iter().flatten().copied().map(optional));
+            for own in &figure.values[1..] {
+                let pairs = own.iter().zip(&figure.values[0]);
+                cells.extend(pairs.map(|(own, first)| optional(difference(*own, *first))));
+            }
+            cells
+        });
+        csv_of_rows(std::iter::once(header).chain(rows))
+    }
+
+    /// Table of the results whose four-digit values differ.
+    pub fn table(&self) -> Table {
+        let shown: Vec<&Figure> = self.figures.iter().filter(|f| f.differs()).collect();
+        // A column with the same cell in all rows tells nothing. The last one names the quantity.
+        let tells = |k: usize| {
+            k + 1 == self.keys.len() || shown.iter().any(|f| f.keys[k] != shown[0].keys[k])
+        };
+        let telling: Vec<usize> = (0..self.keys.len()).filter(|k| tells(*k)).collect();
+        let keys = telling.iter().map(|k| self.keys[*k].as_str());
+        let mut columns: Vec<Column> = keys.map(Column::from).collect();
+        columns.extend(self.labels.iter().map(|label| Column::from(label.clone())));
+        for label in &self.labels[1..] {
+            let title = match self.labels.len() {
+                2 => "difference".to_owned(),
+                _ => format!("{label} difference"),
+            };
+            columns.push(Column::from(title));
+        }
+        columns.push("unit".into());
+        let mut table = Table::with_columns(columns).keyed(telling.len());
+        for figure in shown {
+            let keys = telling.iter().map(|k| Cell::from(figure.keys[*k].as_str()));
+            let mut cells: Vec<Cell> = keys.collect();
+            let number = |value: Option<f64>| Cell::by(value, four_figures);
+            let first = figure.values[0][0];
+            cells.extend(figure.values.iter().map(|[value, _]| number(*value)));
+            let others = figure.values[1..].iter();
+            cells.extend(others.map(|[value, _]| number(difference(*value, first))));
+            cells.push(figure.unit.as_str().into());
+            table.push_row(cells);
+        }
+        table
+    }
+
+    /// Number of results with the same four-digit value in all runs.
+    pub fn equal(&self) -> usize {
+        self.figures.iter().filter(|f| !f.differs()).count()
+    }
+}
+
+impl Figure {
+    fn differs(&self) -> bool {
+        let text = |[value, _]: &[Option<f64>; 2]| value.map(four_figures);
+        self.values
+            .iter()
+            .any(|own| text(own) != text(&self.values[0]))
+    }
+}
+
+fn difference(own: Option<f64>, first: Option<f64>) -> Option<f64> {
+    own.zip(first).map(|(own, first)| own - first)
+}
+
+impl Sheet {
+    fn read(text: &[u8]) -> Result<Self, String> {
+        let mut reader = csv::Reader::from_reader(text);
+        let header = reader.headers().map_err(|e| e.to_string())?.clone();
+        let place = |name: &str| {
+            let found = header.iter().position(|column| column == name);
+            found.ok_or_else(|| format!("there is no column {name}"))
+        };
+        let (value, secant, unit) = (place("value")?, place("secant")?, place("unit")?);
+        let mut rows = Vec::new();
+        for record in reader.records() {
+            let record = record.map_err(|e| e.to_string())?;
+            let number = |k: usize| match &record[k] {
+                "" => Ok(None),
+                cell => match cell.parse::<f64>() {
+                    Ok(number) if number.is_finite() => Ok(Some(number)),
+                    _ => Err(format!("expected a number, found {cell:?}")),
+                },
+            };
+            // A station without equilibrium has rows without results.
+            if record[value - 1].is_empty() {
+                continue;
+            }
+            let keys = record.iter().take(value).map(str::to_owned).collect();
+            rows.push((
+                keys,
+                record[unit].to_owned(),
+                [number(value)?, number(secant)?],
+            ));
+        }
+        let keys = header.iter().take(value).map(str::to_owned).collect();
+        Ok(Sheet { keys, rows })
+    }
+}

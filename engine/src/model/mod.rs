@@ -16,6 +16,7 @@ mod seats;
 mod semi_trailing_arm;
 mod solid_axle;
 mod steered_axle;
+mod suspension;
 mod topology;
 mod trailing_arm_two_links;
 mod twist_beam;
@@ -25,6 +26,7 @@ pub use rigid_axle::{AxleTravel, RigidAxle, mirrored};
 pub use rocker::{Rocker, RockerId, Rod};
 pub use seats::Seat;
 pub use steered_axle::AxleSteering;
+pub use suspension::{AxlePosition, Suspension, TorquePath, VehicleFigures};
 pub use topology::{Group, Hardpoint, Topology};
 pub use twist_beam::TwistBeam;
 
@@ -432,73 +434,5 @@ impl Mechanism {
     #[inline(always)]
     pub fn body(&self, id: PointId) -> Body {
         self.points[id.0].body
-    }
-}
-
-/// Data of the whole vehicle that some characteristics need. Lengths are in the study's unit.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct VehicleFigures {
-    /// Distance between the axles.
-    pub wheelbase: Option<f64>,
-    /// Distance between the wheels of the axle.
-    pub track: Option<f64>,
-    /// Height of the centre of gravity above the ground.
-    pub cg_height: Option<f64>,
-    /// Share of the braking force at the front axle, 0 to 1.
-    pub brake_share_front: Option<f64>,
-    /// Share of the drive force at the front axle, 0 to 1.
-    pub drive_share_front: Option<f64>,
-    /// Position of the axle with this suspension.
-    pub position: Option<AxlePosition>,
-    /// Part that takes the torque of the brakes.
-    pub brakes: Option<TorquePath>,
-    /// Part that takes the torque of the drive.
-    pub drive_torque: Option<TorquePath>,
-}
-
-/// Position of an axle in the car.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum AxlePosition {
-    /// The front axle.
-    Front,
-    /// The rear axle.
-    Rear,
-}
-
-/// Part that takes the torque of brakes or drive about the wheel's spin axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TorquePath {
-    /// The wheel carrier: outboard brakes, hub motors.
-    Carrier,
-    /// A shaft from the body: inboard brakes, drive shafts.
-    Shafts,
-}
-
-/// A suspension: the mechanism with its dimensions.
-///
-/// All numbers are in the kernel's frame (see [`Frame`]) and in the study's length unit.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Suspension {
-    /// Structure.
-    pub mechanism: Mechanism,
-    /// Design positions of all points, indexed by [`PointId`].
-    pub design: Vec<Vector3<f64>>,
-    /// Map from the study's axes to the kernel's.
-    pub frame: Frame,
-    /// The unit of every length.
-    pub length_unit: LengthUnit,
-    /// Loaded radius of the wheel.
-    pub wheel_radius: Option<f64>,
-    /// Width of the tyre.
-    pub tyre_width: Option<f64>,
-    /// Data of the whole vehicle.
-    pub vehicle: VehicleFigures,
-}
-
-impl Suspension {
-    /// Size of the mechanism: the largest distance of a point from the knuckle's origin. Bounds on rounding and step lengths
-    /// are relative to it.
-    pub fn size(&self) -> f64 {
-        self.mechanism.size(&self.design)
     }
 }

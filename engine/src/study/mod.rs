@@ -22,6 +22,7 @@ mod loads;
 mod members;
 mod motion;
 mod moves;
+mod named_motions;
 mod optimise;
 mod outputs;
 mod place;

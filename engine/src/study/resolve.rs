@@ -4,9 +4,9 @@ use super::compliance::{BushingText, NamedBushing, NamedParts};
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::targets::FromFile;
 use super::{
-    AxleComplianceStudy, AxleStudy, ComplianceStudy, Drive, Formulation, Load, Motion, Optimise,
-    Outputs, Setup, Study, Sweep, Tolerance, Vehicle, WheelStudy, axle, compliance, edit, file,
-    motion, optimise, outputs, overrides, parse, setup, solver, source, suspension, sweep,
+    AxleComplianceStudy, AxleStudy, ComplianceStudy, Formulation, Load, Motion, Optimise, Outputs,
+    Setup, Study, Sweep, Tolerance, Vehicle, WheelStudy, axle, compliance, edit, file, motion,
+    named_motions, optimise, outputs, overrides, parse, setup, solver, source, suspension, sweep,
     tolerance,
 };
 use crate::model::{Suspension, Topology};
@@ -181,7 +181,7 @@ fn resolve(
         if !of_axle {
             motion::motion(&file.motion, false, &mut problems);
         }
-        motions_of_wheel(&file, of_axle, &mut problems);
+        named_motions::of_wheel(&file, of_axle, &mut problems);
         return problems.finish(None);
     };
     let main = MainSections::read(&file, &suspension, (parts, directory), &mut problems);
@@ -243,7 +243,7 @@ impl MainSections {
         } else {
             motion::motion(&file.motion, false, problems)
         };
-        let motions = motions_of_wheel(file, of_axle, problems);
+        let motions = named_motions::of_wheel(file, of_axle, problems);
         let axle = if of_axle {
             axle::axle(file, suspension, (parts, directory), problems).map(Some)
         } else {
@@ -257,7 +257,7 @@ impl MainSections {
         if let Some(motion) = &motion {
             motion::check_drive(&file.motion, motion, suspension, problems);
         }
-        check_named_motions(file, &motions, suspension, problems);
+        named_motions::check(file, &motions, suspension, problems);
         let formulation = solver::formulation(file, suspension, problems);
         solver::refuse_accuracy(file, problems);
         let outputs = match (of_axle, &elastic) {
@@ -350,47 +350,6 @@ fn refuse_car(source: &Arc<Source>) -> Result<(), StudyErrors> {
     let mut error = StudyError::new(source.clone(), Some(place), message);
     error.help("hardpoint check, solve, sweep, optimise, tolerance, limits, compare and export take cars; the axles by themselves are studies for every command");
     Err(error.into())
-}
-
-/// Named motions of one wheel. In a study of an axle they are those of its left wheel.
-fn motions_of_wheel(
-    file: &file::File,
-    of_axle: bool,
-    problems: &mut Problems,
-) -> Vec<(String, Motion)> {
-    let mut motions = Vec::new();
-    for (name, section) in &file.motions {
-        if of_axle && axle::moves_axle(section.get_ref()) {
-            continue;
-        }
-        if let Some(motion) = motion::motion(section, true, problems) {
-            motions.push((name.get_ref().clone(), motion));
-        }
-    }
-    motions
-}
-
-/// Checks the names of motions, and the drives of motions without errors.
-fn check_named_motions(
-    file: &file::File,
-    motions: &[(String, Motion)],
-    suspension: &Suspension,
-    problems: &mut Problems,
-) {
-    for (name, section) in &file.motions {
-        let same = |named: &&(String, Motion)| named.0 == *name.get_ref();
-        if let Some((_, motion)) = motions.iter().find(same) {
-            motion::check_drive(section, motion, suspension, problems);
-            if motion.drive == Drive::PaperTheta || motion.time.is_some() {
-                let message = "a named motion is by travel or arm_angle, without time";
-                problems.add(section.span(), message);
-            }
-        }
-        if name.get_ref().is_empty() || name.get_ref().contains(['/', '\\', '.']) {
-            let message = "the name of a motion is part of a file's name: letters, digits and _";
-            problems.add(name.span(), message);
-        }
-    }
 }
 
 /// Refuses a sweep that would keep no value of any design.

@@ -1,0 +1,46 @@
+//! `[motions.NAME]`.
+
+use super::error::Problems;
+use super::{Drive, Motion, axle, file, motion};
+use crate::model::Suspension;
+
+/// Named motions of one wheel. In a study of an axle they are those of its left wheel.
+pub(super) fn of_wheel(
+    file: &file::File,
+    of_axle: bool,
+    problems: &mut Problems,
+) -> Vec<(String, Motion)> {
+    let mut motions = Vec::new();
+    for (name, section) in &file.motions {
+        if of_axle && axle::moves_axle(section.get_ref()) {
+            continue;
+        }
+        if let Some(motion) = motion::motion(section, true, problems) {
+            motions.push((name.get_ref().clone(), motion));
+        }
+    }
+    motions
+}
+
+/// Checks the names of motions, and the drives of motions without errors.
+pub(super) fn check(
+    file: &file::File,
+    motions: &[(String, Motion)],
+    suspension: &Suspension,
+    problems: &mut Problems,
+) {
+    for (name, section) in &file.motions {
+        let same = |named: &&(String, Motion)| named.0 == *name.get_ref();
+        if let Some((_, motion)) = motions.iter().find(same) {
+            motion::check_drive(section, motion, suspension, problems);
+            if motion.drive == Drive::PaperTheta || motion.time.is_some() {
+                let message = "a named motion is by travel or arm_angle, without time";
+                problems.add(section.span(), message);
+            }
+        }
+        if name.get_ref().is_empty() || name.get_ref().contains(['/', '\\', '.']) {
+            let message = "the name of a motion is part of a file's name: letters, digits and _";
+            problems.add(name.span(), message);
+        }
+    }
+}

@@ -201,7 +201,7 @@ fn curves_of(source: FileText, unit: LengthUnit) -> Result<[Points; 6], String> 
         let is_zero = curve.iter().all(|point| point[1] == 0.0);
         if !is_zero && !curve.windows(2).all(rises) {
             return Err(format!(
-                "the curve of {} does not rise in both numbers",
+                "the curve of {} must rise in both columns",
                 AXES[axis]
             ));
         }

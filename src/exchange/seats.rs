@@ -32,7 +32,7 @@ pub(super) fn of(
         id.is_none_or(|id| mechanism.possible_bodies(id).is_empty())
     }) {
         return Err(format!(
-            "--body {unknown}=...: expected an end of a spring or rod that is there, such as drop_link_outer"
+            "--body {unknown}=...: expected an end of a spring or rod of this suspension, such as drop_link_outer"
         ));
     }
     let mut seats = Vec::new();

@@ -1,7 +1,7 @@
-//! Limits of a study with elastic parts: ends of equilibrium.
+//! Limits of a study with elastic parts: the values beyond which there is no equilibrium.
 //!
-//! Travel and rack end where a part gives way. A load ends at the largest value that the suspension carries. Limits of the
-//! mechanism without elasticity stand beside them.
+//! Travel and rack end where a part gives way, a load at the largest value that the suspension carries. The limits with all
+//! parts rigid stand beside them.
 
 use super::row::{LOST, Row, columns};
 use super::{LimitTable, travel_rows};

@@ -127,7 +127,7 @@ pub(super) fn because(limit: &Limit, study: &Study) -> String {
     match (limit.cause, &limit.nearest) {
         (LimitCause::DependentLinks, _) => {
             format!(
-                "{} have come to a dead centre with each other",
+                "{} are at a dead centre with each other",
                 links.join(", ")
             )
         }
@@ -145,7 +145,7 @@ pub(super) fn because(limit: &Limit, study: &Study) -> String {
                 _ => "tie rod",
             };
             let angle = nearest.sine.min(1.0).asin().to_degrees();
-            format!("{cause} (nearest: the {part}, {angle:.1} deg)")
+            format!("{cause} (nearest to one: the {part}, {angle:.1} deg away)")
         }
         (cause, _) => cause.to_string(),
     }

@@ -16,7 +16,7 @@ const MOST_ROUNDS: usize = 40;
 /// A derivative has settled if its next correction would be below this limit. The limit is relative to the fastest
 /// nominal point or to the largest correction.
 const FINE: f64 = 1e-15;
-/// Limit on the last correction of a derivative, below which it has settled, if corrections no longer shrink.
+/// Limit on the last correction of a derivative. If corrections no longer shrink, a derivative below it has converged.
 const COARSE: f64 = 1e-12;
 
 /// A series.

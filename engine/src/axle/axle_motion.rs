@@ -165,7 +165,7 @@ impl AxleMotion {
         }
     }
 
-    /// Index of the time at a station with this index. 0 without a law.
+    /// Index of the time of a station. 0 for a motion without a law over time.
     pub(super) fn time_at(&self, station: usize) -> usize {
         let Some(time) = &self.time else { return 0 };
         // Number of neighbouring stations with the same value of this coordinate.

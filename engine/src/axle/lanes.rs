@@ -123,7 +123,7 @@ impl Quantity {
         }
     }
 
-    /// Slots of a wheel that the quantity reads in lanes.
+    /// Slots of a wheel that the quantity reads where SIMD lanes hold several designs.
     pub fn lane_slots(self, side: Side) -> Slots {
         match self {
             Quantity::Corner(own, _) if own != side => Slots::default(),

@@ -19,8 +19,8 @@ pub struct AxleLimits {
     pub travels: TravelRanges,
     /// Toggles of the rockers of each wheel within its travel. Empty if one body carries both wheels.
     pub rockers: [Vec<RockerRange>; 2],
-    /// The least and the largest displacement of the rack towards the left wheel's outside, at zero travel. For a
-    /// steered solid axle, the displacement of its drag link. `None` if nothing steers the wheels.
+    /// Smallest and largest displacement of the rack at zero travel, positive in the outboard direction of the left wheel. For
+    /// a steered solid axle, the displacement of its drag link. `None` if nothing steers the wheels.
     pub rack: Option<[AxleEnd; 2]>,
     /// Smallest and largest roll angle (radians) at zero heave, with the rack in the middle. `None` if it is not known.
     pub roll: [Option<AxleEnd>; 2],

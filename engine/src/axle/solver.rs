@@ -73,7 +73,7 @@ pub struct AxlePose {
     pub travels: [f64; 2],
     /// Roll angle, radians.
     pub roll: f64,
-    /// Displacement of the rack, positive to the outside of the left wheel.
+    /// Displacement of the rack, positive in the outboard direction of the left wheel.
     pub rack: f64,
     /// Quantities that stay fixed in motions from this position.
     pub hold: Hold,
@@ -107,7 +107,7 @@ pub struct AxleSolver<'a, const N: usize> {
     gradients: [Vec<Vector3<f64>>; 2],
 }
 
-/// Largest number of Newton steps in the difference of travels. Steps back count as well.
+/// Largest number of Newton steps in the difference of travels, halved steps included.
 const MOST_STEPS: usize = 80;
 /// Number of terms in the series of heights.
 const TERMS: usize = 4;

@@ -204,8 +204,8 @@ impl<'t> OnTape<'t> {
         self.wheel.carried(&at.solution.state, &task)
     }
 
-    /// Equilibrium under loads in addition to those of a station, with derivatives by the inputs. The station's height or
-    /// wheel load is held, and it can change with the inputs.
+    /// Equilibrium under loads in addition to those of a station, with derivatives by the inputs. The wheel keeps the height or
+    /// the load of its station. That value can depend on the inputs.
     pub fn carried_about(
         &self,
         station: &Equilibrium<Tracked<'t>>,

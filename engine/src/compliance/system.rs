@@ -286,8 +286,8 @@ impl<T: Scalar> System<T> {
         next
     }
 
-    /// Largest shift and largest rotation of a step, without forces of ball joints. The rotation of a link about its own
-    /// line does not count: it moves nothing, and little torsion can leave it inaccurate.
+    /// Largest translation and largest rotation of a step. Forces of ball joints do not count. Neither does the rotation of a
+    /// link about its own line: it moves nothing, and is inaccurate where torsion is soft.
     pub(super) fn size_of(&self, step: &Step<T>) -> [f64; 2] {
         let largest = |parts: &[T]| {
             let size = |c: &T| c.value().abs();

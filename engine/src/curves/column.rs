@@ -52,7 +52,7 @@ impl Column {
         Column::of_value((*name).to_owned(), unit.suffix(length), positive, factor)
     }
 
-    /// Column of a value that no plan of one wheel contains.
+    /// Column of a value that only axles have.
     pub(crate) fn of_value(
         output: String,
         unit: String,

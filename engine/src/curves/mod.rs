@@ -156,8 +156,8 @@ impl Station {
 pub struct Proof {
     /// Bound on the distance of any point of a wheel carrier from its exact position.
     pub position_error: f64,
-    /// Smallest difference of any other pose in one of these numbers: a coordinate of a carrier's origin, an entry of a
-    /// rotation, the roll angle. The last two are times the mechanism's size.
+    /// Any other pose differs by at least this length in a coordinate of a carrier's origin, an entry of a rotation or the roll
+    /// angle. The last two are multiplied by the mechanism's size.
     pub uniqueness: f64,
     /// All bounds, including these two, in the order of [`Curves::bounds`].
     pub bounds: Vec<f64>,

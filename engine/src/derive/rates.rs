@@ -1,9 +1,9 @@
 //! Derivatives of the pose along the motion, of any order.
 //!
-//! F(x(s), s) = 0 is solved in truncated power series. If the coefficients of x below e^k are right, the lowest nonzero
-//! coefficient of the residual is F_k, that of e^k. The correction J0 dx_k = -F_k removes it, with the one Jacobian J0 of
-//! the pose. So each order costs one residual and one back-substitution. The code needs no formula for velocities or
-//! accelerations.
+//! F(x(s), s) = 0 is solved in truncated power series in e, the increment of s. If the coefficients of x below e^k are right,
+//! the lowest nonzero coefficient of the residual is F_k, that of e^k. The correction J0 dx_k = -F_k removes it, with the one
+//! Jacobian J0 of the pose. So each order costs one residual and one back-substitution. The code needs no formula for
+//! velocities or accelerations.
 
 use crate::linear::lu::Lu6;
 use crate::mechanism::{Closure, Driver};

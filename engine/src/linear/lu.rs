@@ -30,7 +30,7 @@ impl<T: Scalar> Lu6<T> {
 }
 
 impl<T: Scalar, const N: usize> Lu<T, N> {
-    /// Factorises a matrix. `None` if a pivot is zero or NaN. The stored determinant is that of the matrix times `unit`.
+    /// Factorises a matrix. `None` if a pivot is zero or NaN. The stored determinant is the one of the matrix, multiplied by `unit`.
     #[inline]
     pub fn of(mut a: [[T; N]; N], unit: f64) -> Option<Self> {
         let mut order: [usize; N] = array_of(|i| i);

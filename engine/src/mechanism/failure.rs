@@ -135,7 +135,7 @@ impl fmt::Display for LimitCause {
             LimitCause::TieRodToggle => "the tie rod is at toggle",
             LimitCause::UpperArmStraight => "the upper arm is in line with the steering axis",
             LimitCause::StrutSquare => "the strut is square to the steering axis",
-            LimitCause::DependentLinks => "links have come to a dead centre with each other",
+            LimitCause::DependentLinks => "links are at a dead centre with each other",
             LimitCause::AxleFolds => "the links of the axle are at a dead centre",
             LimitCause::CentreHighest => {
                 "the wheel centre is at its highest point, no part is at a singularity"

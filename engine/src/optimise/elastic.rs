@@ -152,7 +152,7 @@ impl ElasticLayout {
     }
 }
 
-/// Motion of a site, and its rack displacements along the study's +y.
+/// Motion of the stations of a target, and its rack displacements along the study's +y.
 fn place<'m>(site: &'m Site, own: &'m Motion) -> (&'m Motion, Vec<f64>) {
     let motion = site.motion.as_ref().map_or(own, |(_, motion)| motion);
     let racks = match (site.racks.as_slice(), motion.rack_moves) {

@@ -245,7 +245,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             }
             gaps.extend(parts);
         }
-        // Widest gap that was not examined. Neighbours much farther apart than this have no design between them.
+        // Widest gap between neighbours in which no design was sought. Wider gaps were searched and hold none.
         let unknown = gaps.iter().map(|gap| gap.width(extent)).fold(0.0, f64::max);
         let mut kept: Vec<usize> = best_of(&points);
         kept.sort_by(|a, b| points[*a].amounts[0].total_cmp(&points[*b].amounts[0]));

@@ -291,7 +291,7 @@ impl<P: LeastSquares> Solver<P, ArgminState> for LevenbergMarquardt<'_> {
                 && predicted <= negligible
                 && found.abs() <= negligible
                 && self.undamped_reduction(drift, damping) <= negligible;
-            // A point with a visible slope is no minimum either, as long as steps still descend.
+            // A point whose slope exceeds rounding errors is no minimum, as long as steps still lower the misfit.
             let at_end = is_negligible
                 && (found <= 0.0 || self.residual(&self.trial, &self.trial_x) < CONVERGED);
             if at_end {

@@ -40,7 +40,7 @@ fn along(frame: &Frame, axis: Axis) -> Vector3<f64> {
     unit
 }
 
-/// Sum of the rotations of the variables of one group, as a rotation vector in the kernel's frame and radians.
+/// Total rotation by the variables of one group: a rotation vector in radians, in the kernel's frame.
 fn rotation_vector(
     frame: &Frame,
     variables: &[Variable],

@@ -67,7 +67,7 @@ impl<'a> SimulatedFits<'a> {
         probability: f64,
     ) -> f64 {
         let n = self.bounds.variables();
-        // Moves are in fractions of the ranges and in units of the scatter.
+        // A move is a fraction of its range, divided by the scatter.
         let end = |bound: &DVector<f64>| -> Vec<f64> {
             let room = |j: usize| (bound[j] - x0[j]) / self.bounds.width()[j] / scatter;
             (0..n).map(room).collect()

@@ -44,7 +44,7 @@ pub struct Tuning {
     pub best: Option<Best>,
     /// Indices of targets that are missed and that no variable moves.
     pub unmoved: Vec<usize>,
-    /// Indices of constraints that are violated by rows that no variable moves. The tuning cannot change them.
+    /// Indices of violated constraints that no variable changes.
     pub unmoved_constraints: Vec<usize>,
     /// Indices of constraints that exclude one another. Without any one of them the rest could be satisfied. Empty if all
     /// can be satisfied together.

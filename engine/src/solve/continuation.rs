@@ -86,7 +86,8 @@ const SHORTEST_STEP: f64 = 1e-12;
 const MOST_STEPS: usize = 5000;
 /// Cosine of the largest change of the tangent's direction in a step.
 const STRAIGHT: f64 = 0.9;
-/// Largest correction, in sizes, at which a corrector may settle. It settles when its corrections are rounding.
+/// Largest last correction of a corrector that converged, in multiples of the mechanism's size. A corrector stops when its
+/// corrections are rounding errors.
 const CLOSE: f64 = 1e-9;
 
 impl CurvePoint {

@@ -374,14 +374,14 @@ pub(super) fn quantities(
             of(AxleKind::SteeredSolid),
             of(AxleKind::Solid),
         ) {
-            (true, true, _) => "wheels that move by themselves, or a drag link",
-            (true, false, _) => "wheels that move by themselves",
+            (true, true, _) => "independently suspended wheels, or a drag link",
+            (true, false, _) => "independently suspended wheels",
             (_, _, true) => "a solid axle",
             _ => "a twist beam",
         };
         let message = match axle.kind() {
             AxleKind::Independent => {
-                format!("{name} needs {needs}; these wheels move by themselves")
+                format!("{name} needs {needs}; these wheels are suspended independently")
             }
             AxleKind::Solid | AxleKind::SteeredSolid => {
                 format!("{name} needs {needs}; this is a solid axle")

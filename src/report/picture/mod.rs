@@ -46,7 +46,7 @@ const LAYOUTS: &str = "charts.json";
 const STYLE: &str = "text{font:12px system-ui,-apple-system,Segoe UI,Roboto,Helvetica,Arial,sans-serif;fill:#3d454d}\
 .label{font-size:13px;fill:#1b1f24}path{fill:none;stroke-linejoin:round;stroke-linecap:round}";
 
-/// Style of letters that are outlines.
+/// Style of letters that are drawn as outlines.
 const LETTERS: &str = ".letters{fill:#3d454d}.letters.label{fill:#1b1f24}.axis-text,.note,.end,.name{fill:currentColor}";
 
 /// Names of the pictures of a run with this record.

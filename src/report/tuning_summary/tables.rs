@@ -110,8 +110,8 @@ impl TuningSummary {
         table
     }
 
-    /// Table of the targets before and after. People see the largest deviation in the unit of the target, beside its tolerance.
-    /// Programs get all deviations in tolerances.
+    /// Table of the targets before and after. The text shows the largest deviation in the unit of the target, beside its
+    /// tolerance. CSV and JSON have all deviations as multiples of the tolerance.
     pub fn targets_table(&self) -> Table {
         let columns = [
             Column::from("target"),

@@ -67,7 +67,7 @@ pub(super) fn overview(opened: &OpenedCar) -> Overview {
     }
 }
 
-/// Sections of the three studies as they are written, for forms.
+/// Sections of the car's study and of both axle studies as written, for the forms of the page.
 fn written(study: &CarStudy) -> serde_json::Value {
     let of_axle = [
         "spring",

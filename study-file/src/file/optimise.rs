@@ -70,7 +70,7 @@ pub struct Optimise {
     pub seed: Option<Whole>,
     /// Largest number of iterations.
     pub max_iterations: Option<Whole>,
-    /// Misfit that is good enough. Below it, the tuning prefers the nearer design.
+    /// Misfit that is good enough. Below it, the tuning prefers the design nearest to the present one.
     pub good_enough: Option<Number>,
     /// True if the targets are measurements.
     pub fit: Option<Spanned<bool>>,

@@ -28,7 +28,7 @@ fn the_first_wheel_to_end_is_the_end() {
     };
     let placed = at(0.9999).unwrap();
     let TravelRanges::OfWheels([_, right]) = &limits.travels else {
-        panic!("wheels that move by themselves");
+        panic!("independently suspended wheels");
     };
     let end = right.upper.value();
     assert!(

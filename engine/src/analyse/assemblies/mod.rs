@@ -225,8 +225,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Tries Newton's method from rotations all over the sphere. It often finds what remained undecided, but does not prove
-    /// that nothing else exists.
+    /// Tries Newton's method from rotations all over the sphere. It often finds poses that the proof left undecided, but it
+    /// does not prove that there are no others.
     fn try_others(&mut self) {
         let design = self.solver.design_pose();
         let starts: Vec<Pose<f64>> = self

@@ -14,7 +14,7 @@ use crate::plan::Plan;
 use crate::study::{Adjustment, Increment, Outputs, Setup, Study, WheelStudy};
 use nalgebra::{DMatrix, DVector};
 
-/// Factor for errors that half steps allow. It accounts for the curvature that slopes ignore.
+/// Factor on the error that rounding by half a step may cause. It covers the curvature that slopes ignore.
 const CURVED: f64 = 1.01;
 
 /// A set-up to solve.

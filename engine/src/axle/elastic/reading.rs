@@ -122,7 +122,7 @@ impl<T: Scalar> Reader<'_, T> {
         found?.1.as_ref()
     }
 
-    /// The change of an equilibrium along a motion; `None` for one that equilibria do not have.
+    /// Change of an equilibrium along a motion. `None` for a motion that an equilibrium does not have.
     fn change(&self, by: Motion) -> Option<AxleChange<T>> {
         let zero = self.here.axle.travel(&self.here.at, Side::Left).zero();
         let one = zero.one();

@@ -174,8 +174,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         })
     }
 
-    /// First derivatives of columns by the displacement of a steered axle's steering gear. `None` for every other column.
-    /// Empty for an axle that no drag link steers.
+    /// First derivatives of columns by the displacement of a steered axle's steering gear. `None` for a column without this
+    /// derivative. Empty for an axle that no drag link steers.
     pub(crate) fn by_drag_link(
         &mut self,
         placed: &AxlePose,

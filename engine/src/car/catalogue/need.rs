@@ -74,7 +74,7 @@ impl CarNeed {
             CarNeed::HeaveSpring => "[heave_spring]",
             CarNeed::TBar => "[t_bar]",
             CarNeed::HeaveBar => "[heave_bar]",
-            CarNeed::Independent => "wheels that move by themselves, not a solid axle",
+            CarNeed::Independent => "independently suspended wheels, not a solid axle",
         }
     }
 }

@@ -19,7 +19,7 @@
 
 use super::super::{Bounds, Linearisation};
 
-/// Rounding of a row, in its unit.
+/// Rounding error of a constraint's row, in the unit of the row.
 const ROUNDING: f64 = 1e-9;
 /// Rounding of a row, relative to its value.
 const RELATIVE_ROUNDING: f64 = 256.0 * f64::EPSILON;

@@ -12,7 +12,7 @@ use crate::model::Drive;
 use crate::number::{Jet, Vector3};
 use crate::solve::tracker::{FARTHEST, STEEPEST};
 
-/// Distance from the origin, in sizes, up to which the closed form keeps its accuracy.
+/// Distance from the origin up to which the closed form keeps its accuracy, in multiples of the mechanism's size.
 const FAR: f64 = 1e3;
 /// Distance, in sizes, below which poses count as equal. Assemblies closer than this are near a toggle, where the closed
 /// form is not used.

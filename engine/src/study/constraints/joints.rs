@@ -36,9 +36,9 @@ impl Reader<'_> {
                 most.value
             )
         };
-        // The versine 1 - cos a = 2 sin^2(a/2) is smooth at a = 0, where the angle itself has a kink. At the limit its row
-        // changes by 1 per degree, so that the price of a limit is per degree. Elsewhere `Limited::margin` converts to
-        // degrees.
+        // The versine 1 - cos a = 2 sin^2(a/2) is smooth at a = 0, where the angle itself has a kink. At the limit the
+        // constraint's value changes by 1 per degree, so that the multiplier of a limit is per degree. Elsewhere
+        // `Limited::margin` converts to degrees.
         let versine = |of| Limited {
             of,
             lower: None,

@@ -42,7 +42,7 @@ fn keys_that_a_drag_link_does_not_have_are_refused() {
         ),
         (
             format!("{STILL}[outputs]\ncharacteristics = [\"steering_ratio\"]\n"),
-            "wheels that move by themselves",
+            "independently suspended wheels",
         ),
         (
             format!("{STILL}[axle.right.hardpoints]\ndrag_link_body = [190.0, 400.0, 545.0]\n"),

@@ -15,7 +15,7 @@ const LEAST_STEERING: f64 = 0.25;
 /// Smallest squared sine of the angle between the steering axis and the horizontal. The inclinations of a nearly horizontal
 /// axis are not accurate.
 const LEAST_UPRIGHT: f64 = 0.04;
-/// Largest square of the knuckle's rotation per size of travel.
+/// Upper bound on the square of the knuckle's rotation for a travel equal to the mechanism's size.
 const FASTEST_TURN: f64 = 100.0;
 
 /// A pose of a linkage.

@@ -1,10 +1,13 @@
-//! Text tables separated by commas, semicolons or tabs.
+//! Text tables separated by commas, semicolons or tabs, or by spaces as in a text copied from a page.
 
 use super::cell::{Cell, Places, Sheet};
+use std::borrow::Cow;
 
-/// Reads a table. The separator is the comma, semicolon or tab that splits the largest number of lines.
+/// Reads a table. The separator is the comma, semicolon or tab that splits the largest number of lines. Without one, spaces
+/// separate the numbers at the end of a line from the name before them.
 pub(super) fn read(text: &str) -> Result<Sheet, String> {
     let text = text.trim_start_matches('\u{feff}');
+    let text = &*in_tabs(text);
     let mut sheet = Sheet::new("", Places::Lines);
     let reader = csv::ReaderBuilder::new()
         .has_headers(false)
@@ -68,6 +71,53 @@ impl Lines<'_> {
     }
 }
 
+/// Replaces the spaces between a name and the numbers behind it by tabs, if spaces separate the cells of most lines. The name may
+/// have several words.
+fn in_tabs(text: &str) -> Cow<'_, str> {
+    let lines = || {
+        text.lines()
+            .filter(|line| !line.trim().is_empty() && !line.starts_with('#'))
+    };
+    let half = lines().count().div_ceil(2).max(1);
+    if text.contains(['\t', ';', '"'])
+        || lines().filter(|line| in_words(line).is_some()).count() < half
+    {
+        return Cow::Borrowed(text);
+    }
+    let mut tabs = String::with_capacity(text.len());
+    for line in text.split_inclusive(['\n', '\r']) {
+        let content = line.trim_end_matches(['\n', '\r']);
+        match in_words(content) {
+            Some(cells) => tabs += &cells.join("\t"),
+            None => tabs += content,
+        }
+        tabs += &line[content.len()..];
+    }
+    Cow::Owned(tabs)
+}
+
+/// Cells of a line with a name and at least three numbers behind it, separated by spaces, or of a header that ends with x, y
+/// and z. `None` for another line.
+fn in_words(line: &str) -> Option<Vec<String>> {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let is_number =
+        |word: &&&str| !word.ends_with(',') && word.replace(',', ".").parse::<f64>().is_ok();
+    let is_axis = |(word, axis): (&&str, char)| {
+        let mut letters = word.chars().flat_map(char::to_lowercase);
+        letters.next() == Some(axis) && !letters.next().is_some_and(char::is_alphanumeric)
+    };
+    let numbers = words.iter().rev().take_while(is_number).count();
+    let cells = match words.len().checked_sub(3)? {
+        0 => return None,
+        first if numbers >= 3 => first.min(words.len() - numbers).max(1),
+        first if words[first..].iter().zip("xyz".chars()).all(is_axis) => first,
+        _ => return None,
+    };
+    let name = words[..cells].join(" ");
+    let others = words[cells..].iter().map(|word| (*word).to_owned());
+    Some(std::iter::once(name).chain(others).collect())
+}
+
 /// Finds the separator. A table with decimal commas does not use commas as separators. So semicolon and tab have priority if they
 /// split any line.
 fn separator(text: &str) -> u8 {
@@ -117,6 +167,30 @@ mod tests {
             ["a", "1,5", "2,25", "3,0"]
         );
         assert_eq!(texts("n,x,y,z\na,\"1,5\",2,3\n")[1], ["a", "1,5", "2", "3"]);
+    }
+
+    /// Spaces separate cells where nothing else does. Names have several words, and numbers have decimal commas.
+    #[test]
+    fn spaces_separate_numbers_from_names() {
+        assert_eq!(
+            texts("Point X Y[mm] Z\nlower link frame 1.5 -2 3e1\nwheel centre   0 29,9 13.2\n"),
+            [
+                ["Point", "X", "Y[mm]", "Z"],
+                ["lower link frame", "1.5", "-2", "3e1"],
+                ["wheel centre", "0", "29,9", "13.2"]
+            ]
+        );
+        assert_eq!(
+            texts("upper 2 1.5 -2 3\n")[0],
+            ["upper", "2", "1.5", "-2", "3"]
+        );
+        let sheet = read("Front axle\n\nwheel centre 0 1 2\nstrut top 3 4 5\n").unwrap();
+        assert_eq!(sheet.rows(), [0, 2, 3]);
+        // Commas separate these cells.
+        assert_eq!(
+            texts("wheel centre, 0, 1, 2\n")[0],
+            ["wheel centre", "0", "1", "2"]
+        );
     }
 
     #[test]

@@ -273,7 +273,7 @@ mod tests {
         let none = curves_of(source("-1 0\n1 0"), LengthUnit::Millimetre).unwrap();
         assert_eq!(law(none[0].clone()), Law::Rate(0.0));
         let falls = curves_of(source("-1 2\n1 -2"), LengthUnit::Millimetre).unwrap_err();
-        assert!(falls.contains("FX does not rise"), "{falls}");
+        assert!(falls.contains("FX must rise"), "{falls}");
     }
 
     #[test]

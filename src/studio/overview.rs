@@ -95,9 +95,10 @@ fn scene(suspension: &Suspension) -> WholeScene {
 
 /// Sections of a study as they are written, for forms.
 fn written(text: &str) -> serde_json::Value {
-    sections(
+    let mut shown = sections(
         text,
         &[
+            "vehicle",
             "motion",
             "motions",
             "outputs",
@@ -108,7 +109,12 @@ fn written(text: &str) -> serde_json::Value {
             "anti_roll_bar",
             "steering",
         ],
-    )
+    );
+    let document: toml::Table = text.parse().unwrap_or_default();
+    let suspension = document.get("suspension").and_then(toml::Value::as_table);
+    let mass = suspension.and_then(|own| own.get("mass_unit")?.as_str());
+    shown["mass_unit"] = mass.unwrap_or("kg").into();
+    shown
 }
 
 /// These sections of a text, as they are written.

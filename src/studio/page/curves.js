@@ -346,6 +346,7 @@ const offer = () => {
     box.checked = state.chosen.includes(name);
     choices.append(html('label', { title: positive === 'always' ? null : `positive: ${positive}` }, box, ` ${name.replaceAll('_', ' ')}`, html('small', { text: unit ? ` ${unit.replaceAll('_', ' ')}` : '' })));
   }
+  if (!state.overview.is_car && state.overview.characteristics.some(({ available }) => !available)) choices.append(html('p', { class: 'hint', text: 'Further curves need data in the tab Vehicle and parts.' }));
 };
 const choose = () => {
   state.chosen = [...byId('choices').querySelectorAll('input:checked')].map((box) => box.value);

@@ -83,7 +83,7 @@ const fold = () => {
 };
 
 export const startLayout = () => {
-  const names = { points: 'Points', targets: 'Targets', constraints: 'Constraints', parts: 'Elastic parts', proposal: 'Proposal', history: 'History', warnings: 'Warnings' };
+  const names = { points: 'Points', targets: 'Targets', constraints: 'Constraints', parts: 'Vehicle and parts', proposal: 'Proposal', history: 'History', warnings: 'Warnings' };
   byId('tabs').replaceChildren(...Object.entries(names).map(([name, text]) => html('button', {
     role: 'tab', id: `tab-${name}`, 'data-tab': name, 'aria-controls': `pane-${name}`, on: { click: () => openTab(name) },
   }, text, html('small'))));

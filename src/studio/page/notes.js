@@ -3,7 +3,7 @@ import { brief, byId, html, set, write } from './draw.js';
 import { of, begin, copy, emit, finish, isInGesture, isSame, on, snapped, state } from './design.js';
 import { openTab, tellTab } from './layout.js';
 import { post } from './server.js';
-import { constraintForms, hasParts, partForms, targetForms } from './targets.js';
+import { constraintForms, partForms, targetForms } from './targets.js';
 import { select } from './views.js';
 
 let limits = null;
@@ -161,8 +161,7 @@ const draw = () => {
   if (isInGesture()) return;
   fill('targets', ...targets(), ...targetForms(), ...freeDirections());
   fill('constraints', ...constraints(), ...constraintForms(), ...limitsPanel());
-  byId('tab-parts').hidden = !hasParts();
-  byId('tab-parts').firstChild.textContent = state.overview.is_car ? 'Car and cases' : 'Elastic parts';
+  byId('tab-parts').firstChild.textContent = state.overview.is_car ? 'Car and cases' : 'Vehicle and parts';
   fill('parts', ...partForms());
   fill('warnings', ...warnings());
 };

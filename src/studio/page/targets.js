@@ -123,10 +123,42 @@ export const targetForms = () => {
     headed('Variables', ['variable', ...['lowest', 'highest'].map((end) => (state.overview.is_car ? end : `${end} [${state.overview.unit}]`)), 'coordinate', ''], variables.map(variableRow), variableAdder(),
       html('p', { class: 'hint', text: `Ranges ${state.overview.is_car ? 'of hardpoints ' : ''}count from the design in the file, wherever the points are now. Where a point is outside, Tune widens its range to the present place. A saved design is the new origin.` }))];
 };
-// Forms of the Elastic parts tab: rates of bushings, links, springs and the anti-roll bar.
+// Data of the vehicle, by key: the unit of a number (`length` is that of the study), or the texts to choose from.
+const VEHICLE = {
+  wheelbase: 'length', cg_height: 'length', position: ['front', 'rear'], brakes: ['outboard', 'inboard'], brake_share_front: '0 to 1', drive_torque: ['shafts', 'carrier'], drive_share_front: '0 to 1',
+  sprung_mass: 'mass', unsprung_mass: 'mass',
+};
+const vehicleForm = () => {
+  const { vehicle = {} } = state.overview.written;
+  const put = (key, value) => edit([{ path: ['vehicle', key], value }], value === null ? `Removed ${words(key)}` : `${words(key)} ${Number.isFinite(value) ? brief(value) : value}`);
+  const entry = (key, kind) => {
+    const now = vehicle[key];
+    if (Array.isArray(kind)) {
+      const select = html('select', { 'aria-label': words(key) }, ...['', ...kind].map((value) => html('option', { value, text: value || '–' })));
+      select.value = now ?? '';
+      select.addEventListener('change', () => put(key, select.value || null));
+      return select;
+    }
+    const input = html('input', { type: 'text', inputmode: 'decimal', value: now === undefined ? '' : String(now), 'aria-label': words(key), autocomplete: 'off' });
+    input.addEventListener('change', () => {
+      const value = parsed(input.value);
+      const isEmpty = input.value.trim() === '';
+      input.classList.toggle('wrong', value === null && !isEmpty);
+      if (value === (now ?? null) || (value === null && !isEmpty)) return;
+      input.blur();
+      put(key, value);
+    });
+    return input;
+  };
+  const unitOf = (kind) => (Array.isArray(kind) ? '' : ` [${{ length: state.overview.unit, mass: state.overview.written.mass_unit }[kind] ?? kind}]`);
+  const rows = Object.entries(VEHICLE).map(([key, kind]) => html('tr', { 'data-vehicle-key': key }, html('th', { scope: 'row', text: words(key) + unitOf(kind) }), html('td', {}, entry(key, kind))));
+  const needy = state.overview.characteristics.filter(({ available }) => !available).map(({ name }) => words(name));
+  const hint = needy.length ? [html('p', { class: 'hint', text: `Without further data there are no curves of: ${needy.join(', ')}.` })] : [];
+  return headed('Vehicle', ['value', ''], rows, ...hint);
+};
+// Forms of the Vehicle tab: data of the vehicle, and rates of bushings, links, springs and the anti-roll bar.
 const RATE_AXES = ['x', 'y', 'z', 'about x', 'about y', 'about z'];
 const rateField = (name, path, value) => (Number.isFinite(value) ? field(name, value, (to) => edit([{ path, value: to }], `${name} ${brief(to)}`)) : '');
-export const hasParts = () => Boolean(state.overview.is_car || state.overview.written.bushings || state.overview.written.links);
 export const partForms = () => {
   if (state.overview.is_car) return carForms();
   const { bushings = {}, links = {}, spring = {}, anti_roll_bar: bar = {}, steering = {} } = state.overview.written;
@@ -136,7 +168,7 @@ export const partForms = () => {
     ['spring rate', ['spring', 'rate'], spring.rate], ['anti-roll bar rate', ['anti_roll_bar', 'rate'], bar.rate],
     ...['rack_stiffness', 'column_stiffness'].map((key) => [key, ['steering', key], steering[key]])].filter(([, , value]) => Number.isFinite(value));
   const { unit } = state.overview;
-  return [...(rows.length ? [headed(`Bushings, N/${unit} and N ${unit}/rad`, ['bushing', ...RATE_AXES], rows)] : []),
+  return [vehicleForm(), ...(rows.length ? [headed(`Bushings, N/${unit} and N ${unit}/rad`, ['bushing', ...RATE_AXES], rows)] : []),
     ...(single.length ? [headed('Links and springs', ['part', 'rate'], single.map(([name, path, value]) => html('tr', {}, html('th', { scope: 'row', text: words(name) }), html('td', {}, rateField(words(name), path, value)))))] : [])];
 };
 // Forms of a car: its masses and shares, the rates of its axles, and its load cases.

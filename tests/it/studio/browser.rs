@@ -429,6 +429,60 @@ fn limits_are_those_of_the_command() {
     }
 }
 
+/// Data of the vehicle that are typed on the page make the anti-features available, and can be removed again.
+#[test]
+fn vehicle_data_are_typed_on_the_page() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = Served::of(&sample("macpherson_front.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    browser.click("#tab-parts");
+    let is_offered =
+        "studio.state.overview.characteristics.find((c) => c.name === 'anti_dive').available";
+    assert_eq!(browser.run(&format!("return {is_offered}")), json!(false));
+    for (key, value) in [
+        ("wheelbase", "2700"),
+        ("cg_height", "520"),
+        ("position", "front"),
+        ("brakes", "outboard"),
+        ("brake_share_front", "0,65"),
+    ] {
+        browser.run(&format!(
+            "const entry = document.querySelector('[data-vehicle-key={key}]').querySelector('input, select'); \
+             entry.value = '{value}'; entry.dispatchEvent(new Event('change'))"
+        ));
+        browser.wait(&format!(
+            "studio.state.overview.written.vehicle?.{key} !== undefined"
+        ));
+        browser.wait(SETTLED);
+    }
+    assert_eq!(browser.run(&format!("return {is_offered}")), json!(true));
+    browser.run(
+        "const entry = document.querySelector('[data-vehicle-key=cg_height] input'); \
+         entry.value = ''; entry.dispatchEvent(new Event('change'))",
+    );
+    browser.wait("studio.state.overview.written.vehicle.cg_height === undefined");
+    assert_eq!(browser.run(&format!("return {is_offered}")), json!(false));
+    browser.click("#undo");
+    browser.wait(SETTLED);
+    browser.click("#save");
+    browser.wait("document.getElementById('dialog').open");
+    browser.click("#dialog button[value=yes]");
+    browser.wait("document.getElementById('banner').textContent.includes('saved')");
+    let saved = served.text();
+    for line in [
+        "wheelbase = 2700",
+        "cg_height = 520",
+        "position = \"front\"",
+        "brake_share_front = 0.65",
+    ] {
+        assert!(saved.contains(line), "{line}: {saved}");
+    }
+    assert_eq!(browser.console(), Vec::<String>::new());
+}
+
 /// A reload keeps unsaved moves and edits with their history, and another tab offers them.
 #[test]
 fn a_reload_keeps_unsaved_work() {

@@ -694,6 +694,8 @@ pub struct Adjustment {
     pub per_turn: Option<Number>,
     /// Thickness of the thinnest shim.
     pub step: Option<Number>,
+    /// Only half of a solid axle whose part is adjusted.
+    pub side: Option<Text>,
 }
 
 /// `[tolerance]`

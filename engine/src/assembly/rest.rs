@@ -34,6 +34,9 @@ pub struct Built {
 /// Direction of a change of parts: dimensions that change together, each with its factor.
 pub type Direction = [(BuildParameter, f64)];
 
+/// A value and its derivative.
+type Slope = Dual<f64, 1>;
+
 /// Largest number of steps in the search for the height at which the spring has its length.
 const MOST_STEPS: usize = 30;
 
@@ -182,7 +185,7 @@ impl Assembler {
         &self,
         built: &Built,
         direction: &Direction,
-    ) -> Option<(Matrix3<Dual<f64, 1>>, Vector3<Dual<f64, 1>>)> {
+    ) -> Option<(Matrix3<Slope>, Vector3<Slope>)> {
         let mechanism = &self.suspension().mechanism;
         let far = mechanism.rigid_axle.as_ref()?.far_centre;
         let (pose, design) = self.design_along(built, dual, 1, direction, 0.0);
@@ -196,7 +199,7 @@ impl Assembler {
 }
 
 /// A value and its slope.
-fn dual(value: f64, by: f64) -> Dual<f64, 1> {
+fn dual(value: f64, by: f64) -> Slope {
     Dual {
         value,
         partials: [by],

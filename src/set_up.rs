@@ -1,13 +1,15 @@
-//! Set-up of a study, for one wheel or for both wheels of an axle.
+//! Set-up of a study: of one wheel, of both wheels of an axle, or of a solid axle as a whole.
 
 use crate::assembly::{Assembler, SetUp, SetUpError};
+use crate::mechanism::DesignFault;
+use crate::model::{Side, Suspension};
 use crate::report::{SetUpSide, SetUpSummary, Table, set_up_refusal};
 use crate::study::{Formulation, Setup, Study, Vehicle, WheelStudy};
 use serde::Serialize;
 
 /// Set-up of all wheels.
 pub struct FoundSetUp {
-    /// One set-up for a single wheel or for both wheels of a mirrored axle. Otherwise one for each wheel.
+    /// One set-up for a single wheel, for both wheels of a mirrored axle, or for a solid axle. Otherwise one for each wheel.
     pub wheels: Vec<SetUpSummary>,
     /// Study with the adjusted wheels. Its design position is the new static position.
     pub adjusted: Study,
@@ -95,8 +97,8 @@ pub fn about(side: Option<SetUpSide>, sentence: &str) -> String {
     }
 }
 
-/// Finds the adjustments that give the target values. If the wheels of an axle are not mirror images, each wheel has its own
-/// set-up.
+/// Finds the adjustments that give the target values. If the independent wheels of an axle are not mirror images, each wheel has
+/// its own set-up. A solid axle is set up as a whole.
 ///
 /// # Errors
 /// A singular design, or target values that the adjustments do not reach.
@@ -104,8 +106,11 @@ pub fn set_up(study: &Study, setup: &Setup) -> Result<FoundSetUp, Refusal> {
     let wheels = WheelToSetUp::all(study).map_err(Refusal::Design)?;
     let mut found = Vec::new();
     for wheel in &wheels {
-        let solved = SetUp::solve(&wheel.study, setup, &wheel.assembler);
-        found.push(solved.map_err(|none| refusal(&wheels, wheel, setup, &none))?);
+        found.push(
+            wheel
+                .solve(setup)
+                .map_err(|none| refusal(&wheels, wheel, setup, &none))?,
+        );
     }
     let pairs = wheels.iter().zip(&found);
     Ok(FoundSetUp {
@@ -126,27 +131,42 @@ fn refusal(
     if matches!(none, SetUpError::Fault(_)) {
         return Refusal::Design(reason);
     }
-    let nominal = wheels.iter().map(|wheel| {
-        let nominal = SetUp::drawn(&wheel.study, setup, &wheel.assembler)?;
-        Ok(wheel.summary(setup, &nominal))
-    });
+    let nominal = wheels
+        .iter()
+        .map(|wheel| Ok(wheel.summary(setup, &wheel.drawn(setup)?)));
     let nominal: Result<Vec<SetUpSummary>, SetUpError> = nominal.collect();
     Refusal::NotMet(reason, nominal.unwrap_or_default())
 }
 
-/// A wheel that needs a set-up.
+/// A wheel that needs a set-up, or a solid axle.
 struct WheelToSetUp {
     side: Option<SetUpSide>,
-    /// Study of this wheel alone.
+    /// Study of this wheel alone, or of the solid axle.
     study: Study,
     assembler: Assembler,
+    /// Assembler of a solid axle as its right wheel sees it. `None` for one wheel.
+    from_right: Option<Assembler>,
 }
 
 impl WheelToSetUp {
-    /// Wheels that need a set-up: both wheels of an axle if the right wheel is not a mirror image, else one.
+    /// Wheels that need a set-up: both wheels of an axle if the right wheel is not a mirror image, else one. A solid axle counts
+    /// as one.
     fn all(study: &Study) -> Result<Vec<Self>, String> {
+        let assembler = |side: Option<SetUpSide>, suspension: &Suspension| {
+            let fault = |fault: DesignFault| about(side, &fault.describe(&suspension.mechanism));
+            Assembler::new(suspension).map_err(fault)
+        };
         let mut wheels = vec![(None, study.wheel().clone())];
         if let Some(both) = study.axle() {
+            if both.axle.is_rigid() {
+                let own = |side: Side| assembler(None, both.axle.suspension(side));
+                return Ok(vec![WheelToSetUp {
+                    side: None,
+                    study: study.clone(),
+                    assembler: own(Side::Left)?,
+                    from_right: Some(own(Side::Right)?),
+                }]);
+            }
             wheels[0].0 = Some(SetUpSide::Both);
             if let Some(right) = &both.axle.right {
                 wheels[0].0 = Some(SetUpSide::Left);
@@ -156,17 +176,29 @@ impl WheelToSetUp {
         let wheel = |(side, suspension)| {
             let mut study = study.clone();
             study.vehicle = Vehicle::Wheel(Box::new(WheelStudy::of(suspension)));
-            let assembler = Assembler::new(study.wheel());
-            let fault = |fault: crate::mechanism::DesignFault| {
-                about(side, &fault.describe(&study.wheel().mechanism))
-            };
             Ok(WheelToSetUp {
                 side,
-                assembler: assembler.map_err(fault)?,
+                assembler: assembler(side, study.wheel())?,
+                from_right: None,
                 study,
             })
         };
         wheels.into_iter().map(wheel).collect()
+    }
+
+    fn solve(&self, setup: &Setup) -> Result<SetUp, SetUpError> {
+        match (self.study.axle(), &self.from_right) {
+            (Some(both), Some(right)) => SetUp::solve_axle(both, setup, [&self.assembler, right]),
+            _ => SetUp::solve(&self.study, setup, &self.assembler),
+        }
+    }
+
+    /// State of the nominal design with the effects of each adjustment.
+    fn drawn(&self, setup: &Setup) -> Result<SetUp, SetUpError> {
+        match (self.study.axle(), &self.from_right) {
+            (Some(both), Some(right)) => SetUp::drawn_axle(both, setup, [&self.assembler, right]),
+            _ => SetUp::drawn(&self.study, setup, &self.assembler),
+        }
     }
 
     fn summary(&self, setup: &Setup, found: &SetUp) -> SetUpSummary {
@@ -177,9 +209,11 @@ impl WheelToSetUp {
 /// Copy of the study with the adjusted wheels, whose design position is the new static position.
 fn adjusted(study: &Study, found: &[SetUp]) -> Study {
     let mut adjusted = study.clone();
-    let mut wheels = found
-        .iter()
-        .map(|found| found.last().built.suspension.clone());
+    let mut wheels = found.iter().flat_map(|found| {
+        let state = found.last();
+        let built = std::iter::once(&state.built).chain(&state.seen_from_right);
+        built.map(|built| built.suspension.clone())
+    });
     let first = wheels.next().expect("a set-up has one wheel at least");
     match &mut adjusted.vehicle {
         Vehicle::Axle(both) => both.axle = both.axle.with_wheels(first, wheels.next()),

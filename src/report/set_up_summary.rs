@@ -3,6 +3,7 @@
 use super::brief;
 use super::table::{Cell, Column, Table};
 use super::text::counted;
+use crate::ask::with_unit;
 use crate::assembly::{
     Aim, BuildParameter, MissedTarget, PARTS_OF_A_TURN, SetUp, SetUpError, Static,
 };
@@ -367,10 +368,11 @@ fn instruction(adjustment: &Adjustment, suspension: &Suspension, amount: f64) ->
     let verb = match adjustment.change.0 {
         BuildParameter::Length(_) if amount > 0.0 => "lengthen".to_owned(),
         BuildParameter::Length(_) => "shorten".to_owned(),
-        BuildParameter::Coordinate(_, axis) => {
+        BuildParameter::Coordinate(id, axis) => {
+            let amount = suspension.frame.sign(axis) * amount;
             format!(
                 "move {}",
-                direction(axis, suspension.frame.sign(axis) * amount)
+                direction(axis, amount, suspension.mechanism.is_single(id))
             )
         }
     };
@@ -386,9 +388,11 @@ fn instruction(adjustment: &Adjustment, suspension: &Suspension, amount: f64) ->
     }
 }
 
-/// Direction of a displacement along an axis of the kernel's frame.
-fn direction(axis: Axis, amount: f64) -> &'static str {
+/// Direction of a displacement along an axis of the kernel's frame. A point that a solid axle has once has its true y.
+fn direction(axis: Axis, amount: f64, is_single: bool) -> &'static str {
     match (axis, amount > 0.0) {
+        (Axis::Y, true) if is_single => "to the left",
+        (Axis::Y, false) if is_single => "to the right",
         (Axis::X, true) => "forward",
         (Axis::X, false) => "rearward",
         (Axis::Y, true) => "outboard",
@@ -423,6 +427,7 @@ fn turns(turns: f64) -> String {
 pub fn static_column(value: Static, length: LengthUnit) -> String {
     match value {
         Static::Characteristic(c) => c.column(length),
+        Static::Axle(quantity) => with_unit(quantity.name(), &quantity.info().unit.suffix(length)),
         Static::RideHeightChange => format!("ride_height_change_{}", length.symbol()),
     }
 }

@@ -42,6 +42,9 @@ pub struct Limit {
     pub pose: Pose<f64>,
     /// Derivative of the value by every point of the design.
     pub gradient: Vec<Vector3<f64>>,
+    /// Derivative of a rack's limit by the drive that is held meanwhile, or of a rigid axle's limit by its other travel. 0 if the
+    /// drive itself moves.
+    pub by_drive: f64,
 }
 
 /// One end of a range.
@@ -268,6 +271,11 @@ impl Solver<'_> {
                     },
                     pose: fold.pose(),
                     gradient: curve.fold_gradient(&fold),
+                    by_drive: match moving {
+                        Moving::Drive => 0.0,
+                        // The drive's equation is the last one, its height minus the drive.
+                        Moving::Rack => curve.fold_multipliers(&fold)[5],
+                    },
                 })
             }
         };

@@ -18,12 +18,14 @@
 //! All of it is generic over the number. On series along a design variable, a force comes with its derivative by that
 //! variable. The factors of the matrix are those of its constant part.
 
+use super::beam_loads::{BeamForce, BeamForces};
+use crate::ask::Unit;
 use crate::linear::lu::{Lu6, Matrix6, Vector6};
 use crate::mechanism::constraint::Row;
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Closure, Configuration, Failure, Pose, WorkCounter, Wrench};
 use crate::model::{
-    Arm, Axis, Body, Constraint, Mechanism, PointId, RigidAxle, RockerId, Rod, Spring,
+    Arm, Axis, Body, Constraint, Frame, Mechanism, PointId, RigidAxle, RockerId, Rod, Spring,
 };
 use crate::number::{Each, Jet, Scalar, Vector3};
 use crate::solve::{Conditioning, Solver};
@@ -150,6 +152,8 @@ pub struct Reactions<T = f64> {
     pub far_support: Option<T>,
     /// Tensions of drag link and tie rod of a steered axle.
     pub steering: Option<[T; 2]>,
+    /// Forces of a twist beam.
+    pub beam: Option<BeamForces<T>>,
     /// Tension in the pushrod or pullrod, if the spring is on a rocker.
     pub rod: Option<T>,
     /// Force of the support on the knuckle. If the spring, or the rod of its rocker, is mounted on an arm, it is the force
@@ -273,8 +277,10 @@ impl<'a, T: Balanced> Balance<'a, T> {
         let multipliers = T::multipliers(Factors(&self.factors), &self.rows, against);
         let is_rigid = self.at.mechanism.rigid_axle.is_some();
         let far_support = is_rigid.then(|| multipliers[FAR_ROW]);
+        let constraints = self.reactions(&multipliers);
         Reactions {
-            constraints: self.reactions(&multipliers),
+            beam: self.beam(&constraints, multipliers[FAR_ROW]),
+            constraints,
             support: multipliers[5],
             far_support,
             steering: self.steering(load, multipliers[5], multipliers[FAR_ROW]),
@@ -293,6 +299,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
             Carried::WattRod(rocker) => self.watt_rod(rocker, carried),
             Carried::DragLink => carried.steering.map(|[drag_link, _]| drag_link),
             Carried::TieRod => carried.steering.map(|[_, tie_rod]| tie_rod),
+            Carried::Beam(force) => carried.beam.as_ref().map(|forces| force.of(forces)),
             Carried::Force(point, axis) => {
                 let [x, y, z] = self.force_at(point, carried).to_array();
                 Some(match axis {
@@ -453,6 +460,8 @@ pub enum Carried {
     DragLink,
     /// Tension of its tie rod.
     TieRod,
+    /// Force or moment of a twist beam.
+    Beam(BeamForce),
 }
 
 impl Carried {
@@ -464,6 +473,7 @@ impl Carried {
             | Carried::WattRod(_)
             | Carried::DragLink
             | Carried::TieRod => "tension",
+            Carried::Beam(force) => force.positive(),
             Carried::Force(_, Axis::X) => "on the wheel carrier along +x",
             Carried::Force(_, Axis::Y) => "on the wheel carrier along +y",
             Carried::Force(_, Axis::Z) => "on the wheel carrier along +z",
@@ -476,11 +486,26 @@ impl Carried {
         }
     }
 
-    /// Axis of the component, if the reaction is one.
-    pub fn axis(&self) -> Option<Axis> {
+    /// Factor from the kernel's frame of the loaded wheel to the study's axes.
+    pub(crate) fn sign(&self, frame: &Frame) -> f64 {
         match self {
-            Carried::Force(_, axis) => Some(*axis),
-            _ => None,
+            Carried::Force(_, axis) => frame.sign(*axis),
+            Carried::Beam(force) => {
+                let sign = match force {
+                    BeamForce::Moment(axis) => frame.turn_sign(*axis),
+                    _ => frame.sign(force.axis()),
+                };
+                sign * force.sign_of(frame.meaning().1)
+            }
+            _ => 1.0,
+        }
+    }
+
+    /// Unit of the reaction.
+    pub fn unit(&self) -> Unit {
+        match self {
+            Carried::Beam(BeamForce::Moment(_)) => Unit::Torque,
+            _ => Unit::Force,
         }
     }
 }
@@ -506,6 +531,8 @@ pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
     };
     for constraint in &mechanism.constraints {
         match *constraint {
+            // These rods stand for the far half of a twist beam.
+            Constraint::Link { .. } if mechanism.topology.is_twist_beam() => {}
             // The legs of an arm with a spring or a link on it are bent, and no force along them is the whole load.
             Constraint::Link { outer, .. } if is_joint_of_bent_arm(mechanism, outer) => {}
             Constraint::Link { inner, outer } => {
@@ -522,7 +549,7 @@ pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
             Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => {
                 members.extend(force(mechanism.name(at), at));
             }
-            // Studies refuse loads on a twist beam.
+            // The forces of a twist beam come together below.
             Constraint::Mount { .. } | Constraint::AxleTravel { .. } => {}
         }
     }
@@ -552,6 +579,13 @@ pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
             name: rod.key().to_owned(),
             what,
         }));
+    }
+    if mechanism.topology.is_twist_beam() {
+        let forces = BeamForce::all(FAR).map(|(name, force)| Member {
+            name,
+            what: Carried::Beam(force),
+        });
+        members.extend(forces);
     }
     if let Some(rocker) = support.rocker(mechanism) {
         members.push(Member {

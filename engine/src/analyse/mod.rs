@@ -2,6 +2,7 @@
 
 mod applied;
 mod assemblies;
+mod beam_loads;
 pub(crate) mod certificate;
 mod limits;
 mod loads;
@@ -9,6 +10,7 @@ mod steering_loads;
 
 pub use applied::{Applied, Carrying, bears, rod_name};
 pub use assemblies::{Assemblies, Assembly, AssemblyMode, Undecided};
+pub use beam_loads::{BeamForce, BeamForces};
 pub use certificate::{Certificate, Certifier, Inclusion};
 pub(crate) use limits::AT_TOGGLE;
 pub use limits::{Limit, Limits, Range, RangeEnd, RockerRange};

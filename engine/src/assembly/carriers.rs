@@ -88,7 +88,7 @@ impl Assembler {
             };
         }
         if let Some(rigid) = &mechanism.rigid_axle {
-            rigid.displace(0.0, into);
+            rigid.displace(into[0].x.zero(), into);
             return;
         }
         for (number, rocker) in mechanism.rockers.iter().enumerate() {

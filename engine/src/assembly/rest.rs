@@ -3,8 +3,9 @@
 use super::assembler::{Assembler, Linearised};
 use super::assembly_error::AssemblyError;
 use super::parts::{BuildParameter, Parts};
-use crate::model::Suspension;
-use crate::number::{Dual, Jet, Real, Vector3};
+use crate::mechanism::Pose;
+use crate::model::{PointId, Suspension};
+use crate::number::{Dual, Jet, Matrix3, Real, Vector3};
 
 /// Definition of the height of the wheel centre at travel 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +33,9 @@ pub struct Built {
 
 /// Direction of a change of parts: dimensions that change together, each with its factor.
 pub type Direction = [(BuildParameter, f64)];
+
+/// A value and its derivative.
+type Slope = Dual<f64, 1>;
 
 /// Largest number of steps in the search for the height at which the spring has its length.
 const MOST_STEPS: usize = 30;
@@ -102,12 +106,12 @@ impl Assembler {
 
     /// Length of the spring, and its derivative along a direction of the parts with `rise` as the derivative of the height.
     fn spring_by(&self, built: &Built, direction: &Direction, rise: f64) -> Option<[f64; 2]> {
-        let design = self.design_along(built, dual, 1, direction, rise);
+        let (_, design) = self.design_along(built, dual, 1, direction, rise);
         let length = spring_length(self.suspension(), &design)?;
         Some([length.value, length.partials[0]])
     }
 
-    /// Built design in another number type along a direction. `number` makes a number from a value and its slope.
+    /// Pose of the carrier and built design in another number type along a direction. `number` makes a number from a value and its slope.
     fn design_along<T: Real>(
         &self,
         built: &Built,
@@ -115,7 +119,7 @@ impl Assembler {
         orders: usize,
         direction: &Direction,
         rise: f64,
-    ) -> Vec<Vector3<T>> {
+    ) -> (Pose<T>, Vec<Vector3<T>>) {
         let mut parts = built.parts.map(|value| number(value, 0.0));
         for (parameter, share) in direction {
             let mechanism = &self.suspension().mechanism;
@@ -130,12 +134,12 @@ impl Assembler {
         parts: &Parts<T>,
         height: T,
         orders: usize,
-    ) -> Vec<Vector3<T>> {
+    ) -> (Pose<T>, Vec<Vector3<T>>) {
         let parts = &*self.turned(parts);
         let pose = self.pose_series(parts, height, &built.at, orders);
         let mut design = parts.points.clone();
         self.place(parts, &pose, &mut design);
-        design
+        (pose, design)
     }
 
     /// Returns the built design of parts that are derivative numbers with `orders` orders. The values of the parts must
@@ -147,7 +151,7 @@ impl Assembler {
         orders: usize,
     ) -> Vec<Vector3<T>> {
         let height = parts.points[0].x.constant(built.height);
-        self.placed_series(built, parts, height, orders)
+        self.placed_series(built, parts, height, orders).1
     }
 
     /// Derivatives of every point of the built design, and of the static height, along a direction of the parts.
@@ -164,7 +168,7 @@ impl Assembler {
                 }
             }
         };
-        let design = self.design_along(built, dual, 1, direction, rise);
+        let (_, design) = self.design_along(built, dual, 1, direction, rise);
         let slopes = design.iter().map(|p| p.map(|c| c.partials[0]));
         (slopes.collect(), rise)
     }
@@ -172,12 +176,30 @@ impl Assembler {
     /// Returns the built design as a series to second order along a direction, at constant height.
     pub fn design_series(&self, built: &Built, direction: &Direction) -> Vec<Vector3<Jet<f64, 3>>> {
         let number = |value, by| Jet([value, by, 0.0]);
-        self.design_along(built, number, 2, direction, 0.0)
+        self.design_along(built, number, 2, direction, 0.0).1
+    }
+
+    /// Rotation of a solid axle from the nominal design, and displacement of the middle of both wheel centres. Both have their
+    /// derivatives along a direction of the parts, at constant height. `None` for another suspension.
+    pub(super) fn axle_by(
+        &self,
+        built: &Built,
+        direction: &Direction,
+    ) -> Option<(Matrix3<Slope>, Vector3<Slope>)> {
+        let mechanism = &self.suspension().mechanism;
+        let far = mechanism.rigid_axle.as_ref()?.far_centre;
+        let (pose, design) = self.design_along(built, dual, 1, direction, 0.0);
+        let displacement = |id: PointId| {
+            let place = design[id.0];
+            place - place.constant(self.suspension().design[id.0])
+        };
+        let sum = displacement(mechanism.wheel_centre) + displacement(far);
+        Some((pose.rotation, sum * dual(0.5, 0.0)))
     }
 }
 
 /// A value and its slope.
-fn dual(value: f64, by: f64) -> Dual<f64, 1> {
+fn dual(value: f64, by: f64) -> Slope {
     Dual {
         value,
         partials: [by],

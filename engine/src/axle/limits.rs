@@ -6,10 +6,9 @@
 
 use super::Axle;
 use super::solver::{AxlePose, AxleSolver, Placement};
-use crate::analyse::{AT_TOGGLE, Limit, Range, RangeEnd, RockerRange};
+use crate::analyse::{AT_TOGGLE, Range, RangeEnd, RockerRange};
 use crate::mechanism::{DesignFault, Failure, Pose};
 use crate::model::{AxleTravel, Drive, Rod, Side};
-use crate::number::Vector3;
 use crate::solve::Solver;
 
 /// Limits of an axle's motion from its design position.
@@ -166,26 +165,6 @@ impl<const N: usize> AxleSolver<'_, N> {
         });
         let (side, end) = end.unwrap_or((Side::Left, RangeEnd::Unresolved(value)));
         AxleEnd { value, side, end }
-    }
-
-    /// Fold at which the axle can no longer follow its steering gear: level at its hardpoints' height, it folds between these two
-    /// displacements. `None` if the equations of the axle do not fold there.
-    ///
-    /// With q(p, s) the travel at the fold with the gear at s, q(p, s) = 0 is the end, so ds/dp = -q_p/q_s.
-    fn gear_fold(&mut self, value: f64, beyond: f64) -> Option<Limit> {
-        self.steer(beyond).ok()?;
-        let fold = self.level_fold()?;
-        let steering = self.axle.left.mechanism.axle_steering()?;
-        let by_gear = fold.gradient[steering.place.0].dot(steering.direction);
-        let by_point = |by: &Vector3<f64>| *by * (-1.0 / by_gear);
-        let mut gradient: Vec<Vector3<f64>> = fold.gradient.iter().map(by_point).collect();
-        let place = std::mem::take(&mut gradient[steering.place.0]);
-        gradient[steering.end.0] = gradient[steering.end.0] + place;
-        Some(Limit {
-            value,
-            gradient,
-            ..fold
-        })
     }
 
     /// The rod that is at its toggle, with the side of the knuckle that it turns. On the way to a position the knuckles turn while the

@@ -2,7 +2,6 @@
 
 use super::Column;
 use crate::analyse::{self, Balance, Carried, FAR, Member, Support, members};
-use crate::ask::Unit;
 use crate::model::{Frame, LengthUnit, Mechanism, RockerId, Side};
 use crate::number::Vector3;
 use crate::study::Load;
@@ -34,6 +33,7 @@ fn with_side(member: Member, mechanism: &Mechanism, frame: Frame) -> Member {
             [inner, outer].into_iter().any(|id| mechanism.is_single(id))
         }
         Carried::WattRod(_) | Carried::DragLink | Carried::TieRod => true,
+        Carried::Beam(force) => force.is_single(),
         _ => false,
     };
     let name = match member.name.strip_prefix(FAR) {
@@ -82,8 +82,9 @@ impl<'a> Loads<'a> {
     pub(crate) fn columns(&self) -> impl Iterator<Item = Column> {
         self.loads.iter().flat_map(|load| {
             let name = |member: &Member| format!("{}_{}", load.name, member.name);
-            let (unit, length) = (Unit::Force, self.length);
+            let length = self.length;
             let column = move |m: &Member| {
+                let unit = m.what.unit();
                 let (symbol, factor) = (unit.suffix(length), unit.printed_factor(length));
                 Column::of_value(name(m), symbol, m.what.positive(), factor)
             };
@@ -98,7 +99,6 @@ impl<'a> Loads<'a> {
         balance: &Balance<'_>,
         contact: Vector3<f64>,
     ) -> impl Iterator<Item = Option<f64>> {
-        let factor = Unit::Force.printed_factor(self.length);
         self.loads.iter().flat_map(move |load| {
             let carried = balance.under(&analyse::Load {
                 point: balance.place(load.at, contact),
@@ -106,9 +106,9 @@ impl<'a> Loads<'a> {
                 moment: load.moment,
             });
             self.members.iter().map(move |member| {
-                let sign = |axis| self.frame.sign(axis);
+                let factor = member.what.unit().printed_factor(self.length);
                 let value = balance.force(&carried, member.what)?;
-                let value = member.what.axis().map_or(value, |axis| value * sign(axis)) * factor;
+                let value = value * member.what.sign(&self.frame) * factor;
                 value.is_finite().then_some(value)
             })
         })

@@ -78,6 +78,14 @@ impl Evaluated {
         &self.gradients[first..first + self.points]
     }
 
+    /// Derivative of a quantity as every hardpoint of a wheel moves at its rate. Without rates, no hardpoint moves.
+    pub fn along(&self, place: (usize, usize, usize), side: Side, rates: &[Vector3<f64>]) -> f64 {
+        let pairs = rates.iter().zip(self.gradient(place, side));
+        // A point that does not move contributes nothing, even if the derivative by it has no value.
+        let moving = pairs.filter(|(rate, _)| rate.to_array() != [0.0; 3]);
+        moving.map(|(rate, by)| by.dot(*rate)).sum()
+    }
+
     fn first_point(&self, (design, quantity, station): (usize, usize, usize), side: Side) -> usize {
         let place = self.place(design, quantity, station);
         (place * self.sides + side as usize) * self.points

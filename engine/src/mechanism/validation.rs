@@ -287,11 +287,12 @@ fn right_side(suspension: &Suspension) -> Vec<GeometryFault> {
         .collect();
     let mean = inboard.iter().sum::<f64>() / inboard.len() as f64;
     let centre = mechanism.wheel_centre;
-    if design[centre.0].y >= mean {
-        Vec::new()
-    } else {
+    // A twist beam without springs has no point on the body, and no mean.
+    if design[centre.0].y < mean {
         vec![GeometryFault::WrongSide {
             wheel_centre: name(suspension, centre),
         }]
+    } else {
+        Vec::new()
     }
 }

@@ -114,7 +114,7 @@ impl RigidAxle {
     #[inline(always)]
     pub(crate) fn displace<T: Real>(
         &self,
-        displacement: f64,
+        displacement: T,
         design: &mut [Vector3<T>],
     ) -> [[PointId; 2]; 2] {
         let Some(steering) = &self.steering else {
@@ -125,8 +125,7 @@ impl RigidAxle {
             design[point.0] = design[beside.0];
         }
         let place = &mut design[steering.place.0];
-        let shift = steering.direction * displacement;
-        *place = *place + place.constant(shift);
+        *place = *place + place.constant(steering.direction) * displacement;
         [followers[1], followers[2]]
     }
 }

@@ -1,6 +1,7 @@
 //! `[setup]` and `[tolerance]`, resolved: adjustments, sources of scatter, and bands.
 
 use super::*;
+use crate::assembly::Static;
 
 /// Set-up: adjustments and target values.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,8 +22,23 @@ pub struct Adjustment {
     pub name: String,
     /// Dimension, and its change in the kernel's frame per unit of the adjustment.
     pub change: (BuildParameter, f64),
+    /// Half of a solid axle that has the dimension. `None` for other suspensions, and for a part that the axle has once.
+    pub side: Option<Side>,
+    /// The same change of a solid axle as the wheel of the other half sees it. `None` if that wheel does not have the part.
+    pub seen_from_other: Option<(BuildParameter, f64)>,
     /// Available sizes of the adjustment.
     pub increment: Increment,
+}
+
+impl Adjustment {
+    /// Changes of a solid axle's dimensions as one of its wheels sees them: one, or none.
+    pub fn seen_from(&self, wheel: Side) -> Vec<(BuildParameter, f64)> {
+        if self.side.unwrap_or(Side::Left) == wheel {
+            vec![self.change]
+        } else {
+            self.seen_from_other.into_iter().collect()
+        }
+    }
 }
 
 /// Available sizes of an adjustment, in study units.
@@ -45,8 +61,8 @@ pub enum Increment {
 /// A target static value, in radians or length units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Want {
-    /// Characteristic.
-    pub characteristic: Characteristic,
+    /// Static value.
+    pub of: Static,
     /// Value.
     pub value: f64,
 }

@@ -1,7 +1,6 @@
 //! JSON schema of studies.
 
 use crate::car::CarQuantity;
-use crate::characteristics::Characteristic;
 use crate::compliance::{FIGURE_NAMES, TestLoad};
 use crate::model::{FrameConvention, LengthUnit, Side, Topology};
 use hardpoint_study_file::schema::{self, Allowed, Root};
@@ -52,7 +51,7 @@ fn names(root: Root, path: &str) -> Option<Vec<String>> {
                 names
             }
             "optimise.targets[].figure" => FIGURE_NAMES.to_vec(),
-            "setup.want" => Characteristic::ALL.iter().map(|c| c.info().name).collect(),
+            "setup.want" => crate::axle::Quantity::names(),
             _ => return None,
         }),
         Root::Car => match path {

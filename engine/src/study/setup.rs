@@ -1,5 +1,7 @@
 //! `[setup]`: adjustments and target values.
 
+mod solid;
+
 use super::error::Problems;
 use super::file;
 use super::members::{coordinate, member};
@@ -7,7 +9,8 @@ use super::outputs::characteristic;
 use super::resolve::Context;
 use super::suspension::positive;
 use super::{Adjustment, Increment, Setup, Want};
-use crate::assembly::BuildParameter;
+use crate::assembly::{BuildParameter, Static};
+use crate::model::Suspension;
 use toml::Spanned;
 
 /// Reads the set-up. `None` if it has an error.
@@ -21,46 +24,77 @@ pub(super) fn setup(
         let message = "expected at least one adjustment, found an empty list";
         problems.add(section.adjust.span(), message);
     }
-    let adjust: Vec<_> = written
-        .iter()
-        .map(|a| adjustment(a, context, problems))
-        .collect();
-    for (i, adjustment) in adjust.iter().enumerate() {
-        let Some(adjustment) = adjustment else {
-            continue;
+    let whole = context.axle.filter(|both| both.axle.is_rigid());
+    let mut adjust: Vec<(usize, Adjustment)> = Vec::new();
+    let mut sound = true;
+    for (number, entry) in written.iter().enumerate() {
+        let own = match whole {
+            Some(both) => solid::adjustments(entry, both, context.suspension, problems),
+            None => adjustment_of_wheel(entry, context, problems).map(|one| vec![one]),
         };
-        let same = |other: &Option<Adjustment>| {
-            other
-                .as_ref()
-                .is_some_and(|o| o.change.0 == adjustment.change.0)
-        };
-        if let Some(first) = adjust[..i].iter().position(same) {
-            let message = format!("{} is already adjusted", adjustment.name);
-            let error = problems.add(written[i].span(), message);
-            error.related(written[first].span(), "here");
+        sound &= own.is_some();
+        for adjustment in own.into_iter().flatten() {
+            let same = |(_, other): &&(usize, Adjustment)| {
+                (other.side, other.change.0) == (adjustment.side, adjustment.change.0)
+            };
+            if let Some((first, _)) = adjust.iter().find(same) {
+                let message = format!("{} is already adjusted", adjustment.name);
+                let error = problems.add(entry.span(), message);
+                error.related(written[*first].span(), "here");
+            }
+            adjust.push((number, adjustment));
         }
     }
-    let mut want = Vec::new();
-    for (name, number) in section.want.iter().flatten() {
-        let found = characteristic(name, context.suspension, problems)?;
-        want.push(Want {
-            characteristic: found,
-            value: found
-                .info()
-                .unit
-                .from_printed(number.value, context.suspension.length_unit),
-        });
-    }
-    // Sorts by the order of the catalogue, whatever their order in the file.
-    want.sort_by_key(|want| want.characteristic);
+    let want = match whole {
+        Some(both) => solid::want(section, both, problems)?,
+        None => want_of_wheel(section, context, problems)?,
+    };
+    let adjust: Vec<_> = adjust
+        .into_iter()
+        .map(|(_, adjustment)| adjustment)
+        .collect();
     Some(Setup {
-        adjust: adjust
-            .into_iter()
-            .collect::<Option<_>>()
-            .filter(|a: &Vec<_>| !a.is_empty())?,
+        adjust: Some(adjust).filter(|adjust| sound && !adjust.is_empty())?,
         want,
         ride_height_change: ride_height_change(section, problems),
     })
+}
+
+/// Target values of one wheel.
+fn want_of_wheel(
+    section: &file::Setup,
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<Vec<Want>> {
+    let mut want = Vec::new();
+    for (name, number) in section.want.iter().flatten() {
+        let found = characteristic(name, context.suspension, problems)?;
+        let unit = found.info().unit;
+        want.push((
+            found,
+            unit.from_printed(number.value, context.suspension.length_unit),
+        ));
+    }
+    // Sorts by the order of the catalogue, whatever their order in the file.
+    want.sort_by_key(|(characteristic, _)| *characteristic);
+    let want = want.into_iter().map(|(characteristic, value)| Want {
+        of: Static::Characteristic(characteristic),
+        value,
+    });
+    Some(want.collect())
+}
+
+/// Adjustment of one wheel, or of both independent wheels of an axle.
+fn adjustment_of_wheel(
+    written: &Spanned<file::Adjustment>,
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<Adjustment> {
+    if let Some(side) = &written.get_ref().side {
+        let message = "side is for solid axles; independent wheels are set up alike, or one by one";
+        return problems.refuse(side.span(), message);
+    }
+    adjustment(written, context.suspension, problems)
 }
 
 /// Target change of the ride height: as written, or the negative of the written travel.
@@ -81,7 +115,7 @@ fn ride_height_change(section: &file::Setup, problems: &mut Problems) -> Option<
 
 fn adjustment(
     written: &Spanned<file::Adjustment>,
-    context: &Context,
+    suspension: &Suspension,
     problems: &mut Problems,
 ) -> Option<Adjustment> {
     let place = written.span();
@@ -96,7 +130,7 @@ fn adjustment(
                     "a length has no axis: it changes along the member",
                 );
             }
-            let (name, member) = member(length, context.suspension, problems)?;
+            let (name, member) = member(length, suspension, problems)?;
             (name, (BuildParameter::Length(member), 1.0))
         }
         (None, Some(shim)) => {
@@ -105,7 +139,7 @@ fn adjustment(
                     "expected axis, along which the shim moves the point: \"x\", \"y\" or \"z\"";
                 return problems.refuse(place, message);
             };
-            let change = coordinate(shim, axis, context.suspension, problems)?;
+            let change = coordinate(shim, axis, suspension, problems)?;
             (format!("{} {}", shim.get_ref(), axis.get_ref()), change)
         }
         (Some(length), Some(_)) => {
@@ -128,6 +162,8 @@ fn adjustment(
     Some(Adjustment {
         name,
         change,
+        side: None,
+        seen_from_other: None,
         increment,
     })
 }

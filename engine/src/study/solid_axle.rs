@@ -102,9 +102,9 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
     let has_watt = suspension.mechanism.point("watt_pivot").is_some();
     let is_quadratic = !is_beam && !has_watt && !is_steered;
     let certify = certify.filter(|certify| !is_quadratic && *certify.get_ref());
-    let loads = outputs.and_then(|o| o.loads.as_ref()).filter(|_| is_beam);
     let is_elastic = file.compliance.is_some();
     let tolerance = file.tolerance.as_ref().filter(|_| is_beam || is_elastic);
+    let setup = file.setup.as_ref().filter(|_| is_beam || is_elastic);
     let parts = file.bushings.values().map(Spanned::span);
     let parts = parts.chain(file.links.values().map(Spanned::span));
     let parts = parts.chain(file.compliance.as_ref().map(Spanned::span));
@@ -121,16 +121,12 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
             },
         ),
         (
-            loads.map(Spanned::span),
-            "a twist beam bends, so the forces of its mounts do not follow from rigid halves; leave loads out",
-        ),
-        (
             tolerance.map(Spanned::span),
             if is_beam { "[tolerance] is not available for twist beams; leave it out" } else { "[tolerance] of a solid axle needs rigid links and joints; leave it out, or [compliance], [bushings] and [links]" },
         ),
         (
-            file.setup.as_ref().map(|setup| setup.adjust.span()),
-            "[setup] is not available for this axle yet; leave it out",
+            setup.map(|setup| setup.adjust.span()),
+            if is_beam { "[setup] is not available for twist beams; leave it out" } else { "[setup] of a solid axle needs rigid links and joints; leave it out, or [compliance], [bushings] and [links]" },
         ),
     ]);
     refused.extend(parts.map(|span| {

@@ -134,7 +134,7 @@ pub(super) fn force(
     let all: Vec<(String, CarriedForce)> = all.collect();
     let options: Vec<_> = all.iter().map(|(n, f)| (n.as_str(), f.clone())).collect();
     let force = choose(name, "force under a load", &options, problems)?;
-    let sign = force.what.axis().map_or(1.0, |axis| frame.sign(axis));
+    let sign = force.what.sign(frame);
     Some((force, sign))
 }
 

@@ -43,6 +43,11 @@ pub(super) fn tolerance(
         let message = "aligned = true needs [setup] with adjust, to set toe and camber";
         problems.add(written.span(), message);
     }
+    let is_whole = context.axle.is_some_and(|both| both.axle.is_rigid());
+    if let (true, true, Some(written)) = (aligned, is_whole, &section.aligned) {
+        let message = "aligned = true sets each wheel by itself, and one body carries the wheels of this axle; expected aligned = false";
+        problems.add(written.span(), message);
+    }
     let of_axle = context.elastic_axle().map(|own| &own.parts.wheels[..]);
     let mut wheels = context
         .elastic

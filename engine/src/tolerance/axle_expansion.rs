@@ -42,15 +42,10 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
             }
             let cell = problem.cell(output, station);
             for (source, moves) in moves.iter().enumerate() {
-                let of_side = |(side, moves): (Side, &Moves)| -> f64 {
-                    let by = found.gradient((0, output, station), side);
-                    let pairs = moves.iter().zip(by);
-                    // A point that does not move contributes nothing, even if the derivative by it has no value.
-                    let moving = pairs.filter(|(way, _)| way.to_array() != [0.0; 3]);
-                    moving.map(|(way, by)| by.dot(*way)).sum()
-                };
+                let of_side =
+                    |(side, moves): (Side, &Moves)| found.along((0, output, station), side, moves);
                 let sides = Side::ALL.into_iter().zip(moves).map(of_side);
-                gradients[cell * sources.len() + source] = sides.sum();
+                gradients[cell * sources.len() + source] = sides.sum::<f64>();
             }
         }
     }

@@ -198,7 +198,8 @@ impl<'p> DrawnPositions<'p> {
                 };
             }
             let mut design = design.to_vec();
-            let lifts = displace(mechanism, &mut design, displacement);
+            let gear = Jet::constant(displacement);
+            let lifts = displace(mechanism, &mut design, gear);
             let closure = Closure::new(mechanism, &design);
             WheelSeries {
                 design: Cow::Owned(design),

@@ -33,6 +33,8 @@ pub struct Adjustment {
     pub per_turn: Option<Number>,
     /// Thickness of the thinnest shim.
     pub step: Option<Number>,
+    /// Half of a solid axle whose part is adjusted. Without it, both halves have their own adjustment.
+    pub side: Option<Text>,
 }
 
 /// `[tolerance]`

@@ -1,5 +1,6 @@
 //! Solid axles: against independent answers, and against their own mirror images and limits.
 
+mod beam_loads;
 mod builds;
 mod by_design;
 mod certificate;
@@ -12,6 +13,7 @@ mod planted;
 mod rates;
 mod reference;
 mod refused;
+mod set_up;
 mod steered;
 mod tolerance;
 mod tuned;

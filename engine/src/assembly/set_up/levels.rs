@@ -134,7 +134,7 @@ impl Problem<'_> {
         step: impl Fn(&AdjustedSuspension, &DVector<f64>) -> Option<DVector<f64>>,
         trial: impl Fn(&[f64]) -> Option<AdjustedSuspension>,
     ) -> End {
-        let size = self.assembler.suspension().size();
+        let size = self.size();
         for _ in 0..MOST_STEPS {
             let errors = self.errors(&state, aims);
             let Some(step) = step(&state, &errors) else {

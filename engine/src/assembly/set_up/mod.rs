@@ -65,13 +65,16 @@
 mod levels;
 mod problem;
 mod shims;
+mod subject;
 
 use super::assembler::Assembler;
 use super::assembly_error::AssemblyError;
 use super::rest::Built;
+use crate::ask::Unit;
+use crate::axle::Quantity;
 use crate::characteristics::Characteristic;
 use crate::mechanism::DesignFault;
-use crate::study::{Increment, Setup, Study};
+use crate::study::{AxleStudy, Increment, Setup, Study};
 use problem::Problem;
 
 /// Largest adjustment, relative to the size of the suspension.
@@ -82,13 +85,26 @@ const MET: f64 = 1e-9;
 pub const PARTS_OF_A_TURN: f64 = 16.0;
 
 /// A quantity of the static position.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Static {
-    /// A characteristic at travel 0.
+    /// A characteristic of one wheel at travel 0.
     Characteristic(Characteristic),
+    /// A quantity of a solid axle at rest. Place and direction of the axle itself count from the nominal design.
+    Axle(Quantity),
     /// Change of the ride height from the design. Positive if the car is higher. It is the negative of the wheel travel of
     /// the static position.
     RideHeightChange,
+}
+
+impl Static {
+    /// Unit of the value.
+    pub fn unit(self) -> Unit {
+        match self {
+            Static::Characteristic(c) => c.info().unit,
+            Static::Axle(quantity) => quantity.info().unit,
+            Static::RideHeightChange => Unit::Length,
+        }
+    }
 }
 
 /// A suspension in its static position, with its parts adjusted.
@@ -96,8 +112,10 @@ pub enum Static {
 pub struct AdjustedSuspension {
     /// Amount of each adjustment, in the order of the study.
     pub amounts: Vec<f64>,
-    /// Assembled parts.
+    /// Assembled parts. A solid axle is as its left wheel sees it.
     pub built: Built,
+    /// A solid axle as its right wheel sees it. `None` for one wheel.
+    pub seen_from_right: Option<Built>,
     /// Static values, in printed units.
     pub values: Vec<f64>,
     /// Derivatives of the static values, `[adjustment][value]`.
@@ -129,7 +147,7 @@ impl Aim {
 #[derive(Clone, Debug)]
 pub struct SetUp {
     /// Static values: camber, toe, caster and bump steer (if they are defined), other target values, and the change of ride
-    /// height.
+    /// height. A solid axle has camber, toe and caster of both wheels, then its own place and direction instead of bump steer.
     pub statics: Vec<Static>,
     /// Aim of each static value.
     pub aims: Vec<Aim>,
@@ -191,11 +209,26 @@ impl From<DesignFault> for SetUpError {
 }
 
 impl SetUp {
-    /// Finds the adjustments that give the target values of a study.
+    /// Finds the adjustments that give the target values of a study of one wheel.
     pub fn solve(study: &Study, setup: &Setup, assembler: &Assembler) -> Result<SetUp, SetUpError> {
-        let (problem, drawn) = Problem::of(study, setup, assembler)?;
+        SetUp::solve_problem(Problem::of(study, setup, assembler)?, setup)
+    }
+
+    /// Finds the adjustments of a solid axle, from its assemblers as the left and as the right wheel sees it.
+    pub fn solve_axle(
+        both: &AxleStudy,
+        setup: &Setup,
+        assemblers: [&Assembler; 2],
+    ) -> Result<SetUp, SetUpError> {
+        SetUp::solve_problem(Problem::of_axle(both, setup, assemblers)?, setup)
+    }
+
+    fn solve_problem(
+        (problem, drawn): (Problem, AdjustedSuspension),
+        setup: &Setup,
+    ) -> Result<SetUp, SetUpError> {
         let (state, levels) = problem.solve(&drawn)?;
-        let most = FARTHEST * assembler.suspension().size();
+        let most = FARTHEST * problem.size();
         let mut amounts = state.amounts.iter().copied().enumerate();
         if let Some((adjustment, amount)) = amounts.find(|(_, amount)| amount.abs() > most) {
             return Err(SetUpError::Absurd { adjustment, amount });
@@ -227,8 +260,20 @@ impl SetUp {
 
     /// Returns the state of the nominal design with the effects of each adjustment, even if there is no set-up.
     pub fn drawn(study: &Study, setup: &Setup, assembler: &Assembler) -> Result<SetUp, SetUpError> {
-        let (problem, drawn) = Problem::of(study, setup, assembler)?;
-        Ok(SetUp {
+        Problem::of(study, setup, assembler).map(SetUp::unsolved)
+    }
+
+    /// The same of a solid axle, from its assemblers as the left and as the right wheel sees it.
+    pub fn drawn_axle(
+        both: &AxleStudy,
+        setup: &Setup,
+        assemblers: [&Assembler; 2],
+    ) -> Result<SetUp, SetUpError> {
+        Problem::of_axle(both, setup, assemblers).map(SetUp::unsolved)
+    }
+
+    fn unsolved((problem, drawn): (Problem, AdjustedSuspension)) -> SetUp {
+        SetUp {
             allowed: vec![0.0; problem.statics.len()],
             allowed_rounded: vec![0.0; problem.statics.len()],
             rounded: drawn.clone(),
@@ -237,7 +282,7 @@ impl SetUp {
             drawn,
             statics: problem.statics,
             aims: problem.aims,
-        })
+        }
     }
 
     /// State after all adjustments, not rounded.

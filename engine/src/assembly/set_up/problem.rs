@@ -1,17 +1,18 @@
 //! Static values of a set-up, their aims, and states of the adjusted suspension.
 
 use super::levels::{Levels, felt};
+use super::subject::Subject;
 use super::{
     AdjustedSuspension, Aim, MET, MissedTarget, PARTS_OF_A_TURN, SetUpError, Static, is_continuous,
 };
 use crate::ask::Unit;
 use crate::assembly::assembler::Assembler;
-use crate::assembly::derivatives::built_curves;
 use crate::assembly::parts::{BuildParameter, Member};
-use crate::assembly::rest::{Direction, Rest};
+use crate::assembly::rest::Rest;
+use crate::axle::{FROM_DESIGN, Quantity};
 use crate::characteristics::Characteristic;
-use crate::plan::Plan;
-use crate::study::{Adjustment, Increment, Outputs, Setup, Study, WheelStudy};
+use crate::model::{RockerId, Side};
+use crate::study::{Adjustment, AxleStudy, Increment, Setup, Study};
 use nalgebra::{DMatrix, DVector};
 
 /// Factor on the error that rounding by half a step may cause. It covers the curvature that slopes ignore.
@@ -19,10 +20,8 @@ const CURVED: f64 = 1.01;
 
 /// A set-up to solve.
 pub(super) struct Problem<'a> {
-    pub(super) assembler: &'a Assembler,
-    directions: Vec<[(BuildParameter, f64); 1]>,
+    subject: Subject<'a>,
     pub(super) increments: Vec<Increment>,
-    plan: Plan,
     rest: Rest,
     pub(super) statics: Vec<Static>,
     pub(super) aims: Vec<Aim>,
@@ -33,44 +32,68 @@ pub(super) struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    /// Makes the set-up of a study, and the state of its design.
+    /// Makes the set-up of a study of one wheel, and the state of its design.
     pub(super) fn of(
         study: &Study,
         setup: &Setup,
         assembler: &'a Assembler,
     ) -> Result<(Self, AdjustedSuspension), SetUpError> {
         let characteristics = characteristics(study, setup);
+        let statics = characteristics.iter().copied();
+        let statics = statics.map(Static::Characteristic).collect();
+        let subject = Subject::wheel(assembler, &setup.adjust, characteristics);
         let lifts = setup.adjust.iter().any(|a| lifts(a, study));
-        let length = study.wheel().length_unit;
+        let mut problem = Problem::with(subject, setup, statics, lifts);
+        let drawn = problem.state(&vec![0.0; setup.adjust.len()])?;
+        problem.keep_toe(&drawn);
+        Ok((problem, drawn))
+    }
+
+    /// Makes the set-up of a solid axle, and the state of its design.
+    pub(super) fn of_axle(
+        both: &AxleStudy,
+        setup: &Setup,
+        assemblers: [&'a Assembler; 2],
+    ) -> Result<(Self, AdjustedSuspension), SetUpError> {
+        let quantities = quantities(both, setup);
+        let statics = quantities.iter().copied().map(Static::Axle).collect();
+        let subject = Subject::axle(assemblers, both, &setup.adjust, quantities);
+        let mut problem = Problem::with(subject, setup, statics, false);
+        let drawn = problem.state(&vec![0.0; setup.adjust.len()])?;
+        problem.keep_steer(&drawn, setup, both);
+        Ok((problem, drawn))
+    }
+
+    /// Set-up with the aims of the study. `lifts` is true if an adjustment sets the ride height.
+    fn with(subject: Subject<'a>, setup: &Setup, mut statics: Vec<Static>, lifts: bool) -> Self {
+        let length = subject.suspension().length_unit;
         let millimetre = 1e-3 * length.per_metre();
-        let (mut statics, mut aims, mut weights) = (Vec::new(), Vec::new(), Vec::new());
-        for c in &characteristics {
-            let want = setup.want.iter().find(|want| want.characteristic == *c);
-            let wanted =
-                |want: &crate::study::Want| want.value * c.info().unit.printed_factor(length);
-            statics.push(Static::Characteristic(*c));
-            aims.push(want.map_or(Aim::Free, |want| Aim::Wanted(wanted(want))));
-            weights.push(match c.info().unit {
+        let (mut aims, mut weights) = (Vec::new(), Vec::new());
+        statics.push(Static::RideHeightChange);
+        for value in &statics {
+            let unit = value.unit();
+            let want = setup.want.iter().find(|want| want.of == *value);
+            aims.push(want.map_or(Aim::Free, |want| {
+                Aim::Wanted(want.value * unit.printed_factor(length))
+            }));
+            weights.push(match unit {
                 Unit::Angle => 10.0,
                 Unit::AnglePerLength => 10.0 / (0.01 / millimetre),
                 Unit::Length => 1.0 / millimetre,
                 _ => 1.0,
             });
         }
-        statics.push(Static::RideHeightChange);
         // A single adjustment cannot keep the height and do something else.
-        aims.push(match setup.ride_height_change {
-            Some(change) if lifts => Aim::Wanted(change),
-            None if lifts && setup.adjust.len() > 1 => Aim::Kept(0.0),
-            _ => Aim::Free,
-        });
-        weights.push(1.0 / millimetre);
+        *aims.last_mut().expect("the ride height is the last value") =
+            match setup.ride_height_change {
+                Some(change) if lifts => Aim::Wanted(change),
+                None if lifts && setup.adjust.len() > 1 => Aim::Kept(0.0),
+                _ => Aim::Free,
+            };
         let travel = -setup.ride_height_change.unwrap_or(0.0);
-        let mut problem = Problem {
-            assembler,
-            directions: setup.adjust.iter().map(|a| [a.change]).collect(),
+        Problem {
+            subject,
             increments: setup.adjust.iter().map(|a| a.increment).collect(),
-            plan: at_rest(assembler, characteristics),
             rest: if lifts {
                 Rest::Spring(0.0)
             } else {
@@ -80,17 +103,19 @@ impl<'a> Problem<'a> {
             aims,
             weights,
             millimetre,
-        };
-        let drawn = problem.state(&vec![0.0; setup.adjust.len()])?;
-        problem.keep_toe(&drawn);
-        Ok((problem, drawn))
+        }
+    }
+
+    /// Size of the suspension.
+    pub(super) fn size(&self) -> f64 {
+        self.subject.suspension().size()
     }
 
     /// Keeps the toe of the design if the study gives no target for it and one of several threads is for toe. A thread is
     /// for toe if it changes toe more than camber, caster and ride height. A single thread serves whatever the study
     /// requests.
     fn keep_toe(&mut self, drawn: &AdjustedSuspension) {
-        let Some(toe) = self.toe() else {
+        let Some(toe) = self.toes().next() else {
             return;
         };
         let settable = [Characteristic::Camber, Characteristic::Caster].map(Static::Characteristic);
@@ -107,10 +132,34 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Index of toe among the static values.
-    fn toe(&self) -> Option<usize> {
-        let toe = Static::Characteristic(Characteristic::Toe);
-        self.statics.iter().position(|s| *s == toe)
+    /// Keeps the toe of a solid axle's left wheel if its drag link is one of several adjustments, and that of the right wheel if its
+    /// tie rod is another one. Toe with a target is not kept.
+    fn keep_steer(&mut self, drawn: &AdjustedSuspension, setup: &Setup, both: &AxleStudy) {
+        let Some(steering) = both.axle.left.mechanism.axle_steering() else {
+            return;
+        };
+        let adjusts = |rocker: RockerId| {
+            let rod = BuildParameter::Length(Member::Rod(rocker));
+            setup.adjust.iter().any(|a| a.change.0 == rod)
+        };
+        let turns_left = setup.adjust.len() > 1 && adjusts(steering.near_knuckle);
+        let keeps = [turns_left, turns_left && adjusts(steering.far_knuckle)];
+        let toes: Vec<usize> = self.toes().collect();
+        for (toe, _) in toes.into_iter().zip(keeps).filter(|(_, keeps)| *keeps) {
+            if self.aims[toe] == Aim::Free {
+                self.aims[toe] = Aim::Kept(drawn.values[toe]);
+            }
+        }
+    }
+
+    /// Indices of the toe of each wheel among the static values.
+    fn toes(&self) -> impl Iterator<Item = usize> {
+        let statics = self.statics.iter().enumerate();
+        statics.filter_map(|(i, value)| match value {
+            Static::Characteristic(Characteristic::Toe)
+            | Static::Axle(Quantity::Corner(_, Characteristic::Toe)) => Some(i),
+            _ => None,
+        })
     }
 
     /// Indices of the continuous adjustments.
@@ -139,8 +188,9 @@ impl<'a> Problem<'a> {
     pub(super) fn order(&self, drawn: &AdjustedSuspension) -> Vec<usize> {
         let mut order: Vec<usize> = self.shims().map(|(k, _)| k).collect();
         order.extend(self.threads());
-        if let Some(toe) = self.toe().filter(|toe| self.aims[*toe] != Aim::Free) {
-            let effect = |k: usize| drawn.by[k][toe].abs();
+        let toes: Vec<usize> = self.toes().collect();
+        if toes.iter().any(|toe| self.aims[*toe] != Aim::Free) {
+            let effect = |k: usize| toes.iter().map(|toe| drawn.by[k][*toe].abs()).sum::<f64>();
             let last = self
                 .threads()
                 .max_by(|a, b| effect(*a).total_cmp(&effect(*b)));
@@ -154,32 +204,7 @@ impl<'a> Problem<'a> {
 
     /// Assembles the parts with these amounts of the adjustments.
     pub(super) fn state(&self, amounts: &[f64]) -> Result<AdjustedSuspension, SetUpError> {
-        let mechanism = &self.assembler.suspension().mechanism;
-        let mut parts = self.assembler.drawn().clone();
-        for (direction, amount) in self.directions.iter().zip(amounts) {
-            for (parameter, share) in direction {
-                parts.change(mechanism, *parameter, share * amount);
-            }
-        }
-        let built = self.assembler.build(&parts, self.rest)?;
-        let directions: Vec<&Direction> = self.directions.iter().map(|d| &d[..]).collect();
-        let found = built_curves(self.assembler, &built, &self.plan, &directions)?;
-        let values = found.curves.stations[0].values.iter();
-        let values = values.map(|v| v.unwrap_or(f64::NAN));
-        let columns = found.curves.columns.len();
-        // The car is higher by as much as the wheel is lower. The form 0 - x avoids a negative zero.
-        let change = 0.0 - built.height;
-        Ok(AdjustedSuspension {
-            amounts: amounts.to_vec(),
-            values: values.chain([change]).collect(),
-            by: (0..directions.len())
-                .map(|d| {
-                    let by = (0..columns).map(|column| found.derivative(d, 0, column));
-                    by.chain([0.0 - found.height[d]]).collect()
-                })
-                .collect(),
-            built,
-        })
+        self.subject.state(amounts, self.rest)
     }
 
     /// Weighted derivatives `W`, with a row for each of these values and a column for each of these adjustments.
@@ -288,18 +313,33 @@ fn characteristics(study: &Study, setup: &Setup) -> Vec<Characteristic> {
         .filter(|c| mechanism.steering_axis.is_some() || !c.info().reads_steering_axis())
         .collect();
     for want in &setup.want {
-        if !characteristics.contains(&want.characteristic) {
-            characteristics.push(want.characteristic);
+        match want.of {
+            Static::Characteristic(c) if !characteristics.contains(&c) => characteristics.push(c),
+            _ => {}
         }
     }
     characteristics
 }
 
-/// Plan of these characteristics in the static position.
-fn at_rest(assembler: &Assembler, characteristics: Vec<Characteristic>) -> Plan {
-    let mut at_rest = WheelStudy::of(assembler.suspension().clone());
-    at_rest.outputs = Outputs::of(characteristics);
-    Plan::of(&at_rest)
+/// Quantities of a solid axle's set-up: the usual ones that exist, and further ones with targets.
+fn quantities(both: &AxleStudy, setup: &Setup) -> Vec<Quantity> {
+    let usual = [
+        Characteristic::Camber,
+        Characteristic::Toe,
+        Characteristic::Caster,
+    ];
+    let of_wheels = usual
+        .into_iter()
+        .flat_map(|c| Side::ALL.map(|side| Quantity::Corner(side, c)));
+    let usual = of_wheels.chain(FROM_DESIGN.map(Quantity::Axle));
+    let mut quantities: Vec<_> = usual.filter(|quantity| both.axle.has(*quantity)).collect();
+    for want in &setup.want {
+        match want.of {
+            Static::Axle(quantity) if !quantities.contains(&quantity) => quantities.push(quantity),
+            _ => {}
+        }
+    }
+    quantities
 }
 
 /// Returns true if an adjustment lifts the car, because it changes a part between spring and arm. The spring then keeps

@@ -47,7 +47,7 @@ fn effects_count_down_to_a_hundred_millionth() {
 #[test]
 fn steps_are_halved_and_end_at_their_thresholds() {
     with(&study(&[THREE]), |problem, drawn| {
-        let size = problem.assembler.suspension().size();
+        let size = problem.size();
         let toe = problem.targets()[1];
         let ended = |length: f64| {
             let tried = RefCell::new(Vec::new());
@@ -112,6 +112,7 @@ fn errors_weigh_the_same_in_every_unit() {
                     Static::Characteristic(Characteristic::ScrubRadius) => millimetre,
                     Static::Characteristic(Characteristic::BumpSteer) => 1e-3 / millimetre,
                     Static::Characteristic(_) => 0.1,
+                    Static::Axle(_) => unreachable!("a study of one wheel"),
                 };
                 assert!((weight * as_much - 1.0).abs() < 1e-14, "{unit:?} {of:?}");
             }

@@ -35,12 +35,12 @@
 
 use super::loads::{bar_torque, spring_force};
 use super::roll::FARTHEST_MEETING;
-use crate::axle::Carriers;
 use crate::axle::reading::WheelParts;
 use crate::axle::state::{AxleState, Motion, WheelState};
+use crate::axle::{AxleQuantity, Carriers};
 use crate::characteristics::NumberPart;
 use crate::model::Side;
-use crate::number::{Each, Real, Scalar, Vector3};
+use crate::number::{Each, Matrix3, Real, Scalar, Vector3};
 
 /// Work along the difference of travels and along the mean travel.
 struct Work<T> {
@@ -310,6 +310,26 @@ pub(crate) fn pinion_angle<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>)
 #[inline(always)]
 pub(crate) fn pitch_of<T: Scalar>(forward: Vector3<T>) -> T {
     forward.z.atan2(forward.x)
+}
+
+/// Quantities that count from the design position: [`place_of`] has their values in this order.
+pub(crate) const FROM_DESIGN: [AxleQuantity; 4] = [
+    AxleQuantity::AxleSteer,
+    AxleQuantity::AxleLateral,
+    AxleQuantity::AxleLongitudinal,
+    AxleQuantity::PinionAngle,
+];
+
+/// Values of [`FROM_DESIGN`] for an axle with this rotation from the design position and this displacement of the middle of both
+/// wheel centres, in the left wheel's frame.
+pub(crate) fn place_of<T: Scalar>(rotation: &Matrix3<T>, displacement: Vector3<T>) -> [T; 4] {
+    let [forward, line, _] = rotation.columns;
+    [
+        steer_of(line),
+        displacement.y,
+        displacement.x,
+        pitch_of(forward),
+    ]
 }
 
 /// Displacement of the middle of both wheel centres, in the left wheel's frame.

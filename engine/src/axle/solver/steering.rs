@@ -4,7 +4,7 @@ use super::AxleSolver;
 use crate::analyse::{Limit, Range, RangeEnd};
 use crate::mechanism::{Configuration, Pose};
 use crate::model::{AxleTravel, Drive, Mechanism};
-use crate::number::{Each, Matrix3, Real, Vector3};
+use crate::number::{Dual, Each, Matrix3, Real, Vector3};
 
 /// Moves the drag link's end in a design, and the wheel centres at rest with it: (1) of `model/steered_axle.rs`. Returns the lift of
 /// both wheel centres by (4) and (5): of the travel that drives the axle, then of the one that is held. Both are 0 if no drag link
@@ -12,7 +12,7 @@ use crate::number::{Each, Matrix3, Real, Vector3};
 pub(crate) fn displace<T: Real>(
     mechanism: &Mechanism,
     design: &mut [Vector3<T>],
-    displacement: f64,
+    displacement: T,
 ) -> [T; 2] {
     let zero = design[0].x.zero();
     let Some(rigid) = mechanism.rigid_axle.as_ref() else {
@@ -41,9 +41,9 @@ pub(crate) fn displace<T: Real>(
 }
 
 impl<const N: usize> AxleSolver<'_, N> {
-    /// Fold before the axle is level with its steering gear displaced, first of the held travel, then of the other. `None` if it does
-    /// not fold.
-    pub(in crate::axle) fn level_fold(&mut self) -> Option<Limit> {
+    /// Fold before the axle is level with its steering gear displaced: first of the held travel, then of the other, the drive. `None` if
+    /// it does not fold.
+    fn level_fold(&mut self) -> Option<Limit> {
         let corner = &mut self.corners[0];
         let (drive, held) = corner.inner(0.0, 0.0);
         let before = |range: Range, value: f64| {
@@ -59,5 +59,51 @@ impl<const N: usize> AxleSolver<'_, N> {
         };
         let of_held = before(corner.solver.rack_range().ok()?, held);
         of_held.or_else(|| before(corner.solver.drive_range(Drive::Travel, held).ok()?, drive))
+    }
+
+    /// Fold at which the axle can no longer follow its steering gear: level at its hardpoints' height, it folds between these two
+    /// displacements. `None` if the equations of the axle do not fold there.
+    ///
+    /// With T(p, s) the travel at the fold, the design p and the gear at s, T = 0 is the end. The axle takes its held travel first.
+    /// Meanwhile its drive d is that of the axle at rest, the lift l(p, s) by (4) or (5) of `model/steered_axle.rs`. With the gradient
+    /// g of T by the hardpoints, g' its gradient by the drag link's end p' and n the direction of the gear,
+    ///
+    /// ```text
+    /// ds/dp = -(g + T_d l_p)/(g'.n + T_d l_s)                                                     (1)
+    /// ```
+    ///
+    /// If the drive folds, it moves itself, and T_d is 0.
+    pub(in crate::axle) fn gear_fold(&mut self, value: f64, beyond: f64) -> Option<Limit> {
+        self.steer(beyond).ok()?;
+        let fold = self.level_fold()?;
+        let mechanism = &self.axle.left.mechanism;
+        let steering = mechanism.axle_steering()?;
+        let design = self.corners[0].solver.design();
+        // Derivatives of the lift by a point, or by the gear as the first of three.
+        let lift_by = |point: Option<usize>| -> [f64; 3] {
+            let mut moved: Vec<_> = design.iter().map(|p| p.map(Dual::constant)).collect();
+            let gear = match point {
+                None => Dual::input(value, 0),
+                Some(point) => {
+                    moved[point] = Dual::inputs(design[point]);
+                    Dual::constant(value)
+                }
+            };
+            displace(mechanism, &mut moved, gear)[0].partials
+        };
+        let by_gear = fold.gradient[steering.place.0].dot(steering.direction)
+            + fold.by_drive * lift_by(None)[0];
+        let mut gradient = fold.gradient.clone();
+        let place = std::mem::take(&mut gradient[steering.place.0]);
+        gradient[steering.end.0] = gradient[steering.end.0] + place;
+        for (point, by) in gradient.iter_mut().enumerate() {
+            let lift = Vector3::from(lift_by(Some(point)));
+            *by = (*by + lift * fold.by_drive) * (-1.0 / by_gear);
+        }
+        Some(Limit {
+            value,
+            gradient,
+            ..fold
+        })
     }
 }

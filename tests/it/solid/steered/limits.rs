@@ -6,6 +6,7 @@ use hardpoint::analyse::RangeEnd;
 use hardpoint::axle::{Axle, AxleEnd, AxleSolver, Placement};
 use hardpoint::mechanism::LimitCause;
 use hardpoint::model::{Rod, Side};
+use hardpoint::number::Vector3;
 
 type Point = [f64; 3];
 
@@ -177,4 +178,67 @@ fn every_end_names_the_part_that_binds() {
         kinds.iter().all(|kind| *kind >= 4) && lost <= 2,
         "{kinds:?} {lost}"
     );
+}
+
+/// Derivatives of the end by every point of the axle, where the links fold: differences of fourth order of the ends of other designs
+/// agree, for points that move along random directions.
+#[test]
+fn a_fold_along_the_drag_link_has_exact_derivatives() {
+    let mut generator = Random(23);
+    let (mut folds, mut with_lift) = (0, 0);
+    for number in 0..40 {
+        if folds == 1 {
+            break;
+        }
+        let world = random(&mut generator, number % 2 == 0, 20.0);
+        let own = axle(&study(&world, "[motion]\nheave = [0.0]\n")).axle;
+        for (end, place) in own.limits().unwrap().rack.unwrap().into_iter().zip([0, 1]) {
+            let RangeEnd::Fold(limit) = end.end else {
+                continue;
+            };
+            folds += 1;
+            with_lift += usize::from(limit.by_drive.abs() > 0.01);
+            let rigid = own.left.mechanism.rigid_axle.as_ref().unwrap();
+            let id = |name: &str| own.left.mechanism.point(name).unwrap().0;
+            let mut ways: Vec<_> = own
+                .left
+                .design
+                .iter()
+                .map(|_| generator.vector(1.0))
+                .collect();
+            // Points that a study does not give follow others.
+            let followers = [
+                ("drag_link_place", "drag_link_body"),
+                ("turned_wheel_centre", "wheel_centre"),
+                ("right_turned_wheel_centre", "right_wheel_centre"),
+            ];
+            let mut free = ways.clone();
+            for (point, beside) in followers {
+                ways[id(point)] = ways[id(beside)];
+                free[id(point)] = Vector3::default();
+            }
+            let at = |step: f64| {
+                let mut axle = own.clone();
+                for (place, way) in axle.left.design.iter_mut().zip(&ways) {
+                    *place = *place + *way * step;
+                }
+                let right = &mut axle.right.as_mut().unwrap().design;
+                rigid.turn_over(&axle.left.design, right);
+                let ends = axle.limits().unwrap().rack.unwrap();
+                assert!(matches!(ends[place].end, RangeEnd::Fold(_)));
+                ends[place].value
+            };
+            let h = 0.02;
+            let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(|step| at(step * h));
+            let slope = (a - 8.0 * b + 8.0 * c - d) / (12.0 * h);
+            let pairs = limit.gradient.iter().zip(&free);
+            let exact: f64 = pairs.map(|(by, way)| by.dot(*way)).sum();
+            assert!(
+                (slope - exact).abs() < 1e-6 * exact.abs().max(1.0),
+                "{number}: {slope} {exact} {}",
+                limit.by_drive
+            );
+        }
+    }
+    assert!(folds >= 1 && with_lift > 0, "{folds} {with_lift}");
 }

@@ -146,10 +146,10 @@ mod tests {
                 (of_length, by_length, 1.0),
             ];
             for ((_, first, second), (by, matrix), size) in expected {
-                for i in 0..3 {
-                    close(by.to_array()[i], first[i], size);
-                    for j in 0..3 {
-                        close(matrix.entry(i, j), second[i][j], size / 100.0);
+                for (i, (by, row)) in by.to_array().into_iter().zip(second).enumerate() {
+                    close(by, first[i], size);
+                    for (j, expected) in row.into_iter().enumerate() {
+                        close(matrix.entry(i, j), expected, size / 100.0);
                     }
                 }
             }

@@ -35,7 +35,7 @@ impl<T: Scalar> ElasticWheel<T> {
         let system = &self.built.system;
         let like = system.like();
         let state = at.map(|c| like.constant(c));
-        let equations = system.equations(&state, task, None).ok()?;
+        let equations = system.correction(&state, task).ok()?;
         let right = equations.residual.map(|c| -c);
         let solution = equations.factors()?.solve(&right);
         Some(Equilibrium {

@@ -4,6 +4,7 @@ use super::algebra::{Placed, cross_matrix};
 use super::bushing::{Bushing, BushingState};
 use super::limb::{
     Conditions, Eliminated, Evaluated, Followers, LimbState, Sum, eliminated, is_positive,
+    tangent_of,
 };
 use crate::number::{Matrix3, Scalar, Vector3, array_of};
 
@@ -133,6 +134,7 @@ impl<T: Scalar> Floating<T> {
             by_carrier,
             carrier_by_link,
             length: self.along.norm().value(),
+            is_correction: at.is_correction,
         };
         match self.inner {
             Some(_) => blocks.eliminate::<6>(0, held, sum),
@@ -149,6 +151,8 @@ struct LinkBlocks<T> {
     carrier_by_link: [[Matrix3<T>; 2]; 2],
     /// Length of the link.
     length: f64,
+    /// Same as [`Conditions::is_correction`].
+    is_correction: bool,
 }
 
 impl<T: Scalar> LinkBlocks<T> {
@@ -173,11 +177,12 @@ impl<T: Scalar> LinkBlocks<T> {
         });
         inner[..N].copy_from_slice(&force);
         let units = array_of(|k| if first + k < 3 { 1.0 } else { self.length });
-        let found = eliminated(own, force, &by, units)?;
+        let found = eliminated(own, force, &by, units, self.is_correction)?;
         let Eliminated { rest, by, .. } = found;
         for i in 0..6 {
             for k in 0..N {
                 let factor = entry(&self.carrier_by_link, i, first + k);
+                let factor = tangent_of(factor, self.is_correction);
                 sum.force[i] = sum.force[i] - factor * rest[k];
                 for (total, by) in sum.tangent[i].iter_mut().zip(by[k]) {
                     *total = *total - factor * by;

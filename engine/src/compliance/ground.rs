@@ -17,7 +17,7 @@ use super::algebra::{Placed, cross_matrix};
 use super::bushing::BushingState;
 use super::coupling::{InFrame, JointRow};
 use super::gather::Gathered;
-use super::limb::{BESIDE, Conditions, Sum, TWIST_BESIDE, joined};
+use super::limb::{BESIDE, Conditions, Sum, TWIST_BESIDE, joined, tangent_of};
 use super::point::PointForce;
 use super::system::{CarrierBushing, Equations, System};
 use crate::linear::square::MOST;
@@ -129,6 +129,14 @@ pub(super) struct Frames<T> {
 }
 
 impl<T: Scalar> Frames<T> {
+    /// Same conditions, for the step that [`Conditions::is_correction`] describes.
+    #[inline]
+    pub(super) fn for_correction(mut self) -> Self {
+        self.body.is_correction = true;
+        self.subframe.is_correction = true;
+        self
+    }
+
     #[inline]
     pub(super) fn of(&self, holder: Holder) -> &Conditions<T> {
         match holder {
@@ -149,6 +157,19 @@ pub(super) struct Coupling<T> {
     pub(super) beside: Vec<(usize, [[T; BESIDE]; 6])>,
 }
 
+impl<T: Scalar> Coupling<T> {
+    /// Removes the derivatives of the tangents, for the step of [`Conditions::is_correction`].
+    pub(super) fn fix_tangents(&mut self) {
+        let fixed = |c: T| tangent_of(c, true);
+        self.own = self.own.map(|row| row.map(fixed));
+        self.by_corner = self.by_corner.map(|row| row.map(fixed));
+        self.corner_by = self.corner_by.map(|row| row.map(fixed));
+        for (_, by) in &mut self.beside {
+            *by = by.map(|row| row.map(fixed));
+        }
+    }
+}
+
 impl<T: Scalar> System<T> {
     #[inline]
     pub(super) fn frames(
@@ -164,6 +185,7 @@ impl<T: Scalar> System<T> {
             upper: Vector3::new(zero, zero, zero),
             twist: around.twist,
             balance_only,
+            is_correction: false,
         };
         let subframe = match &self.subframe {
             None => body,

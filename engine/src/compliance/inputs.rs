@@ -91,6 +91,17 @@ impl Compliance {
             *number = value;
         }
     }
+
+    /// Changes the number of a parameter, by a fraction of itself if `is_relative` is true.
+    pub(crate) fn change_rate(&mut self, parameter: Parameter, change: f64, is_relative: bool) {
+        if let Some(number) = law_of(self, parameter) {
+            *number += if is_relative {
+                *number * change
+            } else {
+                change
+            };
+        }
+    }
 }
 
 /// Elastic suspension over numbers on a tape.

@@ -94,6 +94,9 @@ pub(super) struct Conditions<T> {
     /// True for the search of the forces at the design load. Then elements contribute their slope but no force, and springs
     /// their force but no slope. Torsion is left out.
     pub(super) balance_only: bool,
+    /// True for the Newton step that adds derivatives to an equilibrium in plain numbers. The forces out of balance are zero
+    /// there, so derivatives of the tangents have no effect, and tangents are constants.
+    pub(super) is_correction: bool,
 }
 
 impl<T: Scalar> Conditions<T> {
@@ -321,6 +324,16 @@ pub(super) struct Eliminated<T, const N: usize, const C: usize> {
     pub(super) least_pivot: f64,
 }
 
+/// Entry of a tangent: constant in a correction, as [`Conditions::is_correction`] says.
+#[inline]
+pub(super) fn tangent_of<T: Scalar>(entry: T, is_correction: bool) -> T {
+    if is_correction {
+        entry.constant(entry.value())
+    } else {
+        entry
+    }
+}
+
 /// Solves the inner equations. The square of `units`, which are lengths, divides the pivots. `None` if a direction has no
 /// stiffness.
 #[inline]
@@ -329,12 +342,14 @@ pub(super) fn eliminated<T: Scalar, const N: usize, const C: usize>(
     force: [T; N],
     by: &[[T; C]; N],
     units: [f64; N],
+    is_correction: bool,
 ) -> Option<Eliminated<T, N, C>> {
+    let own = own.map(|row| row.map(|c| tangent_of(c, is_correction)));
     let factors = Lu::of(own, 1.0)?;
     let rest = factors.solve(force);
-    let mut followers = *by;
+    let mut followers = by.map(|row| row.map(|c| tangent_of(c, is_correction)));
     for k in 0..C {
-        let column: [T; N] = array_of(|i| by[i][k]);
+        let column: [T; N] = array_of(|i| followers[i][k]);
         for (row, value) in followers.iter_mut().zip(factors.solve(column)) {
             row[k] = value;
         }

@@ -33,6 +33,7 @@ mod point;
 mod preload;
 mod reading;
 mod readings;
+mod rod_turn;
 mod solve;
 mod swinging;
 mod system;

@@ -18,7 +18,7 @@
 
 use super::algebra::{angle_by_sine, cross_matrix, second_order};
 use super::bushing::Bushing;
-use super::limb::{Conditions, Evaluated, Followers, LimbState, Sum, joined};
+use super::limb::{Conditions, Evaluated, Followers, LimbState, Sum, joined, tangent_of};
 use super::point::{PointForce, Seat, Stretched};
 use crate::axle::SpringLaw;
 use crate::number::{Dual, Matrix3, Real, Scalar, Vector3};
@@ -165,6 +165,8 @@ impl<T: Scalar> Mount<T> {
         let by = [
             turned.x, turned.y, turned.z, twisted.x, twisted.y, twisted.z,
         ];
+        let by = by.map(|c| tangent_of(c, at.is_correction));
+        let own = tangent_of(own, at.is_correction);
         let inverse = own.one() / own;
         let mut followers = Followers::of_one(like);
         for i in 0..6 {

@@ -17,8 +17,7 @@
 //! K - k k'/g',   F - k g/g',   dtheta = -(g + k.dp)/g'                                            (3)
 //! ```
 //!
-//! With a rigid rod, theta is a function of the rod's outer end, and so is the length of the spring. Nested derivative
-//! numbers give the second derivatives.
+//! With a rigid rod, theta is a function of the rod's outer end, and so is the length of the spring: see `rod_turn.rs`.
 //!
 //! An anti-roll bar of the rate k acts between levers at the angles b_l and b_r. It equals two bars of the rate 2 k, joined
 //! at a middle with the twist t:
@@ -29,11 +28,11 @@
 //!
 //! So each wheel has its own part, and the twist is an unknown of the axle.
 
-use super::algebra::{cross_matrix, second_order};
+use super::algebra::cross_matrix;
+use super::rod_turn::RodTurn;
 use crate::axle::SpringLaw;
 use crate::mechanism::Turn;
-use crate::model::Rod;
-use crate::number::{Dual, Matrix3, Scalar, Vector3};
+use crate::number::{Matrix3, Scalar, Vector3};
 
 /// Force at a moving point, the derivative of an energy by the point's position, with its tangent.
 #[derive(Clone, Copy, Debug)]
@@ -180,25 +179,27 @@ pub(super) struct BarForce<T> {
 impl<T: Scalar> BarSeat<T> {
     /// Force for a displacement of the drop link's outer end and a twist of the middle.
     pub(super) fn force(&self, displacement: Vector3<T>, twist: T) -> BarForce<T> {
-        let constant = |v: Vector3<T>| v.map(|c| Dual::constant(Dual::constant(c)));
-        let (angle, gradient, second) = second_order(displacement.to_array(), |moved| {
-            let mut outer = constant(self.point);
-            let mut now = outer + Vector3::from(moved);
-            if let Some((rocker, link)) = &self.rocker {
-                let [first, second] = rocker.axis.map(constant);
-                let turn = Turn::of([first, second, constant(rocker.inner), outer, now]);
-                outer = constant(*link);
-                now = turn.moved(outer);
+        let now = self.point + displacement;
+        let (angle, gradient, second) = match &self.rocker {
+            None => {
+                let lever = RodTurn::of(self.axis, self.inner, self.point, now);
+                (lever.angle(), lever.by, lever.second)
             }
-            let [first, second] = self.axis.map(constant);
-            Turn::of([first, second, constant(self.inner), outer, now]).angle(Rod::DropLink)
-        });
-        let gradient = Vector3::from(gradient);
+            Some((rocker, link)) => {
+                let first = RodTurn::of(rocker.axis, rocker.inner, self.point, now);
+                let [outer, along, bend] = first.moved(*link);
+                let lever = RodTurn::of(self.axis, self.inner, *link, outer);
+                let rate = lever.by.dot(along);
+                let slope = along.dot(lever.second.apply(along)) + lever.by.dot(bend);
+                let (by, second) = first.chained(rate, slope);
+                (lever.angle(), by, second)
+            }
+        };
         let torque = self.rate * (angle - twist);
         let mut stiffness = Matrix3::null(torque);
         stiffness.add_product(gradient, gradient, self.rate);
-        for (column, second) in stiffness.columns.iter_mut().zip(second) {
-            *column = *column + Vector3::from(second) * torque;
+        for (column, second) in stiffness.columns.iter_mut().zip(second.columns) {
+            *column = *column + second * torque;
         }
         BarForce {
             point: PointForce::of(gradient * torque, stiffness),
@@ -311,26 +312,25 @@ impl<T: Scalar> Seat<T> {
         displacement: Vector3<T>,
         balance_only: bool,
     ) -> PointForce<T> {
-        let constant = |v: Vector3<T>| v.map(|c| Dual::constant(Dual::constant(c)));
-        let (length, gradient, second) = second_order(displacement.to_array(), |moved| {
-            let outer = constant(self.point);
-            let ends = [
-                constant(rocker.axis[0]),
-                constant(rocker.axis[1]),
-                constant(rocker.inner),
-                outer,
-                outer + Vector3::from(moved),
-            ];
-            let end = Turn::of(ends).moved(constant(rocker.spring));
-            (end - constant(self.upper)).norm()
-        });
+        let turn = RodTurn::of(
+            rocker.axis,
+            rocker.inner,
+            self.point,
+            self.point + displacement,
+        );
+        let [end, along, bend] = turn.moved(rocker.spring);
+        let line = end - self.upper;
+        let length = line.norm();
+        let direction = line * (length.one() / length);
+        let slope = direction.dot(along);
+        let second = (along.norm_squared() - slope * slope) / length + direction.dot(bend);
+        let (gradient, second) = turn.chained(slope, second);
         let (force, rate) = self.law.at(length, self.design_length());
-        let gradient = Vector3::from(gradient);
         let mut stiffness = Matrix3::null(force);
         if !balance_only {
             stiffness.add_product(gradient, gradient, rate);
-            for (column, second) in stiffness.columns.iter_mut().zip(second) {
-                *column = *column - Vector3::from(second) * force;
+            for (column, second) in stiffness.columns.iter_mut().zip(second.columns) {
+                *column = *column - second * force;
             }
         }
         PointForce::of(-(gradient * force), stiffness)

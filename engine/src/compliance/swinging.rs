@@ -9,7 +9,7 @@ use super::algebra::cross_matrix;
 use super::bushing::{Bushing, BushingState};
 use super::limb::{
     BESIDE, Beside, Conditions, Eliminated, Evaluated, Followers, LimbState, Sum, TWIST_BESIDE,
-    eliminated, is_positive,
+    eliminated, is_positive, tangent_of,
 };
 use super::point::{BarSeat, PointForce, Seat};
 use crate::number::{Each, Matrix3, Scalar, Vector3, array_of};
@@ -128,7 +128,7 @@ impl<T: Scalar> Swinging<T> {
         beside: Option<&mut Beside<T>>,
     ) -> Option<Evaluated<T>> {
         let like = at.rack;
-        let mut own = OwnSum::zero(like);
+        let mut own = OwnSum::zero(at);
         let mut own_beside = beside.is_some().then(|| OwnBeside::zero(like));
         self.add_ends(at, state, &mut own);
         let mut followers = Followers::none(like);
@@ -209,6 +209,8 @@ struct OwnSum<T> {
     moment: Vector3<T>,
     moment_by_joint: Matrix3<T>,
     by_turn: Matrix3<T>,
+    /// Same as [`Conditions::is_correction`].
+    is_correction: bool,
 }
 
 /// Ball joint of a part at the body.
@@ -219,8 +221,9 @@ struct Pivot<T> {
     open: [T; 2],
 }
 
-/// Equations of [`OwnSum::with_pivot`].
-type PivotEquations<T> = ([[T; 5]; 5], [T; 5], [[T; 3]; 5], [[T; 5]; 3]);
+/// Inner equations of a part: matrix, residuals, their tangents by the joint's displacement, and tangents of the joint's
+/// force.
+type InnerEquations<T, const N: usize> = ([[T; N]; N], [T; N], [[T; 3]; N], [[T; N]; 3]);
 
 /// Stability of the inner equations.
 struct Firmness {
@@ -229,8 +232,8 @@ struct Firmness {
 }
 
 impl<T: Scalar> OwnSum<T> {
-    fn zero(like: T) -> Self {
-        let at_joint = PointForce::none(like);
+    fn zero(at: &Conditions<T>) -> Self {
+        let at_joint = PointForce::none(at.rack.zero());
         let nothing = at_joint.stiffness;
         OwnSum {
             at_joint,
@@ -238,6 +241,7 @@ impl<T: Scalar> OwnSum<T> {
             moment: nothing.columns[0],
             moment_by_joint: nothing,
             by_turn: nothing,
+            is_correction: at.is_correction,
         }
     }
 
@@ -260,7 +264,13 @@ impl<T: Scalar> OwnSum<T> {
     fn eliminate_turns(&mut self, followers: &mut Followers<T>) -> Option<Firmness> {
         let rows: [[T; 3]; 3] = entries(&self.by_turn);
         let by_joint: [[T; 3]; 3] = entries(&self.moment_by_joint);
-        let found = eliminated(rows, self.moment.to_array(), &by_joint, [1.0; 3])?;
+        let found = eliminated(
+            rows,
+            self.moment.to_array(),
+            &by_joint,
+            [1.0; 3],
+            self.is_correction,
+        )?;
         let mut turn = self.by_turn;
         for k in 0..3 {
             turn.columns[k] = Vector3::new(found.by[0][k], found.by[1][k], found.by[2][k]);
@@ -273,7 +283,10 @@ impl<T: Scalar> OwnSum<T> {
         all.stiffness = all
             .stiffness
             .plus(&self.joint_by_turn.times(&turn).negated());
-        all.condensed = all.condensed - self.joint_by_turn.apply(rest);
+        let joint_by_turn = self
+            .joint_by_turn
+            .map(|c| tangent_of(c, self.is_correction));
+        all.condensed = all.condensed - joint_by_turn.apply(rest);
         Some(Firmness {
             is_stable: is_positive(&rows, 0.0),
             least_pivot: found.least_pivot,
@@ -283,7 +296,7 @@ impl<T: Scalar> OwnSum<T> {
     /// Equations of the three rotations and of two forces in a ball joint. The results are the matrix, the residuals, their
     /// tangents by the joint's displacement, and tangents of the joint's force.
     #[inline]
-    fn with_pivot(&self, pivot: &Pivot<T>) -> PivotEquations<T> {
+    fn with_pivot(&self, pivot: &Pivot<T>) -> InnerEquations<T, 5> {
         let zero = self.moment.x.zero();
         let mut rows = [[zero; 5]; 5];
         let mut by_joint = [[zero; 3]; 5];
@@ -319,12 +332,13 @@ impl<T: Scalar> OwnSum<T> {
     ) -> Option<Firmness> {
         let zero = self.moment.x.zero();
         let (rows, force, by_joint, joint_by) = self.with_pivot(pivot);
-        let Eliminated { rest, by, .. } = eliminated(rows, force, &by_joint, [1.0; 5])?;
+        let Eliminated { rest, by, .. } =
+            eliminated(rows, force, &by_joint, [1.0; 5], self.is_correction)?;
         let mut less = [zero; 3];
         let mut change = [[zero; 3]; 3];
         for i in 0..3 {
             for (k, factor) in joint_by[i].into_iter().enumerate() {
-                less[i] = less[i] + factor * rest[k];
+                less[i] = less[i] + tangent_of(factor, self.is_correction) * rest[k];
                 for (column, by) in change.iter_mut().zip(by[k]) {
                     column[i] = column[i] - factor * by;
                 }
@@ -398,21 +412,17 @@ impl<T: Scalar> OwnBeside<T> {
                 let rows: [[T; 3]; 3] = entries(&arm.by_turn);
                 let by_joint: [[T; 3]; 3] = entries(&arm.moment_by_joint);
                 let joint_by: [[T; 3]; 3] = entries(&arm.joint_by_turn);
-                self.condense_on(rows, arm.moment.to_array(), by_joint, joint_by, lever, into)
+                let inner = (rows, arm.moment.to_array(), by_joint, joint_by);
+                self.condense_on(inner, arm.is_correction, lever, into)
             }
-            Some(pivot) => {
-                let (rows, force, by_joint, joint_by) = arm.with_pivot(pivot);
-                self.condense_on(rows, force, by_joint, joint_by, lever, into)
-            }
+            Some(pivot) => self.condense_on(arm.with_pivot(pivot), arm.is_correction, lever, into),
         }
     }
 
     fn condense_on<const N: usize>(
         &self,
-        rows: [[T; N]; N],
-        force: [T; N],
-        by_joint: [[T; 3]; N],
-        joint_by: [[T; N]; 3],
+        (rows, force, by_joint, joint_by): InnerEquations<T, N>,
+        is_correction: bool,
         lever: Vector3<T>,
         into: &mut Beside<T>,
     ) -> Option<()> {
@@ -420,14 +430,15 @@ impl<T: Scalar> OwnBeside<T> {
         let turning: [[T; 3]; BESIDE] = array_of(|k| self.by_turn[k].to_array());
         let by: [[T; BESIDE]; N] =
             array_of(|i| array_of(|k| if i < 3 { turning[k][i] } else { zero }));
-        let own = eliminated(rows, force, &by, [1.0; N])?;
-        let outer = eliminated(rows, force, &by_joint, [1.0; N])?;
+        let own = eliminated(rows, force, &by, [1.0; N], is_correction)?;
+        let outer = eliminated(rows, force, &by_joint, [1.0; N], is_correction)?;
         for k in 0..BESIDE {
             let mut row = self.by_joint[k].to_array();
             let mut column = row;
             into.force[k] = self.force[k];
             for i in 0..3 {
-                into.force[k] = into.force[k] - turning[k][i] * own.rest[i];
+                let turning_by = tangent_of(turning[k][i], is_correction);
+                into.force[k] = into.force[k] - turning_by * own.rest[i];
                 for (row, by) in row.iter_mut().zip(outer.by[i]) {
                     *row = *row - turning[k][i] * by;
                 }

@@ -207,8 +207,33 @@ impl<T: Scalar> System<T> {
     ) -> Result<Equations<T>, Singular> {
         let around = Surroundings::of_rack(task.rack);
         let frames = self.frames(&state.carrier, &around, false);
-        let mut equations = Equations::empty(around.rack, self.joints.len(), held);
-        let gathered = self.gather(&frames, state, held, false, &mut equations)?;
+        self.equations_in(&frames, state, task, held)
+    }
+
+    /// Forms the equations for the step that adds derivatives to an equilibrium in plain numbers. Their tangents are
+    /// constants.
+    pub(super) fn correction(
+        &self,
+        state: &State<T>,
+        task: &Task<T>,
+    ) -> Result<Equations<T>, Singular> {
+        let around = Surroundings::of_rack(task.rack);
+        let frames = self.frames(&state.carrier, &around, false).for_correction();
+        let mut equations = self.equations_in(&frames, state, task, None)?;
+        equations.fix_tangents();
+        Ok(equations)
+    }
+
+    #[inline]
+    fn equations_in(
+        &self,
+        frames: &Frames<T>,
+        state: &State<T>,
+        task: &Task<T>,
+        held: Option<&Held<T>>,
+    ) -> Result<Equations<T>, Singular> {
+        let mut equations = Equations::empty(task.rack, self.joints.len(), held);
+        let gathered = self.gather(frames, state, held, false, &mut equations)?;
         self.add_alone(&gathered, &mut equations);
         self.add_loads(&mut equations, state, task);
         Ok(equations)

@@ -170,7 +170,7 @@ impl<T: Real> Turn<T> {
 
     /// Sign of the rotation that counts as positive: 1 or -1.
     #[inline(always)]
-    pub(super) fn sense(&self, rod: Rod) -> T {
+    pub(crate) fn sense(&self, rod: Rod) -> T {
         match rod {
             Rod::Pushrod
             | Rod::DropLink

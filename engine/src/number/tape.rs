@@ -111,7 +111,8 @@ impl Tape {
     }
 
     /// Derivatives of results by the first `inputs` numbers of the tape. `receive` gets the index of each result and its
-    /// derivatives. Several results share a backward pass; each has the same bits as it would have alone.
+    /// derivatives. Several results share a backward pass; each has the same bits as it would have alone. Results that are
+    /// near each other on the tape share a pass, because they depend on the same numbers.
     ///
     /// # Panics
     /// If the tape has fewer numbers than `inputs`.
@@ -124,26 +125,54 @@ impl Tape {
         let nodes = self.nodes.borrow();
         let mut adjoints = self.adjoints.borrow_mut();
         adjoints.fit(nodes.len());
-        let (mut found, mut gradient) = (vec![[0.0; AT_ONCE]; inputs], vec![0.0; inputs]);
-        for (group, results) in of.chunks(AT_ONCE).enumerate() {
-            let mut end = 0;
-            for (lane, result) in results.iter().enumerate() {
-                if let Some((_, last)) = result.origin {
-                    adjoints.note(last)[lane] = 1.0;
-                    end = end.max(last + 1);
-                }
+        let origins: Vec<Option<(usize, f64)>> = of
+            .iter()
+            .map(|result| Some(origin_of(result.index()?, inputs, &nodes)))
+            .collect();
+        let mut distinct: Vec<usize> = origins
+            .iter()
+            .flatten()
+            .map(|(number, _)| *number)
+            .collect();
+        distinct.sort_unstable();
+        distinct.dedup();
+        let mut found: Vec<[f64; AT_ONCE]> = Vec::new();
+        for results in distinct.chunks(AT_ONCE) {
+            for (lane, number) in results.iter().enumerate() {
+                adjoints.note(*number)[lane] = 1.0;
             }
+            let end = results.last().map_or(0, |last| last + 1);
             adjoints.pass_back(end, inputs, &nodes);
-            found.copy_from_slice(&adjoints.of[..inputs]);
+            found.extend_from_slice(&adjoints.of[..inputs]);
             adjoints.of[..inputs].fill([0.0; AT_ONCE]);
-            for lane in 0..results.len() {
-                for (by, found) in gradient.iter_mut().zip(&found) {
-                    *by = found[lane];
+        }
+        let mut gradient = vec![0.0; inputs];
+        for (result, origin) in origins.into_iter().enumerate() {
+            gradient.fill(0.0);
+            if let Some((number, factor)) = origin {
+                let place = distinct.partition_point(|own| *own < number);
+                let group = &found[place / AT_ONCE * inputs..][..inputs];
+                for (by, found) in gradient.iter_mut().zip(group) {
+                    *by = found[place % AT_ONCE] * factor;
                 }
-                receive(group * AT_ONCE + lane, &gradient);
             }
+            receive(result, &gradient);
         }
     }
+}
+
+/// Follows a number back through operations with one operand. Returns the number where they start, and the derivative by it.
+/// Numbers that differ by a factor so share their derivatives.
+fn origin_of(number: usize, inputs: usize, nodes: &[[(usize, f64); 2]]) -> (usize, f64) {
+    let (mut number, mut factor) = (number, 1.0);
+    while number >= inputs {
+        let [(operand, slope), (_, other)] = nodes[number];
+        if other != 0.0 || slope == 0.0 || !slope.is_finite() {
+            break;
+        }
+        (number, factor) = (operand, factor * slope);
+    }
+    (number, factor)
 }
 
 /// A number on a [`Tape`], or a constant, which is on no tape.

@@ -129,9 +129,31 @@ pub(super) struct Moved<'m> {
     pub design: &'m [Vector3<f64>],
     /// Rates at which the variables move its points.
     pub point_rates: &'m [PointRate],
+    /// Scatter of elastic rates in a build. Empty for the nominal design.
+    pub scattered: &'m [ScatteredRate],
+}
+
+/// Scatter of the rate of an elastic part.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ScatteredRate {
+    pub parameter: Parameter,
+    /// Change of the rate.
+    pub change: f64,
+    /// True if the change is a fraction of the rate.
+    pub is_relative: bool,
 }
 
 impl Moved<'_> {
+    /// Derivative of a build's rate by the nominal rate.
+    pub(super) fn gain(&self, parameter: Parameter) -> f64 {
+        let own = self
+            .scattered
+            .iter()
+            .filter(|own| own.parameter == parameter);
+        let relative = own.filter(|own| own.is_relative);
+        relative.map(|own| 1.0 + own.change).product()
+    }
+
     /// Rates of elastic parts that are design variables, by number of the variable, each as [value, derivative].
     pub(super) fn rates(&self) -> impl Iterator<Item = (usize, Parameter, [f64; 2])> {
         let variables = self.variables.iter().zip(self.x.iter()).enumerate();
@@ -185,11 +207,11 @@ impl RightWheel {
 
 /// Residuals and their derivatives.
 pub(super) trait RowsBeside: Send {
-    /// Writes the rows of all targets, and the rows of the constraints into `rows` if given.
+    /// Writes the rows of all targets into `into`, from the given row on, and the rows of the constraints into `rows`.
     fn evaluate(
         &mut self,
         moved: &Moved<'_>,
-        into: &mut Linearisation,
+        into: Option<(&mut Linearisation, usize)>,
         rows: Option<&mut Linearisation>,
     ) -> Result<(), Infeasible>;
 }
@@ -232,9 +254,13 @@ impl<const N: usize> RowsBeside for Rows<'_, N> {
     fn evaluate(
         &mut self,
         moved: &Moved<'_>,
-        into: &mut Linearisation,
+        into: Option<(&mut Linearisation, usize)>,
         _rows: Option<&mut Linearisation>,
     ) -> Result<(), Infeasible> {
+        // Axles have no builds, so their rows start at 0.
+        let Some((into, _)) = into else {
+            return Ok(());
+        };
         let Rows {
             layout,
             solver,

@@ -9,8 +9,11 @@
 //!
 //! The second term is the movement of the axes in which carriers are drawn: they move with the nominal design. Derivative
 //! numbers pass through the same code as plain numbers, for a few variables at a time.
+//!
+//! The rate k(x) of an elastic part is k(x) (1 + z) or k(x) + z in a build.
 
 use super::Infeasible;
+use super::axle::ScatteredRate;
 use super::moves::PointRate;
 use super::station_reader::refused;
 use crate::assembly::{Alignment, Assembler, Parts, Rest};
@@ -66,6 +69,20 @@ impl<'a> Builds<'a> {
     /// Random numbers of the builds, `[build][source]`.
     pub(super) fn draws(&self) -> &[Vec<f64>] {
         &self.draws
+    }
+
+    /// Scatter of the rates of elastic parts in a build.
+    pub(super) fn scattered_rates(&self, number: usize) -> Vec<ScatteredRate> {
+        let sources = self.sources().zip(&self.draws[number]);
+        let scattered = sources.filter_map(|(source, z)| {
+            let rate = source.rate.as_ref()?;
+            Some(ScatteredRate {
+                parameter: rate.parameter,
+                change: *z,
+                is_relative: rate.is_relative,
+            })
+        });
+        scattered.collect()
     }
 
     /// Number of builds.

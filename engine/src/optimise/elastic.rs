@@ -3,7 +3,7 @@
 //! Variables may move hardpoints and rates together. The tape of a station gives the gradient of a value by the moving
 //! coordinates and rates. The slope along a variable is the sum over the coordinates and rates that the variable moves.
 
-use super::axle::{Moved, RowsBeside, moved_points};
+use super::axle::{Moved, RowsBeside};
 use super::layout::{LimitedValue, TargetSample};
 use super::moves::PointRate;
 use super::{Infeasible, Linearisation};
@@ -163,13 +163,15 @@ fn place<'m>(site: &'m Site, own: &'m Motion) -> (&'m Motion, Vec<f64>) {
     (motion, racks)
 }
 
-/// Rows of a layout.
+/// Rows of a layout. The variables move `points` of the suspension.
 pub(super) fn elastic_rows<'a>(
     layout: &'a ElasticLayout,
+    suspension: &'a Suspension,
     variables: &[Variable],
+    points: impl IntoIterator<Item = PointId>,
 ) -> Box<dyn RowsBeside + 'a> {
     let mut parameters = Vec::new();
-    for point in moved_points(variables) {
+    for point in points {
         parameters.extend(Axis::ALL.map(|axis| Parameter::Point(point, axis)));
     }
     let rates = variables.iter().filter_map(|v| v.rate.as_ref());
@@ -178,6 +180,7 @@ pub(super) fn elastic_rows<'a>(
     }
     Box::new(Rows {
         layout,
+        suspension,
         parameters,
         parts: layout.elastic.parts.clone(),
         tape: Tape::default(),
@@ -187,6 +190,7 @@ pub(super) fn elastic_rows<'a>(
 
 struct Rows<'a> {
     layout: &'a ElasticLayout,
+    suspension: &'a Suspension,
     /// Coordinates and rates that the variables move.
     parameters: Vec<Parameter>,
     parts: Compliance,
@@ -225,7 +229,7 @@ pub(super) fn add_points(ways: &[PointRate], by: impl Fn(Parameter) -> f64, slop
 /// Adds the slopes along the variables that come from rates. `by` gives the derivative of the value by a rate.
 pub(super) fn add_rates(moved: &Moved<'_>, by: impl Fn(Parameter) -> f64, slopes: &mut [f64]) {
     for (column, parameter, [_, slope]) in moved.rates() {
-        slopes[column] += by(parameter) * slope;
+        slopes[column] += by(parameter) * slope * moved.gain(parameter);
     }
 }
 
@@ -233,25 +237,33 @@ impl RowsBeside for Rows<'_> {
     fn evaluate(
         &mut self,
         moved: &Moved<'_>,
-        into: &mut Linearisation,
+        mut into: Option<(&mut Linearisation, usize)>,
         mut rows: Option<&mut Linearisation>,
     ) -> Result<(), Infeasible> {
         let Rows {
             layout,
+            suspension,
             parameters,
             parts,
             tape,
             slopes,
         } = self;
+        parts.clone_from(&layout.elastic.parts);
         for (_, parameter, [rate, _]) in moved.rates() {
             parts.set_rate(parameter, rate);
         }
+        for own in moved.scattered {
+            parts.change_rate(own.parameter, own.change, own.is_relative);
+        }
         let tyre_rate = layout.elastic.tyre_rate;
-        let run = KcRun::of(&layout.suspension, moved.design, parts, tyre_rate);
+        let run = KcRun::of(suspension, moved.design, parts, tyre_rate);
         let run = run.map_err(|_| {
             Infeasible::Refused("the elastic parts of this design hold no equilibrium".to_owned())
         })?;
         for station in &layout.stations {
+            if into.is_none() && station.limits.is_empty() {
+                continue;
+            }
             let mut missing = false;
             let at = [station.travel, station.rack];
             let found = run.gradients(at, &station.values, parameters, tape, &mut |found| {
@@ -261,9 +273,12 @@ impl RowsBeside for Rows<'_> {
                     return;
                 };
                 along_variables(moved, parameters, found.by, slopes);
-                for sample in station.samples.iter().filter(own) {
-                    if sample.write_residual(sample.row, value, into) {
-                        into.write_slopes(sample.row, slopes, sample.scale);
+                if let Some((into, first)) = &mut into {
+                    for sample in station.samples.iter().filter(own) {
+                        let row = *first + sample.row;
+                        if sample.write_residual(row, value, into) {
+                            into.write_slopes(row, slopes, sample.scale);
+                        }
                     }
                 }
                 if let Some(rows) = &mut rows {

@@ -74,9 +74,13 @@ impl RowsBeside for Rows<'_> {
     fn evaluate(
         &mut self,
         moved: &Moved<'_>,
-        into: &mut Linearisation,
+        into: Option<(&mut Linearisation, usize)>,
         mut rows: Option<&mut Linearisation>,
     ) -> Result<(), Infeasible> {
+        // Axles have no builds, so their rows start at 0.
+        let Some((into, _)) = into else {
+            return Ok(());
+        };
         let Rows {
             layout,
             sides,

@@ -13,7 +13,7 @@
 //!
 //! Constraints also hold between the stations: see [`extremes`](super::extremes).
 
-use super::axle::{Moved, RowsBeside, axle_rows};
+use super::axle::{Moved, RowsBeside, ScatteredRate, axle_rows, moved_points};
 use super::builds::{Builds, follower};
 use super::carried::AlongVariables;
 use super::constrained::{Assessment, Constrained, Shape};
@@ -105,7 +105,10 @@ impl<'a> Objective<'a> {
             moving: AlongVariables::new(suspension, variables.len(), all()),
             beside: match &layout.beside {
                 Some(Beside::Axle(axle)) => Some(axle_rows(axle, variables)?),
-                Some(Beside::Elastic(elastic)) => Some(elastic_rows(elastic, variables)),
+                Some(Beside::Elastic(elastic)) => {
+                    let points = moved_points(variables);
+                    Some(elastic_rows(elastic, suspension, variables, points))
+                }
                 None => None,
             },
             values: vec![Vec::new(); layout.parts.len()],
@@ -128,6 +131,12 @@ impl<'a> Objective<'a> {
         // A move of the nominal design may move every point of a build.
         let all: Vec<PointId> = (0..suspension.design.len()).map(PointId).collect();
         objective.reader = reader(suspension, layout, &all, variables.len());
+        // Lanes do not evaluate elastic parts.
+        let width = width.filter(|_| layout.beside.is_none());
+        if let Some(Beside::Elastic(elastic)) = &layout.beside {
+            let moving = all.into_iter().filter(|_| !variables.is_empty());
+            objective.beside = Some(elastic_rows(elastic, suspension, variables, moving));
+        }
         let builds = Builds::new(suspension, scatter)?;
         let points = suspension.design.len();
         // Constraints apply to the nominal design.
@@ -201,25 +210,40 @@ impl<'a> Objective<'a> {
             if !self.evaluate_in_lanes(into, rows.as_deref_mut())? {
                 self.evaluate_moved(Some((&mut *into, 0)), rows.as_deref_mut())?;
             }
-            let Some(beside) = &mut self.beside else {
-                return Ok(());
-            };
-            let moved = Moved {
-                variables: self.variables,
-                x,
-                design: &self.moved,
-                point_rates: &self.point_rates,
-            };
-            return beside.evaluate(&moved, into, rows);
+            return self.evaluate_beside(x, &[], Some((into, 0)), rows);
         };
         // Constraints apply to the nominal design.
         let found = match &mut rows {
-            Some(rows) => self.evaluate_moved(None, Some(rows)),
+            Some(rows) => {
+                let rigid = self.evaluate_moved(None, Some(&mut **rows));
+                rigid.and_then(|()| self.evaluate_beside(x, &[], None, Some(rows)))
+            }
             None => Ok(()),
         };
-        let found = found.and_then(|()| self.evaluate_builds(&mut robust, into));
+        let found = found.and_then(|()| self.evaluate_builds(&mut robust, x, into));
         self.robust = Some(robust);
         found
+    }
+
+    /// Writes the rows of an axle or of elastic parts for the moved design, whose elastic rates scatter in a build.
+    fn evaluate_beside(
+        &mut self,
+        x: &DVector<f64>,
+        scattered: &[ScatteredRate],
+        into: Option<(&mut Linearisation, usize)>,
+        rows: Option<&mut Linearisation>,
+    ) -> Result<(), Infeasible> {
+        let Some(beside) = &mut self.beside else {
+            return Ok(());
+        };
+        let moved = Moved {
+            variables: self.variables,
+            x,
+            design: &self.moved,
+            point_rates: &self.point_rates,
+            scattered,
+        };
+        beside.evaluate(&moved, into, rows)
     }
 
     /// Evaluates the moved design of one wheel in lanes. Returns false if lanes cannot provide everything, or if the
@@ -276,6 +300,7 @@ impl<'a> Objective<'a> {
     fn evaluate_builds(
         &mut self,
         robust: &mut Robust<'a>,
+        x: &DVector<f64>,
         into: &mut Linearisation,
     ) -> Result<(), Infeasible> {
         let (builds, built) = (&mut robust.builds, &mut robust.built);
@@ -304,7 +329,12 @@ impl<'a> Objective<'a> {
             // The build temporarily replaces the nominal design.
             std::mem::swap(&mut self.moved, built);
             std::mem::swap(&mut self.point_rates, &mut builds.point_rates);
-            let found = self.evaluate_moved(Some((into, number * self.layout.rows)), None);
+            let first = number * self.layout.rows;
+            let found = self.evaluate_moved(Some((into, first)), None);
+            let found = found.and_then(|()| {
+                let scattered = builds.scattered_rates(number);
+                self.evaluate_beside(x, &scattered, Some((into, first)), None)
+            });
             std::mem::swap(&mut self.moved, built);
             std::mem::swap(&mut self.point_rates, &mut builds.point_rates);
             found.map_err(|reason| Infeasible::Refused(format!("build {number}: {reason}")))?;

@@ -49,6 +49,8 @@ const WIDEST: f64 = 0.25;
 const FEW: f64 = 0.5;
 /// Number of builds that judge the ends of the search.
 const JUDGED: usize = 1 << 16;
+/// Number of further builds that judge a design with elastic parts, whose equilibria take longer than poses.
+const JUDGED_ELASTIC: usize = 1 << 10;
 /// Number of builds whose designs are in memory at once.
 const AT_ONCE: usize = 1 << 12;
 
@@ -145,7 +147,7 @@ impl<'a> YieldSearch<'a> {
                 builds: self.scatter.builds,
                 surrogate: self.surrogate(&x, &widths)?,
                 judged: [plain_share, share],
-                judged_builds: JUDGED,
+                judged_builds: self.judged(),
                 keeps_plain: fit.is_none(),
             },
             fit,
@@ -182,15 +184,19 @@ impl<'a> YieldSearch<'a> {
     fn target(&self, band: &Band, between: [f64; 2], tolerance: f64) -> Target {
         let limit = |value: f64| value.is_finite().then_some(Limit::Value(value));
         let motion = self.vehicle.motion();
-        // A band without `at` applies to the whole motion.
-        let racks = match band.at {
+        // A figure of a test is read in the design position. Another band without `at` applies to the whole motion.
+        let at = match band.at {
+            None if band.of.as_figure().is_some() => Some(0.0),
+            at => at,
+        };
+        let racks = match at {
             None if motion.rack_moves => motion.rack.clone(),
             _ => Vec::new(),
         };
         Target {
             of: band.of.clone(),
             wanted: Wanted::Band {
-                at: band.at,
+                at,
                 lower: limit(between[0]),
                 upper: limit(between[1]),
             },
@@ -200,7 +206,7 @@ impl<'a> YieldSearch<'a> {
                 racks,
                 ..Site::default()
             },
-            stations: band.at.into_iter().collect(),
+            stations: at.into_iter().collect(),
         }
     }
 
@@ -244,7 +250,7 @@ impl<'a> YieldSearch<'a> {
             .collect();
         let (builds, goals) = (self.scatter.builds, self.goals(values, self.scatter));
         let layout = TargetLayout::of(&goals, self.vehicle);
-        let found = self.values(&layout, self.scatter, x)?;
+        let found = self.values(&goals, self.scatter, x)?;
         let of_rows = layout.targets_of_rows();
         let rows = of_rows.len() / builds;
         let variance = |row: usize| {
@@ -268,40 +274,58 @@ impl<'a> YieldSearch<'a> {
             .iter()
             .map(|band| self.target(band, band.between, 1.0))
             .collect();
+        let judged = self.judged();
+        let at_once = judged.min(AT_ONCE);
         let mut further = Scatter {
-            builds: AT_ONCE,
+            builds: at_once,
             ..self.scatter.clone()
         };
-        let layout = TargetLayout::of(&self.goals(bands, &further), self.vehicle);
+        let goals = self.goals(bands, &further);
         let mut inside = 0;
-        for part in 0..JUDGED / AT_ONCE {
+        for part in 0..judged / at_once {
             if self.control.is_interrupted() {
                 return Err(Infeasible::Refused("interrupted".to_owned()));
             }
             // Each part of the builds has its own seed.
             further.seed = self.scatter.seed.wrapping_add(1 + part as u32);
-            let found = self.values(&layout, &further, x)?;
-            let builds = found.as_slice().chunks_exact(found.len() / AT_ONCE);
+            let found = self.values(&goals, &further, x)?;
+            let builds = found.as_slice().chunks_exact(found.len() / at_once);
             inside += builds.filter(|own| own.iter().all(|h| *h == 0.0)).count();
         }
-        Ok(inside as f64 / JUDGED as f64)
+        Ok(inside as f64 / judged as f64)
+    }
+
+    /// Number of further builds that judge a design.
+    fn judged(&self) -> usize {
+        if self.vehicle.is_elastic() {
+            JUDGED_ELASTIC
+        } else {
+            JUDGED
+        }
     }
 
     /// Residuals of builds at a design, without derivatives.
     fn values(
         &self,
-        layout: &TargetLayout,
+        goals: &Optimise,
         scatter: &Scatter,
         x: &DVector<f64>,
     ) -> Result<DVector<f64>, Infeasible> {
-        let mut wheel = self.vehicle.wheel().clone();
+        let mut vehicle = self.vehicle.clone();
+        let wheel = vehicle.wheel_mut();
         let (design, frame) = (wheel.design.clone(), wheel.frame);
         let variables = &self.optimise.variables;
         moved_design(&design, &frame, variables, x, &mut wheel.design);
+        for (variable, x) in variables.iter().zip(x.iter()) {
+            if let Some(rate) = &variable.rate {
+                vehicle.set_rate(rate.parameter.into(), rate.at(*x)[0]);
+            }
+        }
+        let (wheel, layout) = (vehicle.wheel(), TargetLayout::of(goals, &vehicle));
         let refused = refused(&wheel.mechanism);
-        let assembled = Assembler::new(&wheel).map_err(&refused)?;
+        let assembled = Assembler::new(wheel).map_err(&refused)?;
         let (assembled, width) = (assembled.suspension(), Some(Width::widest()));
-        let mut builds = Objective::of_builds(&wheel, assembled, &[], layout, scatter, width)
+        let mut builds = Objective::of_builds(wheel, assembled, &[], &layout, scatter, width)
             .map_err(&refused)?;
         let mut found = Linearisation::new(layout.residuals(), 0);
         LeastSquares::evaluate(&mut builds, &DVector::zeros(0), &mut found)?;

@@ -443,13 +443,3 @@ fn part_rate(name: &Text, parts: &NamedParts<'_>, problems: &mut Problems) -> Op
     let own = choose(name, "rate", &options, problems)?;
     Some((own.name.to_owned(), own.parameter, own.value))
 }
-
-/// Refuses keys of a tuning that elastic parts do not have.
-pub(super) fn refuse_in_optimise(section: &file::Optimise, problems: &mut Problems) -> Option<()> {
-    if let Some(scatter) = &section.scatter {
-        let message =
-            "scatter works for the rigid mechanism alone; with [compliance] it is not available";
-        return problems.refuse(scatter.span(), message);
-    }
-    Some(())
-}

@@ -40,9 +40,6 @@ pub(super) fn optimise(
         i64::from(MAX_ITERATIONS),
         1..=i64::MAX,
     );
-    if context.is_elastic() {
-        elastic_targets::refuse_in_optimise(section, problems)?;
-    }
     let variables = variables(section, context, problems);
     let good_enough = match &section.good_enough {
         None => Some(None),

@@ -81,6 +81,14 @@ impl Vehicle {
         }
     }
 
+    /// Returns true if the vehicle has elastic parts.
+    pub fn is_elastic(&self) -> bool {
+        match self {
+            Vehicle::Wheel(own) => own.compliance.is_some(),
+            Vehicle::Axle(both) => both.axle.elastic.is_some(),
+        }
+    }
+
     /// Sets the rate of an elastic part, if the vehicle has it.
     pub fn set_rate(&mut self, of: AxleParameter, value: f64) {
         match self {
@@ -200,8 +208,7 @@ impl Study {
 
     /// Returns true if the study has elastic parts, of a wheel or of an axle.
     pub fn is_elastic(&self) -> bool {
-        let of_axle = self.axle().is_some_and(|both| both.axle.elastic.is_some());
-        of_axle || self.compliance().is_some()
+        self.vehicle.is_elastic()
     }
 
     /// Axle, if the study describes one.

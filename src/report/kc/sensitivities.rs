@@ -5,7 +5,7 @@ use super::{KcResults, bar, csv, held, mode, steering, subject};
 use crate::axle::Law;
 use crate::compliance::{
     AxialStiffness, AxleCompliance, AxleKcRun, Compliance, FigureGradients, KcOutcome, KcRun,
-    KcStation, KcValue, Parameter, Shape, SubframeMount, TestLoad,
+    KcStation, KcTest, KcValue, Parameter, Shape, SubframeMount, TestLoad,
 };
 use crate::model::{Axis, PointId};
 use crate::number::Tape;
@@ -114,38 +114,32 @@ impl KcResults<'_> {
         let inputs = self.inputs(parts, &[], points);
         let parameters: Vec<Parameter> = inputs.iter().map(|input| input.parameter).collect();
         let mut tape = Tape::default();
-        let gradients = |station: &KcStation, outcome: &KcOutcome| {
-            let test = outcome.test;
+        let gradients = |station: &KcStation, outcomes: &[KcOutcome]| {
+            // One figure after the other, each with its secant if there are levels.
             let mut wanted = Vec::new();
-            for figure in &outcome.figures {
-                wanted.extend([false, true].map(|is_secant| KcValue::Figure {
-                    test,
-                    quantity: figure.quantity,
-                    is_secant,
-                }));
+            let mut places: Vec<Vec<FigureGradients>> = Vec::new();
+            let mut of_wanted = Vec::new();
+            for (number, outcome) in outcomes.iter().enumerate() {
+                let kinds = if outcome.levels.is_empty() { 1 } else { 2 };
+                for (figure, found) in outcome.figures.iter().enumerate() {
+                    for kind in 0..kinds {
+                        of_wanted.push([number, figure, kind]);
+                        wanted.push(KcValue::Figure {
+                            test: outcome.test,
+                            quantity: found.quantity,
+                            is_secant: kind == 1,
+                        });
+                    }
+                }
+                places.push(vec![[None, None]; outcome.figures.len()]);
             }
-            let has_levels = !outcome.levels.is_empty();
-            wanted.retain(|value| {
-                has_levels
-                    || !matches!(
-                        value,
-                        KcValue::Figure {
-                            is_secant: true,
-                            ..
-                        }
-                    )
-            });
-            let mut found: Vec<Option<Vec<f64>>> = vec![None; wanted.len()];
             let at = [station.travel, station.rack];
             let read = run.gradients(at, &wanted, &parameters, &mut tape, &mut |gradient| {
-                found[gradient.number] = gradient.value.map(|_| gradient.by.to_vec());
+                let [number, figure, kind] = of_wanted[gradient.number];
+                places[number][figure][kind] = gradient.value.map(|_| gradient.by.to_vec());
             });
             read.ok()?;
-            let each = found.chunks(if has_levels { 2 } else { 1 });
-            Some(
-                each.map(|of| [of[0].clone(), of.get(1).cloned().flatten()])
-                    .collect(),
-            )
+            Some(places)
         };
         (!points.is_empty()).then(|| self.sensitivity_rows(&inputs, gradients))
     }
@@ -191,21 +185,22 @@ impl KcResults<'_> {
         }
         let parameters: Vec<Parameter> = inputs.iter().map(|input| input.parameter).collect();
         let mut tape = Tape::default();
-        let gradients = |station: &KcStation, outcome: &KcOutcome| {
+        let gradients = |station: &KcStation, outcomes: &[KcOutcome]| {
+            let tests: Vec<KcTest> = outcomes.iter().map(|outcome| outcome.test).collect();
             let travels = [
                 station.travel,
                 station.right_travel.unwrap_or(station.travel),
             ];
-            run.gradients(travels, station.rack, &outcome.test, &parameters, &mut tape)
+            run.gradients(travels, station.rack, &tests, &parameters, &mut tape)
         };
         (!points.is_empty()).then(|| self.sensitivity_rows(&inputs, gradients))
     }
 
-    /// Rows for each station, test, result and input. `gradients` gives the derivatives of a test's results.
+    /// Rows for each station, test, result and input. `gradients` gives the derivatives of the results of a station's tests.
     fn sensitivity_rows(
         &self,
         inputs: &[Input],
-        mut gradients: impl FnMut(&KcStation, &KcOutcome) -> Option<Vec<FigureGradients>>,
+        mut gradients: impl FnMut(&KcStation, &[KcOutcome]) -> Option<Vec<Vec<FigureGradients>>>,
     ) -> Vec<u8> {
         let length = self.suspension.length_unit;
         let mut header = self.station_columns();
@@ -220,11 +215,14 @@ impl KcResults<'_> {
         let number = |value: Option<f64>| value.map_or_else(String::new, shortest);
         let mut rows = Vec::new();
         for station in &self.stations {
-            for outcome in station.outcomes.iter().flatten() {
-                // This station has an equilibrium, so its results exist.
-                let Some(found) = gradients(station, outcome) else {
-                    continue;
-                };
+            let Ok(outcomes) = &station.outcomes else {
+                continue;
+            };
+            // This station has an equilibrium, so its results exist.
+            let Some(found) = gradients(station, outcomes) else {
+                continue;
+            };
+            for (outcome, found) in outcomes.iter().zip(found) {
                 let test = outcome.test;
                 let trail = (test.load == TestLoad::Lateral).then_some(test.trail);
                 for (figure, found) in outcome.figures.iter().zip(found) {

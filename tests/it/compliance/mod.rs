@@ -9,6 +9,7 @@ mod mechanics;
 mod member_forces;
 mod random;
 mod reference;
+mod robust;
 mod samples;
 mod schema;
 mod sheets;

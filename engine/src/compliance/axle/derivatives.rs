@@ -1,6 +1,6 @@
 //! Changes of an axle's equilibrium. The method is that of `compliance/derivatives.rs` for one wheel.
 
-use super::equations::{AxleEquations, AxleState, AxleStep, AxleTask};
+use super::equations::{AxleEquations, AxleState, AxleStep, AxleTask, Purpose};
 use super::{AxleEquilibrium, ElasticAxle};
 use crate::characteristics::Inputs;
 use crate::compliance::ground::{RACK, SHARED};
@@ -52,7 +52,10 @@ impl<T: Scalar> ElasticAxle<T> {
         if self.shared.rack.is_none() {
             state.around.rack = task.rack;
         }
-        let equations = self.equations(&state, task)?;
+        let equations = self
+            .shared
+            .equations(&self.wheels, &state, task, None, Purpose::Correction)
+            .ok()?;
         let step = equations.newton_step(&self.wheels);
         Some(AxleEquilibrium {
             state: state.stepped(&self.wheels, &step),

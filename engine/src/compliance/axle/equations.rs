@@ -11,6 +11,7 @@
 
 use super::super::floating::Floating;
 use super::super::ground::{Coupling, Frames, MIRROR, RACK, SHARED, Surroundings, TWIST};
+use super::super::limb::tangent_of;
 use super::super::preload::NoPreload;
 use super::super::solve::{Bounds, Obstacle};
 use super::super::system::{Equations, Held, Limb, Singular, State, Step, Task, larger};
@@ -121,6 +122,8 @@ pub(in super::super) enum Purpose {
     Balance,
     /// Forces at the design load. Elements contribute their slope but no force.
     Preload,
+    /// The step that adds derivatives to an equilibrium in plain numbers. Tangents are constants.
+    Correction,
 }
 
 impl<T: Scalar> SideEquations<T> {
@@ -163,7 +166,7 @@ impl<T: Scalar> SharedParts<T> {
         }
         active.extend(self.rack.is_some().then_some(RACK));
         // Without forces, the bar holds nothing.
-        active.extend((self.has_bar && purpose == Purpose::Balance).then_some(TWIST));
+        active.extend((self.has_bar && purpose != Purpose::Preload).then_some(TWIST));
         active
     }
 
@@ -208,8 +211,9 @@ impl<T: Scalar> SharedParts<T> {
             }
         }
         if let Some([rate, preload]) = self.rack {
-            own[RACK][RACK] = own[RACK][RACK] + rate;
-            if purpose == Purpose::Balance {
+            let slope = tangent_of(rate, purpose == Purpose::Correction);
+            own[RACK][RACK] = own[RACK][RACK] + slope;
+            if purpose != Purpose::Preload {
                 let moved = state.around.rack - task.rack;
                 force[RACK] = force[RACK] + preload + rate * moved;
             }
@@ -258,12 +262,20 @@ impl<T: Scalar> SharedParts<T> {
         let system = &wheel.built.system;
         let around = state.around(side);
         let own = &state.wheels[side];
-        let frames = system.frames(&own.carrier, &around, purpose == Purpose::Preload);
+        let mut frames = system.frames(&own.carrier, &around, purpose == Purpose::Preload);
+        if purpose == Purpose::Correction {
+            frames = frames.for_correction();
+        }
         let mut equations = Equations::empty(around.rack, system.joints.len(), held);
         let gathered = system.gather(&frames, own, held, true, &mut equations)?;
-        let coupling = system.add_coupled(&gathered, &frames, &around, &mut equations);
+        let mut coupling = system.add_coupled(&gathered, &frames, &around, &mut equations);
         match purpose {
             Purpose::Balance => system.add_loads(&mut equations, own, &task.wheels[side]),
+            Purpose::Correction => {
+                system.add_loads(&mut equations, own, &task.wheels[side]);
+                equations.fix_tangents();
+                coupling.fix_tangents();
+            }
             Purpose::Preload => {
                 // Of a body with two wheels, the stiffness is that of both sides.
                 let bounds = (!self.is_joined).then_some(wheel.bounds);

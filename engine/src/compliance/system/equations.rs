@@ -1,6 +1,6 @@
 //! Residuals of a system, and their derivatives.
 
-use super::super::limb::{Evaluated, Followers, LimbStep};
+use super::super::limb::{Evaluated, Followers, LimbStep, tangent_of};
 use super::state::Step;
 use super::{Held, LOOSE, MOST_JOINTS, MOST_LIMBS};
 use crate::linear::square::{MOST, SquareLu};
@@ -88,6 +88,14 @@ impl<T: Scalar> Equations<T> {
         for i in 0..6 {
             self.matrix[k][i] = row[i];
             self.matrix[i][k] = row[i];
+        }
+    }
+
+    /// Removes the derivatives of the tangents, for the step of [`Conditions::is_correction`](super::Conditions).
+    pub(in crate::compliance) fn fix_tangents(&mut self) {
+        self.matrix = self.matrix.map(|row| row.map(|c| tangent_of(c, true)));
+        for followers in &mut self.followers {
+            followers.by = followers.by.map(|row| row.map(|c| tangent_of(c, true)));
         }
     }
 

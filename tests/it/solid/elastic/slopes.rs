@@ -278,8 +278,9 @@ fn gradients_of_link_figures_are_those_of_whole_studies() {
     };
     let run = AxleKcRun::new(vehicle, &elastic.parts).unwrap();
     let gradients = run
-        .gradients(travels, 0.0, &test, &parameters, &mut Tape::default())
-        .unwrap();
+        .gradients(travels, 0.0, &[test], &parameters, &mut Tape::default())
+        .unwrap()
+        .remove(0);
     let base = values([0.0; 2]);
     let mut seen = 0;
     for (k, (name, value)) in base.iter().enumerate() {

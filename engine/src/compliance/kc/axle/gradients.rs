@@ -10,40 +10,53 @@ use crate::number::{Tape, Tracked};
 pub type FigureGradients = [Option<Vec<f64>>; 2];
 
 impl AxleKcRun<'_> {
-    /// Derivatives of the figures of a test at a station by inputs, in the order of the test's outcome. Hardpoints and parts
-    /// of both wheels change together. `None` if the station has no equilibrium. `tape` is working memory.
+    /// Derivatives of the figures of tests at a station by inputs, for each test in the order of its outcome. Hardpoints and
+    /// parts of both wheels change together. Tests under the same conditions share the station's equilibrium and its tape.
+    /// `None` if the station has no equilibrium. `tape` is working memory.
     pub fn gradients(
         &self,
         travels: [f64; 2],
         rack: f64,
-        test: &KcTest,
+        tests: &[KcTest],
         parameters: &[Parameter],
         tape: &mut Tape,
-    ) -> Option<Vec<FigureGradients>> {
-        tape.clear();
-        let tape = &*tape;
-        let plain = self.here(test.conditions(), travels, rack, [test]).ok()?;
+    ) -> Option<Vec<Vec<FigureGradients>>> {
         let inputs: Vec<AxleParameter> = parameters.iter().map(|p| (*p).into()).collect();
-        let mut station = self.on_tape(test.conditions(), &plain, &inputs, tape)?;
-        let secants = if test.load.is_motion() || test.levels == 0 {
-            None
-        } else {
-            self.secants_on_tape(&plain, &station, test)
-        };
-        let figures = self.figures(&mut station, test, secants);
-        let values = figures
-            .iter()
-            .flat_map(|figure| [figure.value, figure.secant]);
-        let values: Vec<_> = values.collect();
-        let missing = Tracked::constant(f64::NAN);
-        let results: Vec<_> = values
-            .iter()
-            .map(|value| value.unwrap_or(missing))
-            .collect();
-        let mut gradients = vec![[None, None]; figures.len()];
-        tape.gradients(&results, parameters.len(), |number, by| {
-            gradients[number / 2][number % 2] = values[number].map(|_| by.to_vec());
-        });
+        let mut gradients = vec![Vec::new(); tests.len()];
+        let mut rest: Vec<usize> = (0..tests.len()).collect();
+        while let Some(first) = rest.first() {
+            let conditions = tests[*first].conditions();
+            let alike = |test: &usize| tests[*test].conditions() == conditions;
+            let (own, others): (Vec<usize>, _) = rest.into_iter().partition(alike);
+            rest = others;
+            tape.clear();
+            let tape = &*tape;
+            let own_tests = own.iter().map(|test| &tests[*test]);
+            let plain = self.here(conditions, travels, rack, own_tests).ok()?;
+            let mut station = self.on_tape(conditions, &plain, &inputs, tape)?;
+            let mut places = Vec::new();
+            let mut results = Vec::new();
+            for number in own {
+                let test = &tests[number];
+                let secants = if test.load.is_motion() || test.levels == 0 {
+                    None
+                } else {
+                    self.secants_on_tape(&plain, &station, test)
+                };
+                let figures = self.figures(&mut station, test, secants);
+                gradients[number] = vec![[None, None]; figures.len()];
+                for (figure, of) in figures.iter().enumerate() {
+                    for (kind, value) in [of.value, of.secant].into_iter().enumerate() {
+                        places.extend(value.map(|_| [number, figure, kind]));
+                        results.extend(value);
+                    }
+                }
+            }
+            tape.gradients(&results, parameters.len(), |result, by| {
+                let [number, figure, kind] = places[result];
+                gradients[number][figure][kind] = Some(by.to_vec());
+            });
+        }
         Some(gradients)
     }
 

@@ -343,8 +343,9 @@ impl Piece {
         // Horner's scheme, four times. It gives the first four coefficients about t.
         for first in 0..4 {
             for k in (first..7).rev() {
-                for i in 0..COUNT {
-                    c[k][i] += t * c[k + 1][i];
+                let next = c[k + 1];
+                for (number, next) in c[k].iter_mut().zip(next) {
+                    *number += t * next;
                 }
             }
         }

@@ -335,10 +335,9 @@ impl<T: Scalar> Loaded<T> {
                 side: x[SIDE_FORCES + axle] * lateral,
                 longitudinal: x[LONGITUDINAL] * share * longitudinal,
                 share: lateral,
-                bar: if number % 2 == 0 {
-                    bars[axle]
-                } else {
-                    -bars[axle]
+                bar: match number % 2 {
+                    0 => bars[axle],
+                    _ => -bars[axle],
                 },
                 rocker: rockers[axle].work[number % 2],
             }

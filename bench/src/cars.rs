@@ -1,7 +1,10 @@
-//! States of a car per second: from a neighbour, by themselves, with results, member loads and derivatives; and a tuning.
+//! States of a car per second: from a neighbour, by themselves, with results, member loads and derivatives; a whole map on two
+//! threads; and a tuning.
 
 use super::{Clock, Job, JobTime, Unmeasurable};
-use hardpoint_engine::car::{CarQuantity, CarSolver, Case, Equilibrium};
+use hardpoint_engine::car::{
+    Car, CarQuantity, CarSolver, Case, Equilibrium, WheelPlace, WheelResult,
+};
 use hardpoint_engine::optimise::Control;
 use hardpoint_engine::study::{CarStudy, GgMap};
 use std::hint::black_box;
@@ -19,22 +22,38 @@ pub struct Cars {
     pub measurements: Vec<JobTime>,
 }
 
-/// Cases of a map, row by row: each row has one ax, and each case follows its neighbour.
-fn map(study: &CarStudy) -> Vec<Vec<Case>> {
-    let between = |[from, to]: [f64; 2]| -> Vec<f64> {
-        let at = |k: usize| from + (to - from) * k as f64 / (COUNT - 1) as f64;
-        (0..COUNT).map(at).collect()
-    };
+/// Number of accelerations of each axis of a whole map.
+const WHOLE: usize = 41;
+/// Largest number of samples of a whole map.
+const WHOLE_SAMPLES: usize = 5;
+/// Threads of a whole map, and their stacks in bytes.
+const THREADS: usize = 2;
+const STACK: usize = 64 << 20;
+
+/// Numbers at equal distances.
+fn between([from, to]: [f64; 2], count: usize) -> Vec<f64> {
+    let at = |k: usize| from + (to - from) * k as f64 / (count - 1) as f64;
+    (0..count).map(at).collect()
+}
+
+/// Cases of a map, row by row: each row has one ax, and each case follows its neighbour. `count` replaces the numbers of
+/// accelerations of the study's map.
+fn map(study: &CarStudy, count: Option<usize>) -> Vec<Vec<Case>> {
     let usual = || {
         let mut case = Case::at_rest("map");
         case.setting.elastic_tyres = study.car.tyres.is_some();
         GgMap {
-            ax: between(AX),
-            ay: between(AY),
+            ax: between(AX, COUNT),
+            ay: between(AY, COUNT),
             case,
         }
     };
-    let map = study.gg_map.clone().unwrap_or_else(usual);
+    let mut map = study.gg_map.clone().unwrap_or_else(usual);
+    for axis in [&mut map.ax, &mut map.ay] {
+        if let (Some(count), Some(first), Some(last)) = (count, axis.first(), axis.last()) {
+            *axis = between([*first, *last], count);
+        }
+    }
     let row = |ax: &f64| map.ay.iter().map(|ay| map.at(*ax, *ay)).collect();
     map.ax.iter().map(row).collect()
 }
@@ -67,6 +86,41 @@ fn steps(solver: &mut CarSolver<'_>, map: Vec<Vec<Case>>) -> Vec<Step> {
     steps
 }
 
+/// Solves the rows of a map on two threads, each with its own solver, and works on every state.
+fn on_two_threads(
+    car: &Car,
+    rows: &[Vec<Case>],
+    work: impl Fn(&mut CarSolver<'_>, &Case, &Equilibrium) + Sync,
+) {
+    let part = |first: usize| {
+        let Ok(mut solver) = CarSolver::new(car) else {
+            return;
+        };
+        for row in rows.iter().skip(first).step_by(THREADS) {
+            let mut before: Option<Equilibrium> = None;
+            for case in row {
+                let found = match &before {
+                    Some(before) => solver.solve_from(case, before),
+                    None => solver.solve(case),
+                };
+                if let Ok(found) = found {
+                    work(&mut solver, case, &found);
+                    before = Some(found);
+                }
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        for first in 0..THREADS {
+            let thread = std::thread::Builder::new().stack_size(STACK);
+            let run = move || part(first);
+            if thread.spawn_scoped(scope, run).is_err() {
+                part(first);
+            }
+        }
+    });
+}
+
 /// A job that works on every one of these states.
 fn each<'a>(steps: &'a [&Step], mut work: impl FnMut(&Step) + 'a) -> Job<'a> {
     Job {
@@ -85,7 +139,7 @@ impl Cars {
             made.map_err(|fault| Unmeasurable::Car(car.describe_fault(&fault)))
         };
         let mut first = solver()?;
-        let steps = steps(&mut first, map(study));
+        let steps = steps(&mut first, map(study, None));
         if steps.is_empty() {
             return Err(Unmeasurable::NoState);
         }
@@ -96,26 +150,42 @@ impl Cars {
         if !followers.is_empty() {
             let mut own = solver()?;
             let work = move |step: &Step| {
-                if let Some(before) = &step.before {
-                    _ = black_box(own.solve_from(&step.case, before));
+                if let Some(before) = &step.before
+                    && let Ok(found) = own.solve_from(&step.case, before)
+                {
+                    _ = black_box(own.balance(&step.case, &found));
                 }
             };
             jobs.push(("state from its neighbour", each(&followers, work)));
+            let mut own = solver()?;
+            let work = move |step: &Step| {
+                if let Some(before) = &step.before
+                    && let Ok(found) = own.solve_from(&step.case, before)
+                {
+                    printed(&mut own, quantities, &step.case, &found);
+                }
+            };
+            let name = "state from its neighbour with all results";
+            jobs.push((name, each(&followers, work)));
         }
         let mut own = solver()?;
         let alone = move |step: &Step| _ = black_box(own.solve(&step.case));
         jobs.push(("state by itself", each(&some, alone)));
         let mut own = solver()?;
-        let results = move |step: &Step| {
-            if let Ok(solved) = own.solved(&step.case, &step.found) {
-                let printed = quantities.iter().map(|of| of.printed(&solved, &step.case));
-                black_box(printed.flatten().sum::<f64>());
-            }
-        };
+        let results = move |step: &Step| printed(&mut own, quantities, &step.case, &step.found);
         jobs.push(("all results of a state", each(&some, results)));
         let mut own = solver()?;
         let members = move |step: &Step| _ = black_box(own.members(&step.case, &step.found));
         jobs.push(("member loads of a state", each(&some, members)));
+        let loads = WheelPlace::ALL.map(|place| CarQuantity::Wheel(place, WheelResult::Load));
+        let mut own = solver()?;
+        let of_loads = move |step: &Step| {
+            _ = black_box(own.gradients(&step.case, &step.found, &loads));
+        };
+        jobs.push((
+            "all derivatives of the wheel loads of a state",
+            each(&some, of_loads),
+        ));
         let mut own = solver()?;
         let derivatives = move |step: &Step| {
             _ = black_box(own.gradients(&step.case, &step.found, quantities));
@@ -133,10 +203,41 @@ impl Cars {
         let (names, mut jobs): (Vec<_>, Vec<_>) = jobs.into_iter().unzip();
         let timings = clock.in_rounds(&mut jobs);
         let measured = names.into_iter().zip(timings);
-        Ok(Cars {
-            measurements: measured
-                .map(|(job, timing)| JobTime { job, timing })
-                .collect(),
-        })
+        let mut measurements: Vec<JobTime> = measured
+            .map(|(job, timing)| JobTime { job, timing })
+            .collect();
+        measurements.push(whole_map(study, clock));
+        Ok(Cars { measurements })
+    }
+}
+
+/// Prints all results of a state.
+fn printed(
+    solver: &mut CarSolver<'_>,
+    quantities: &[CarQuantity],
+    case: &Case,
+    found: &Equilibrium,
+) {
+    if let Ok(solved) = solver.solved(case, found) {
+        let printed = quantities.iter().map(|of| of.printed(&solved, case));
+        black_box(printed.flatten().sum::<f64>());
+    }
+}
+
+/// Times a whole map with member loads.
+fn whole_map(study: &CarStudy, clock: &Clock) -> JobTime {
+    let rows = map(study, Some(WHOLE));
+    let clock = Clock {
+        samples: clock.samples.min(WHOLE_SAMPLES),
+        ..*clock
+    };
+    let members = || {
+        on_two_threads(&study.car, &rows, |solver, case, found| {
+            _ = black_box(solver.members(case, found));
+        });
+    };
+    JobTime {
+        job: "map of 41 x 41 states with member loads on two threads",
+        timing: clock.time(1, members),
     }
 }

@@ -17,7 +17,7 @@ pub(super) use tolerance::tolerance;
 use super::exit::{Exit, Stop};
 use super::interrupt;
 use super::optimise::say_side_effects;
-use super::output::{Destination, Output};
+use super::output::{Destination, Output, pool};
 use super::printer::Printer;
 use super::terminal;
 use super::{RunArguments, StudyArguments};
@@ -180,7 +180,14 @@ pub(super) fn solve(arguments: &RunArguments) -> Result<Exit, Stop> {
     let results = CarResults::solve(&study, &mut solver, study.cases.len());
     let mut files = vec!["cases.csv"];
     output.main_csv("cases.csv", &results.cases_csv())?;
-    let map = results.gg(&mut solver);
+    let map = match &study.gg_map {
+        Some(map) => {
+            let pool = pool(arguments.threads, map.ax.len() as u64)?;
+            let own = solver.clone();
+            Some(pool.install(|| results.gg(own, map)))
+        }
+        None => None,
+    };
     let map_failures = map.as_ref().map_or(0, |map| map.failures);
     let (gg_csv, map) = map.map(|map| (map.csv, map.map)).unzip();
     files.extend(output.file_if_any("gg.csv", gg_csv)?);

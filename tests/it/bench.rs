@@ -237,11 +237,14 @@ fn cars_and_equilibria_are_timed() {
             "car.toml",
             &[
                 "state from its neighbour",
+                "state from its neighbour with all results",
                 "state by itself",
                 "all results of a state",
                 "member loads of a state",
+                "all derivatives of the wheel loads of a state",
                 "all derivatives of all results of a state",
                 "tuning of the study",
+                "map of 41 x 41 states with member loads on two threads",
             ][..],
         ),
         (

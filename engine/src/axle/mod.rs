@@ -55,7 +55,7 @@ pub use solver::{AxlePose, AxleSolver, Placement, Read, WheelRead};
 pub use spring::{BumpStop, ForceCurve, Law, SpringLaw};
 pub use state::{AxleState, Hold, Motion, WheelState};
 pub use taylor::{Line, Taylor};
-pub(crate) use wheel_curve::WheelCurve;
+pub(crate) use wheel_curve::{CurveWheel, WheelCurve};
 
 use crate::ask::Need;
 use crate::characteristics::Slot;

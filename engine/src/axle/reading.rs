@@ -212,16 +212,6 @@ impl Reading<f64> {
         Reading::made_of(&pairs, moving, |((first, _), _): SeriesOfLines<N>| first[0])
     }
 
-    /// Numbers of the wheel. Fixed ones are constants.
-    pub(super) fn pose(&self) -> WheelPose<Taylor<f64>> {
-        WheelPose {
-            wheel: self.wheel,
-            rotation: self.rotation,
-            axle: self.axle,
-            design: self.design.map(Taylor::constant),
-        }
-    }
-
     /// Rotation of the carrier from the design position.
     pub fn rotation(&self) -> Matrix3<f64> {
         Matrix3 {

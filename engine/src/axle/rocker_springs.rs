@@ -106,17 +106,7 @@ impl<T: Copy> RockerSprings<T> {
 impl<T: Real> RockerSprings<T> {
     /// Forces of the springs between the rockers of left and right wheel.
     pub fn forces(&self, [left, right]: &[RockerMotion<T>; 2]) -> RockerForces<T> {
-        let like = left.angle[0];
-        let none = like.constant(f64::NAN);
-        let mut forces = RockerForces {
-            heave_spring: none,
-            heave_spring_length: none,
-            heave_spring_travel: none,
-            t_bar: none,
-            heave_bar: none,
-            work: [like.zero(); 2],
-            energy: like.zero(),
-        };
+        let mut forces = RockerForces::none(left.angle[0]);
         if let Some(law) = self.heave_spring {
             let apart = between(left.end[0], right.end[0]);
             let length = apart.norm();
@@ -151,6 +141,33 @@ impl<T: Real> RockerSprings<T> {
             forces.energy = forces.energy + sum * (law.load + (law.rate * sum).scaled(0.5));
         }
         forces
+    }
+}
+
+impl<T: Real> RockerForces<T> {
+    /// Forces of an axle without such springs. `like` is a model for constants.
+    pub fn none(like: T) -> Self {
+        let none = like.constant(f64::NAN);
+        RockerForces {
+            heave_spring: none,
+            heave_spring_length: none,
+            heave_spring_travel: none,
+            t_bar: none,
+            heave_bar: none,
+            work: [like.zero(); 2],
+            energy: like.zero(),
+        }
+    }
+}
+
+impl<T: Copy> RockerMotion<T> {
+    /// Converts all numbers to another kind.
+    pub fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> RockerMotion<U> {
+        RockerMotion {
+            end: self.end.map(|end| end.map(f)),
+            design_end: self.design_end.map(f),
+            angle: self.angle.map(f),
+        }
     }
 }
 

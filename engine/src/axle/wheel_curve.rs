@@ -16,11 +16,11 @@
 //! and so does that of the first derivative, which is largest near t = 0.31. There a further pose checks value and
 //! derivative of each piece. If they differ by more than rounding, all pieces become half as long.
 
-use super::reading::{Reading, WheelPose, zipped};
+use super::reading::{Reading, WheelParts};
 use super::solver::AxleSolver;
-use super::taylor::Taylor;
+use crate::characteristics::{DesignWheel, NumberPart, VectorPart};
 use crate::model::Side;
-use std::cell::Cell;
+use crate::number::Vector3;
 
 /// Number of pieces on each side of the design position.
 const MOST_PIECES: i32 = 48;
@@ -33,8 +33,119 @@ const CHECK: f64 = 0.31;
 /// Largest error, relative to the size of the number and the length of the piece.
 const TOLERANCE: f64 = 4e-13;
 
-/// Coefficients of (1).
-type Polynomial = [f64; 8];
+/// Vectors that a curve holds, besides the columns of the carrier's rotation.
+const VECTORS: [VectorPart; 3] = [
+    VectorPart::Centre,
+    VectorPart::SpinAxis,
+    VectorPart::HeaveSpring,
+];
+/// Numbers that a curve holds.
+const SINGLE: [NumberPart; 3] = [
+    NumberPart::SpringLength,
+    NumberPart::BarAngle,
+    NumberPart::RockerAngle,
+];
+/// Index of the first column of the rotation.
+const COLUMNS: usize = 3 * VECTORS.len();
+/// Index of the first number.
+const NUMBERS: usize = COLUMNS + 9;
+/// Count of all numbers, even for the sake of SIMD registers. The last one is unused.
+const COUNT: usize = NUMBERS + SINGLE.len() + 1;
+
+/// All numbers of a wheel for each power of travel. Numbers that are not read are NaN.
+type Powers<const N: usize> = [[f64; COUNT]; N];
+
+/// Coefficients of (1), and the wheel in the design position.
+#[derive(Clone, Debug)]
+struct Piece {
+    polynomials: Powers<8>,
+    design: DesignWheel<f64>,
+}
+
+/// A wheel on its curve: its numbers with three derivatives by travel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CurveWheel {
+    coefficients: Powers<4>,
+    design: DesignWheel<f64>,
+}
+
+impl CurveWheel {
+    /// Keeps the numbers of a reading that curves hold.
+    fn of(reading: &Reading<f64>) -> Self {
+        let mut coefficients = [[f64::NAN; COUNT]; 4];
+        for (k, numbers) in coefficients.iter_mut().enumerate() {
+            let powers = [k, 0];
+            let vectors = VECTORS.map(|part| reading.read_vector(part, powers));
+            let columns = [0, 1, 2].map(|i| reading.column(i, powers));
+            let vectors = vectors.into_iter().chain(columns);
+            let single = SINGLE.map(|part| reading.number(part, powers));
+            let all = vectors.flat_map(Vector3::to_array).chain(single);
+            numbers.iter_mut().zip(all).for_each(|(into, c)| *into = c);
+        }
+        CurveWheel {
+            coefficients,
+            design: reading.design(),
+        }
+    }
+
+    /// Coefficients by travel, in units of the length of a piece.
+    fn scaled(&self, length: f64) -> Powers<4> {
+        let mut power = 1.0;
+        self.coefficients.map(|numbers| {
+            let scaled = numbers.map(|c| c * power);
+            power *= length;
+            scaled
+        })
+    }
+
+    #[inline]
+    fn vector_at(&self, first: usize, [travel, rack]: [usize; 2]) -> Vector3<f64> {
+        if rack > 0 || travel > 3 {
+            return Vector3::new(f64::NAN, f64::NAN, f64::NAN);
+        }
+        let numbers = &self.coefficients[travel];
+        Vector3::new(numbers[first], numbers[first + 1], numbers[first + 2])
+    }
+}
+
+/// Coefficients by the rack, and parts that no curve holds, are NaN.
+impl WheelParts<f64> for CurveWheel {
+    #[inline(always)]
+    fn like(&self) -> f64 {
+        self.coefficients[0][0]
+    }
+
+    #[inline(always)]
+    fn read_vector(&self, part: VectorPart, powers: [usize; 2]) -> Vector3<f64> {
+        match VECTORS.iter().position(|own| *own == part) {
+            Some(place) => self.vector_at(3 * place, powers),
+            None => Vector3::new(f64::NAN, f64::NAN, f64::NAN),
+        }
+    }
+
+    #[inline(always)]
+    fn number(&self, part: NumberPart, [travel, rack]: [usize; 2]) -> f64 {
+        match SINGLE.iter().position(|own| *own == part) {
+            Some(place) if rack == 0 && travel < 4 => self.coefficients[travel][NUMBERS + place],
+            _ => f64::NAN,
+        }
+    }
+
+    #[inline(always)]
+    fn column(&self, i: usize, powers: [usize; 2]) -> Vector3<f64> {
+        self.vector_at(COLUMNS + 3 * i, powers)
+    }
+
+    #[inline(always)]
+    fn axle_column(&self, _: usize, _: [usize; 2]) -> Vector3<f64> {
+        Vector3::new(f64::NAN, f64::NAN, f64::NAN)
+    }
+
+    #[inline(always)]
+    fn design(&self) -> DesignWheel<f64> {
+        self.design
+    }
+}
 
 /// A wheel as a function of its own travel, at one rack displacement.
 #[derive(Clone, Debug)]
@@ -43,8 +154,8 @@ pub(crate) struct WheelCurve {
     rack: f64,
     length: f64,
     halvings: u32,
-    nodes: Vec<Known<Reading<f64>>>,
-    pieces: Vec<Known<WheelPose<Polynomial>>>,
+    nodes: Vec<Known<CurveWheel>>,
+    pieces: Vec<Known<Piece>>,
 }
 
 /// A value that is computed when it is first needed.
@@ -101,7 +212,7 @@ impl WheelCurve {
         solver: &mut AxleSolver<'_, N>,
         travel: f64,
         rack: f64,
-    ) -> Option<Reading<f64>> {
+    ) -> Option<CurveWheel> {
         if rack != self.rack {
             self.rack = rack;
             self.clear();
@@ -124,7 +235,7 @@ impl WheelCurve {
                 self.pieces[number] = Known::of(made);
             }
             let t = travel / self.length - place;
-            return Some(evaluated(self.pieces[number].get()?, t, self.length));
+            return Some(self.pieces[number].get()?.at(t, self.length));
         }
     }
 
@@ -138,16 +249,17 @@ impl WheelCurve {
         &self,
         solver: &mut AxleSolver<'_, N>,
         travel: f64,
-    ) -> Option<Reading<f64>> {
+    ) -> Option<CurveWheel> {
         let mut read = solver.wheel_curve(self.side, &[travel], self.rack);
-        read.pop()?.ok()?.without_toggle()
+        let reading = read.pop()?.ok()?.without_toggle()?;
+        Some(CurveWheel::of(&reading))
     }
 
     fn node<const N: usize>(
         &mut self,
         solver: &mut AxleSolver<'_, N>,
         node: usize,
-    ) -> Option<&Reading<f64>> {
+    ) -> Option<&CurveWheel> {
         if let Known::NotYet = self.nodes[node] {
             self.nodes[node] = Known::of(self.read(solver, self.travel(node as f64)));
         }
@@ -159,37 +271,44 @@ impl WheelCurve {
         &mut self,
         solver: &mut AxleSolver<'_, N>,
         number: usize,
-    ) -> Option<WheelPose<Polynomial>> {
+    ) -> Option<Piece> {
         let length = self.length;
-        let from = self.node(solver, number)?.pose();
-        let to = self.node(solver, number + 1)?.pose();
-        let join = |(from, to): (Taylor<f64>, Taylor<f64>)| {
-            let c = scaled(from, length);
-            let end = scaled(to, length);
+        let from = self.node(solver, number)?;
+        let (c, design) = (from.scaled(length), from.design);
+        let end = self.node(solver, number + 1)?.scaled(length);
+        let mut polynomials = [[f64::NAN; COUNT]; 8];
+        for k in 0..COUNT {
+            let c = [c[0][k], c[1][k], c[2][k], c[3][k]];
             let at_end = [
                 c[0] + c[1] + c[2] + c[3],
                 c[1] + 2.0 * c[2] + 3.0 * c[3],
                 c[2] + 3.0 * c[3],
                 c[3],
             ];
-            let d: [f64; 4] = std::array::from_fn(|k| end[k] - at_end[k]);
+            let d: [f64; 4] = std::array::from_fn(|i| end[i][k] - at_end[i]);
             let q0 = d[0];
             let q1 = d[1] - 4.0 * q0;
             let q2 = d[2] - 4.0 * q1 - 6.0 * q0;
             let q3 = d[3] - 4.0 * q2 - 6.0 * q1 - 4.0 * q0;
-            let [a, b, e, f] = c;
-            [
-                a,
-                b,
-                e,
-                f,
+            let [c0, c1, c2, c3] = c;
+            let all = [
+                c0,
+                c1,
+                c2,
+                c3,
                 q0 - q1 + q2 - q3,
                 q1 - 2.0 * q2 + 3.0 * q3,
                 q2 - 3.0 * q3,
                 q3,
-            ]
-        };
-        Some(zipped(&from, &to).map(join))
+            ];
+            for (numbers, c) in polynomials.iter_mut().zip(all) {
+                numbers[k] = c;
+            }
+        }
+        Some(Piece {
+            polynomials,
+            design,
+        })
     }
 
     /// Returns true if a piece differs from a pose within it by more than rounding.
@@ -197,7 +316,7 @@ impl WheelCurve {
         &self,
         solver: &mut AxleSolver<'_, N>,
         number: usize,
-        piece: Option<&WheelPose<Polynomial>>,
+        piece: Option<&Piece>,
     ) -> bool {
         let Some(piece) = piece else {
             return false;
@@ -207,47 +326,39 @@ impl WheelCurve {
             return true;
         };
         let length = self.length;
-        let found = evaluated(piece, CHECK, length).pose();
-        let is_exact = Cell::new(true);
-        zipped(&found, &read.pose()).map(|(found, read): (Taylor<f64>, Taylor<f64>)| {
-            let (found, read) = (scaled(found, length), scaled(read, length));
-            let bound = TOLERANCE * (read[0].abs() + length);
-            // Numbers that are not read are NaN in both.
-            if (found[0] - read[0]).abs() > bound || (found[1] - read[1]).abs() > bound {
-                is_exact.set(false);
-            }
-        });
-        !is_exact.get()
+        let (found, read) = (piece.at(CHECK, length).scaled(length), read.scaled(length));
+        // Numbers that are not read are NaN in both.
+        (0..COUNT).any(|k| {
+            let bound = TOLERANCE * (read[0][k].abs() + length);
+            (found[0][k] - read[0][k]).abs() > bound || (found[1][k] - read[1][k]).abs() > bound
+        })
     }
 }
 
-/// Coefficients by travel, in units of the length of a piece.
-fn scaled(number: Taylor<f64>, length: f64) -> [f64; 4] {
-    let mut power = 1.0;
-    [0, 1, 2, 3].map(|k| {
-        let coefficient = number.coefficient([k, 0]) * power;
-        power *= length;
-        coefficient
-    })
-}
-
-/// The wheel at a place in its piece.
-fn evaluated(piece: &WheelPose<Polynomial>, t: f64, length: f64) -> Reading<f64> {
-    let unread = Taylor::unknown(0.0);
-    let inverse = 1.0 / length;
-    let moving = |p: Polynomial| {
-        if p[0].is_nan() {
-            return unread;
-        }
+impl Piece {
+    /// The wheel at a place in the piece.
+    #[inline]
+    fn at(&self, t: f64, length: f64) -> CurveWheel {
+        let mut c = self.polynomials;
         // Horner's scheme, four times. It gives the first four coefficients about t.
-        let mut c = p;
         for first in 0..4 {
             for k in (first..7).rev() {
-                c[k] += t * c[k + 1];
+                let next = c[k + 1];
+                for (number, next) in c[k].iter_mut().zip(next) {
+                    *number += t * next;
+                }
             }
         }
-        let (one, two) = (inverse, inverse * inverse);
-        Taylor::through(&[&[c[0], c[1] * one, c[2] * two, c[3] * two * one]])
-    };
-    Reading::made_of(piece, moving, |p: Polynomial| p[0])
+        let inverse = 1.0 / length;
+        let mut power = 1.0;
+        let coefficients = [0, 1, 2, 3].map(|k: usize| {
+            let numbers = c[k].map(|c| c * power);
+            power *= inverse;
+            numbers
+        });
+        CurveWheel {
+            coefficients,
+            design: self.design,
+        }
+    }
 }

@@ -119,7 +119,6 @@ impl<T: Copy> WheelRates<T> {
 impl<T: Copy> Corner<T> {
     /// Converts all numbers of the wheel to another kind.
     pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Corner<U> {
-        let rocker = &self.rocker;
         Corner {
             sign: self.sign,
             centre: self.centre.map(f),
@@ -127,11 +126,7 @@ impl<T: Copy> Corner<T> {
             spring: f(self.spring),
             design_spring: f(self.design_spring),
             bar: f(self.bar),
-            rocker: RockerMotion {
-                end: rocker.end.map(|end| end.map(f)),
-                design_end: rocker.design_end.map(f),
-                angle: rocker.angle.map(f),
-            },
+            rocker: self.rocker.map(f),
             design_centre: self.design_centre.map(f),
             design_spin: self.design_spin.map(f),
             own: self.own.map(f),
@@ -269,15 +264,13 @@ impl<T: Real> Displacement<T> {
     /// A vector and its derivatives by both coordinates, from its coefficients by powers.
     fn vector(&self, of: impl Fn([usize; 2]) -> Vector3<T>) -> [Vector3<T>; 3] {
         let (a, b) = (self.first, self.second);
-        let known = |p: [usize; 2]| b.is_some() || p[1] == 0;
         let zero = a.zero();
         // Each vector coefficient is read once and serves all three components.
         let mut table = [[Vector3::new(zero, zero, zero); 4]; 4];
         for (i, row) in table.iter_mut().enumerate() {
-            for (j, entry) in row.iter_mut().enumerate().take(4 - i) {
-                if known([i, j]) {
-                    *entry = of([i, j]);
-                }
+            let count = if b.is_some() { 4 - i } else { 1 };
+            for (j, entry) in row.iter_mut().enumerate().take(count) {
+                *entry = of([i, j]);
             }
         }
         let [x, y, z] = [

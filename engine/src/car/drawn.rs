@@ -33,6 +33,7 @@ impl CarSolver<'_> {
         found: &Equilibrium,
     ) -> Result<CarDrawing, NoEquilibrium> {
         let balance = self.balance(case, found)?;
+        let poses = self.poses(found)?;
         let (road, ground) = (&balance.road, found.unknowns[super::equations::GROUND]);
         let place = |v: Vector3<f64>| {
             [
@@ -52,7 +53,7 @@ impl CarSolver<'_> {
         };
         let configuration = |axle: usize, side: Side| {
             let suspension = self.car.axles[axle].suspension(side);
-            let placed = &found.placed[axle];
+            let placed = &poses[axle];
             Configuration {
                 mechanism: &suspension.mechanism,
                 design: &suspension.design,

@@ -4,13 +4,15 @@ mod body;
 mod wheel;
 
 use super::corner::Corner;
-use super::parameters::{AxleParameter, BodyParameter, Parameters};
+use super::parameters::{BodyParameter, Parameters};
 use super::road::Road;
 use super::{Car, Case, GRAVITY};
 use crate::axle::RockerForces;
 use crate::number::{Each, Scalar, Vector3};
-use body::{air, bar_torques, energy, masses, shares, static_loads};
-use wheel::{Forces, Pushed, travel_rows, wheel_balance};
+use body::{air, bar_torque, energy, shares};
+pub(super) use body::{masses, static_loads};
+use wheel::{Forces, load_parts, travel_residuals};
+pub(super) use wheel::{Placed, Stance};
 
 /// Number of unknowns and equations.
 pub const UNKNOWNS: usize = 14;
@@ -118,115 +120,120 @@ impl<T: Scalar> Balance<T> {
         corners: [Corner<T>; 4],
         x: [T; UNKNOWNS],
     ) -> Self {
-        let zero = x[0].zero();
-        let road = Road::under(x[ROLL], x[PITCH]);
-        let masses = masses(held.car, parameters, &corners);
-        let bars = bar_torques(held.car, parameters, &corners);
-        let acceleration = acceleration(&road, parameters);
-        let rockers = [0, 1].map(|axle| {
-            let motions = [0, 1].map(|side| corners[2 * axle + side].rocker);
-            let laws = parameters.rocker_springs(held.car, axle);
-            laws.forces(&motions)
+        let car = held.car;
+        let masses = masses(car, parameters, &corners);
+        let static_loads = static_loads(car, parameters, &corners, &masses);
+        let ground = Ground::of(parameters, [x[ROLL], x[PITCH], x[GROUND]]);
+        let placed = [0, 1, 2, 3].map(|number| {
+            let static_load = static_loads[number / 2];
+            Placed::of(
+                held,
+                parameters,
+                number,
+                corners[number],
+                &ground,
+                static_load,
+            )
         });
-        let supports = Supports {
-            shares: shares(held, &x),
-            static_loads: static_loads(held.car, parameters, &corners, &masses),
-            acceleration,
-            bars,
-            rockers: &rockers,
-        };
-        let mut residuals = [zero; UNKNOWNS];
-        let mut on_body = Resultant {
-            force: Vector3::new(zero, zero, zero),
-            moment: Vector3::new(zero, zero, zero),
-        };
+        let stances = placed.each_ref().map(|placed| &placed.stance);
+        let body = Body::of(held, parameters, &ground, masses.sprung);
+        let loaded = Loaded::of(
+            held,
+            parameters,
+            &ground.road,
+            (stances, &body.resultant),
+            &x,
+        );
+        let axles = [0, 2].map(|left| {
+            let right = left + 1;
+            let forces = [&loaded.forces[left], &loaded.forces[right]];
+            load_parts([stances[left], stances[right]], forces)
+        });
         let wheels = [0, 1, 2, 3].map(|number| {
-            let pushed = supports.wheel(held, parameters, number, corners[number], (&road, &x));
-            residuals[CONTACTS + number] = pushed.contact;
-            let wheel = &pushed.wheel;
-            on_body.act(
-                wheel.contact,
-                road.up * wheel.load
-                    + wheel.across * wheel.side_force
-                    + wheel.heading * wheel.longitudinal_force,
-            );
-            let unsprung = parameters.axle(number / 2, AxleParameter::UnsprungMass);
-            on_body.act(
-                corners[number].centre,
-                -(acceleration * unsprung.scaled(0.5)),
-            );
-            pushed
+            let (axle, side) = (number / 2, number % 2);
+            placed[number].under(held, axle, &loaded.forces[number], axles[axle][side])
         });
-        let [a, b, c, d] = wheels;
-        let (front, rear) = (travel_rows([a, b]), travel_rows([c, d]));
-        for (axle, rows) in [&front, &rear].into_iter().enumerate() {
-            let row = BALANCES + 2 * axle;
-            residuals[row..row + 2].copy_from_slice(&rows.residuals);
-        }
-        let ([a, b], [c, d]) = (front.wheels, rear.wheels);
-        let energy = energy(held.car, parameters, &corners, &bars, &rockers);
-        let (mass, cg) = masses.sprung;
-        on_body.act(cg, -(acceleration * mass));
-        let ride_heights = [0, 1].each(|axle| match held.car.ride_height_points[axle] {
-            Some(point) => road.up.dot(road.up.constant(point)) - x[GROUND],
-            None => zero.constant(f64::NAN),
-        });
-        let (air, pushes) = air(held.car, parameters, ride_heights);
-        on_body.act_by_air(&air, &pushes, &road);
-        residuals[BODY..].copy_from_slice(&on_body.residuals(held, &road));
         Balance {
             unknowns: x,
-            road,
-            wheels: [a, b, c, d],
+            road: ground.road,
+            wheels,
             sprung: masses.sprung,
             whole: masses.whole,
             design_contact: masses.design_contact,
-            air,
-            ride_heights,
-            bars,
-            rockers,
-            energy,
-            residuals,
+            air: body.air,
+            ride_heights: body.ride_heights,
+            bars: loaded.bars,
+            rockers: loaded.rockers,
+            energy: energy(car, parameters, &corners, &loaded.bars, &loaded.rockers),
+            residuals: loaded.residuals,
             lifted: held.lifted,
         }
     }
 }
 
-/// Acceleration that the masses feel: that of the case, and gravity.
-#[inline]
-fn acceleration<T: Scalar>(road: &Road<T>, parameters: &Parameters<T>) -> Vector3<T> {
-    let along = |own: BodyParameter| parameters.body(own);
-    let az = along(BodyParameter::Az);
-    road.forward * along(BodyParameter::Ax).scaled(GRAVITY)
-        + road.left * along(BodyParameter::Ay).scaled(GRAVITY)
-        + road.up * (az + az.one()).scaled(GRAVITY)
+/// Ground under a car, and the acceleration that its masses feel.
+pub(super) struct Ground<T> {
+    /// Directions of the ground.
+    pub road: Road<T>,
+    /// Height gamma of the ground.
+    pub height: T,
+    /// Acceleration of the case, and gravity.
+    pub acceleration: Vector3<T>,
 }
 
-/// Resultant force of everything that acts on the car, and its moment about the origin.
-struct Resultant<T> {
+impl<T: Scalar> Ground<T> {
+    /// Ground for a roll, a pitch and a height.
+    pub(super) fn of(parameters: &Parameters<T>, [roll, pitch, height]: [T; 3]) -> Self {
+        let road = Road::under(roll, pitch);
+        let along = |own: BodyParameter| parameters.body(own);
+        let az = along(BodyParameter::Az);
+        Ground {
+            acceleration: road.forward * along(BodyParameter::Ax).scaled(GRAVITY)
+                + road.left * along(BodyParameter::Ay).scaled(GRAVITY)
+                + road.up * (az + az.one()).scaled(GRAVITY),
+            road,
+            height,
+        }
+    }
+}
+
+/// Resultant force of forces on the car, and its moment about the origin.
+#[derive(Clone, Copy)]
+pub(super) struct Resultant<T> {
     force: Vector3<T>,
     moment: Vector3<T>,
 }
 
+impl<T: Copy> Resultant<T> {
+    /// Converts all numbers to another kind.
+    pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Resultant<U> {
+        Resultant {
+            force: self.force.map(f),
+            moment: self.moment.map(f),
+        }
+    }
+}
+
 impl<T: Scalar> Resultant<T> {
+    fn zero(zero: T) -> Self {
+        let none = Vector3::new(zero, zero, zero);
+        Resultant {
+            force: none,
+            moment: none,
+        }
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.force = self.force + other.force;
+        self.moment = self.moment + other.moment;
+    }
+
     fn act(&mut self, at: Vector3<T>, by: Vector3<T>) {
         self.force = self.force + by;
         self.moment = self.moment + at.cross(by);
     }
 
-    /// Adds downforces and drag at their points.
-    #[inline]
-    fn act_by_air(&mut self, air: &[T; 3], points: &[Vector3<f64>; 3], road: &Road<T>) {
-        for (point, size, direction) in [
-            (points[0], air[0], -road.up),
-            (points[1], air[1], -road.up),
-            (points[2], air[2], -road.forward),
-        ] {
-            self.act(road.up.constant(point), direction * size);
-        }
-    }
-
-    /// Computes the residuals of the body. Forces are along i, e and n; the roll moment is about the body's own x axis.
+    /// Computes the residuals of the body (8). Forces are along i, e and n; the roll moment is about the body's own x axis.
     fn residuals(&self, held: &Held<'_>, road: &Road<T>) -> [T; 6] {
         let inertia = held.car.yaw_inertia.unwrap_or(0.0) * held.case.yaw_acceleration;
         let force = self.force;
@@ -243,52 +250,120 @@ impl<T: Scalar> Resultant<T> {
     }
 }
 
-/// Forces that the rest of the car applies to the wheels.
-struct Supports<'a, T> {
-    /// Shares of each wheel in the lateral and longitudinal force of its axle.
-    shares: [[T; 2]; 4],
-    static_loads: [T; 2],
-    acceleration: Vector3<T>,
-    bars: [T; 2],
-    rockers: &'a [RockerForces<T>; 2],
+/// Forces on the body that do not come from its wheels.
+pub(super) struct Body<T> {
+    /// Resultant of the inertia of the sprung mass and of the air.
+    pub resultant: Resultant<T>,
+    air: [T; 3],
+    ride_heights: [T; 2],
 }
 
-impl<T: Scalar> Supports<'_, T> {
-    /// Computes the balance of a wheel.
-    fn wheel(
-        &self,
+impl<T: Scalar> Body<T> {
+    /// Computes the forces for a sprung mass with its centre of gravity.
+    pub(super) fn of(
         held: &Held<'_>,
         parameters: &Parameters<T>,
-        number: usize,
-        corner: Corner<T>,
-        (road, x): (&Road<T>, &[T; UNKNOWNS]),
-    ) -> Pushed<T> {
-        let axle = number / 2;
-        let unsprung = parameters
-            .axle(axle, AxleParameter::UnsprungMass)
-            .scaled(0.5);
-        let source = held.case.setting.longitudinal;
-        let share = held.car.longitudinal_share(axle, source, parameters);
-        let warp = parameters.body(BodyParameter::Warp);
-        let shares = self.shares[number];
-        let forces = Forces {
-            load: x[LOADS + number],
-            side: x[SIDE_FORCES + axle] * shares[0],
-            longitudinal: x[LONGITUDINAL] * share * shares[1],
-            share: shares[0],
-            bar: if corner.sign > 0.0 {
-                self.bars[axle]
-            } else {
-                -self.bars[axle]
-            },
-            rocker: self.rockers[axle].work[number % 2],
-            inertia: self.acceleration * unsprung,
-            static_load: self.static_loads[axle],
-        };
-        let ground = match number {
-            0 | 3 => x[GROUND] + warp,
-            _ => x[GROUND] - warp,
-        };
-        wheel_balance(held, parameters, number, corner, (road, ground), &forces)
+        ground: &Ground<T>,
+        (mass, cg): (T, Vector3<T>),
+    ) -> Self {
+        let road = &ground.road;
+        let zero = ground.height.zero();
+        let mut resultant = Resultant::zero(zero);
+        resultant.act(cg, -(ground.acceleration * mass));
+        let ride_heights = [0, 1].each(|axle| match held.car.ride_height_points[axle] {
+            Some(point) => road.up.dot(road.up.constant(point)) - ground.height,
+            None => zero.constant(f64::NAN),
+        });
+        let (air, points) = air(held.car, parameters, ride_heights);
+        if held.car.air.is_some() {
+            for (point, size, direction) in [
+                (points[0], air[0], -road.up),
+                (points[1], air[1], -road.up),
+                (points[2], air[2], -road.forward),
+            ] {
+                resultant.act(road.up.constant(point), direction * size);
+            }
+        }
+        Body {
+            resultant,
+            air,
+            ride_heights,
+        }
+    }
+}
+
+/// Wheels under their forces, and the residuals of all equations.
+pub(super) struct Loaded<T> {
+    forces: [Forces<T>; 4],
+    /// Torque of each axle's anti-roll bar.
+    bars: [T; 2],
+    /// Forces of the springs between the rockers of each axle.
+    rockers: [RockerForces<T>; 2],
+    /// Residuals of the equations.
+    pub residuals: [T; UNKNOWNS],
+}
+
+impl<T: Scalar> Loaded<T> {
+    /// Computes the forces for values of the unknowns. The wheels and the other forces on the body belong to these values.
+    pub(super) fn of(
+        held: &Held<'_>,
+        parameters: &Parameters<T>,
+        road: &Road<T>,
+        (wheels, on_body): ([&Stance<T>; 4], &Resultant<T>),
+        x: &[T; UNKNOWNS],
+    ) -> Self {
+        let car = held.car;
+        let bars = [0, 1].map(|axle| {
+            let angles = [0, 1].map(|side| wheels[2 * axle + side].bar);
+            bar_torque(car, parameters, axle, angles)
+        });
+        let rockers = [0, 1].map(|axle| {
+            let laws = parameters.rocker_springs(car, axle);
+            match [0, 1].map(|side| wheels[2 * axle + side].rocker) {
+                [Some(left), Some(right)] => laws.forces(&[left, right]),
+                _ => RockerForces::none(x[0]),
+            }
+        });
+        let shares = shares(held, x);
+        let forces = [0, 1, 2, 3].map(|number: usize| {
+            let axle = number / 2;
+            let source = held.case.setting.longitudinal;
+            let share = car.longitudinal_share(axle, source, parameters);
+            let [lateral, longitudinal] = shares[number];
+            Forces {
+                load: x[LOADS + number],
+                side: x[SIDE_FORCES + axle] * lateral,
+                longitudinal: x[LONGITUDINAL] * share * longitudinal,
+                share: lateral,
+                bar: match number % 2 {
+                    0 => bars[axle],
+                    _ => -bars[axle],
+                },
+                rocker: rockers[axle].work[number % 2],
+            }
+        });
+        let mut residuals = [x[0].zero(); UNKNOWNS];
+        let mut sum = *on_body;
+        for (number, (wheel, forces)) in wheels.iter().zip(&forces).enumerate() {
+            residuals[CONTACTS + number] = wheel.contact_residual(forces.load);
+            let by_tyre = road.up * forces.load
+                + wheel.across * forces.side
+                + wheel.heading * forces.longitudinal;
+            sum.act(wheel.at, by_tyre);
+            sum.add(&wheel.inertia);
+        }
+        for left in [0, 2] {
+            let right = left + 1;
+            let pair = [&forces[left], &forces[right]];
+            let rows = travel_residuals([wheels[left], wheels[right]], pair);
+            residuals[BALANCES + left..BALANCES + left + 2].copy_from_slice(&rows);
+        }
+        residuals[BODY..].copy_from_slice(&sum.residuals(held, road));
+        Loaded {
+            forces,
+            bars,
+            rockers,
+            residuals,
+        }
     }
 }

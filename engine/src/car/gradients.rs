@@ -3,7 +3,7 @@
 use super::equations::Balance;
 use super::parameters::{AxleParameter, BodyParameter, Parameter, Parameters};
 use super::rates::{Plain, Solved, settle};
-use super::solver::{Base, CarSolver, Equilibrium};
+use super::solver::{Base, CarSolver, Equilibrium, Wheels};
 use super::{Car, CarQuantity, Case, NoEquilibrium, WholeResult};
 use crate::axle::Axle;
 use crate::model::Side;
@@ -33,10 +33,12 @@ impl<'a> CarSolver<'a> {
     ) -> Result<Solved<'a, f64>, NoEquilibrium> {
         let wheels = self.wheels_of(found)?;
         let parameters = Parameters::of(self.car, case);
-        let base = wheels.base(self.held(case, found), found.travels());
-        let plain = Plain::of(&base, &parameters, found);
-        let plain = plain.ok_or(NoEquilibrium::Singular)?;
-        let mut solved = Solved::of(self.car, &base, &parameters, &plain, |c: f64| c);
+        let (car, held, x) = (self.car, self.held(case, found), found.unknowns);
+        let solved = match &wheels {
+            Wheels::Near(near) => Solved::at(car, &near.base(held), &parameters, x),
+            Wheels::Exact(exact) => Solved::at(car, &exact.base(held), &parameters, x),
+        };
+        let mut solved = solved.ok_or(NoEquilibrium::Singular)?;
         if let Ok((rest, at_rest)) = self.at_rest(case) {
             let state = self.balance(&rest, &at_rest)?;
             solved.rest_heave = CarQuantity::Whole(WholeResult::Heave).evaluate_state(&state);
@@ -112,10 +114,10 @@ impl<'a> CarSolver<'a> {
         let parameters = Parameters::of(self.car, case);
         let held = self.held(case, found);
         let base = readings.base(held);
-        let plain = Plain::of(&base, &parameters, found);
+        let plain = Plain::of(&base, &parameters, found.unknowns);
         let plain = plain.ok_or(NoEquilibrium::Singular)?;
         let linearised = |axle: usize| {
-            let linearised = self.axles[axle].linearised(&found.placed[axle]);
+            let linearised = self.axles[axle].linearised(&readings.placed[axle]);
             linearised.map_err(|failure| NoEquilibrium::NoPose { axle, failure })
         };
         let linearised = [linearised(0)?, linearised(1)?];

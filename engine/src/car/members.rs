@@ -8,6 +8,7 @@ use super::equations::Balance;
 use super::solver::{CarSolver, Equilibrium};
 use super::{Car, Case, GRAVITY, NoEquilibrium, WheelPlace};
 use crate::analyse::{Applied, Support, bears, rod_name};
+use crate::axle::AxlePose;
 use crate::mechanism::NoPose;
 use crate::model::{ArmId, Axis, Constraint, Mechanism, PointId, RockerId, Side};
 use crate::number::Vector3;
@@ -141,9 +142,10 @@ impl CarSolver<'_> {
         found: &Equilibrium,
     ) -> Result<[WheelMembers; 4], NoEquilibrium> {
         let state = self.balance(case, found)?;
+        let placed = self.poses(found)?;
         let mut all = Vec::with_capacity(4);
         for place in WheelPlace::ALL {
-            all.push(self.of_wheel(case, found, &state, place)?);
+            all.push(self.of_wheel(case, &placed[place.0 / 2], &state, place)?);
         }
         let all: Result<[WheelMembers; 4], _> = all.try_into();
         all.map_err(|_| NoEquilibrium::NotFound)
@@ -152,7 +154,7 @@ impl CarSolver<'_> {
     fn of_wheel(
         &self,
         case: &Case,
-        found: &Equilibrium,
+        placed: &AxlePose,
         state: &Balance<f64>,
         place: WheelPlace,
     ) -> Result<WheelMembers, NoEquilibrium> {
@@ -166,7 +168,6 @@ impl CarSolver<'_> {
             });
         }
         let mechanism = &of_axle.suspension(side).mechanism;
-        let placed = &found.placed[axle];
         let balance = self.axles[axle].balance(side, placed, Support::WheelCentre);
         let balance = balance.map_err(|failure| NoEquilibrium::NoPose {
             axle,

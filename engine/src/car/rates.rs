@@ -3,10 +3,10 @@
 use super::Car;
 use super::equations::{BODY, Balance, HELD_ROWS, PITCH, ROLL_MOMENT, UNKNOWNS};
 use super::parameters::{BodyParameter, Parameter, Parameters};
-use super::solver::{Base, Equilibrium};
-use super::tangent::{Matrix, held_inverse, inverse};
-use crate::axle::{Reading, WheelParts};
-use crate::number::{Jet, Real, Scalar};
+use super::solver::Base;
+use super::tangent::{Matrix, held, inverse, tangent};
+use crate::axle::WheelParts;
+use crate::number::{Dual, Jet, Real, Scalar, array_of};
 
 /// A state with its derivatives, from which the values of results follow.
 #[derive(Clone, Debug)]
@@ -52,6 +52,9 @@ enum Direction {
     Body(usize),
 }
 
+/// Parameters among the directions, in the order of [`DIRECTIONS`].
+const PARAMETERS: [BodyParameter; 3] = [BodyParameter::Ay, BodyParameter::Ax, BodyParameter::Warp];
+
 const DIRECTIONS: [Direction; 6] = [
     Direction::Parameter(BodyParameter::Ay),
     Direction::Parameter(BodyParameter::Ax),
@@ -63,39 +66,62 @@ const DIRECTIONS: [Direction; 6] = [
 
 impl Plain {
     /// Computes the plain numbers; `None` if the equations are singular.
-    pub(super) fn of(
-        base: &Base<'_, '_, Reading<f64>>,
+    pub(super) fn of<R: WheelParts<f64>>(
+        base: &Base<'_, '_, R>,
         parameters: &Parameters<f64>,
-        found: &Equilibrium,
+        unknowns: [f64; UNKNOWNS],
     ) -> Option<Self> {
-        let unknowns = found.unknowns;
+        let (_, tangent) = tangent(base, parameters, &unknowns);
+        let held = held(&tangent);
         let mut plain = Plain {
             unknowns,
-            inverse: inverse(&found.tangent)?,
-            held_inverse: held_inverse(&found.tangent)?,
+            inverse: inverse(&tangent)?,
+            held_inverse: inverse(&held)?,
             rates: [[0.0; UNKNOWNS]; DIRECTIONS.len()],
         };
+        let mut by_parameters = by_parameters(base, parameters, &unknowns).into_iter();
         for (number, direction) in DIRECTIONS.into_iter().enumerate() {
-            let column = |matrix: &Matrix, column: usize| -> [f64; UNKNOWNS] {
-                std::array::from_fn(|k| matrix[k][column])
-            };
-            plain.rates[number] = match direction {
+            let mut right = [0.0; UNKNOWNS];
+            let (matrix, inverse) = match direction {
                 Direction::Parameter(_) => {
-                    let moved = direction.moving(parameters);
-                    let still = unknowns.map(Jet::constant);
-                    let balance = base.balance(&moved, still, |c: f64| Jet::constant(c));
-                    let residuals = balance.residuals.map(|row: Jet<f64, 2>| -row[1]);
-                    times(&plain.inverse, residuals)
+                    right = by_parameters.next().unwrap_or(right).map(|row| -row);
+                    (&tangent, &plain.inverse)
                 }
                 Direction::Couple => {
-                    let level = unknowns[PITCH].cos();
-                    column(&plain.inverse, ROLL_MOMENT).map(|c| -c * level)
+                    right[ROLL_MOMENT] = -unknowns[PITCH].cos();
+                    (&tangent, &plain.inverse)
                 }
-                Direction::Body(place) => column(&plain.held_inverse, BODY + HELD_ROWS[place]),
+                Direction::Body(place) => {
+                    right[BODY + HELD_ROWS[place]] = 1.0;
+                    (&held, &plain.held_inverse)
+                }
             };
+            let mut rates = times(inverse, right);
+            // One more step removes rounding error of the inverse.
+            let product = times(matrix, rates);
+            let defect = std::array::from_fn(|k| right[k] - product[k]);
+            for (rate, step) in rates.iter_mut().zip(times(inverse, defect)) {
+                *rate += step;
+            }
+            plain.rates[number] = rates;
         }
         Some(plain)
     }
+}
+
+/// Derivatives of the residuals by the parameters among [`DIRECTIONS`], in their order.
+fn by_parameters<R: WheelParts<f64>>(
+    base: &Base<'_, '_, R>,
+    parameters: &Parameters<f64>,
+    unknowns: &[f64; UNKNOWNS],
+) -> [[f64; UNKNOWNS]; PARAMETERS.len()] {
+    let mut moved = parameters.map(Dual::<f64, { PARAMETERS.len() }>::constant);
+    for (number, parameter) in PARAMETERS.into_iter().enumerate() {
+        moved.0[Parameter::Body(parameter).place()].partials[number] = 1.0;
+    }
+    let still = unknowns.map(Dual::constant);
+    let residuals = base.balance(&moved, still, Dual::constant).residuals;
+    array_of(|number| residuals.map(|row| row.partials[number]))
 }
 
 impl Direction {
@@ -151,6 +177,19 @@ pub(super) fn settle<T: Scalar, U: Real, R: WheelParts<U>>(
     x
 }
 
+impl<'c> Solved<'c, f64> {
+    /// Computes a state with all its derivatives; `None` if the equations are singular.
+    pub(super) fn at<R: WheelParts<f64>>(
+        car: &'c Car,
+        base: &Base<'_, '_, R>,
+        parameters: &Parameters<f64>,
+        unknowns: [f64; UNKNOWNS],
+    ) -> Option<Self> {
+        let plain = Plain::of(base, parameters, unknowns)?;
+        Some(Solved::of(car, base, parameters, &plain, |c: f64| c))
+    }
+}
+
 impl<'c, T: Scalar> Solved<'c, T> {
     /// Computes the state near plain numbers, with all its derivatives.
     pub(super) fn of<U: Real, R: WheelParts<U>>(
@@ -173,7 +212,10 @@ impl<'c, T: Scalar> Solved<'c, T> {
                 base.balance(&moved, series, lifted)
             };
             let mut rates = plain.rates[number].map(|c| x[0].constant(c));
-            // One more step removes rounding error and adds the gradients of the derivatives.
+            if !T::IS_LARGE {
+                return evaluate(rates);
+            }
+            // One more step adds the gradients of the derivatives.
             let first = evaluate(rates);
             let level = first.road.forward.x[0];
             let defect = direction.defect(first.residuals.map(|row| row[1]), level);

@@ -24,6 +24,17 @@ fn sin_cos<T: Scalar>(angle: T) -> [T; 2] {
     ]
 }
 
+impl<T: Copy> Road<T> {
+    /// Converts all numbers to another kind.
+    pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Road<U> {
+        Road {
+            up: self.up.map(f),
+            forward: self.forward.map(f),
+            left: self.left.map(f),
+        }
+    }
+}
+
 impl<T: Scalar> Road<T> {
     /// Computes the ground under a body with this roll and pitch (1).
     pub fn under(roll: T, pitch: T) -> Self {

@@ -10,13 +10,13 @@ use super::equations::{Balance, GROUND, Held, LOADS, UNKNOWNS};
 use super::parameters::Parameters;
 use super::{Car, Case, GRAVITY, LateralShares, LongitudinalShares, NoEquilibrium};
 use crate::axle::{
-    Axle, AxlePose, AxleQuantity, AxleSolver, Placement, Quantity, Reading, WheelCurve,
-    WheelQuantity,
+    Axle, AxlePose, AxleQuantity, AxleSolver, Placement, Quantity, WheelCurve, WheelQuantity,
 };
 use crate::mechanism::DesignFault;
 use crate::model::Side;
 use crate::threads::checkpoint;
 pub use equilibrium::Equilibrium;
+use readings::OnCurves;
 pub(super) use readings::{Base, Readings, Wheels};
 pub(super) use start::Start;
 
@@ -81,7 +81,7 @@ impl<'a> CarSolver<'a> {
             made.map_err(|(side, fault)| (number, side, fault))
         };
         let axles = [axle(0)?, axle(1)?];
-        let has_curves = !by_rack && !car.axles.iter().any(Axle::is_rigid);
+        let has_curves = !car.axles.iter().any(Axle::is_rigid);
         let curve = |number: usize| WheelCurve::new(&axles[number / 2], Side::ALL[number % 2]);
         Ok(CarSolver {
             car,
@@ -93,7 +93,7 @@ impl<'a> CarSolver<'a> {
     }
 
     /// Reads the wheels at these travels from their curves; `None` if a wheel has no curve there.
-    fn near(&mut self, travels: [f64; 4], racks: [f64; 2]) -> Option<Box<[Reading<f64>; 4]>> {
+    fn near(&mut self, travels: [f64; 4], racks: [f64; 2]) -> Option<OnCurves> {
         let curves = self.curves.as_mut()?;
         let mut read = |number: usize| {
             let axle = number / 2;
@@ -101,7 +101,7 @@ impl<'a> CarSolver<'a> {
             curves[number].at(solver, travels[number], racks[axle])
         };
         let wheels = [read(0)?, read(1)?, read(2)?, read(3)?];
-        Some(Box::new(wheels))
+        Some(OnCurves { wheels, travels })
     }
 
     /// Solves the poses of all wheels at these travels.
@@ -313,33 +313,39 @@ impl<'a> CarSolver<'a> {
     ) -> Result<Balance<f64>, NoEquilibrium> {
         let wheels = self.wheels_of(found)?;
         let parameters = Parameters::of(self.car, case);
-        let base = wheels.base(self.held(case, found), found.travels());
-        Ok(base.balance(&parameters, found.unknowns, |c: f64| c))
+        Ok(wheels.balance(self.held(case, found), &parameters, found.unknowns))
+    }
+
+    /// Poses of both axles in a state that was found.
+    pub fn poses(&mut self, found: &Equilibrium) -> Result<[AxlePose; 2], NoEquilibrium> {
+        match &found.placed {
+            Some(placed) => Ok(**placed),
+            None => self.placed(found.travels(), found.racks),
+        }
     }
 
     /// Reads the wheels of a state that was found: from their curves if the state used those, otherwise from poses.
     pub(super) fn wheels_of(&mut self, found: &Equilibrium) -> Result<Wheels<'a>, NoEquilibrium> {
-        if found.is_near {
-            let racks = found.placed.map(|placed| placed.rack);
-            if let Some(near) = self.near(found.travels(), racks) {
-                return Ok(Wheels::Near(near));
-            }
+        if found.placed.is_none()
+            && let Some(near) = self.near(found.travels(), found.racks)
+        {
+            return Ok(Wheels::Near(Box::new(near)));
         }
         Ok(Wheels::Exact(Box::new(self.readings(found)?)))
     }
 
     /// Reads the wheels of a state that was found, from their poses.
     pub(super) fn readings(&mut self, found: &Equilibrium) -> Result<Readings<'a>, NoEquilibrium> {
+        let placed = self.poses(found)?;
         let mut read = |axle: usize| {
-            let placed = &found.placed[axle];
-            let read = self.axles[axle].read(placed);
+            let read = self.axles[axle].read(&placed[axle]);
             read.map_err(|failure| NoEquilibrium::NoPose { axle, failure })
         };
         let axles = [read(0)?, read(1)?];
         Ok(Readings {
             by_rack: self.by_rack,
             axles,
-            placed: found.placed,
+            placed,
         })
     }
 

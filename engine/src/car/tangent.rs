@@ -1,13 +1,15 @@
 //! Exact tangent of the equations of [`super`], and its factors.
 
+use super::corner::Corner;
 use super::equations::{
-    BODY, Balance, GROUND, LONGITUDINAL, PITCH, ROLL, SIDE_FORCES, TRAVELS, UNKNOWNS,
+    BODY, Body, GROUND, Ground, Held, LONGITUDINAL, Loaded, PITCH, Placed, ROLL, SIDE_FORCES,
+    Stance, TRAVELS, UNKNOWNS, masses, static_loads,
 };
 use super::parameters::Parameters;
 use super::solver::Base;
-use crate::axle::Reading;
+use crate::axle::WheelParts;
 use crate::linear::lu::Lu;
-use crate::number::Dual;
+use crate::number::{Dual, array_of};
 
 pub(super) type Matrix = [[f64; UNKNOWNS]; UNKNOWNS];
 
@@ -40,33 +42,97 @@ impl Factors {
     }
 }
 
-/// Residuals and their derivatives by the unknowns. A wheel depends only on the travels of its own axle.
-pub(super) fn tangent(
-    base: &Base<'_, '_, Reading<f64>>,
+/// Numbers with derivatives by all unknowns.
+type Wide = Dual<f64, UNKNOWNS>;
+
+/// Gives a number with derivatives by some unknowns, in this order, derivatives by all of them.
+fn widened<const N: usize>(narrow: Dual<f64, N>, unknowns: [usize; N]) -> Wide {
+    let mut wide = Wide {
+        value: narrow.value,
+        partials: [0.0; UNKNOWNS],
+    };
+    for (unknown, partial) in unknowns.into_iter().zip(narrow.partials) {
+        wide.partials[unknown] = partial;
+    }
+    wide
+}
+
+/// Unknowns on which a wheel depends before its forces: attitude of the body, its own travel, and for a solid axle the
+/// other travel.
+fn unknowns_of<const N: usize>(number: usize) -> [usize; N] {
+    let all = [
+        ROLL,
+        PITCH,
+        GROUND,
+        TRAVELS + number,
+        TRAVELS + (number ^ 1),
+    ];
+    std::array::from_fn(|k| all[k])
+}
+
+/// A wheel on the ground, with derivatives by its first `N` unknowns.
+fn stance<const N: usize>(
+    held: &Held<'_>,
+    parameters: &Parameters<f64>,
+    x: &[f64; UNKNOWNS],
+    (number, corner): (usize, &Corner<Dual<f64, 2>>),
+    static_load: f64,
+) -> Stance<Wide> {
+    let parameters = parameters.map(Dual::<f64, N>::constant);
+    let corner = corner.map(|c| {
+        let mut narrow = Dual::constant(c.value);
+        narrow.partials[3..].copy_from_slice(&c.partials[..N - 3]);
+        narrow
+    });
+    let attitude = [ROLL, PITCH, GROUND].map(|k| Dual::input(x[k], k));
+    let ground = Ground::of(&parameters, attitude);
+    let static_load = Dual::constant(static_load);
+    let placed = Placed::of(held, &parameters, number, corner, &ground, static_load);
+    let unknowns = unknowns_of(number);
+    placed.stance.map(|c| widened(c, unknowns))
+}
+
+/// Residuals and their derivatives by the unknowns. A wheel depends only on the travels of its own axle, and before its
+/// forces on the attitude and the travels alone. So most arithmetic carries four or five derivatives.
+pub(super) fn tangent<R: WheelParts<f64>>(
+    base: &Base<'_, '_, R>,
     parameters: &Parameters<f64>,
     x: &[f64; UNKNOWNS],
 ) -> ([f64; UNKNOWNS], Matrix) {
-    type Number = Dual<f64, UNKNOWNS>;
+    let held = &base.held;
     let parameters_of_wheels = parameters.map(Dual::<f64, 2>::constant);
     let corners = [0, 1, 2, 3].map(|number: usize| {
         let [own, other] = [number, number ^ 1].map(|wheel| TRAVELS + wheel);
         let travels = [Dual::input(x[own], 0), Dual::input(x[other], 1)];
-        let corner = base.corner(&parameters_of_wheels, number, travels, Dual::constant);
-        corner.map(|c: Dual<f64, 2>| {
-            let mut number = Number::constant(c.value);
-            [number.partials[own], number.partials[other]] = c.partials;
-            number
-        })
+        base.corner(&parameters_of_wheels, number, travels, Dual::constant)
     });
-    let mut unknowns = [Number::constant(0.0); UNKNOWNS];
-    for (k, unknown) in unknowns.iter_mut().enumerate() {
-        *unknown = Dual::input(x[k], k);
-    }
-    let parameters = parameters.map(Number::constant);
-    let balance = Balance::of(&base.held, &parameters, corners, unknowns);
+    let values = corners.each_ref().map(|corner| corner.map(|c| c.value));
+    let masses = masses(held.car, parameters, &values);
+    let static_loads = static_loads(held.car, parameters, &values, &masses);
+    let stances = [0, 1, 2, 3].map(|number: usize| {
+        let axle = number / 2;
+        let (of, load) = ((number, &corners[number]), static_loads[axle]);
+        if base.carriers[axle].is_rigid() {
+            stance::<5>(held, parameters, x, of, load)
+        } else {
+            stance::<4>(held, parameters, x, of, load)
+        }
+    });
+    let attitude: [Dual<f64, 3>; 3] = [ROLL, PITCH, GROUND].map(|k| Dual::input(x[k], k));
+    let parameters_of_body = parameters.map(Dual::<f64, 3>::constant);
+    let ground = Ground::of(&parameters_of_body, attitude);
+    let (mass, cg) = masses.sprung;
+    let sprung = (Dual::constant(mass), cg.map(Dual::constant));
+    let body = Body::of(held, &parameters_of_body, &ground, sprung);
+    let wide = |c: Dual<f64, 3>| widened(c, [ROLL, PITCH, GROUND]);
+    let unknowns: [Wide; UNKNOWNS] = array_of(|k| Wide::input(x[k], k));
+    let parameters = parameters.map(Wide::constant);
+    let wheels = stances.each_ref();
+    let of = (wheels, &body.resultant.map(wide));
+    let loaded = Loaded::of(held, &parameters, &ground.road.map(wide), of, &unknowns);
     (
-        balance.residuals.map(|row| row.value),
-        balance.residuals.map(|row| row.partials),
+        loaded.residuals.map(|row| row.value),
+        loaded.residuals.map(|row| row.partials),
     )
 }
 
@@ -102,12 +168,12 @@ pub(super) const HELD: [usize; 6] = [
     LONGITUDINAL,
 ];
 
-/// Inverse of the tangent in which held unknowns replace the equations of the whole car, in the order of [`HELD`].
-pub(super) fn held_inverse(tangent: &Matrix) -> Option<Matrix> {
+/// Tangent in which held unknowns replace the equations of the whole car, in the order of [`HELD`].
+pub(super) fn held(tangent: &Matrix) -> Matrix {
     let mut matrix = *tangent;
     for (row, unknown) in matrix[BODY..].iter_mut().zip(HELD) {
         row.fill(0.0);
         row[unknown] = 1.0;
     }
-    inverse(&matrix)
+    matrix
 }

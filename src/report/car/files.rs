@@ -5,6 +5,9 @@ use crate::car::{CarMember, CarSolver, Case, Equilibrium, Longitudinal};
 use crate::model::Axis;
 use crate::report::files::csv_of_rows;
 use crate::report::{optional, shortest};
+use crate::study::GgMap;
+use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
 
 /// Makes a CSV file with a header.
 pub(super) fn csv(header: &[String], rows: impl IntoIterator<Item = Vec<String>>) -> Vec<u8> {
@@ -119,10 +122,9 @@ impl<'s> CarResults<'s> {
         csv(&header, rows)
     }
 
-    /// States of the g-g map, if the study requests it. Each state starts from its neighbour.
-    pub fn gg(&self, solver: &mut CarSolver<'s>) -> Option<GgResults> {
-        let map = self.study.gg_map.as_ref()?;
-        let mut shown = CarMap::of(&map.ax, &map.ay);
+    /// States of a g-g map, on the threads of the current rayon pool. Each row has one ax and its own copy of the solver, and
+    /// each state of a row starts from the one before. So the results do not depend on the number of threads.
+    pub fn gg(&self, solver: CarSolver<'s>, map: &GgMap) -> GgResults {
         let rack = format!("rack_{}", self.unit());
         let fixed = [
             "ax_g",
@@ -135,42 +137,73 @@ impl<'s> CarResults<'s> {
         let mut header: Vec<String> = fixed.map(str::to_owned).to_vec();
         header.extend(self.columns());
         header.extend(["reason".to_owned(), "status".to_owned()]);
-        let mut rows = Vec::new();
+        let solver = Mutex::new(solver);
+        let row = |ax: &f64| {
+            let own = solver
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .clone();
+            self.gg_row(own, map, *ax)
+        };
+        let rows: Vec<GgRow> = map.ax.par_iter().map(row).collect();
+        let mut shown = CarMap::of(&map.ax, &map.ay);
+        let mut cells = Vec::with_capacity(map.ax.len() * map.ay.len());
         let mut failures = 0;
-        for ax in &map.ax {
-            let mut before: Option<Equilibrium> = None;
-            for ay in &map.ay {
-                let case = map.at(*ax, *ay);
-                let state = state(solver, &case, before.as_ref());
-                shown.push(&state, &case);
-                let mut row = vec![
-                    shortest(*ax),
-                    shortest(*ay),
-                    shortest(case.az),
-                    shortest(case.speed),
-                    shortest(self.rack(&case)),
-                ];
-                match &state {
-                    CarState::Solved { found, .. } => {
-                        row.push(lifted_wheels(&found.lifted));
-                        before = Some(Equilibrium::clone(found));
-                    }
-                    CarState::Failed(_) => {
-                        row.push(String::new());
-                        failures += 1;
-                    }
-                }
-                row.extend(self.values(&state, &case));
-                row.extend(Self::end(&state));
-                rows.push(row);
-            }
+        for row in rows {
+            failures += row.failures;
+            shown.append(row.shown);
+            cells.extend(row.cells);
         }
-        Some(GgResults {
-            csv: csv(&header, rows),
+        GgResults {
+            csv: csv(&header, cells),
             map: shown,
             failures,
-        })
+        }
     }
+
+    /// States of a g-g map with the same ax.
+    fn gg_row(&self, mut solver: CarSolver<'s>, map: &GgMap, ax: f64) -> GgRow {
+        let mut row = GgRow {
+            cells: Vec::with_capacity(map.ay.len()),
+            shown: CarMap::of(&[ax], &map.ay),
+            failures: 0,
+        };
+        let mut before: Option<Box<Equilibrium>> = None;
+        for ay in &map.ay {
+            let case = map.at(ax, *ay);
+            let state = state(&mut solver, &case, before.as_deref());
+            row.shown.push(&state, &case);
+            let mut cells = vec![
+                shortest(ax),
+                shortest(*ay),
+                shortest(case.az),
+                shortest(case.speed),
+                shortest(self.rack(&case)),
+            ];
+            match &state {
+                CarState::Solved { found, .. } => cells.push(lifted_wheels(&found.lifted)),
+                CarState::Failed(_) => {
+                    cells.push(String::new());
+                    row.failures += 1;
+                }
+            }
+            cells.extend(self.values(&state, &case));
+            cells.extend(Self::end(&state));
+            row.cells.push(cells);
+            if let CarState::Solved { found, .. } = state {
+                before = Some(found);
+            }
+        }
+        row
+    }
+}
+
+/// States of a g-g map with the same ax.
+struct GgRow {
+    /// Cells of `gg.csv`, one list per state.
+    cells: Vec<Vec<String>>,
+    shown: CarMap,
+    failures: usize,
 }
 
 fn longitudinal(case: &Case) -> &'static str {

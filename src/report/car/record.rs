@@ -279,6 +279,12 @@ impl CarMap {
         }
     }
 
+    /// Adds the states of another map.
+    pub(super) fn append(&mut self, other: CarMap) {
+        self.friction.extend(other.friction);
+        self.lifted.extend(other.lifted);
+    }
+
     /// Adds the next state.
     pub(super) fn push(&mut self, state: &CarState<'_>, case: &Case) {
         let (friction, lifted) = match state {

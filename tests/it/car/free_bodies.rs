@@ -212,6 +212,7 @@ fn worst(car: &Car, solver: &mut CarSolver<'_>, case: &Case, found: &Equilibrium
     let labels = CarMember::all(car);
     let unsprung = |number: usize| 0.5 * car.axles[number / 2].setup.unsprung_mass.unwrap();
     let total: f64 = (0..4).map(unsprung).sum();
+    let poses = solver.poses(found).unwrap();
     let weight = car.mass * GRAVITY;
     let road = &state.road;
     let inertia =
@@ -231,7 +232,7 @@ fn worst(car: &Car, solver: &mut CarSolver<'_>, case: &Case, found: &Equilibrium
                 car.rear_offset
             };
             let suspension = car.axles[axle].suspension(side);
-            let pose = found.placed[axle].poses()[side as usize];
+            let pose = poses[axle].poses()[side as usize];
             let rack = sign * case.racks[axle];
             let wheel = &state.wheels[number];
             let tyre = road.up * wheel.load + wheel.across * wheel.side_force;

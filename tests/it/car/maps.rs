@@ -1,5 +1,6 @@
 //! States of a map, each from its neighbour, are those of the cases by themselves; and the time that they take.
 
+use super::commands::hardpoint;
 use super::{car, reference};
 use hardpoint::car::{
     Car, CarQuantity, CarSolver, Case, Equilibrium, Longitudinal, LongitudinalShares,
@@ -84,6 +85,20 @@ fn neighbours_are_the_states_of_their_cases() {
         });
         println!("largest difference {most:e}");
     }
+}
+
+/// Each row of a map has its own copy of the solver, so `gg.csv` has the same bytes for any number of threads.
+#[test]
+fn bytes_do_not_depend_on_the_threads() {
+    let directory = tempfile::tempdir().unwrap();
+    hardpoint(directory.path(), &["new", "car"]).success();
+    let maps = ["1", "2"].map(|threads| {
+        let arguments = ["solve", "car.toml", "--threads", threads, "--out", threads];
+        hardpoint(directory.path(), &arguments).success();
+        std::fs::read(directory.path().join(threads).join("gg.csv")).unwrap()
+    });
+    assert_eq!(maps[0].iter().filter(|byte| **byte == b'\n').count(), 21);
+    assert_eq!(maps[0], maps[1]);
 }
 
 /// Prints the states of a map that are solved per second: alone, with the parts of the loads, with all results, with member loads.

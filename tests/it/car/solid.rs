@@ -68,7 +68,7 @@ fn four_links_hold_the_axle() {
             solved += 1;
             let state = solver.balance(&case, &found).unwrap();
             let left = &car.axles[1].left;
-            let pose = found.placed[1].poses()[Side::Left as usize];
+            let pose = solver.poses(&found).unwrap()[1].poses()[Side::Left as usize];
             let at = Configuration::new(&left.mechanism, &left.design, pose, 0.0);
             let place = |name: &str| {
                 let id = left.mechanism.point(name).unwrap();

@@ -194,7 +194,7 @@ fn rods_hold_axle_and_knuckles() {
             solved += 1;
             let state = solver.balance(&case, &found).unwrap();
             let bodies = FreeBodies {
-                points: places(&car, &found.placed[0], &NAMES),
+                points: places(&car, &solver.poses(&found).unwrap()[0], &NAMES),
             };
             let (sum, rods) = (bodies.loads(&state, &case), bodies.rods());
             let tensions = rods.clone().svd(true, true).solve(&-&sum, 1e-12).unwrap();
@@ -301,11 +301,12 @@ fn the_roll_centre_is_that_of_the_axle() {
         case.setting.elastic_tyres = false;
         let found = solver.solve(&case).unwrap();
         let state = solver.balance(&case, &found).unwrap();
+        let poses = solver.poses(&found).unwrap();
         let names = ["kingpin_lower", "right_kingpin_lower", "lower_link_axle"];
         let mut axle = AxleSolver::<2>::new(&car.axles[0], &[], false).unwrap();
         let h = 0.01;
         let mut at = |by: f64| {
-            let [left, right] = found.placed[0].travels;
+            let [left, right] = poses[0].travels;
             let placement = Placement::Travels {
                 travels: [left + by, right - by],
                 rack: gear,

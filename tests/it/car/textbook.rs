@@ -31,6 +31,7 @@ fn textbook_formulas_are_near() {
     rest.setting.elastic_tyres = false;
     let mut solver = CarSolver::new(&car).unwrap();
     let found = solver.solve(&rest).unwrap();
+    let poses = solver.poses(&found).unwrap();
     let solved = solver.solved(&rest, &found).unwrap();
     let value = |quantity: CarQuantity| quantity.evaluate(&solved);
     let whole = |result| value(CarQuantity::Whole(result));
@@ -52,7 +53,7 @@ fn textbook_formulas_are_near() {
         let [k, h] = of_level_axle(
             &car,
             axle,
-            found.placed[axle].travels,
+            poses[axle].travels,
             [A::RollStiffnessAtLoad, A::RollCentreHeight],
         );
         (stiffness[axle], centres[axle]) = (k, h);
@@ -125,6 +126,7 @@ fn warp_is_the_series_of_both_axles() {
     rest.setting.elastic_tyres = false;
     let mut solver = CarSolver::new(&car).unwrap();
     let found = solver.solve(&rest).unwrap();
+    let poses = solver.poses(&found).unwrap();
     let solved = solver.solved(&rest, &found).unwrap();
     let mut rates = [0.0; 2];
     let mut tracks = [0.0; 2];
@@ -132,7 +134,7 @@ fn warp_is_the_series_of_both_axles() {
         let [k, track] = of_level_axle(
             &car,
             axle,
-            found.placed[axle].travels,
+            poses[axle].travels,
             [A::RollStiffnessAtLoad, A::Track],
         );
         tracks[axle] = track;

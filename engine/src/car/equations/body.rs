@@ -36,7 +36,7 @@ pub(super) fn energy<T: Scalar>(
 }
 
 /// Masses of a car and their centres.
-pub(super) struct CarMasses<T> {
+pub(in crate::car) struct CarMasses<T> {
     /// Sprung mass, and its centre of gravity.
     pub sprung: (T, Vector3<T>),
     /// Mass of the whole car, and its centre of gravity.
@@ -48,7 +48,7 @@ pub(super) struct CarMasses<T> {
 }
 
 /// Computes the masses of the car and their centres.
-pub(super) fn masses<T: Scalar>(
+pub(in crate::car) fn masses<T: Scalar>(
     car: &Car,
     parameters: &Parameters<T>,
     corners: &[Corner<T>; 4],
@@ -92,7 +92,7 @@ pub(super) fn masses<T: Scalar>(
 
 /// Load on each wheel of the front and rear axle at rest in the design position, by the lever rule. Both wheels of an axle
 /// share its load equally.
-pub(super) fn static_loads<T: Scalar>(
+pub(in crate::car) fn static_loads<T: Scalar>(
     car: &Car,
     parameters: &Parameters<T>,
     corners: &[Corner<T>; 4],
@@ -120,19 +120,17 @@ pub(super) fn static_loads<T: Scalar>(
     [on_front, mass - on_front].each(|carried| carried.scaled(0.5 * GRAVITY))
 }
 
-/// Torque of each axle's bar: its rate times the left lever's angle less the right lever's.
-pub(super) fn bar_torques<T: Scalar>(
+/// Torque of an axle's bar: its rate times the left lever's angle less the right lever's.
+pub(super) fn bar_torque<T: Scalar>(
     car: &Car,
     parameters: &Parameters<T>,
-    corners: &[Corner<T>; 4],
-) -> [T; 2] {
-    [0, 1].each(|axle| match car.axles[axle].setup.bar_rate {
-        Some(_) => {
-            let [left, right] = [0, 1].each(|side| corners[2 * axle + side].bar);
-            parameters.axle(axle, AxleParameter::BarRate) * (left - right)
-        }
-        None => corners[0].centre.x.zero(),
-    })
+    axle: usize,
+    [left, right]: [T; 2],
+) -> T {
+    match car.axles[axle].setup.bar_rate {
+        Some(_) => parameters.axle(axle, AxleParameter::BarRate) * (left - right),
+        None => parameters.body(BodyParameter::Mass).zero(),
+    }
 }
 
 /// Computes the lateral and longitudinal share of each wheel in the force of its axle (3).

@@ -1,13 +1,15 @@
 //! Contact and travels of the wheels, (2) to (9) of [`super::super`].
 
 use super::super::corner::{Corner, WheelRates};
-use super::super::parameters::{AxleParameter, Parameters};
+use super::super::parameters::{AxleParameter, BodyParameter, Parameters};
 use super::super::road::Road;
 use super::super::{Car, TyreAxes};
-use super::{Held, WheelState};
+use super::{Ground, Held, Resultant, WheelState};
+use crate::axle::RockerMotion;
 use crate::number::{Each, Scalar, Vector3};
 
-/// Forces on one wheel, and shares that give them.
+/// Forces on one wheel, and the share that gives its lateral force.
+#[derive(Clone, Copy)]
 pub(super) struct Forces<T> {
     /// Wheel load.
     pub load: T,
@@ -21,67 +23,167 @@ pub(super) struct Forces<T> {
     pub bar: T,
     /// Derivative, by the wheel's own travel, of the energy of the springs between the rockers.
     pub rocker: T,
-    /// Force that accelerates the wheel's mass.
-    pub inertia: Vector3<T>,
-    /// Wheel load at rest, from which the free radius of the tyre follows.
-    pub static_load: T,
 }
 
-/// Work per unit of one travel of the axle.
+/// Work on a wheel per unit of one travel of its axle. The forces of the tyre and the torque of the bar are units.
 #[derive(Clone, Copy)]
-struct Work<T> {
-    /// Rise n.C' of the contact point.
+pub(super) struct Work<T> {
+    /// Rise n.C' of the contact point, the work of a unit load.
     rise: T,
-    /// Generalised forces that the wheel load balances: elastic, geometric, longitudinal, unsprung.
-    parts: [T; 4],
+    /// Work lambda.C' of a unit lateral force.
+    side: T,
+    /// Work t.B' of a unit longitudinal force.
+    longitudinal: T,
+    /// Work of a unit torque of the bar; zero without a bar.
+    bar: T,
+    /// Derivative of the energy of the wheel's spring and its stops.
+    spring: T,
+    /// Work m_b alpha.W' of the force that accelerates the wheel's mass.
+    unsprung: T,
 }
 
-/// A wheel, the residual of its contact, and the work of its forces.
+/// Contact of a tyre with the ground.
 #[derive(Clone, Copy)]
-pub(super) struct Pushed<T> {
-    pub wheel: WheelState<T>,
-    pub contact: T,
+enum Contact<T> {
+    /// The wheel is lifted.
+    Lifted,
+    /// A rigid tyre, with its height over the ground.
+    Rigid(T),
+    /// A tyre spring, with its load.
+    Elastic(T),
+}
+
+/// A wheel on the ground, with all numbers that multiply its forces. They depend only on the ground and on the travels of
+/// the axle.
+#[derive(Clone, Copy)]
+pub(in crate::car) struct Stance<T> {
+    contact: Contact<T>,
+    /// Contact point C.
+    pub at: Vector3<T>,
+    /// Unit vector along which longitudinal forces act.
+    pub heading: Vector3<T>,
+    /// Unit vector along which lateral forces act.
+    pub across: Vector3<T>,
+    /// Angle of the bar's lever.
+    pub bar: T,
+    /// Motion of the rocker; `None` without springs between the rockers.
+    pub rocker: Option<RockerMotion<T>>,
+    /// Force and moment of the inertia of the wheel's mass.
+    pub inertia: Resultant<T>,
     own: Work<T>,
     other: Option<Work<T>>,
 }
 
-/// Both wheels of an axle, and the residuals of its two travels.
-pub(super) struct TravelRows<T> {
-    pub wheels: [WheelState<T>; 2],
-    pub residuals: [T; 2],
-}
-
-/// Equations (7) of both travels, and parts (9) of the loads. Each travel of a solid axle moves both wheels, so its parts
-/// come from two simultaneous equations.
-pub(super) fn travel_rows<T: Scalar>([left, right]: [Pushed<T>; 2]) -> TravelRows<T> {
-    let mut wheels = [left.wheel, right.wheel];
-    let row = |work: &Work<T>, load: T| {
-        let [elastic, geometric, longitudinal, unsprung] = work.parts;
-        load * work.rise - elastic - geometric - longitudinal - unsprung
-    };
-    let [left_load, right_load] = [left.wheel.load, right.wheel.load];
-    let mut residuals = [row(&left.own, left_load), row(&right.own, right_load)];
-    match (left.other, right.other) {
-        (Some(left_by_other), Some(right_by_other)) => {
-            residuals[0] = residuals[0] + row(&right_by_other, right_load);
-            residuals[1] = residuals[1] + row(&left_by_other, left_load);
-            let (a, b) = (left.own.rise, right_by_other.rise);
-            let (c, d) = (left_by_other.rise, right.own.rise);
-            let inverse = a.one() / (a * d - b * c);
-            for part in 0..4 {
-                let by_left = left.own.parts[part] + right_by_other.parts[part];
-                let by_right = left_by_other.parts[part] + right.own.parts[part];
-                wheels[0].parts[part] = (d * by_left - b * by_right) * inverse;
-                wheels[1].parts[part] = (a * by_right - c * by_left) * inverse;
-            }
-        }
-        _ => {
-            for (wheel, own) in wheels.iter_mut().zip([left.own, right.own]) {
-                wheel.parts = own.parts.each(|part| part / own.rise);
-            }
+impl<T: Copy> Work<T> {
+    fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Work<U> {
+        Work {
+            rise: f(self.rise),
+            side: f(self.side),
+            longitudinal: f(self.longitudinal),
+            bar: f(self.bar),
+            spring: f(self.spring),
+            unsprung: f(self.unsprung),
         }
     }
-    TravelRows { wheels, residuals }
+}
+
+impl<T: Scalar> Work<T> {
+    /// Parts of the work that the wheel load balances: elastic, geometric, longitudinal, unsprung.
+    fn parts(&self, forces: &Forces<T>, is_own: bool) -> [T; 4] {
+        let springs = self.spring + forces.bar * self.bar;
+        [
+            if is_own {
+                springs + forces.rocker
+            } else {
+                springs
+            },
+            -(forces.side * self.side),
+            -(forces.longitudinal * self.longitudinal),
+            self.unsprung,
+        ]
+    }
+
+    /// Residual of (7) for one wheel.
+    fn residual(&self, forces: &Forces<T>, is_own: bool) -> T {
+        let [elastic, geometric, longitudinal, unsprung] = self.parts(forces, is_own);
+        forces.load * self.rise - elastic - geometric - longitudinal - unsprung
+    }
+}
+
+impl<T: Copy> Stance<T> {
+    /// Converts all numbers to another kind.
+    pub(in crate::car) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Stance<U> {
+        Stance {
+            contact: match self.contact {
+                Contact::Lifted => Contact::Lifted,
+                Contact::Rigid(height) => Contact::Rigid(f(height)),
+                Contact::Elastic(load) => Contact::Elastic(f(load)),
+            },
+            at: self.at.map(f),
+            heading: self.heading.map(f),
+            across: self.across.map(f),
+            bar: f(self.bar),
+            rocker: self.rocker.as_ref().map(|rocker| rocker.map(f)),
+            inertia: self.inertia.map(f),
+            own: self.own.map(f),
+            other: self.other.as_ref().map(|work| work.map(f)),
+        }
+    }
+}
+
+impl<T: Scalar> Stance<T> {
+    /// Residual of the contact (4), (5) or, for a lifted wheel, of its load (6).
+    pub(super) fn contact_residual(&self, load: T) -> T {
+        match self.contact {
+            Contact::Lifted => load,
+            Contact::Rigid(height) => height,
+            Contact::Elastic(sprung) => load - sprung,
+        }
+    }
+}
+
+/// Residuals of equation (7) for both travels of an axle. Each travel of a solid axle moves both wheels.
+pub(super) fn travel_residuals<T: Scalar>(
+    [left, right]: [&Stance<T>; 2],
+    [on_left, on_right]: [&Forces<T>; 2],
+) -> [T; 2] {
+    let mut residuals = [
+        left.own.residual(on_left, true),
+        right.own.residual(on_right, true),
+    ];
+    if let (Some(left), Some(right)) = (&left.other, &right.other) {
+        residuals[0] = residuals[0] + right.residual(on_right, false);
+        residuals[1] = residuals[1] + left.residual(on_left, false);
+    }
+    residuals
+}
+
+/// Parts (9) of the loads of an axle. Those of a solid axle come from two simultaneous equations.
+pub(super) fn load_parts<T: Scalar>(
+    [left, right]: [&Stance<T>; 2],
+    [on_left, on_right]: [&Forces<T>; 2],
+) -> [[T; 4]; 2] {
+    let [by_left, by_right] = [
+        left.own.parts(on_left, true),
+        right.own.parts(on_right, true),
+    ];
+    let (Some(left_other), Some(right_other)) = (&left.other, &right.other) else {
+        let divided = |parts: [T; 4], by: &Work<T>| parts.each(|part| part / by.rise);
+        return [divided(by_left, &left.own), divided(by_right, &right.own)];
+    };
+    let of_right = right_other.parts(on_right, false);
+    let of_left = left_other.parts(on_left, false);
+    let (a, b) = (left.own.rise, right_other.rise);
+    let (c, d) = (left_other.rise, right.own.rise);
+    let inverse = a.one() / (a * d - b * c);
+    let mut parts = [by_left, by_right];
+    for part in 0..4 {
+        let by_left = by_left[part] + of_right[part];
+        let by_right = of_left[part] + by_right[part];
+        parts[0][part] = (d * by_left - b * by_right) * inverse;
+        parts[1][part] = (a * by_right - c * by_left) * inverse;
+    }
+    parts
 }
 
 /// Tyre on the ground, by (2).
@@ -144,12 +246,13 @@ impl<T: Scalar> Tread<T> {
         }
     }
 
-    /// Residual of the contact; for a lifted wheel, of its load.
-    fn residual(&self, load: T, is_lifted: bool) -> T {
+    fn contact(&self, is_lifted: bool) -> Contact<T> {
         match (is_lifted, self.spring) {
-            (true, _) => load,
-            (false, None) => self.height - self.radius * self.tilt,
-            (false, Some((rate, free))) => load - rate * (free - self.loaded) / self.tilt,
+            (true, _) => Contact::Lifted,
+            (false, None) => Contact::Rigid(self.height - self.radius * self.tilt),
+            (false, Some((rate, free))) => {
+                Contact::Elastic(rate * (free - self.loaded) / self.tilt)
+            }
         }
     }
 
@@ -204,74 +307,115 @@ fn spring_force<T: Scalar>(
         + parameters.axle(axle, AxleParameter::SpringRate) * shortened
 }
 
-/// Computes a wheel, the residual of its contact, and the work of its forces: (2) to (7).
-pub(super) fn wheel_balance<T: Scalar>(
-    held: &Held<'_>,
-    parameters: &Parameters<T>,
-    number: usize,
+/// A wheel on the ground without its forces: (2), and the factors of the forces in (4) to (8).
+pub(in crate::car) struct Placed<T> {
     corner: Corner<T>,
-    (road, ground): (&Road<T>, T),
-    forces: &Forces<T>,
-) -> Pushed<T> {
-    let axle = number / 2;
-    let (setting, setup) = (&held.case.setting, &held.car.axles[axle].setup);
-    let place = (road.up, ground);
-    let tread = Tread::of(held, parameters, number, &corner, place, forces.static_load);
-    let (heading, across) = tyre_axes(setting.tyre_axes, &corner, road, tread.tilt);
-    let by_carrier = held.car.carrier_takes_torque(axle, setting.longitudinal);
-    let spring_force = spring_force(held.car, parameters, axle, &corner);
-    let has_rocker_springs = !setup.rocker_springs.are_none();
-    let work = |rates: &WheelRates<T>, is_own: bool| {
-        let mut elastic = tread.tilt.zero();
-        if setup.springs.is_some() {
-            elastic = elastic - spring_force * rates.spring;
-        }
-        if setup.bar_rate.is_some() {
-            elastic = elastic + forces.bar * rates.bar;
-        }
-        if has_rocker_springs && is_own {
-            elastic = elastic + forces.rocker;
-        }
-        let contact_rate = tread.carried(rates);
-        let pushed = tread.pushed(rates, corner.spin, by_carrier);
-        Work {
-            rise: road.up.dot(contact_rate),
-            parts: [
-                elastic,
-                -(forces.side * across.dot(contact_rate)),
-                -(forces.longitudinal * heading.dot(pushed)),
-                forces.inertia.dot(rates.centre),
-            ],
-        }
-    };
-    let law = setup.springs.as_ref();
-    let law = law.map(|laws| &laws[usize::from(corner.sign < 0.0)]);
-    let wheel = WheelState {
-        corner,
-        load: forces.load,
-        parts: [tread.tilt.zero(); 4],
-        side_force: forces.side,
-        longitudinal_force: forces.longitudinal,
-        share: forces.share,
-        heading,
-        across,
-        contact: corner.centre + tread.lever,
-        contact_rate: tread.carried(&corner.own),
-        contact_by_other: corner.other.as_ref().map(|rates| tread.carried(rates)),
-        radius: tread.loaded,
-        gap: tread.height - tread.free * tread.tilt,
-        spring_force,
-        stop_gaps: match law {
-            Some(own) => {
-                [&own.bump_stop, &own.rebound_stop].map(|stop| stop.as_ref().map(|s| s.gap))
+    tread: Tread<T>,
+    spring_force: T,
+    pub stance: Stance<T>,
+}
+
+impl<T: Scalar> Placed<T> {
+    /// Places a wheel on the ground.
+    pub(in crate::car) fn of(
+        held: &Held<'_>,
+        parameters: &Parameters<T>,
+        number: usize,
+        corner: Corner<T>,
+        ground: &Ground<T>,
+        static_load: T,
+    ) -> Self {
+        let axle = number / 2;
+        let (setting, setup) = (&held.case.setting, &held.car.axles[axle].setup);
+        let road = &ground.road;
+        let warp = parameters.body(BodyParameter::Warp);
+        let height = match number {
+            0 | 3 => ground.height + warp,
+            _ => ground.height - warp,
+        };
+        let place = (road.up, height);
+        let tread = Tread::of(held, parameters, number, &corner, place, static_load);
+        let (heading, across) = tyre_axes(setting.tyre_axes, &corner, road, tread.tilt);
+        let by_carrier = held.car.carrier_takes_torque(axle, setting.longitudinal);
+        let spring_force = spring_force(held.car, parameters, axle, &corner);
+        let unsprung = parameters
+            .axle(axle, AxleParameter::UnsprungMass)
+            .scaled(0.5);
+        let inertia = ground.acceleration * unsprung;
+        let zero = tread.tilt.zero();
+        let work = |rates: &WheelRates<T>| {
+            let contact_rate = tread.carried(rates);
+            let pushed = tread.pushed(rates, corner.spin, by_carrier);
+            Work {
+                rise: road.up.dot(contact_rate),
+                side: across.dot(contact_rate),
+                longitudinal: heading.dot(pushed),
+                bar: setup.bar_rate.map_or(zero, |_| rates.bar),
+                spring: match setup.springs {
+                    Some(_) => -(spring_force * rates.spring),
+                    None => zero,
+                },
+                unsprung: inertia.dot(rates.centre),
             }
-            None => [None; 2],
-        },
-    };
-    Pushed {
-        wheel,
-        contact: tread.residual(forces.load, held.lifted[number]),
-        own: work(&corner.own, true),
-        other: corner.other.as_ref().map(|rates| work(rates, false)),
+        };
+        let mut resultant = Resultant::zero(zero);
+        resultant.act(corner.centre, -inertia);
+        let stance = Stance {
+            contact: tread.contact(held.lifted[number]),
+            at: corner.centre + tread.lever,
+            heading,
+            across,
+            bar: corner.bar,
+            rocker: (!setup.rocker_springs.are_none()).then_some(corner.rocker),
+            inertia: resultant,
+            own: work(&corner.own),
+            other: corner.other.as_ref().map(work),
+        };
+        Placed {
+            corner,
+            tread,
+            spring_force,
+            stance,
+        }
+    }
+
+    /// State of the wheel under forces.
+    pub(super) fn under(
+        &self,
+        held: &Held<'_>,
+        axle: usize,
+        forces: &Forces<T>,
+        parts: [T; 4],
+    ) -> WheelState<T> {
+        let Placed {
+            corner,
+            tread,
+            spring_force,
+            stance,
+        } = self;
+        let law = held.car.axles[axle].setup.springs.as_ref();
+        let law = law.map(|laws| &laws[usize::from(corner.sign < 0.0)]);
+        WheelState {
+            corner: *corner,
+            load: forces.load,
+            parts,
+            side_force: forces.side,
+            longitudinal_force: forces.longitudinal,
+            share: forces.share,
+            heading: stance.heading,
+            across: stance.across,
+            contact: stance.at,
+            contact_rate: tread.carried(&corner.own),
+            contact_by_other: corner.other.as_ref().map(|rates| tread.carried(rates)),
+            radius: tread.loaded,
+            gap: tread.height - tread.free * tread.tilt,
+            spring_force: *spring_force,
+            stop_gaps: match law {
+                Some(own) => {
+                    [&own.bump_stop, &own.rebound_stop].map(|stop| stop.as_ref().map(|s| s.gap))
+                }
+                None => [None; 2],
+            },
+        }
     }
 }

@@ -1,8 +1,7 @@
 //! A state in equilibrium.
 
-use super::super::NoEquilibrium;
 use super::super::equations::{TRAVELS, UNKNOWNS};
-use super::super::tangent::{Factors, Matrix};
+use super::super::tangent::Factors;
 use crate::axle::AxlePose;
 
 /// A state in equilibrium.
@@ -14,44 +13,16 @@ pub struct Equilibrium {
     pub lifted: [bool; 4],
     /// Number of evaluations of the equations.
     pub evaluations: usize,
-    /// Pose of both wheels of each axle.
-    pub placed: [AxlePose; 2],
-    /// True if the wheels come from their curves, which agree with poses up to rounding error.
-    pub(in crate::car) is_near: bool,
-    /// Derivatives of the equations by the unknowns.
-    pub(in crate::car) tangent: Box<Matrix>,
-    /// Factors of the tangent.
+    /// Rack displacement of each axle.
+    pub racks: [f64; 2],
+    /// Pose of both wheels of each axle; `None` if the wheels come from their curves, which agree with poses up to rounding
+    /// error. [`CarSolver::poses`](super::CarSolver::poses) solves those poses.
+    pub(in crate::car) placed: Option<Box<[AxlePose; 2]>>,
+    /// Factors of the tangent at the last step but one or earlier, so close that its relative change is negligible.
     pub(in crate::car) factors: Box<Factors>,
 }
 
 impl Equilibrium {
-    /// Makes the state at the end of Newton's method from the last unknowns, with the residuals and the tangent there. It takes
-    /// one last step with this tangent. The readings also hold near their travels, so they need no update.
-    pub(super) fn converged(
-        unknowns: [f64; UNKNOWNS],
-        lifted: [bool; 4],
-        placed: [AxlePose; 2],
-        is_near: bool,
-        evaluations: usize,
-        (residuals, tangent): ([f64; UNKNOWNS], Matrix),
-    ) -> Result<Self, NoEquilibrium> {
-        let factors = Factors::of(&tangent).ok_or(NoEquilibrium::Singular)?;
-        let mut state = Equilibrium {
-            unknowns,
-            lifted,
-            evaluations,
-            placed,
-            is_near,
-            factors: Box::new(factors),
-            tangent: Box::new(tangent),
-        };
-        let last = state.factors.solve(residuals.map(|residual| -residual));
-        for (unknown, step) in state.unknowns.iter_mut().zip(last) {
-            *unknown += step;
-        }
-        Ok(state)
-    }
-
     /// Travels of the wheels.
     #[inline]
     pub(in crate::car) fn travels(&self) -> [f64; 4] {

@@ -1,14 +1,23 @@
 //! Newton's method for one set of wheels in contact.
+//!
+//! Factors of a tangent serve for several steps. With the unknowns x and steps s in units of their sizes, let L bound the
+//! relative change of the tangent G_x per step. With the factors at y, a step s from x leaves the error
+//!
+//! ```text
+//! e <= L (|x - y| + |s|) |s|                                                                                    (1)
+//! ```
+//!
+//! A step is the last one if this error is below rounding. L is [`CURVATURE`], or ten times what the steps before showed by
+//! (1) if that is more.
 
 use super::super::equations::{GROUND, Held, LOADS, PITCH, ROLL, TRAVELS, UNKNOWNS};
 use super::super::parameters::Parameters;
-use super::super::tangent::{Factors, tangent};
+use super::super::tangent::{Factors, Matrix};
 use super::super::{Car, Case, NoEquilibrium};
 use super::equilibrium::Equilibrium;
-use super::readings::{Base, Wheels};
+use super::readings::Wheels;
 use super::start::Start;
 use super::{CarSolver, LONGEST_TRAVEL, LONGEST_TURN};
-use crate::axle::Reading;
 
 /// Largest number of Newton steps for one set of wheels in contact. Steps back count as well.
 const MOST_STEPS: usize = 60;
@@ -17,8 +26,19 @@ const MOST_STEPS: usize = 60;
 const CONTRACTION: f64 = 0.1;
 /// After a step below this, in sizes of the unknowns, the tangent serves for the next step.
 const NEAR: f64 = 2e-3;
+/// After a step between half of [`NEAR`] and this, the tangent of a neighbouring state still serves for the next step. After
+/// a shorter step a tangent is computed, because it then lies close to the solution.
+const BESIDE: f64 = 2e-2;
 /// A step below this, in sizes of the unknowns, is rounding error.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// Relative change of the tangent per size of the unknowns that (1) assumes at least.
+const CURVATURE: f64 = 100.0;
+
+/// Factors of a tangent, with the unknowns at which it was computed. `None` for the tangent of another state.
+struct Linear {
+    factors: Box<Factors>,
+    at: Option<[f64; UNKNOWNS]>,
+}
 
 impl<'a> CarSolver<'a> {
     /// Reads the wheels at these travels. `is_exact` demands poses.
@@ -29,7 +49,7 @@ impl<'a> CarSolver<'a> {
         is_exact: bool,
     ) -> Result<Wheels<'a>, NoEquilibrium> {
         if !is_exact && let Some(near) = self.near(travels, racks) {
-            return Ok(Wheels::Near(near));
+            return Ok(Wheels::Near(Box::new(near)));
         }
         Ok(Wheels::Exact(Box::new(self.read(travels, racks)?)))
     }
@@ -54,84 +74,210 @@ impl<'a> CarSolver<'a> {
             lifted,
         };
         let parameters = Parameters::of(self.car, case);
-        let sizes = Sizes::of(&start, self.car);
-        let mut x = start;
-        let mut reached: Option<[f64; UNKNOWNS]> = None;
-        let mut smallest = f64::INFINITY;
-        let mut evaluations = 0;
-        let mut factors = known.cloned();
+        let mut at = Iteration::at(start, self.car, known);
         let mut is_last = self.curves.is_none();
+        let mut evaluations = 0;
         for _ in 0..MOST_STEPS {
-            let travels: [f64; 4] = [0, 1, 2, 3].map(|k| x[TRAVELS + k]);
+            let travels: [f64; 4] = [0, 1, 2, 3].map(|k| at.x[TRAVELS + k]);
             let wheels = match self.wheels(travels, case.racks, is_last) {
                 Ok(wheels) => wheels,
                 Err(failure) => {
-                    x = sizes.half_way_back(&x, reached.as_ref()).ok_or(failure)?;
+                    let back = at.sizes.half_way_back(&at.x, at.reached.as_ref());
+                    at.x = back.ok_or(failure)?;
                     continue;
                 }
             };
             evaluations += 1;
-            let base = wheels.base(held, travels);
-            let is_fresh = factors.is_none();
-            let (residuals, lu) = linearised(&base, &parameters, &x, factors.take())?;
-            let step = lu.solve(residuals.map(|residual| -residual));
-            let longest = sizes.longest(&step);
-            if !longest.is_finite() {
-                // Factors of another state can fail here, so the tangent is computed here.
-                if is_fresh {
-                    return Err(NoEquilibrium::Singular);
+            let Some(step) = at.step(&wheels, held, &parameters)? else {
+                continue;
+            };
+            let is_end = at.is_end(&step);
+            if !(is_end && step.distance <= NEAR) {
+                at.advance(step, is_end);
+                continue;
+            }
+            moved(&mut at.x, &step.change, 1.0);
+            let placed = match wheels {
+                Wheels::Near(_) if !may_be_near => {
+                    is_last = true;
+                    at.begin_again(step.linear);
+                    continue;
                 }
-                continue;
-            }
-            let is_end = longest <= ROUNDING || longest >= smallest && smallest <= 1e-10;
-            let is_near = matches!(wheels, Wheels::Near(_));
-            if is_end && is_near && !may_be_near {
-                (is_last, smallest) = (true, f64::INFINITY);
-                factors = Some(lu);
-                continue;
-            }
-            if is_end {
-                let equations = tangent(&base, &parameters, &x);
-                let placed = match &wheels {
-                    Wheels::Exact(readings) => readings.placed,
-                    Wheels::Near(_) => self.placed(travels, case.racks)?,
-                };
-                return Equilibrium::converged(x, lifted, placed, is_near, evaluations, equations);
-            }
-            if !is_fresh && longest > CONTRACTION * smallest {
-                // Convergence is too slow: the tangent is computed here.
-                smallest = longest.max(smallest);
-                continue;
-            }
-            smallest = smallest.min(longest);
-            let shrink = sizes.shrink(&step);
-            reached = Some(x);
-            for k in 0..UNKNOWNS {
-                x[k] += shrink * step[k];
-            }
-            if shrink == 1.0 && longest <= NEAR {
-                factors = Some(lu);
-            }
+                Wheels::Near(_) => None,
+                Wheels::Exact(readings) => Some(Box::new(readings.placed)),
+            };
+            return Ok(Equilibrium {
+                unknowns: at.x,
+                lifted,
+                evaluations,
+                racks: case.racks,
+                placed,
+                factors: step.linear.factors,
+            });
         }
         Err(NoEquilibrium::NotFound)
     }
 }
 
-/// Residuals of the equations at `x`, with the factors of a tangent: the given ones, or those of the tangent there.
-#[inline]
-fn linearised(
-    base: &Base<'_, '_, Reading<f64>>,
-    parameters: &Parameters<f64>,
-    x: &[f64; UNKNOWNS],
-    factors: Option<Factors>,
-) -> Result<([f64; UNKNOWNS], Factors), NoEquilibrium> {
-    match factors {
-        Some(factors) => Ok((base.balance(parameters, *x, |c: f64| c).residuals, factors)),
-        None => {
-            let (residuals, tangent) = tangent(base, parameters, x);
-            let factors = Factors::of(&tangent).ok_or(NoEquilibrium::Singular)?;
-            Ok((residuals, factors))
+fn moved(x: &mut [f64; UNKNOWNS], step: &[f64; UNKNOWNS], part: f64) {
+    for (unknown, step) in x.iter_mut().zip(step) {
+        *unknown += part * step;
+    }
+}
+
+impl Linear {
+    fn of(tangent: &Matrix, at: [f64; UNKNOWNS]) -> Result<Self, NoEquilibrium> {
+        let factors = Factors::of(tangent).ok_or(NoEquilibrium::Singular)?;
+        Ok(Linear {
+            factors: Box::new(factors),
+            at: Some(at),
+        })
+    }
+}
+
+/// Newton's method on its way.
+struct Iteration {
+    x: [f64; UNKNOWNS],
+    sizes: Sizes,
+    /// Last point at which the wheels had poses.
+    reached: Option<[f64; UNKNOWNS]>,
+    /// Shortest step so far.
+    smallest: f64,
+    curvature: Curvature,
+    /// Factors for the next step. `None` if it needs a tangent.
+    linear: Option<Linear>,
+}
+
+/// A step of Newton's method.
+struct Step {
+    change: [f64; UNKNOWNS],
+    linear: Linear,
+    /// True if the tangent is that of the point.
+    is_fresh: bool,
+    /// Length in sizes of the unknowns.
+    longest: f64,
+    /// Distance from the point of the tangent; infinite for the tangent of another state.
+    distance: f64,
+}
+
+impl Iteration {
+    fn at(start: [f64; UNKNOWNS], car: &Car, known: Option<&Factors>) -> Self {
+        Iteration {
+            x: start,
+            sizes: Sizes::of(&start, car),
+            reached: None,
+            smallest: f64::INFINITY,
+            curvature: Curvature::default(),
+            linear: known.map(|factors| Linear {
+                factors: Box::new(factors.clone()),
+                at: None,
+            }),
         }
+    }
+
+    /// Computes a step. `None` if the factors of another tangent fail here, so that a tangent is needed.
+    fn step(
+        &mut self,
+        wheels: &Wheels<'_>,
+        held: Held<'_>,
+        parameters: &Parameters<f64>,
+    ) -> Result<Option<Step>, NoEquilibrium> {
+        let is_fresh = self.linear.is_none();
+        let (residuals, linear) = match self.linear.take() {
+            Some(linear) => (wheels.balance(held, parameters, self.x).residuals, linear),
+            None => {
+                let (residuals, tangent) = wheels.tangent(held, parameters, &self.x);
+                (residuals, Linear::of(&tangent, self.x)?)
+            }
+        };
+        let change = linear.factors.solve(residuals.map(|residual| -residual));
+        let longest = self.sizes.longest(&change);
+        if !longest.is_finite() {
+            return if is_fresh {
+                Err(NoEquilibrium::Singular)
+            } else {
+                Ok(None)
+            };
+        }
+        let distance = match &linear.at {
+            Some(at) => self.sizes.between(&self.x, at),
+            None => f64::INFINITY,
+        };
+        Ok(Some(Step {
+            change,
+            linear,
+            is_fresh,
+            longest,
+            distance,
+        }))
+    }
+
+    /// Returns true if a step leaves only rounding error.
+    fn is_end(&self, step: &Step) -> bool {
+        let is_still = step.longest >= self.smallest && self.smallest <= 1e-10;
+        let error = self.curvature.error(step.distance, step.longest);
+        is_still || step.longest <= ROUNDING || error <= ROUNDING
+    }
+
+    /// Takes a step, and keeps its factors if they serve for the next one. If the tangent is too far away or convergence is
+    /// too slow, it stays, and the next step gets a tangent.
+    fn advance(&mut self, step: Step, is_end: bool) {
+        let longest = step.longest;
+        if !step.is_fresh && (is_end || longest > CONTRACTION * self.smallest) {
+            self.smallest = longest.max(self.smallest);
+            return;
+        }
+        self.smallest = self.smallest.min(longest);
+        self.curvature.observe(step.distance, longest);
+        let shrink = self.sizes.shrink(&step.change);
+        self.reached = Some(self.x);
+        moved(&mut self.x, &step.change, shrink);
+        let serves = match step.linear.at {
+            Some(_) => longest <= NEAR,
+            None => longest > 0.5 * NEAR && longest <= BESIDE,
+        };
+        if shrink == 1.0 && serves {
+            self.linear = Some(step.linear);
+        }
+    }
+
+    /// Continues with other readings of the wheels.
+    fn begin_again(&mut self, linear: Linear) {
+        self.smallest = f64::INFINITY;
+        self.curvature.last = 0.0;
+        self.linear = Some(linear);
+    }
+}
+
+/// Bound L of (1) on the relative change of the tangent.
+#[derive(Default)]
+struct Curvature {
+    /// Largest L that the steps showed.
+    shown: f64,
+    /// Denominator of (1) for the last step; 0 before the first one.
+    last: f64,
+}
+
+impl Curvature {
+    /// Error (1) that a step leaves.
+    fn error(&self, distance: f64, step: f64) -> f64 {
+        let shown = self.shown_by(step);
+        CURVATURE.max(10.0 * shown) * (distance + step) * step
+    }
+
+    fn shown_by(&self, step: f64) -> f64 {
+        if self.last > 0.0 {
+            self.shown.max(step / self.last)
+        } else {
+            self.shown
+        }
+    }
+
+    /// Records a step.
+    fn observe(&mut self, distance: f64, step: f64) {
+        self.shown = self.shown_by(step);
+        let next = (distance + step) * step;
+        self.last = if next.is_finite() { next } else { 0.0 };
     }
 }
 
@@ -161,6 +307,11 @@ impl Sizes {
             metre: car.per_metre(),
             weight: loads.map(|n| n.abs()).sum::<f64>().max(1.0),
         }
+    }
+
+    /// Distance between two points, in sizes.
+    fn between(&self, x: &[f64; UNKNOWNS], y: &[f64; UNKNOWNS]) -> f64 {
+        self.longest(&std::array::from_fn(|k| x[k] - y[k]))
     }
 
     /// Largest component of a step, in sizes; NaN if a component is NaN.

@@ -3,35 +3,63 @@
 use super::super::corner::{Corner, Steps};
 use super::super::equations::{Balance, Held, TRAVELS, UNKNOWNS};
 use super::super::parameters::{AxleParameter, Parameters};
-use crate::axle::{AxlePose, Carriers, Read, Reading, WheelParts};
+use super::super::tangent::{Matrix, tangent};
+use crate::axle::{AxlePose, Carriers, CurveWheel, Read, Reading, WheelParts};
 use crate::model::Side;
 use crate::number::{Each, Real, Scalar};
 
 /// Wheels of a state during the iteration to equilibrium.
 pub(in crate::car) enum Wheels<'a> {
     /// Wheels from their curves.
-    Near(Box<[Reading<f64>; 4]>),
+    Near(Box<OnCurves>),
     /// Wheels from poses.
     Exact(Box<Readings<'a>>),
 }
 
-impl<'a> Wheels<'a> {
+/// Wheels from their curves.
+pub(in crate::car) struct OnCurves {
+    pub wheels: [CurveWheel; 4],
+    pub travels: [f64; 4],
+}
+
+impl OnCurves {
     /// Inputs from which nearby states are evaluated.
     #[inline]
-    pub(in crate::car) fn base<'h>(
+    pub(in crate::car) fn base<'h>(&self, held: Held<'h>) -> Base<'h, '_, CurveWheel> {
+        Base {
+            held,
+            racks: None,
+            carriers: [Carriers::Independent; 2],
+            readings: self.wheels.each_ref(),
+            travels: self.travels,
+        }
+    }
+}
+
+impl Wheels<'_> {
+    /// Computes a state with its forces.
+    pub(in crate::car) fn balance(
         &self,
-        held: Held<'h>,
-        travels: [f64; 4],
-    ) -> Base<'h, '_, Reading<f64>> {
+        held: Held<'_>,
+        parameters: &Parameters<f64>,
+        x: [f64; UNKNOWNS],
+    ) -> Balance<f64> {
         match self {
-            Wheels::Exact(readings) => readings.base(held),
-            Wheels::Near(wheels) => Base {
-                held,
-                racks: None,
-                carriers: [Carriers::Independent; 2],
-                readings: wheels.each_ref(),
-                travels,
-            },
+            Wheels::Near(near) => near.base(held).balance(parameters, x, |c: f64| c),
+            Wheels::Exact(exact) => exact.base(held).balance(parameters, x, |c: f64| c),
+        }
+    }
+
+    /// Residuals of the equations, and their derivatives by the unknowns.
+    pub(in crate::car) fn tangent(
+        &self,
+        held: Held<'_>,
+        parameters: &Parameters<f64>,
+        x: &[f64; UNKNOWNS],
+    ) -> ([f64; UNKNOWNS], Matrix) {
+        match self {
+            Wheels::Near(near) => tangent(&near.base(held), parameters, x),
+            Wheels::Exact(exact) => tangent(&exact.base(held), parameters, x),
         }
     }
 }

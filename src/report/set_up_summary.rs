@@ -465,10 +465,10 @@ pub fn set_up_refusal(study: &Study, setup: &Setup, none: &SetUpError) -> String
                 }
             };
             let missed: Vec<String> = missed.iter().map(words).collect();
-            format!("what is wanted cannot be met: {}", missed.join("; "))
+            format!("the wanted values cannot be met: {}", missed.join("; "))
         }
         SetUpError::Unsettled => {
-            "what is wanted cannot be met: the adjustments move none of it".to_owned()
+            "the wanted values cannot be met: the adjustments change none of them".to_owned()
         }
     }
 }

@@ -127,9 +127,7 @@ pub(super) fn scatter(
     let travels = |motion: &Motion| motion.drive == Drive::Travel;
     let motions = context.motions.iter().map(|(_, motion)| motion);
     if !motions.chain(context.motion).all(travels) {
-        wrong(
-            "scatter needs motions by travel, because an angle means another pose in every build",
-        );
+        wrong("scatter needs motions by travel: the same angle gives another pose in each build");
         return None;
     }
     if let (true, Some(robust)) = (seeks_yield, &section.robust) {

@@ -113,11 +113,11 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
         (
             certify.map(Spanned::span),
             match is_beam {
-                true => "certify proves quadratic equations, and the hinge of a twist beam obeys others; leave certify out",
+                true => "certify proves quadratic equations only, and the hinge of a twist beam has others; leave certify out",
                 false if is_steered => {
-                    "certify proves quadratic equations, and the knuckles of a steered axle obey others; leave certify out"
+                    "certify proves quadratic equations only, and the knuckles of a steered axle have others; leave certify out"
                 }
-                false => "certify proves quadratic equations, and the rocker of a Watt linkage obeys others; leave certify out",
+                false => "certify proves quadratic equations only, and the rocker of a Watt linkage has others; leave certify out",
             },
         ),
         (

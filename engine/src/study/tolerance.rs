@@ -65,7 +65,8 @@ pub(super) fn tolerance(
     if let Some(motion) = context.motion
         && motion.drive != Drive::Travel
     {
-        let message = "[tolerance] needs a motion by travel, because an angle means another pose in every build";
+        let message =
+            "[tolerance] needs a motion by travel: the same angle gives another pose in each build";
         problems.add(place, message);
     }
     let written = some(&section.scatter, "scatter", problems)?;
@@ -162,7 +163,7 @@ pub(super) fn contributors_of_axle(
             if solid::is_single(contributor, &of_side, written.span(), problems)? {
                 if let Some(text) = &written.get_ref().side {
                     let name = &contributor.name;
-                    let message = format!("the axle has {name} once: expected no side");
+                    let message = format!("the axle has only one {name}: leave side out");
                     return problems.refuse(text.span(), message);
                 }
                 solid::scatter_once(contributor, side);

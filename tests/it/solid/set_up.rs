@@ -334,7 +334,7 @@ fn refusals_have_reasons() {
         (
             steered,
             "adjust = [{ length = \"panhard\", side = \"left\" }]",
-            "the axle has panhard once: expected no side",
+            "the axle has only one panhard: leave side out",
         ),
         (
             steered,
@@ -354,7 +354,7 @@ fn refusals_have_reasons() {
         (
             &KINDS[0],
             "adjust = [{ length = \"lower_link\" }]\nwant = { bump_steer = 1.0 }",
-            "wheels that move by themselves",
+            "independently suspended wheels",
         ),
     ] {
         let found = refused(kind, setup);

@@ -39,7 +39,7 @@ impl<T: Scalar> ElasticAxle<T> {
         self.shared.is_joined
     }
 
-    /// Place of a body that carries both wheels; `None` for wheels that move by themselves.
+    /// Place of a body that carries both wheels; `None` for independently suspended wheels.
     pub fn place(&self, at: &AxleEquilibrium<T>) -> Option<AxlePlace<T>> {
         let side = |side: usize| {
             let centre = self.wheels[side].built.system.wheel.centre;
@@ -68,7 +68,7 @@ impl<T: Scalar> ElasticAxle<T> {
 
     /// Height of the roll centre, and its place to the left of the middle of both contact points. With v the velocity of the
     /// body at that middle and w its angular velocity along equal opposite travels, the centre of the motion in front view
-    /// is v.y/w.x above the middle, and -v.z/w.x to its left. `None` for wheels that move by themselves.
+    /// is v.y/w.x above the middle, and -v.z/w.x to its left. `None` for independently suspended wheels.
     pub fn roll_centre(&self, at: &AxleEquilibrium<T>, tangent: &AxleTangent<T>) -> Option<[T; 2]> {
         if !self.is_joined() {
             return None;
@@ -86,7 +86,7 @@ impl<T: Scalar> ElasticAxle<T> {
     }
 
     /// The same axle with its springs and its anti-roll bar taken away: only its links hold it. Their forces at the design
-    /// load are released. `None` for wheels that move by themselves.
+    /// load are released. `None` for independently suspended wheels.
     pub fn on_its_links(&self) -> Option<Self> {
         if !self.is_joined() {
             return None;

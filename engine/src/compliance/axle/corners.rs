@@ -1,6 +1,6 @@
 //! Equations of both wheels while the shared bodies are held.
 //!
-//! Wheels that move by themselves have a matrix each. A solid axle is one body with both wheels. Each side describes it in its
+//! Independently suspended wheels have a matrix each. A solid axle is one body with both wheels. Each side describes it in its
 //! own axes, by a reference point that both sides have in common, and has the parts of its half. With M the signs of a
 //! mirror, A and r the tangent and the forces of the carrier,
 //!
@@ -26,7 +26,7 @@ use crate::number::Scalar;
 /// Equations of both wheels, factorised.
 #[derive(Clone, Debug)]
 pub(super) enum Corners<T> {
-    /// Two wheels that move by themselves.
+    /// Two independently suspended wheels.
     Apart([SquareLu<T>; 2]),
     /// One body that carries both wheels.
     Joined(Box<Joined<T>>),
@@ -94,7 +94,7 @@ impl Places {
 }
 
 impl<T: Scalar> Corners<T> {
-    /// Wheels that move by themselves.
+    /// Independently suspended wheels.
     pub(super) fn apart(sides: &[SideEquations<T>; 2]) -> Result<Self, AxleSingular> {
         let factors = |side: usize| {
             let found = sides[side].equations.factors();

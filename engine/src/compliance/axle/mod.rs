@@ -343,7 +343,7 @@ const AXLE: &str = "the axle";
 const SHARED_NAME: &str = "the subframe, rack or anti-roll bar";
 
 /// The reference point of a body that carries both wheels, in the left wheel's axes: the middle of both wheel centres.
-/// `None` for wheels that move by themselves.
+/// `None` for independently suspended wheels.
 fn common_reference(suspensions: [&Suspension; 2]) -> Option<Vector3<f64>> {
     suspensions[0].mechanism.rigid_axle.as_ref()?;
     let [left, right] = suspensions.map(|wheel| wheel.design[wheel.mechanism.wheel_centre.0]);

@@ -49,7 +49,7 @@ pub enum TorquePath {
 pub struct Suspension {
     /// Structure.
     pub mechanism: Mechanism,
-    /// Design positions of all points, indexed by [`PointId`].
+    /// Design positions of all points, indexed by [`PointId`](super::PointId).
     pub design: Vec<Vector3<f64>>,
     /// Map from the study's axes to the kernel's.
     pub frame: Frame,

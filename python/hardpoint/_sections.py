@@ -161,6 +161,7 @@ class Adjustment(TypedDict, total=False):
     axis: Axis
     per_turn: float
     step: float
+    side: Side
 
 
 def vehicle(

@@ -174,13 +174,16 @@ const rest = () => {
   limits = null;
   timer = setTimeout(() => {
     const base = copy(state.design);
-    const { digest } = state.overview;
+    const { digest, is_car: isCar } = state.overview;
     const isPresent = () => digest === state.overview.digest && isSame(base, state.design);
-    post('directions', of(base)).catch(() => null).then((ways) => {
-      if (digest !== state.overview.digest) return;
-      free = ways ? [{ base, digest, directions: ways.directions }] : [];
-      draw();
-    });
+    // Free directions are those of one wheel or an axle.
+    if (!isCar) {
+      post('directions', of(base)).catch(() => null).then((ways) => {
+        if (digest !== state.overview.digest) return;
+        free = ways ? [{ base, digest, directions: ways.directions }] : [];
+        draw();
+      });
+    }
     if (byId('pane-constraints').hidden) return;
     post('limits', of(base)).catch(({ message }) => ({ title: 'Limits', header: [], rows: [], notes: [message] })).then((found) => {
       if (!isPresent()) return;

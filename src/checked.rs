@@ -39,10 +39,7 @@ impl<'s> Checked<'s> {
 
     /// Ranges of stations that were not solved, one per line.
     pub fn failures(&self, wheel: &Suspension) -> Vec<String> {
-        let own = self.solved.failures();
-        let own = own.iter().map(|failure| format!("not solved: {failure}"));
-        let of_motions = self.of_motions.iter().flat_map(|m| m.failures(wheel));
-        own.chain(of_motions).collect()
+        not_solved(&self.solved, &self.of_motions, wheel)
     }
 
     /// True if every requested value was found.
@@ -50,6 +47,18 @@ impl<'s> Checked<'s> {
         let mut motions = self.of_motions.iter().map(|motion| &motion.curves);
         self.solved.is_complete() && motions.all(Curves::are_complete)
     }
+}
+
+/// Ranges of stations that were not solved, in the study's own motion and in its named ones, one per line.
+pub(crate) fn not_solved(
+    solved: &Solved<'_>,
+    of_motions: &[NamedCurves],
+    wheel: &Suspension,
+) -> Vec<String> {
+    let own = solved.failures();
+    let own = own.iter().map(|failure| format!("not solved: {failure}"));
+    let of_motions = of_motions.iter().flat_map(|motion| motion.failures(wheel));
+    own.chain(of_motions).collect()
 }
 
 /// Curves of a named motion.

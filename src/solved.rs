@@ -14,7 +14,7 @@ use crate::study::{AxleStudy, Study, Vehicle, WheelStudy};
 /// Curves of a study. An error explains in words which wheel cannot be solved in its design position.
 pub struct Solved<'s> {
     study: &'s Study,
-    curves: Curves,
+    pub(crate) curves: Curves,
     plan: Planned<'s>,
 }
 

@@ -4,8 +4,7 @@ use super::exit::{Exit, Stop};
 use super::printer::Printer;
 use super::save::save;
 use super::{LimitsArguments, StudyArguments};
-use crate::checked::motion_alone;
-use crate::limits::{LimitTable, motion_ranges, unsolved};
+use crate::limits::{LimitTable, motion_ranges};
 use crate::report::{LimitsSheet, limits_page};
 use crate::study::{CarStudy, Study};
 use std::path::Path;
@@ -25,20 +24,19 @@ pub(super) fn run(arguments: &LimitsArguments) -> Result<Exit, Stop> {
     let study = Study::read_elastic(path, &arguments.set)?;
     let stop = |why| Stop::in_file(path, why);
     let limits = LimitTable::of(&study).map_err(stop)?;
-    let failures = unsolved(&motion_alone(&study)).map_err(stop)?;
     if let Some(page) = page {
-        save_page(page, force, arguments, &study, &limits, &failures)?;
+        save_page(page, force, arguments, &study, &limits)?;
     }
     let mut out = Printer::new(arguments.format);
     out.table("limits", limits.table)?;
     for note in &limits.notes {
         out.say(&format!("\n{note}\n"))?;
     }
-    for failure in &failures {
+    for failure in &limits.failures {
         out.failure(&format!("\n{failure}\n"))?;
     }
     out.finish()?;
-    Ok(Exit::of(failures.is_empty()))
+    Ok(Exit::of(limits.failures.is_empty()))
 }
 
 fn save_page(
@@ -47,14 +45,13 @@ fn save_page(
     arguments: &StudyArguments,
     study: &Study,
     limits: &LimitTable,
-    failures: &[String],
 ) -> Result<(), Stop> {
     let page = limits_page(&LimitsSheet {
         study: &study.name,
         limits: &limits.table,
         motion: &motion_ranges(study),
         notes: &limits.notes,
-        failures,
+        failures: &limits.failures,
     });
     let inputs = [arguments.study.clone()];
     save(path, page.as_bytes(), force, &inputs)

@@ -4,7 +4,7 @@
 //! parts rigid stand beside them.
 
 use super::row::{LOST, Row, columns};
-use super::{LimitTable, travel_rows};
+use super::{Found, travel_rows};
 use crate::compliance::{
     AxleKcRun, AxleWay, DrivingForce, EndCause, EquilibriumEnd, Event, HeldQuantity, KcRun, KcTest,
     LARGEST_FORCE, NoEquilibrium, TestLoad, TestMode,
@@ -37,11 +37,8 @@ impl<'s> Sheet<'s> {
         }
     }
 
-    fn done(self) -> LimitTable {
-        LimitTable {
-            table: self.table,
-            notes: self.notes,
-        }
+    fn done(self) -> Found {
+        (self.table, self.notes)
     }
 
     /// Adds the row of a quantity. `unit` is that of its values.
@@ -169,7 +166,7 @@ pub(super) fn of_wheel(
     study: &Study,
     own: &WheelStudy,
     elastic: &ComplianceStudy,
-) -> Result<LimitTable, DesignFault> {
+) -> Result<Found, DesignFault> {
     let suspension = &own.suspension;
     let run = KcRun::new(suspension, &elastic.parts, elastic.tyre_rate)
         .map_err(|why| why.of_design(&elastic.parts, suspension))?;
@@ -254,18 +251,14 @@ pub(super) fn of_axle(
     study: &Study,
     both: &AxleStudy,
     elastic: &AxleComplianceStudy,
-) -> Result<LimitTable, String> {
+) -> Result<Found, String> {
     let axle = &both.axle;
     let vehicle = axle.on_rig(elastic.tyre_rate);
     let run = AxleKcRun::new(vehicle, &elastic.parts)
         .map_err(|why| why.describe(&elastic.parts.wheels, &axle.left))?;
     let unit = axle.left.length_unit.symbol();
     let mut sheet = Sheet::new(study);
-    let row = |quantity: &str, at: &str, factor: f64| Row {
-        quantity: format!("{quantity}_{unit}"),
-        at: at.to_owned(),
-        factor,
-    };
+    let row = |quantity: &str, at: &str| Row::length_of_axle(axle, quantity, at, 1.0);
     let points = &axle.left.mechanism.points;
     let steers = points.iter().any(|point| point.body == Body::Rack);
     let with_rack = |at: &str| {
@@ -276,15 +269,15 @@ pub(super) fn of_axle(
         }
     };
     let straight = if steers { "rack 0" } else { "" };
-    let mut rows = vec![(AxleWay::Heave, row("heave", straight, 1.0))];
+    let mut rows = vec![(AxleWay::Heave, row("heave", straight))];
     for side in Side::ALL {
         let [left, right] = Side::ALL;
         let other = if side == left { right } else { left };
         let other = with_rack(&format!("{} travel 0", other.name()));
         let name = format!("{}_travel", side.name());
-        rows.push((AxleWay::Travel(side), row(&name, &other, 1.0)));
+        rows.push((AxleWay::Travel(side), row(&name, &other)));
     }
-    let opposed = row("travel_difference", &with_rack("heave 0"), 1.0);
+    let opposed = row("travel_difference", &with_rack("heave 0"));
     rows.push((AxleWay::TravelDifference, opposed));
     if steers {
         rows.push((AxleWay::Rack, Row::axle_rack(axle)));

@@ -6,8 +6,8 @@ mod row;
 
 use crate::analyse::{Limits, Range, RangeEnd, RockerRange};
 use crate::axle::{Axle, AxleEnd, AxleLimits, TravelRanges};
-use crate::checked::NamedCurves;
-use crate::curves::curves;
+use crate::checked::{NamedCurves, motion_alone, not_solved};
+use crate::curves::Curves;
 use crate::mechanism::{DesignFault, Toggle};
 use crate::model::{self, Axis, RockerId, Side};
 use crate::plan::Plan;
@@ -26,39 +26,58 @@ pub(crate) struct LimitTable {
     pub(crate) table: Table,
     /// Sentences below the table.
     pub(crate) notes: Vec<String>,
+    /// Stations of the study's own motion and of its named motions that are not solved, one range per line.
+    pub(crate) failures: Vec<String>,
 }
+
+/// Table of limits, and sentences below it.
+type Found = (Table, Vec<String>);
 
 impl LimitTable {
     /// Finds the limits of one wheel or of an axle. An error says why the design has no position.
     pub(crate) fn of(study: &Study) -> Result<Self, String> {
         match &study.vehicle {
-            Vehicle::Axle(both) => match &both.axle.elastic {
-                Some(elastic) => elastic::of_axle(study, both, elastic),
-                None => of_axle(study, both),
-            },
-            Vehicle::Wheel(own) => {
-                let found = match &own.compliance {
-                    Some(elastic) => elastic::of_wheel(study, own, elastic),
-                    None => of_wheel(study, own),
+            Vehicle::Axle(both) => {
+                let found = match &both.axle.elastic {
+                    Some(elastic) => elastic::of_axle(study, both, elastic),
+                    None => of_axle(study, both),
                 };
-                found.map_err(|fault| fault.describe(&own.suspension.mechanism))
+                let (table, notes) = found?;
+                let alone = motion_alone(study);
+                let failures = not_solved(&Solved::of(&alone)?, &[], &both.axle.left);
+                Ok(LimitTable {
+                    table,
+                    notes,
+                    failures,
+                })
+            }
+            Vehicle::Wheel(own) => {
+                let alone = motion_alone(study);
+                let fault = |fault: DesignFault| fault.describe(&own.suspension.mechanism);
+                let (table, notes, solved) = match &own.compliance {
+                    Some(elastic) => {
+                        let found = elastic::of_wheel(study, own, elastic);
+                        let (table, notes) = found.map_err(fault)?;
+                        (table, notes, Solved::of(&alone)?)
+                    }
+                    None => {
+                        let mut limits = WheelLimits::of(own).map_err(fault)?;
+                        let solved = Solved::of(&alone)?;
+                        let note = limits.note(study, &solved.curves).map_err(fault)?;
+                        let notes = note.into_iter().collect();
+                        (limits.table(study), notes, solved)
+                    }
+                };
+                let of_motions = NamedCurves::all(&alone)?;
+                let failures = not_solved(&solved, &of_motions, &own.suspension);
+                Ok(LimitTable {
+                    table,
+                    notes,
+                    failures,
+                })
             }
         }
     }
-}
-
-/// Stations of the study's own motion and of its named motions that are not solved, one range per line. `alone` is the study
-/// without outputs.
-pub(crate) fn unsolved(alone: &Study) -> Result<Vec<String>, String> {
-    let own = Solved::of(alone)?.failures();
-    let own = own.iter().map(|failure| format!("not solved: {failure}"));
-    let mut lines: Vec<String> = own.collect();
-    if let Vehicle::Wheel(wheel) = &alone.vehicle {
-        for motion in NamedCurves::all(alone)? {
-            lines.extend(motion.failures(&wheel.suspension));
-        }
-    }
-    Ok(lines)
 }
 
 /// Ranges of the motion in a study of one wheel, by the quantities of the table of limits.
@@ -85,28 +104,43 @@ pub(crate) fn motion_ranges(study: &Study) -> Vec<(String, [f64; 2])> {
 }
 
 /// Limits of a rigid wheel.
-fn of_wheel(study: &Study, own: &WheelStudy) -> Result<LimitTable, DesignFault> {
-    let suspension = &own.suspension;
-    let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
-    let limits = solver.limits()?;
-    let plan = Plan::of(own);
-    let by_rack = ranges_by_rack(&plan, &mut solver)?;
-    let table = table(study, &limits, &by_rack);
-    let mut notes = Vec::new();
-    if study.motion().drive != Drive::PaperTheta {
-        let alone = Plan {
-            sensitivities: Vec::new(),
-            certify: false,
-            ..plan.clone()
-        };
-        let moved = curves(suspension, &alone)?;
-        notes.push(margin(study, &plan, &mut solver, &by_rack, &moved)?);
+struct WheelLimits<'s> {
+    solver: Solver<'s>,
+    limits: Limits,
+    plan: Plan,
+    by_rack: Vec<(f64, Range)>,
+}
+
+impl<'s> WheelLimits<'s> {
+    fn of(own: &'s WheelStudy) -> Result<Self, DesignFault> {
+        let suspension = &own.suspension;
+        let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
+        let limits = solver.limits()?;
+        let plan = Plan::of(own);
+        let by_rack = ranges_by_rack(&plan, &mut solver)?;
+        Ok(WheelLimits {
+            solver,
+            limits,
+            plan,
+            by_rack,
+        })
     }
-    Ok(LimitTable { table, notes })
+
+    /// Distance of the motion with these curves to the limits. `None` for the paper's drive.
+    fn note(&mut self, study: &Study, moved: &Curves) -> Result<Option<String>, DesignFault> {
+        if study.motion().drive == Drive::PaperTheta {
+            return Ok(None);
+        }
+        margin(study, &self.plan, &mut self.solver, &self.by_rack, moved).map(Some)
+    }
+
+    fn table(&self, study: &Study) -> Table {
+        table(study, &self.limits, &self.by_rack)
+    }
 }
 
 /// Limits of a rigid axle, each with the wheel that causes it.
-fn of_axle(study: &Study, both: &AxleStudy) -> Result<LimitTable, String> {
+fn of_axle(study: &Study, both: &AxleStudy) -> Result<Found, String> {
     let axle = &both.axle;
     let limits = axle.limits().map_err(|f| axle.describe_fault(f))?;
     let mut table = Table::with_columns(columns()).keyed(2);
@@ -144,17 +178,11 @@ fn of_axle(study: &Study, both: &AxleStudy) -> Result<LimitTable, String> {
     if axle.setup.wheel_radius.is_some() && limits.roll.iter().any(Option::is_none) {
         notes.push("The roll angle at the ends of the travels is not known.".to_owned());
     }
-    Ok(LimitTable { table, notes })
+    Ok((table, notes))
 }
 
 /// Rows for the travels of an axle, with their ranges.
 pub(crate) fn travel_rows<'l>(axle: &Axle, limits: &'l AxleLimits) -> Vec<(Row, &'l Range)> {
-    let unit = axle.left.length_unit.symbol();
-    let row = |quantity: &str, at: &str, factor: f64| Row {
-        quantity: format!("{quantity}_{unit}"),
-        at: at.to_owned(),
-        factor,
-    };
     match &limits.travels {
         TravelRanges::OfWheels(ranges) => {
             let rows = Side::ALL.map(|side| Row::wheel_travel(axle, side));
@@ -164,9 +192,15 @@ pub(crate) fn travel_rows<'l>(axle: &Axle, limits: &'l AxleLimits) -> Vec<(Row, 
             heave,
             half_difference,
         } => vec![
-            (row("heave", "travel difference 0", 1.0), heave),
+            (
+                Row::length_of_axle(axle, "heave", "travel difference 0", 1.0),
+                heave,
+            ),
             // Left minus right.
-            (row("travel_difference", "heave 0", 2.0), half_difference),
+            (
+                Row::length_of_axle(axle, "travel_difference", "heave 0", 2.0),
+                half_difference,
+            ),
         ],
     }
 }

@@ -73,22 +73,23 @@ impl Row {
         ends
     }
 
+    /// Row for a length of an axle, in its unit.
+    pub(super) fn length_of_axle(axle: &Axle, quantity: &str, at: &str, factor: f64) -> Self {
+        Row {
+            quantity: format!("{quantity}_{}", axle.left.length_unit.symbol()),
+            at: at.to_owned(),
+            factor,
+        }
+    }
+
     /// Row for the travel of one wheel of an axle.
     pub(crate) fn wheel_travel(axle: &Axle, side: Side) -> Self {
-        Row {
-            quantity: format!("{}_travel_{}", side.name(), axle.left.length_unit.symbol()),
-            at: "rack 0".to_owned(),
-            factor: 1.0,
-        }
+        Row::length_of_axle(axle, &format!("{}_travel", side.name()), "rack 0", 1.0)
     }
 
     /// Row for the rack of an axle, in the study's axes.
     pub(crate) fn axle_rack(axle: &Axle) -> Self {
-        Row {
-            quantity: format!("rack_{}", axle.left.length_unit.symbol()),
-            at: "travels 0".to_owned(),
-            factor: axle.left.frame.sign(Axis::Y),
-        }
+        Row::length_of_axle(axle, "rack", "travels 0", axle.left.frame.sign(Axis::Y))
     }
 
     /// Row for the roll angle of an axle.

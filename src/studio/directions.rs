@@ -60,7 +60,7 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
 
 /// Limits of the mechanism, with the parts that end its motion.
 pub(super) fn limits(opened: &Opened, of: &Designed) -> Result<LimitsAnswer, String> {
-    let LimitTable { table, notes } = LimitTable::of(&opened.moved(&of.design)?)?;
+    let LimitTable { table, notes, .. } = LimitTable::of(&opened.moved(&of.design)?)?;
     Ok(LimitsAnswer::of(
         "Limits of the mechanism",
         &table,

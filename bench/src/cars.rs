@@ -7,6 +7,7 @@ use hardpoint_engine::car::{
 };
 use hardpoint_engine::optimise::Control;
 use hardpoint_engine::study::{CarStudy, GgMap};
+use hardpoint_engine::threads::pool;
 use std::hint::black_box;
 
 /// Number of accelerations of each axis, if the study has no g-g map.
@@ -26,9 +27,8 @@ pub struct Cars {
 const WHOLE: usize = 41;
 /// Largest number of samples of a whole map.
 const WHOLE_SAMPLES: usize = 5;
-/// Threads of a whole map, and their stacks in bytes.
+/// Threads of a whole map.
 const THREADS: usize = 2;
-const STACK: usize = 64 << 20;
 
 /// Numbers at equal distances.
 fn between([from, to]: [f64; 2], count: usize) -> Vec<f64> {
@@ -65,23 +65,37 @@ struct Step {
     before: Option<Equilibrium>,
 }
 
+/// Solves the cases of a row, each from the state before it. `take` gets each case with a state, this state, and the one
+/// before.
+fn along<'c>(
+    solver: &mut CarSolver<'c>,
+    row: &[Case],
+    mut take: impl FnMut(&mut CarSolver<'c>, &Case, &Equilibrium, Option<&Equilibrium>),
+) {
+    let mut before: Option<Equilibrium> = None;
+    for case in row {
+        let found = match &before {
+            Some(before) => solver.solve_from(case, before),
+            None => solver.solve(case),
+        };
+        if let Ok(found) = found {
+            take(solver, case, &found, before.as_ref());
+            before = Some(found);
+        }
+    }
+}
+
 /// The cases of a map that have a state.
-fn steps(solver: &mut CarSolver<'_>, map: Vec<Vec<Case>>) -> Vec<Step> {
+fn steps(solver: &mut CarSolver<'_>, map: &[Vec<Case>]) -> Vec<Step> {
     let mut steps = Vec::new();
     for row in map {
-        let mut before: Option<Equilibrium> = None;
-        for case in row {
-            let found = match &before {
-                Some(before) => solver.solve_from(&case, before),
-                None => solver.solve(&case),
-            };
-            let Ok(found) = found else { continue };
+        along(solver, row, |_, case, found, before| {
             steps.push(Step {
-                case,
+                case: case.clone(),
                 found: found.clone(),
-                before: before.replace(found),
+                before: before.cloned(),
             });
-        }
+        });
     }
     steps
 }
@@ -97,28 +111,15 @@ fn on_two_threads(
             return;
         };
         for row in rows.iter().skip(first).step_by(THREADS) {
-            let mut before: Option<Equilibrium> = None;
-            for case in row {
-                let found = match &before {
-                    Some(before) => solver.solve_from(case, before),
-                    None => solver.solve(case),
-                };
-                if let Ok(found) = found {
-                    work(&mut solver, case, &found);
-                    before = Some(found);
-                }
-            }
+            along(&mut solver, row, |solver, case, found, _| {
+                work(solver, case, found)
+            });
         }
     };
-    std::thread::scope(|scope| {
-        for first in 0..THREADS {
-            let thread = std::thread::Builder::new().stack_size(STACK);
-            let run = move || part(first);
-            if thread.spawn_scoped(scope, run).is_err() {
-                part(first);
-            }
-        }
-    });
+    match pool(THREADS) {
+        Ok(pool) => _ = pool.broadcast(|thread| part(thread.index())),
+        Err(_) => (0..THREADS).for_each(part),
+    }
 }
 
 /// A job that works on every one of these states.
@@ -139,7 +140,7 @@ impl Cars {
             made.map_err(|fault| Unmeasurable::Car(car.describe_fault(&fault)))
         };
         let mut first = solver()?;
-        let steps = steps(&mut first, map(study, None));
+        let steps = steps(&mut first, &map(study, None));
         if steps.is_empty() {
             return Err(Unmeasurable::NoState);
         }

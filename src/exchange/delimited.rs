@@ -74,10 +74,7 @@ impl Lines<'_> {
 /// Replaces the spaces between a name and the numbers behind it by tabs, if spaces separate the cells of most lines. The name may
 /// have several words.
 fn in_tabs(text: &str) -> Cow<'_, str> {
-    let lines = || {
-        text.lines()
-            .filter(|line| !line.trim().is_empty() && !line.starts_with('#'))
-    };
+    let lines = || lines_of(text);
     let half = lines().count().div_ceil(2).max(1);
     if text.contains(['\t', ';', '"'])
         || lines().filter(|line| in_words(line).is_some()).count() < half
@@ -94,6 +91,12 @@ fn in_tabs(text: &str) -> Cow<'_, str> {
         tabs += &line[content.len()..];
     }
     Cow::Owned(tabs)
+}
+
+/// Lines with cells.
+fn lines_of(text: &str) -> impl Iterator<Item = &str> {
+    let lines = text.lines();
+    lines.filter(|line| !line.trim().is_empty() && !line.starts_with('#'))
 }
 
 /// Cells of a line with a name and at least three numbers behind it, separated by spaces, or of a header that ends with x, y
@@ -121,11 +124,7 @@ fn in_words(line: &str) -> Option<Vec<String>> {
 /// Finds the separator. A table with decimal commas does not use commas as separators. So semicolon and tab have priority if they
 /// split any line.
 fn separator(text: &str) -> u8 {
-    let lines = || {
-        text.lines()
-            .filter(|line| !line.trim().is_empty() && !line.starts_with('#'))
-            .take(1000)
-    };
+    let lines = || lines_of(text).take(1000);
     let parted = |separator: char| lines().filter(move |line| line.matches(separator).count() >= 2);
     let half = lines().count().div_ceil(2);
     let usual = [';', '\t'].into_iter();

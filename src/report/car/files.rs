@@ -7,7 +7,6 @@ use crate::report::files::csv_of_rows;
 use crate::report::{optional, shortest};
 use crate::study::GgMap;
 use rayon::prelude::*;
-use std::sync::{Mutex, PoisonError};
 
 /// Makes a CSV file with a header.
 pub(super) fn csv(header: &[String], rows: impl IntoIterator<Item = Vec<String>>) -> Vec<u8> {
@@ -137,15 +136,9 @@ impl<'s> CarResults<'s> {
         let mut header: Vec<String> = fixed.map(str::to_owned).to_vec();
         header.extend(self.columns());
         header.extend(["reason".to_owned(), "status".to_owned()]);
-        let solver = Mutex::new(solver);
-        let row = |ax: &f64| {
-            let own = solver
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner)
-                .clone();
-            self.gg_row(own, map, *ax)
-        };
-        let rows: Vec<GgRow> = map.ax.par_iter().map(row).collect();
+        let rows = map.ax.par_iter();
+        let rows = rows.map_with(solver, |own, ax| self.gg_row(own.clone(), map, *ax));
+        let rows: Vec<GgRow> = rows.collect();
         let mut shown = CarMap::of(&map.ax, &map.ay);
         let mut cells = Vec::with_capacity(map.ax.len() * map.ay.len());
         let mut failures = 0;

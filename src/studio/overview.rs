@@ -95,8 +95,12 @@ fn scene(suspension: &Suspension) -> WholeScene {
 
 /// Sections of a study as they are written, for forms.
 fn written(text: &str) -> serde_json::Value {
-    let mut shown = sections(
-        text,
+    let document: toml::Table = text.parse().unwrap_or_default();
+    let suspension = document.get("suspension").and_then(toml::Value::as_table);
+    let mass = suspension.and_then(|own| own.get("mass_unit")?.as_str());
+    let mass = mass.unwrap_or("kg").to_owned();
+    let mut shown = chosen(
+        document,
         &[
             "vehicle",
             "motion",
@@ -110,16 +114,16 @@ fn written(text: &str) -> serde_json::Value {
             "steering",
         ],
     );
-    let document: toml::Table = text.parse().unwrap_or_default();
-    let suspension = document.get("suspension").and_then(toml::Value::as_table);
-    let mass = suspension.and_then(|own| own.get("mass_unit")?.as_str());
-    shown["mass_unit"] = mass.unwrap_or("kg").into();
+    shown["mass_unit"] = mass.into();
     shown
 }
 
 /// These sections of a text, as they are written.
 pub(super) fn sections(text: &str, shown: &[&str]) -> serde_json::Value {
-    let document: toml::Table = text.parse().unwrap_or_default();
+    chosen(text.parse().unwrap_or_default(), shown)
+}
+
+fn chosen(document: toml::Table, shown: &[&str]) -> serde_json::Value {
     let sections = document.into_iter();
     let sections = sections.filter(|(name, _)| shown.contains(&name.as_str()));
     serde_json::to_value(toml::Table::from_iter(sections)).unwrap_or_default()

@@ -11,7 +11,7 @@ let free = [];
 
 const words = (column) => column.replaceAll('_', ' ');
 const panel = (title, ...children) => html('div', { class: 'panel', id: `panel-${title.toLowerCase().replaceAll(' ', '-')}` }, html('h2', { text: title }), ...children);
-const table = (head, body) => html('table', {}, html('thead', {}, html('tr', {}, ...head.map((text, k) => html('th', { text, class: k ? 'number' : null })))), html('tbody', {}, ...body));
+const table = (head, body, isNumber = (k) => k > 0) => html('table', {}, html('thead', {}, html('tr', {}, ...head.map((text, k) => html('th', { text, class: isNumber(k) ? 'number' : null })))), html('tbody', {}, ...body));
 
 // Chips in the header: of fixed width, so that nothing moves while they change. Each leads to its panel.
 let chips = new Map();
@@ -128,9 +128,9 @@ const limitsPanel = () => {
   const { title, header, rows, notes } = limits;
   const isNumber = (text) => text !== '' && Number.isFinite(Number(text));
   const cell = (text) => (isNumber(text) ? html('td', { class: 'number', text: text.replace('-', '−') }) : html('td', { class: 'words', text: words(text) }));
-  const heads = header.map((text, k) => html('th', { text, class: k && rows.some((texts) => isNumber(texts[k])) ? 'number' : null }));
+  const hasNumbers = (k) => k > 0 && rows.some((texts) => isNumber(texts[k]));
   const cells = rows.map(([first, ...others]) => html('tr', {}, html('th', { scope: 'row', text: quantity(first) || '–' }), ...others.map(cell)));
-  return [panel(title, html('div', { class: 'scroll' }, html('table', {}, html('thead', {}, html('tr', {}, ...heads)), html('tbody', {}, ...cells))), ...notes.map((text) => html('p', { class: 'hint', text })))];
+  return [panel(title, html('div', { class: 'scroll' }, table(header, cells, hasNumbers)), ...notes.map((text) => html('p', { class: 'hint', text })))];
 };
 
 const warnings = () => {
@@ -166,8 +166,8 @@ const draw = () => {
   fill('warnings', ...warnings());
 };
 
-// Asks for free directions when the point rests, because they take longer. Limits take longest: they are sought where they are
-// seen.
+// Asks for free directions when the point rests, because they take longer. Limits take longest: the page asks for them only
+// while it shows them.
 let timer = null;
 const rest = () => {
   clearTimeout(timer);
@@ -176,7 +176,7 @@ const rest = () => {
     const base = copy(state.design);
     const { digest, is_car: isCar } = state.overview;
     const isPresent = () => digest === state.overview.digest && isSame(base, state.design);
-    // Free directions are those of one wheel or an axle.
+    // A car has no free directions here.
     if (!isCar) {
       post('directions', of(base)).catch(() => null).then((ways) => {
         if (digest !== state.overview.digest) return;

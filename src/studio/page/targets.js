@@ -34,17 +34,19 @@ const parsed = (text) => {
   const value = Number(text.trim().replace('−', '-').replace(',', '.'));
   return text.trim() === '' || !Number.isFinite(value) ? null : value;
 };
-// A field for one number of the study.
-const field = (label, value, change) => {
-  const input = html('input', { type: 'text', inputmode: 'decimal', value: String(value), 'aria-label': label, title: label, autocomplete: 'off' });
+// A field for one number of the study. An optional number is null while the field is empty.
+const field = (label, value, change, isOptional = false) => {
+  const written = value === null ? '' : String(value);
+  const input = html('input', { type: 'text', inputmode: 'decimal', value: written, 'aria-label': label, title: label, autocomplete: 'off' });
   input.addEventListener('change', () => {
     const number = parsed(input.value);
-    input.classList.toggle('wrong', number === null);
-    if (number === null || number === value) return;
+    const isWrong = number === null && !(isOptional && input.value.trim() === '');
+    input.classList.toggle('wrong', isWrong);
+    if (isWrong || number === value) return;
     input.blur();
     change(number);
   });
-  input.addEventListener('keydown', (event) => { if (event.key === 'Escape') { input.value = String(value); input.blur(); } });
+  input.addEventListener('keydown', (event) => { if (event.key === 'Escape') { input.value = written; input.blur(); } });
   return input;
 };
 const remover = (label, path, name) => html('button', { class: 'small', text: '✕', title: label, 'aria-label': label, on: { click: () => edit([{ path, value: null }], `Removed ${name}`) } });
@@ -123,7 +125,7 @@ export const targetForms = () => {
     headed('Variables', ['variable', ...['lowest', 'highest'].map((end) => (state.overview.is_car ? end : `${end} [${state.overview.unit}]`)), 'coordinate', ''], variables.map(variableRow), variableAdder(),
       html('p', { class: 'hint', text: `Ranges ${state.overview.is_car ? 'of hardpoints ' : ''}count from the design in the file, wherever the points are now. Where a point is outside, Tune widens its range to the present place. A saved design is the new origin.` }))];
 };
-// Data of the vehicle, by key: the unit of a number (`length` is that of the study), or the texts to choose from.
+// Data of the vehicle by key. A number has its unit (`length`: the study's unit of length), a choice has its texts.
 const VEHICLE = {
   wheelbase: 'length', cg_height: 'length', position: ['front', 'rear'], brakes: ['outboard', 'inboard'], brake_share_front: '0 to 1', drive_torque: ['shafts', 'carrier'], drive_share_front: '0 to 1',
   sprung_mass: 'mass', unsprung_mass: 'mass',
@@ -139,16 +141,7 @@ const vehicleForm = () => {
       select.addEventListener('change', () => put(key, select.value || null));
       return select;
     }
-    const input = html('input', { type: 'text', inputmode: 'decimal', value: now === undefined ? '' : String(now), 'aria-label': words(key), autocomplete: 'off' });
-    input.addEventListener('change', () => {
-      const value = parsed(input.value);
-      const isEmpty = input.value.trim() === '';
-      input.classList.toggle('wrong', value === null && !isEmpty);
-      if (value === (now ?? null) || (value === null && !isEmpty)) return;
-      input.blur();
-      put(key, value);
-    });
-    return input;
+    return field(words(key), now ?? null, (value) => put(key, value), true);
   };
   const unitOf = (kind) => (Array.isArray(kind) ? '' : ` [${{ length: state.overview.unit, mass: state.overview.written.mass_unit }[kind] ?? kind}]`);
   const rows = Object.entries(VEHICLE).map(([key, kind]) => html('tr', { 'data-vehicle-key': key }, html('th', { scope: 'row', text: words(key) + unitOf(kind) }), html('td', {}, entry(key, kind))));

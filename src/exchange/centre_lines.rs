@@ -49,12 +49,23 @@ impl Drawing {
     fn wheel(&mut self, outgoing: &Outgoing<'_>, side: Side, prefix: &str) {
         let height = text_height(outgoing);
         let suspension = outgoing.suspension(side);
+        let rigid = suspension.mechanism.rigid_axle.as_ref();
+        // The mechanism of a solid axle has both halves. Each wheel draws its own half, and the left wheel the single parts.
+        let prefix_of = |points: &[PointId]| match rigid {
+            Some(rigid) if points.iter().any(|id| rigid.is_far(*id)) => None,
+            Some(rigid) if points.iter().all(|id| rigid.singles.contains(id)) => {
+                (side == Side::Left).then_some("")
+            }
+            _ => Some(prefix),
+        };
         for body in Scene::of(suspension).bodies {
-            let layer = format!("{prefix}{}", body.name);
             for line in &body.lines {
                 for ends in line.windows(2) {
-                    let [from, to] = [0, 1].map(|k| outgoing.position(side, PointId(ends[k])));
-                    self.line(&layer, from, to);
+                    let ends = [PointId(ends[0]), PointId(ends[1])];
+                    if let Some(prefix) = prefix_of(&ends) {
+                        let [from, to] = ends.map(|id| outgoing.position(side, id));
+                        self.line(&format!("{prefix}{}", body.name), from, to);
+                    }
                 }
             }
         }
@@ -66,9 +77,11 @@ impl Drawing {
         let inner: Vector3<f64> = centre - outgoing.spin_axis(side) * inboard;
         let ends = [inner, centre].map(|place| outgoing.in_axes(side, place));
         self.line(&format!("{prefix}spin axis"), ends[0], ends[1]);
-        for (name, _, position) in outgoing.points(side) {
-            self.entity("POINT", "POINTS", &[(10, position)]);
-            self.text("NAMES", &format!("{prefix}{name}"), position, height);
+        for (name, id, position) in outgoing.points(side) {
+            if let Some(prefix) = prefix_of(&[id]) {
+                self.entity("POINT", "POINTS", &[(10, position)]);
+                self.text("NAMES", &format!("{prefix}{name}"), position, height);
+            }
         }
     }
 

@@ -143,16 +143,28 @@ impl Rows<'_> {
         if numbers.iter().all(alone) || (figure(name).is_some() && numbers.iter().all(only)) {
             return self.figures(row, name, &columns, &numbers, marks.0);
         }
-        for (triple, cells) in columns.triples.iter().zip(&numbers) {
+        self.points(row, name, (&columns, &numbers), marks)
+    }
+
+    /// Adds the points of a row, one for each group of coordinates with numbers. `marks` are wheel and axle by the row's
+    /// words, and whether the row is for both wheels.
+    fn points(
+        &mut self,
+        row: u32,
+        name: &str,
+        (columns, numbers): (&Columns, &[[Option<&Cell>; 3]]),
+        (by_words, both): (Marks, bool),
+    ) -> Result<(), String> {
+        let sheet = self.sheet;
+        for (triple, cells) in columns.triples.iter().zip(numbers) {
             if cells.iter().all(Option::is_none) {
                 continue;
             }
-            let (said, both) = marks;
             let of_triple = Marks {
                 side: triple.side,
                 axle: None,
             };
-            let found = of_triple.or(said);
+            let found = of_triple.or(by_words);
             let mut found = if both {
                 found
             } else {
@@ -398,113 +410,4 @@ fn unit_of_value(text: &str) -> Option<&str> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::exchange::delimited;
-    use crate::model::Side;
-
-    fn table(text: &str) -> PointTable {
-        read(&delimited::read(text).unwrap()).unwrap().unwrap()
-    }
-
-    fn refusal(text: &str) -> String {
-        read(&delimited::read(text).unwrap()).unwrap_err()
-    }
-
-    fn position(table: &PointTable, number: usize) -> [f64; 3] {
-        table.points[number].position.clone().unwrap()
-    }
-
-    #[test]
-    fn columns_stand_in_any_order() {
-        let read = table("remark,Z [in],X [in],Y [in],Point\nok,3,1,2.5,lca_front\n");
-        assert_eq!(position(&read, 0), [1.0, 2.5, 3.0]);
-        assert_eq!(
-            (read.points[0].name.as_str(), read.unit),
-            ("lca_front", Some(LengthUnit::Inch))
-        );
-    }
-
-    #[test]
-    fn a_table_may_have_no_header() {
-        let read = table("a,1,2,3\nb,4,5,6\n");
-        assert_eq!((position(&read, 1), read.notes.len()), ([4.0, 5.0, 6.0], 1));
-    }
-
-    #[test]
-    fn sides_stand_in_columns_titles_and_headers() {
-        let by_column = table("name,side,x,y,z\nlbj,left,1,2,3\nlbj,R,1,-2,3\n");
-        let by_title = table("name,x,y,z\nLeft wheel\nlbj,1,2,3\nRight wheel\nlbj,1,-2,3\n");
-        let by_header = table(",Left,,,Right,,\nname,x,y,z,x,y,z\nlbj,1,2,3,1,-2,3\n");
-        for read in [by_column, by_title, by_header] {
-            let sides: Vec<_> = read.points.iter().map(|point| point.marks.side).collect();
-            assert_eq!(sides, [Some(Side::Left), Some(Side::Right)], "{read:?}");
-            assert_eq!(position(&read, 1), [1.0, -2.0, 3.0]);
-        }
-    }
-
-    #[test]
-    fn decimal_commas_are_read_where_they_are_certain() {
-        let read = table("name;x;y;z\na;120,5;360,25;-0,5\n");
-        assert_eq!(position(&read, 0), [120.5, 360.25, -0.5]);
-        // All numbers have three decimals, so the comma is a decimal comma.
-        assert_eq!(
-            position(&table("n;x;y;z\na;1,250;0,500;0,000\n"), 0),
-            [1.25, 0.5, 0.0]
-        );
-        assert!(refusal("name;x;y;z\na;120,5;360.25;1\n").contains("commas and points are mixed"));
-        assert!(refusal("name;x;y;z\na;1,250;360;1\n").contains("may be a decimal or a thousand"));
-    }
-
-    #[test]
-    fn what_is_no_number_is_named_with_its_place() {
-        let read = table("name,x,y,z\na,1,2,3\nb,1,,3\nc,1,inf,3\nd,1,2 mm,3\n");
-        let fault = |n: usize| read.points[n].position.clone().unwrap_err();
-        assert_eq!(fault(1), "line 3, column 3: the cell is empty");
-        assert_eq!(
-            fault(2),
-            "line 4, column 3: expected a number, found \"inf\""
-        );
-        assert!(fault(3).contains("found \"2 mm\""));
-    }
-
-    #[test]
-    fn figures_stand_among_points() {
-        let read = table("name,x,y,z\na,1,2,3\nwheel radius,300,,\nstatic_camber,-0.5,,\n");
-        let figures: Vec<f64> = read.figures.iter().map(|figure| figure.value).collect();
-        assert_eq!((figures, read.points.len()), (vec![300.0, -0.5], 1));
-    }
-
-    /// Values stand in the first column, beside points that are named in the second, with their units in the next cell.
-    #[test]
-    fn figures_in_the_first_column_keep_their_units() {
-        let read = table(
-            "Ref,Description,X,Y,Z\nP1,a,1,2,3\nStatic camber,,-1.5,deg,\nTyre radius,,10.3,in,\n",
-        );
-        let figures: Vec<(&str, f64)> = read
-            .figures
-            .iter()
-            .map(|f| (&f.read_as[..], f.value))
-            .collect();
-        let wanted = [("Static camber deg", -1.5), ("Tyre radius in", 10.3)];
-        assert_eq!((figures.as_slice(), read.points.len()), (&wanted[..], 1));
-    }
-
-    #[test]
-    fn commas_between_and_inside_of_numbers_are_refused() {
-        let refused = refusal("name,x,y,z\na,110,5,240,0,290,2\nb,1,0,2,5,3,0\n");
-        assert!(
-            refused.contains("separate the cells by semicolons"),
-            "{refused}"
-        );
-        // Numbers that a sheet has beside the points, with or without a title.
-        assert_eq!(table("name,x,y,z,mass\na,110,5,240,3\n").points.len(), 1);
-        assert_eq!(table("name,x,y,z\na,110,5,240,3\n").points.len(), 1);
-    }
-
-    #[test]
-    fn contradictions_are_refused() {
-        assert!(refusal("name,x [mm],y [in],z\na,1,2,3\n").contains("different units"));
-        assert!(refusal("name,x,y,z,x,y,z\na,1,2,3,4,5,6\n").contains("2 sets of x, y and z"));
-    }
-}
+mod tests;

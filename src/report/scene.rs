@@ -118,109 +118,141 @@ fn bodies(mechanism: &Mechanism) -> Vec<SceneBody> {
     if let Some(beam) = rigid.and_then(|rigid| rigid.twist_beam.as_ref()) {
         return half_beam(mechanism, beam);
     }
-    let mut bodies = Vec::new();
-    let mut add = |kind, name: String, lines: &[&[PointId]]| {
+    let mut parts = Parts::default();
+    parts.arms(mechanism);
+    parts.constraints(mechanism);
+    for [inner, outer] in rigid.iter().flat_map(|rigid| &rigid.extra_links) {
+        let name = body_name(mechanism.name(*inner));
+        parts.add(BodyKind::Link, name, &[&[*inner, *outer]]);
+        parts.joints.push(*outer);
+    }
+    if let Some(spring) = mechanism.spring
+        && parts.strut != Some((spring.upper, spring.lower))
+    {
+        let line = [spring.lower, spring.upper];
+        parts.add(BodyKind::Spring, "spring".to_owned(), &[&line]);
+    }
+    for number in 0..mechanism.rockers.len() {
+        parts.rocker(mechanism, RockerId(number));
+    }
+    parts.carrier(mechanism);
+    parts.bodies
+}
+
+/// Bodies of a drawing, with the joints and the strut that were met.
+#[derive(Default)]
+struct Parts {
+    bodies: Vec<SceneBody>,
+    /// Joints on the wheel carrier.
+    joints: Vec<PointId>,
+    /// Upper and lower end of a strut.
+    strut: Option<(PointId, PointId)>,
+}
+
+impl Parts {
+    fn add(&mut self, kind: BodyKind, name: String, lines: &[&[PointId]]) {
         let line = |line: &&[PointId]| line.iter().map(|id| id.0).collect();
-        bodies.push(SceneBody {
+        self.bodies.push(SceneBody {
             name,
             kind,
             lines: lines.iter().map(line).collect(),
         });
-    };
-    let named = |id: PointId| body_name(&mechanism.points[id.0].name);
-    for arm in &mechanism.arms {
-        let second = mechanism
-            .constraints
-            .iter()
-            .filter_map(|constraint| match *constraint {
+    }
+
+    fn arms(&mut self, mechanism: &Mechanism) {
+        for arm in &mechanism.arms {
+            let constraints = mechanism.constraints.iter();
+            let second = constraints.filter_map(|constraint| match *constraint {
                 Constraint::ArmJoint { arm: of, at } if mechanism.arms[of.0] == *arm => Some(at),
                 _ => None,
             });
-        let mut line = vec![arm.front, arm.outer];
-        line.extend(second);
-        line.push(arm.rear);
-        add(BodyKind::Arm, named(arm.front), &[&line]);
-    }
-    let of_an_arm = |from, to| {
-        let mut arms = mechanism.arms.iter();
-        arms.any(|arm| arm.outer == to && (arm.front == from || arm.rear == from))
-    };
-    let mut strut = None;
-    let mut joints = Vec::new();
-    for constraint in &mechanism.constraints {
-        match *constraint {
-            Constraint::Link { inner, outer } => {
-                if !of_an_arm(inner, outer) {
-                    add(BodyKind::Link, named(inner), &[&[inner, outer]]);
-                }
-                joints.push(outer);
-            }
-            Constraint::StrutLine { top, lower, upper } => {
-                let line: Vec<PointId> = [lower].into_iter().chain(upper).chain([top]).collect();
-                add(BodyKind::Strut, "strut".to_owned(), &[&line]);
-                strut = Some((top, lower));
-                joints.push(lower);
-            }
-            Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => joints.push(at),
-            // In a hinged mechanism, the arm itself is the knuckle.
-            Constraint::Mount { .. }
-            | Constraint::Revolute { .. }
-            | Constraint::AxleTravel { .. } => {}
+            let mut line = vec![arm.front, arm.outer];
+            line.extend(second);
+            line.push(arm.rear);
+            let name = body_name(mechanism.name(arm.front));
+            self.add(BodyKind::Arm, name, &[&line]);
         }
     }
-    let extra = rigid.iter().flat_map(|rigid| &rigid.extra_links);
-    for [inner, outer] in extra {
-        add(BodyKind::Link, named(*inner), &[&[*inner, *outer]]);
-        joints.push(*outer);
+
+    fn constraints(&mut self, mechanism: &Mechanism) {
+        let of_an_arm = |from, to| {
+            let mut arms = mechanism.arms.iter();
+            arms.any(|arm| arm.outer == to && (arm.front == from || arm.rear == from))
+        };
+        for constraint in &mechanism.constraints {
+            match *constraint {
+                Constraint::Link { inner, outer } => {
+                    if !of_an_arm(inner, outer) {
+                        let name = body_name(mechanism.name(inner));
+                        self.add(BodyKind::Link, name, &[&[inner, outer]]);
+                    }
+                    self.joints.push(outer);
+                }
+                Constraint::StrutLine { top, lower, upper } => {
+                    let line: Vec<PointId> =
+                        [lower].into_iter().chain(upper).chain([top]).collect();
+                    self.add(BodyKind::Strut, "strut".to_owned(), &[&line]);
+                    self.strut = Some((top, lower));
+                    self.joints.push(lower);
+                }
+                Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => {
+                    self.joints.push(at);
+                }
+                // In a hinged mechanism, the arm itself is the knuckle.
+                Constraint::Mount { .. }
+                | Constraint::Revolute { .. }
+                | Constraint::AxleTravel { .. } => {}
+            }
+        }
     }
-    if let Some(spring) = mechanism.spring
-        && strut != Some((spring.upper, spring.lower))
-    {
-        let line = [spring.lower, spring.upper];
-        add(BodyKind::Spring, "spring".to_owned(), &[&line]);
-    }
-    for (number, rocker) in mechanism.rockers.iter().enumerate() {
+
+    fn rocker(&mut self, mechanism: &Mechanism, id: RockerId) {
+        let rocker = mechanism.rocker(id);
         let rod = [rocker.inner, rocker.outer];
-        add(BodyKind::Link, rocker.rod.to_string(), &[&rod]);
+        self.add(BodyKind::Link, rocker.rod.to_string(), &[&rod]);
         let ends = mechanism.spring.map(|spring| spring.lower);
-        let links = || mechanism.constraints.iter().filter_map(Constraint::link);
-        let on_it = |id: &PointId| mechanism.body(*id) == Body::Rocker(RockerId(number));
+        let far_centre = mechanism.rigid_axle.as_ref().map(|rigid| rigid.far_centre);
+        let links = mechanism.constraints.iter().filter_map(Constraint::link);
         let further = ends
             .into_iter()
             .chain(mechanism.rockers.iter().map(|r| r.outer))
             .chain([mechanism.wheel_centre])
-            .chain(rigid.map(|rigid| rigid.far_centre))
-            .chain(links().flat_map(|(inner, outer)| [inner, outer]));
+            .chain(far_centre)
+            .chain(links.flat_map(|(inner, outer)| [inner, outer]));
         let mut through = vec![rocker.first, rocker.inner];
-        through.extend(further.filter(on_it));
+        through.extend(further.filter(|point| mechanism.body(*point) == Body::Rocker(id)));
         through.extend([rocker.second, rocker.first]);
         let name = rocker.rod.turns().trim_start_matches("the ").to_owned();
         let kind = match rocker.rod {
             Rod::DragLink | Rod::TieRod => BodyKind::Knuckle,
             _ => BodyKind::Rocker,
         };
-        add(kind, name, &[&through]);
+        self.add(kind, name, &[&through]);
         if kind == BodyKind::Knuckle {
-            joints.extend([rocker.first, rocker.second]);
+            self.joints.extend([rocker.first, rocker.second]);
         }
         if mechanism.body(rocker.outer) == Body::Knuckle {
-            joints.push(rocker.outer);
+            self.joints.push(rocker.outer);
         }
     }
-    joints.sort();
-    joints.dedup();
-    // The wheels of a steered axle are on its knuckles, and the axle ends at the kingpins.
-    let centre = match mechanism.axle_steering() {
-        Some(_) => mechanism.origin,
-        None => mechanism.wheel_centre,
-    };
-    joints.retain(|joint| mechanism.body(*joint) == Body::Knuckle && *joint != centre);
-    let spokes: Vec<[PointId; 2]> = joints.iter().map(|joint| [*joint, centre]).collect();
-    if !spokes.is_empty() {
-        let lines: Vec<&[PointId]> = spokes.iter().map(|s| s.as_slice()).collect();
-        add(BodyKind::Knuckle, "wheel carrier".to_owned(), &lines);
+
+    /// Adds the wheel carrier: a line from each joint to the wheel centre. The wheels of a steered axle are on its knuckles,
+    /// and the axle ends at the kingpins.
+    fn carrier(&mut self, mechanism: &Mechanism) {
+        let centre = match mechanism.axle_steering() {
+            Some(_) => mechanism.origin,
+            None => mechanism.wheel_centre,
+        };
+        let mut joints = std::mem::take(&mut self.joints);
+        joints.sort();
+        joints.dedup();
+        joints.retain(|joint| mechanism.body(*joint) == Body::Knuckle && *joint != centre);
+        let spokes: Vec<[PointId; 2]> = joints.iter().map(|joint| [*joint, centre]).collect();
+        if !spokes.is_empty() {
+            let lines: Vec<&[PointId]> = spokes.iter().map(|s| s.as_slice()).collect();
+            self.add(BodyKind::Knuckle, "wheel carrier".to_owned(), &lines);
+        }
     }
-    bodies
 }
 
 /// Name of the body of a point: `lower_arm_front` is on the `lower arm`, `tie_rod_inner` on the `tie rod`.

@@ -8,7 +8,7 @@ use super::loads::{Balance, Balanced, Factors, Reaction, tension};
 use crate::mechanism::Wrench;
 use crate::mechanism::pose::Sink;
 use crate::model::{ArmId, Body, Mechanism, PointId, RockerId, Rod};
-use crate::number::Vector3;
+use crate::number::{Each, Vector3};
 
 /// A force on a part of the suspension, in the kernel's frame of the wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,7 +100,7 @@ impl<T: Balanced> Balance<'_, T> {
             }
             sum.wrench(wrench.force, wrench.moment);
         }
-        let against = sum.to_row().map(|c| -c);
+        let against = sum.to_row().each(|c| -c);
         let multipliers = T::multipliers(Factors(&self.factors), &self.rows, against);
         Carrying {
             constraints: self.reactions(&multipliers),
@@ -132,7 +132,7 @@ impl<T: Balanced> Balance<'_, T> {
             }
             for (later, rocker) in mechanism.rockers.iter().enumerate().skip(number + 1) {
                 if mechanism.body(rocker.outer) == Body::Rocker(id) {
-                    let [inner, outer] = [rocker.inner, rocker.outer].map(|id| at.point(id));
+                    let [inner, outer] = [rocker.inner, rocker.outer].each(|id| at.point(id));
                     let pull = (inner - outer).normalised() * tensions[later];
                     tension = tension + at.rod_tension(id, outer, pull);
                 }

@@ -20,7 +20,7 @@ use crate::mechanism::RowSet;
 use crate::mechanism::{LimitCause, PartMeasure, Toggle};
 use crate::model::Drive;
 use crate::model::{PointId, RockerId, Rod};
-use crate::number::Vector3;
+use crate::number::{Each, Vector3};
 use crate::solve::cause::{dependent_links, nearest_part, outer_ends};
 use crate::solve::continuation::{Curve, CurvePoint, Moving, PathEnd};
 use crate::solve::{Solver, StationOrder};
@@ -324,7 +324,7 @@ impl Solver<'_> {
         drive: Drive,
         [value, rack]: [f64; 2],
     ) -> Result<f64, DesignFault> {
-        let places = BEFORE_END.map(|share| value * share);
+        let places = BEFORE_END.each(|share| value * share);
         let mut leverage = f64::INFINITY;
         self.for_each_pose(
             drive,
@@ -371,7 +371,7 @@ impl Curve<'_> {
             RowSet::ALL,
             &at,
             motion.driver(),
-            &self.fold_multipliers(fold).map(|m| -m),
+            &self.fold_multipliers(fold).each(|m| -m),
             &mut HardpointGradient(gradient.as_mut_slice()),
         );
         gradient

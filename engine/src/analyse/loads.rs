@@ -18,17 +18,19 @@
 //! All of it is generic over the number. On series along a design variable, a force comes with its derivative by that
 //! variable. The factors of the matrix are those of its constant part.
 
-use super::beam_loads::{BeamForce, BeamForces};
-use crate::ask::Unit;
+mod members;
+
+pub use members::{Carried, Member, members};
+
+use super::beam_loads::BeamForces;
 use crate::linear::lu::{Lu6, Matrix6, Vector6};
 use crate::mechanism::constraint::Row;
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Closure, Configuration, Failure, Pose, WorkCounter, Wrench};
-use crate::model::{
-    Arm, Axis, Body, Constraint, Frame, Mechanism, PointId, RigidAxle, RockerId, Rod, Spring,
-};
+use crate::model::{Axis, Body, Mechanism, PointId, RigidAxle, RockerId, Spring};
 use crate::number::{Each, Jet, Scalar, Vector3};
 use crate::solve::{Conditioning, Solver};
+use members::sprung_joint;
 
 /// Prefix of the names of members of the far half of a rigid axle.
 pub const FAR: &str = "right_";
@@ -215,8 +217,8 @@ impl<'a, T: Balanced> Balance<'a, T> {
         }
         let support = support_row;
         work.note(|w| w.factorisations += 1);
-        let rows = rows.map(Wrench::to_row);
-        let factors = Lu6::new(rows.each(|row| row.map(T::value)), size)?;
+        let rows = rows.each(Wrench::to_row);
+        let factors = Lu6::new(rows.each(|row| row.each(T::value)), size)?;
         (!Conditioning::of(&factors, size).is_poor()).then_some(Balance {
             closure,
             at,
@@ -441,175 +443,6 @@ impl Solver<'_> {
     }
 }
 
-/// One of the reactions to a load, in the kernel's frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Carried {
-    /// Tension of the rod with these ends, or of a leg of an arm that carries no spring.
-    Tension(PointId, PointId),
-    /// Force at a point on the wheel carrier.
-    Force(PointId, Axis),
-    /// Force with which the support holds the suspension.
-    Support(Support),
-    /// Force of the support at the far wheel of a rigid axle.
-    FarSupport(Support),
-    /// Tension of the rod of the spring's rocker.
-    Rod,
-    /// Tension of the rod that rotates the rocker of a Watt linkage.
-    WattRod(RockerId),
-    /// Tension of the drag link of a steered axle.
-    DragLink,
-    /// Tension of its tie rod.
-    TieRod,
-    /// Force or moment of a twist beam.
-    Beam(BeamForce),
-}
-
-impl Carried {
-    /// Meaning of a positive value.
-    pub fn positive(&self) -> &'static str {
-        match self {
-            Carried::Tension(..)
-            | Carried::Rod
-            | Carried::WattRod(_)
-            | Carried::DragLink
-            | Carried::TieRod => "tension",
-            Carried::Beam(force) => force.positive(),
-            Carried::Force(_, Axis::X) => "on the wheel carrier along +x",
-            Carried::Force(_, Axis::Y) => "on the wheel carrier along +y",
-            Carried::Force(_, Axis::Z) => "on the wheel carrier along +z",
-            Carried::Support(Support::Spring(_)) | Carried::FarSupport(Support::Spring(_)) => {
-                "compression"
-            }
-            Carried::Support(Support::WheelCentre) | Carried::FarSupport(Support::WheelCentre) => {
-                "upward on the wheel carrier"
-            }
-        }
-    }
-
-    /// Factor from the kernel's frame of the loaded wheel to the study's axes.
-    pub(crate) fn sign(&self, frame: &Frame) -> f64 {
-        match self {
-            Carried::Force(_, axis) => frame.sign(*axis),
-            Carried::Beam(force) => {
-                let sign = match force {
-                    BeamForce::Moment(axis) => frame.turn_sign(*axis),
-                    _ => frame.sign(force.axis()),
-                };
-                sign * force.sign_of(frame.meaning().1)
-            }
-            _ => 1.0,
-        }
-    }
-
-    /// Unit of the reaction.
-    pub fn unit(&self) -> Unit {
-        match self {
-            Carried::Beam(BeamForce::Moment(_)) => Unit::Torque,
-            _ => Unit::Force,
-        }
-    }
-}
-
-/// A force in the results, for every load.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Member {
-    /// Part of its column's name after the load's name.
-    pub name: String,
-    /// Reaction that is the force.
-    pub what: Carried,
-}
-
-/// All members with a reaction: rods, then forces at points, then joints of arms, then the support.
-pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
-    let mut members = Vec::new();
-    let force = |name: &str, point| {
-        let component = |axis: Axis| Member {
-            name: format!("{name}_{}", axis.name()),
-            what: Carried::Force(point, axis),
-        };
-        Axis::ALL.map(component)
-    };
-    for constraint in &mechanism.constraints {
-        match *constraint {
-            // These rods stand for the far half of a twist beam.
-            Constraint::Link { .. } if mechanism.topology.is_twist_beam() => {}
-            // The legs of an arm with a spring or a link on it are bent, and no force along them is the whole load.
-            Constraint::Link { outer, .. } if is_joint_of_bent_arm(mechanism, outer) => {}
-            Constraint::Link { inner, outer } => {
-                members.push(Member {
-                    name: mechanism.link_name(inner).to_owned(),
-                    what: Carried::Tension(inner, outer),
-                });
-            }
-            Constraint::StrutLine { top, .. } => members.extend(force("strut_side", top)),
-            Constraint::Revolute { first, second } => {
-                members.extend(force(mechanism.name(first), first));
-                members.extend(force(mechanism.name(second), second));
-            }
-            Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => {
-                members.extend(force(mechanism.name(at), at));
-            }
-            // The forces of a twist beam come together below.
-            Constraint::Mount { .. } | Constraint::AxleTravel { .. } => {}
-        }
-    }
-    let ends_a_link = |arm: &&Arm| {
-        let at_joint =
-            |c: &Constraint| matches!(c, Constraint::Link { outer, .. } if *outer == arm.outer);
-        mechanism.constraints.iter().any(at_joint)
-    };
-    for arm in mechanism.arms.iter().filter(ends_a_link) {
-        members.extend(force(mechanism.name(arm.outer), arm.outer));
-    }
-    let rockers = mechanism.rockers.iter().enumerate();
-    members.extend(
-        rockers
-            .filter(|(_, rocker)| rocker.rod == Rod::WattLink)
-            .map(|(number, rocker)| Member {
-                name: rocker.rod.key().to_owned(),
-                what: Carried::WattRod(RockerId(number)),
-            }),
-    );
-    if mechanism.axle_steering().is_some() {
-        let rods = [
-            (Rod::DragLink, Carried::DragLink),
-            (Rod::TieRod, Carried::TieRod),
-        ];
-        members.extend(rods.map(|(rod, what)| Member {
-            name: rod.key().to_owned(),
-            what,
-        }));
-    }
-    if mechanism.topology.is_twist_beam() {
-        let forces = BeamForce::all(FAR).map(|(name, force)| Member {
-            name,
-            what: Carried::Beam(force),
-        });
-        members.extend(forces);
-    }
-    if let Some(rocker) = support.rocker(mechanism) {
-        members.push(Member {
-            name: mechanism.rocker(rocker).rod.key().to_owned(),
-            what: Carried::Rod,
-        });
-    }
-    let name = match support {
-        Support::Spring(_) => "spring",
-        Support::WheelCentre => "support",
-    };
-    members.push(Member {
-        name: name.to_owned(),
-        what: Carried::Support(support),
-    });
-    if mechanism.rigid_axle.is_some() {
-        members.push(Member {
-            name: format!("{FAR}{name}"),
-            what: Carried::FarSupport(support),
-        });
-    }
-    members
-}
-
 /// Support of the far wheel of a rigid axle.
 fn far_support<T: Scalar>(rigid: &RigidAxle, support: Support, at: &Configuration<T>) -> Wrench<T> {
     let like = at.rack;
@@ -617,7 +450,7 @@ fn far_support<T: Scalar>(rigid: &RigidAxle, support: Support, at: &Configuratio
     let far = |id: PointId| rigid.far_of(id).unwrap_or(id);
     match support {
         Support::Spring(spring) => {
-            let [lower, upper] = [spring.lower, spring.upper].map(far);
+            let [lower, upper] = [spring.lower, spring.upper].each(far);
             let along = (at.point(lower) - at.point(upper)).normalised();
             at.push_point(lower, along, &mut row);
             at.push_point(upper, -along, &mut row);
@@ -628,20 +461,4 @@ fn far_support<T: Scalar>(rigid: &RigidAxle, support: Support, at: &Configuratio
         }
     }
     row
-}
-
-/// Returns true for the outer joint of an arm that carries another part. Such parts are the spring, the rod of its rocker, a
-/// link to the knuckle and a second joint to the knuckle.
-fn is_joint_of_bent_arm(mechanism: &Mechanism, joint: PointId) -> bool {
-    let arms = mechanism.constraints.iter();
-    let mut arms = arms.filter_map(|constraint| mechanism.arm_under(constraint));
-    sprung_joint(mechanism) == Some(joint) || arms.any(|arm| mechanism.arms[arm.0].outer == joint)
-}
-
-/// Outer joint of the arm that carries the spring or the rod of its rocker. `None` if no arm carries them.
-fn sprung_joint(mechanism: &Mechanism) -> Option<PointId> {
-    match mechanism.body(mechanism.spring_seat()?) {
-        Body::Arm(arm) => Some(mechanism.arms[arm.0].outer),
-        _ => None,
-    }
 }

@@ -12,7 +12,7 @@
 
 use super::loads::{Balance, Balanced, Load};
 use crate::model::{RockerId, Rod};
-use crate::number::Vector3;
+use crate::number::{Each, Vector3};
 
 impl<T: Balanced> Balance<'_, T> {
     /// Tensions of drag link and tie rod of a steered axle, under a load on the near wheel and the forces of both supports.
@@ -48,7 +48,7 @@ impl<T: Balanced> Balance<'_, T> {
         let second = knuckles.into_iter().find(|id| *id != first)?;
         let tie_rod = tension(second);
         let rod = at.mechanism.rocker(second);
-        let [own, other] = [rod.outer, rod.inner].map(|id| at.point(id));
+        let [own, other] = [rod.outer, rod.inner].each(|id| at.point(id));
         let pull = (other - own).normalised() * tie_rod;
         Some([tension(first) + at.rod_tension(first, own, pull), tie_rod])
     }

@@ -29,7 +29,7 @@ use crate::linear::lu::{Lu6, Matrix6, Vector6};
 use crate::mechanism::Twist;
 use crate::mechanism::{Closure, Configuration, DesignFault, Driver, Pose, ROUNDING};
 use crate::model::{AxleTravel, PointId, RigidAxle, Suspension};
-use crate::number::{Dual, Outlined, Real, Vector3};
+use crate::number::{Dual, Each, Outlined, Real, Vector3};
 use crate::solve::Solver;
 
 /// Shortest step from the nominal to the built parts.
@@ -173,7 +173,7 @@ impl Assembler {
         let height = Dual::constant(0.0);
         let inverse = &self.home.inverse;
         let (_, correction) = self.corrected(&closure, &parts, height, &pose, inverse);
-        correction.map(|c| c.partials[0])
+        correction.each(|c| c.partials[0])
     }
 
     /// Returns the pose of the carrier, starting from the nominal pose. For a solid axle, this function and those below take the

@@ -14,7 +14,7 @@ use super::state::Motion;
 use super::{Quantity, WheelQuantity};
 use crate::mechanism::NoPose;
 use crate::model::Side;
-use crate::number::Vector3;
+use crate::number::{Each, Vector3};
 
 /// Number of terms of the series. Loads contain velocities, and are differentiated by the travel and by the design.
 pub(super) const LOAD_TERMS: usize = 3;
@@ -90,7 +90,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         factor: f64,
         into: &mut [Vec<Vector3<f64>>; 2],
     ) -> Result<(), NoPose> {
-        let sought = LOADS.map(super::solver::Sought::Quantity);
+        let sought = LOADS.each(super::solver::Sought::Quantity);
         self.each_gradient(placed, &sought, None, &mut |_, gradients| {
             for (into, gradient) in into.iter_mut().zip(gradients) {
                 for (sum, by) in into.iter_mut().zip(&*gradient) {
@@ -124,7 +124,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             let made = AxleSolver::new(self.axle, &LOADS, false);
             let mut made = made.map_err(|_| NoPose::NoLoad)?;
             let designs = self.designs();
-            let prepared = made.prepare_whole(designs.each_ref().map(Vec::as_slice));
+            let prepared = made.prepare_whole(designs.each_ref().each(Vec::as_slice));
             prepared.map_err(|_| NoPose::NoLoad)?;
             self.loads = Some(Box::new(made));
         }

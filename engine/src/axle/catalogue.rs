@@ -11,7 +11,7 @@ use super::state::AxleState;
 use crate::ask::{Info, Need, NoValue, Unit};
 use crate::characteristics::{Characteristic, Slot};
 use crate::model::Side;
-use crate::number::{Scalar, SimdReal, call_outlined};
+use crate::number::{Each, Scalar, SimdReal, call_outlined};
 
 const ANGLE: Unit = Unit::Angle;
 const LENGTH: Unit = Unit::Length;
@@ -224,10 +224,10 @@ impl Quantity {
         if let Some(c) =
             Characteristic::named(name).filter(|c| *c != Characteristic::RollCentreHeight)
         {
-            found.extend(sides.map(|side| Quantity::Corner(side, c)));
+            found.extend(sides.each(|side| Quantity::Corner(side, c)));
         }
         if let Some(q) = WheelQuantity::ALL.iter().find(|q| q.info().name == name) {
-            found.extend(sides.map(|side| Quantity::Wheel(side, *q)));
+            found.extend(sides.each(|side| Quantity::Wheel(side, *q)));
         }
         let own = AxleQuantity::ALL.iter().find(|q| q.info().name == name);
         found.extend(own.map(|q| Quantity::Axle(*q)));

@@ -18,7 +18,7 @@ use crate::analyse::{Certifier, Inclusion};
 use crate::curves::Prover;
 use crate::mechanism::{Configuration, Failure, NoPose};
 use crate::model::{Mechanism, Side};
-use crate::number::{Interval, Jet, Real, Vector3};
+use crate::number::{Each, Interval, Jet, Real, Vector3};
 
 /// Proved bounds on an axle's pose. Lengths are in the study's unit, angles in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,12 +101,12 @@ impl<'a> Wheel<'a> {
     fn new(axle: &'a Axle, side: Side) -> Self {
         let suspension = axle.suspension(side);
         let mechanism = &suspension.mechanism;
-        let [centre, origin] = [mechanism.wheel_centre, mechanism.origin].map(|id| id.0);
+        let [centre, origin] = [mechanism.wheel_centre, mechanism.origin].each(|id| id.0);
         let lever = suspension.design[centre] - suspension.design[origin];
         let prover = Prover::new(suspension);
         let scale = prover.certifier.scale();
         let rise = |lever: Vector3<f64>| {
-            let [x, y, z] = lever.to_array().map(f64::abs);
+            let [x, y, z] = lever.to_array().each(f64::abs);
             1.0 + (x + y + z) / scale
         };
         // The travel that drives a rigid axle is half of the rise of both wheel centres.
@@ -197,7 +197,7 @@ impl<'a> AxleCertifier<'a> {
             Placement::Travels {
                 travels, on_plane, ..
             } => {
-                let wheels = over(travels.map(Interval::point))?;
+                let wheels = over(travels.each(Interval::point))?;
                 let roll = on_plane.then_some(placed.roll);
                 let proof = self.at_travels(&wheels, roll)?;
                 // Accounts for the rounding of the mean of both travels.
@@ -238,7 +238,7 @@ impl<'a> AxleCertifier<'a> {
         let (sine, cosine) = Interval::point(roll).sin_cos();
         let ground = Ground { sine, cosine }.map(Jet::constant);
         let half = 0.5 * (travels[0] - travels[1]);
-        let written = travels.map(Interval::point);
+        let written = travels.each(Interval::point);
         // Uses the travels as written. At these the poses are proved to be on the branch of the design.
         let travels = |half: Interval| {
             let heave = Interval::point(heave);
@@ -255,7 +255,7 @@ impl<'a> AxleCertifier<'a> {
         let root = root.ok_or(NoPose::Unproven)?;
         let found = travels(around(half, root.off));
         let wheels = over(found)?;
-        let errors = [0, 1].map(|wheel| (found[wheel] - written[wheel]).magnitude());
+        let errors = [0, 1].each(|wheel| (found[wheel] - written[wheel]).magnitude());
         // Any other pose close to both of these poses would have travels in the interval, which contains only one root.
         let nearest = nearest_other(&over(travels(around(half, root.alone)))?);
         let reach = |wheel: usize| {
@@ -284,7 +284,7 @@ impl<'a> AxleCertifier<'a> {
             return Ok(proof);
         };
         // For the derivative by the roll angle the poses are constant.
-        let held = wheels.map(|wheel| Inclusion {
+        let held = wheels.each(|wheel| Inclusion {
             pose: wheel.pose.map(|c| Jet::constant(c[0])),
             ..wheel
         });
@@ -298,7 +298,7 @@ impl<'a> AxleCertifier<'a> {
             Some(left - right)
         });
         let root = root.ok_or(NoPose::Unproven)?;
-        let [left, right] = wheels.map(|wheel| wheel.certificate.scale);
+        let [left, right] = wheels.each(|wheel| wheel.certificate.scale);
         let away = ((root.alone - root.off) * left.min(right)).next_down();
         Ok(AxleProof {
             roll_error: root.off,
@@ -308,7 +308,7 @@ impl<'a> AxleCertifier<'a> {
     }
 
     fn position_errors(&self, wheels: &[Inclusion; 2]) -> [f64; 2] {
-        [0, 1].map(|wheel| {
+        [0, 1].each(|wheel| {
             let prover = &self.wheels[wheel].prover;
             prover.position_error(&wheels[wheel].certificate)
         })
@@ -317,6 +317,6 @@ impl<'a> AxleCertifier<'a> {
 
 /// Distance from both poses within which neither wheel has another pose.
 fn nearest_other(wheels: &[Inclusion; 2]) -> f64 {
-    let [left, right] = wheels.map(|wheel| wheel.certificate.uniqueness);
+    let [left, right] = wheels.each(|wheel| wheel.certificate.uniqueness);
     left.min(right)
 }

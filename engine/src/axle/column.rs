@@ -8,7 +8,7 @@ use super::{Axle, AxlePlan, Quantity, Read, WheelMotion};
 use crate::ask::{NoValue, with_unit};
 use crate::curves::{ByTime, Column, Loads, per, velocity_name};
 use crate::model::{Axis, LengthUnit, PointId, Side};
-use crate::number::Jet;
+use crate::number::{Each, Jet};
 
 /// A column of values.
 #[derive(Clone, Debug, PartialEq)]
@@ -252,12 +252,12 @@ fn of_turn(
 ) -> f64 {
     if order == 1 {
         let wheel = &state.readings[side as usize];
-        let by = [wheel.by_travel(), wheel.by_rack()].map(|[_, turn]| turn[axis]);
+        let by = [wheel.by_travel(), wheel.by_rack()].each(|[_, turn]| turn[axis]);
         return state.along(motion, side, by);
     }
     let moving = state.moving(motion);
     let wheel = &moving.readings[side as usize];
-    let by = [wheel.by_travel(), wheel.by_rack()].map(|[_, turn]| turn[axis]);
+    let by = [wheel.by_travel(), wheel.by_rack()].each(|[_, turn]| turn[axis]);
     moving.along(motion, side, by)[1]
 }
 
@@ -282,7 +282,7 @@ type ByMotion = (Motion, &'static str, String, f64);
 /// All three components for the left wheel, then for the right one.
 fn by_wheel() -> impl Iterator<Item = (Side, Axis)> {
     let sides = Side::ALL.into_iter();
-    sides.flat_map(|side| Axis::ALL.map(|axis| (side, axis)))
+    sides.flat_map(|side| Axis::ALL.each(|axis| (side, axis)))
 }
 
 impl AxlePlan {

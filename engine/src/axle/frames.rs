@@ -13,7 +13,7 @@ use crate::compliance::Here;
 use crate::curves::{OtherWheel, Placement as Drawn, Turn};
 use crate::mechanism::{Configuration, DesignFault, NoPose};
 use crate::model::{Frame, PointId, Side};
-use crate::number::Vector3;
+use crate::number::{Each, Vector3};
 use crate::study::AxleComplianceStudy;
 
 /// Both wheels in every pose, in the study's axes, or the reason why a pose does not exist. With elastic parts the carriers are
@@ -97,7 +97,7 @@ fn equilibrium_frames(
     let has_ground = axle.setup.wheel_radius.is_some();
     let drawn = placements.iter().map(|placement| {
         let here = in_equilibrium(&equilibria, placement)?;
-        let wheels = Side::ALL.map(|side| carrier_at(axle, &solver, &here, side));
+        let wheels = Side::ALL.each(|side| carrier_at(axle, &solver, &here, side));
         let [left, right] = &wheels;
         let attitude = Attitude {
             frame: &axle.left.frame,
@@ -162,7 +162,7 @@ fn side_at_rest(
 /// Height of the ground in the design position.
 fn design_ground(axle: &Axle, solver: &mut AxleSolver<2>) -> f64 {
     let radius = axle.setup.wheel_radius.unwrap_or(0.0);
-    let [left, right] = Side::ALL.map(|side| {
+    let [left, right] = Side::ALL.each(|side| {
         let corner = axle.suspension(side);
         let centre = corner.design[corner.mechanism.wheel_centre.0];
         let level = super::Ground::level(0.0);
@@ -200,7 +200,7 @@ impl Attitude<'_> {
 
     /// A vector in the study's axes, with -0 replaced by 0.
     fn written(&self, v: Vector3<f64>) -> [f64; 3] {
-        self.frame.vector(v).to_array().map(|x| x + 0.0)
+        self.frame.vector(v).to_array().each(|x| x + 0.0)
     }
 
     fn direction(&self, side: Side, v: Vector3<f64>) -> [f64; 3] {
@@ -247,7 +247,7 @@ impl Attitude<'_> {
         let value = |quantity| Quantity::Axle(quantity).value(state).ok();
         let height = value(AxleQuantity::RollCentreHeight)?;
         let lateral = value(AxleQuantity::RollCentreLateral)?;
-        let contacts = Side::ALL.map(|side| {
+        let contacts = Side::ALL.each(|side| {
             let wheel = &state.wheels()[side as usize];
             self.placed(side, wheel.contact_point())
         });
@@ -281,7 +281,7 @@ fn drawn(
             0.0
         },
     };
-    let [left, right] = Side::ALL.map(|side| solver.drawn_configuration(side, placed));
+    let [left, right] = Side::ALL.each(|side| solver.drawn_configuration(side, placed));
     let points = attitude.points([&left, &right]);
     let wheels = Side::ALL.map(|side| attitude.wheel(side, &state, has_ground));
     let roll_centre = if has_ground {
@@ -294,8 +294,8 @@ fn drawn(
         [x + 0.0, y + 0.0]
     };
     let turn = turn(&state).map(|turn| Turn {
-        wheels: turn.wheels.map(|ends| ends.map(flat)),
-        meets: turn.meets.map(|meets| meets.map(flat)),
+        wheels: turn.wheels.each(|ends| ends.each(flat)),
+        meets: turn.meets.map(|meets| meets.each(flat)),
         centre: turn.centre.map(flat),
         other_axle: flat([turn.other_axle, 0.0])[0],
     });

@@ -9,6 +9,7 @@ use super::solver::{AxlePose, AxleSolver, Placement};
 use crate::analyse::{AT_TOGGLE, Range, RangeEnd, RockerRange};
 use crate::mechanism::{DesignFault, Failure, Pose};
 use crate::model::{AxleTravel, Drive, Rod, Side};
+use crate::number::Each;
 use crate::solve::Solver;
 
 /// Limits of an axle's motion from its design position.
@@ -177,7 +178,7 @@ impl<const N: usize> AxleSolver<'_, N> {
             self.configuration_of(Side::Left, placed),
         ];
         let knuckles = [steering.near_knuckle, steering.far_knuckle];
-        let leverages = knuckles.map(|id| {
+        let leverages = knuckles.each(|id| {
             let leverages = both.iter().map(|at| at.leverage(id));
             leverages.fold(f64::INFINITY, f64::min)
         });
@@ -232,7 +233,7 @@ impl<const N: usize> AxleSolver<'_, N> {
 /// Returns the end that is nearer to the design position. Each wheel's end comes with the sign that converts the wheel's
 /// value to the axle's.
 fn nearer(ends: [(&RangeEnd, f64); 2]) -> AxleEnd {
-    let [left, right] = ends.map(|(end, sign)| (end, sign * end.value()));
+    let [left, right] = ends.each(|(end, sign)| (end, sign * end.value()));
     let (side, (end, value)) = if left.1.abs() <= right.1.abs() {
         (Side::Left, left)
     } else {

@@ -61,7 +61,7 @@ use crate::ask::Need;
 use crate::characteristics::Slot;
 use crate::mechanism::DesignFault;
 use crate::model::{Frame, RockerId, Side, Suspension};
-use crate::number::Vector3;
+use crate::number::{Each, Vector3};
 use crate::study::AxleComplianceStudy;
 
 /// An axle.
@@ -201,7 +201,7 @@ impl Axle {
         };
         if let Some(laws) = &self.setup.springs {
             let law = |side: Side| {
-                let [before, now] = [self, &changed].map(|axle| axle.design_spring_length(side));
+                let [before, now] = [self, &changed].each(|axle| axle.design_spring_length(side));
                 let shortened = before.zip(now).map_or(0.0, |(before, now)| before - now);
                 laws[side as usize].of_shorter_design(shortened)
             };

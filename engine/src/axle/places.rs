@@ -5,6 +5,7 @@ use super::solver::{AxlePose, Placement};
 use super::{Axle, AxleMotion, AxlePlan, WheelMotion};
 use crate::curves::{MotionColumn, Proof};
 use crate::model::Axis;
+use crate::number::Each;
 
 /// Coordinates of a motion: roll, heave, both travels, rack, steering wheel and time. In roll, the travels are results. If
 /// travels are given, the roll angle is a result.
@@ -59,7 +60,7 @@ pub(super) fn place(
     let mut at = Vec::new();
     at.extend(motion.shows_roll().then_some(roll));
     at.extend(motion.shows_heave().then_some(Some(heave)));
-    at.extend([0, 1].map(|side| travels.map(|t| t[side])));
+    at.extend([0, 1].each(|side| travels.map(|t| t[side])));
     at.push(Some(placement.rack() * axle.left.frame.sign(Axis::Y) + 0.0));
     let angle = motion.steering_wheel_at(number);
     at.extend(angle.map(|angle| Some(degrees(angle))));

@@ -132,7 +132,7 @@ impl<const N: usize> Snapshot<N> {
         Snapshot(WheelPose {
             wheel: inputs.now,
             rotation: at.carrier_rotation().columns,
-            axle: [0, 1].map(|column| at.pose.rotation.columns[column]),
+            axle: [0, 1].each(|column| at.pose.rotation.columns[column]),
             design: inputs.design,
         })
     }
@@ -189,8 +189,8 @@ impl<T: Real> Reading<T> {
         let shifted = |polynomial: Taylor<T>| polynomial.shifted(travel);
         Reading {
             wheel: self.wheel.map(shifted),
-            rotation: self.rotation.map(|column| column.map(shifted)),
-            axle: self.axle.map(|column| column.map(shifted)),
+            rotation: self.rotation.each(|column| column.map(shifted)),
+            axle: self.axle.each(|column| column.map(shifted)),
             design: self.design,
         }
     }
@@ -215,7 +215,7 @@ impl Reading<f64> {
     /// Rotation of the carrier from the design position.
     pub fn rotation(&self) -> Matrix3<f64> {
         Matrix3 {
-            columns: [0, 1, 2].map(|i| self.column(i, [0, 0])),
+            columns: [0, 1, 2].each(|i| self.column(i, [0, 0])),
         }
     }
 }
@@ -372,8 +372,8 @@ pub trait WheelParts<T: Real>: Copy {
         outlined!(
             [T: Real, W: WheelParts<T>] self.like();
             parts: &'p W = self, powers: [usize; 2] = powers => [Vector3<T>; 2] {
-                let [a, b] = [0, 1].map(|i| parts.axle_column(i, [0, 0]));
-                let [a_rate, b_rate] = [0, 1].map(|i| parts.axle_column(i, powers));
+                let [a, b] = [0, 1].each(|i| parts.axle_column(i, [0, 0]));
+                let [a_rate, b_rate] = [0, 1].each(|i| parts.axle_column(i, powers));
                 let turn = a.cross(a_rate) + a * b_rate.dot(a.cross(b));
                 [parts.read_vector(VectorPart::SteeringPoint, powers), turn]
             }

@@ -13,7 +13,7 @@
 
 use super::reading::WheelParts;
 use crate::characteristics::{NumberPart, VectorPart};
-use crate::number::{Real, Vector3};
+use crate::number::{Each, Real, Vector3};
 
 /// A linear force law with a preload in the design position.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,7 +121,7 @@ impl<T: Real> RockerSprings<T> {
             forces.heave_spring = force;
             forces.heave_spring_length = length;
             forces.heave_spring_travel = shortened;
-            forces.work = rates.map(|rate| -(force * rate));
+            forces.work = rates.each(|rate| -(force * rate));
             forces.energy = shortened * (law.load + (law.rate * shortened).scaled(0.5));
         }
         if let Some(rate) = self.t_bar {
@@ -164,9 +164,9 @@ impl<T: Copy> RockerMotion<T> {
     /// Converts all numbers to another kind.
     pub fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> RockerMotion<U> {
         RockerMotion {
-            end: self.end.map(|end| end.map(f)),
+            end: self.end.each(|end| end.map(f)),
             design_end: self.design_end.map(f),
-            angle: self.angle.map(f),
+            angle: self.angle.each(f),
         }
     }
 }
@@ -176,9 +176,9 @@ impl<T: Real> RockerMotion<T> {
     pub fn read(wheel: &impl WheelParts<T>) -> Self {
         let (end, angle) = (VectorPart::HeaveSpring, NumberPart::RockerAngle);
         RockerMotion {
-            end: [[0, 0], [1, 0]].map(|powers| wheel.read_vector(end, powers)),
+            end: [[0, 0], [1, 0]].each(|powers| wheel.read_vector(end, powers)),
             design_end: wheel.design().heave_spring,
-            angle: [[0, 0], [1, 0]].map(|powers| wheel.number(angle, powers)),
+            angle: [[0, 0], [1, 0]].each(|powers| wheel.number(angle, powers)),
         }
     }
 }

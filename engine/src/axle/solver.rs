@@ -8,6 +8,7 @@
 mod corner;
 mod linearised;
 mod placement;
+mod prove;
 mod reading;
 mod rolling;
 mod steering;
@@ -23,11 +24,11 @@ use super::setup::Setup;
 use super::state::{AxleState, Hold, Motion};
 use super::taylor::{Line, Taylor};
 use super::{Axle, AxleColumn, Quantity};
-use crate::analyse::{Balance, Certifier, Limits, Support};
+use crate::analyse::{Balance, Limits, Support};
 use crate::ask::NoValue;
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
 use crate::linear::lu::Lu6;
-use crate::mechanism::{Configuration, DesignFault, Failure, Ground, NoPose, Pose, Unproven};
+use crate::mechanism::{Configuration, DesignFault, Failure, Ground, NoPose, Pose};
 use crate::model::{
     Axis, AxleSteering, AxleTravel, Drive, Mechanism, PointId, RigidAxle, RockerId, Rod, Side,
 };
@@ -401,38 +402,6 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
 
     fn radius(&self) -> f64 {
         self.setup.wheel_radius.unwrap_or(f64::NAN)
-    }
-
-    /// Proves that poses of one wheel lie on the branch of its design position. The poses have these values of the drive and
-    /// one rack displacement. For a rigid axle the mean travel replaces the rack.
-    pub(super) fn prove_branch(
-        &mut self,
-        certifier: &Certifier,
-        side: Side,
-        rack: f64,
-        (travels, poses): (&[f64], &[Pose<f64>]),
-    ) -> Vec<Result<(), NoPose>> {
-        let corner = &mut self.corners[side as usize];
-        let order = StationOrder::through(travels);
-        let found: Vec<_> = poses.iter().copied().map(Ok).collect();
-        let mut proved = vec![Err(Failure::Uncertified(Unproven::Branch)); travels.len()];
-        let rack = rack * corner.rack_sign;
-        // The constructor has checked the design position.
-        let _ = corner.solver.prove_poses(
-            certifier,
-            Drive::Travel,
-            &order,
-            rack,
-            &found,
-            |_, station, certified| {
-                proved[station] = certified.map(|_| ());
-                ControlFlow::Continue(())
-            },
-        );
-        let wheel = |(proved, travel): (Result<(), Failure>, &f64)| {
-            proved.map_err(|failure| corner.fails(*travel, failure))
-        };
-        proved.into_iter().zip(travels).map(wheel).collect()
     }
 
     /// Limits of one wheel alone, in the frame of its side.

@@ -20,7 +20,7 @@ use super::reading::{Reading, WheelParts};
 use super::solver::AxleSolver;
 use crate::characteristics::{DesignWheel, NumberPart, VectorPart};
 use crate::model::Side;
-use crate::number::Vector3;
+use crate::number::{Each, Vector3, array_of};
 
 /// Number of pieces on each side of the design position.
 const MOST_PIECES: i32 = 48;
@@ -75,10 +75,10 @@ impl CurveWheel {
         let mut coefficients = [[f64::NAN; COUNT]; 4];
         for (k, numbers) in coefficients.iter_mut().enumerate() {
             let powers = [k, 0];
-            let vectors = VECTORS.map(|part| reading.read_vector(part, powers));
-            let columns = [0, 1, 2].map(|i| reading.column(i, powers));
+            let vectors = VECTORS.each(|part| reading.read_vector(part, powers));
+            let columns = [0, 1, 2].each(|i| reading.column(i, powers));
             let vectors = vectors.into_iter().chain(columns);
-            let single = SINGLE.map(|part| reading.number(part, powers));
+            let single = SINGLE.each(|part| reading.number(part, powers));
             let all = vectors.flat_map(Vector3::to_array).chain(single);
             numbers.iter_mut().zip(all).for_each(|(into, c)| *into = c);
         }
@@ -91,8 +91,8 @@ impl CurveWheel {
     /// Coefficients by travel, in units of the length of a piece.
     fn scaled(&self, length: f64) -> Powers<4> {
         let mut power = 1.0;
-        self.coefficients.map(|numbers| {
-            let scaled = numbers.map(|c| c * power);
+        self.coefficients.each(|numbers| {
+            let scaled = numbers.each(|c| c * power);
             power *= length;
             scaled
         })
@@ -285,7 +285,7 @@ impl WheelCurve {
                 c[2] + 3.0 * c[3],
                 c[3],
             ];
-            let d: [f64; 4] = std::array::from_fn(|i| end[i][k] - at_end[i]);
+            let d: [f64; 4] = array_of(|i| end[i][k] - at_end[i]);
             let q0 = d[0];
             let q1 = d[1] - 4.0 * q0;
             let q2 = d[2] - 4.0 * q1 - 6.0 * q0;
@@ -351,8 +351,8 @@ impl Piece {
         }
         let inverse = 1.0 / length;
         let mut power = 1.0;
-        let coefficients = [0, 1, 2, 3].map(|k: usize| {
-            let numbers = c[k].map(|c| c * power);
+        let coefficients = [0, 1, 2, 3].each(|k: usize| {
+            let numbers = c[k].each(|c| c * power);
             power *= inverse;
             numbers
         });

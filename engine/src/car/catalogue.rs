@@ -8,7 +8,7 @@ use super::rates::Solved;
 use super::{Car, Case, Longitudinal};
 use crate::ask::Unit;
 use crate::model::LengthUnit;
-use crate::number::Scalar;
+use crate::number::{Each, Scalar};
 pub use need::CarNeed;
 
 /// One of the four wheels: front left, front right, rear left, rear right.
@@ -317,7 +317,7 @@ impl CarQuantity {
             WheelResult::SpringTravel,
         ];
         for place in WheelPlace::ALL {
-            columns.extend(of_wheel.map(|result| CarQuantity::Wheel(place, result)));
+            columns.extend(of_wheel.each(|result| CarQuantity::Wheel(place, result)));
         }
         columns.extend(axles(&[
             AxleResult::Transfer,
@@ -353,7 +353,7 @@ impl CarQuantity {
     /// Results that sweeps and tolerances keep for a study that names none.
     pub fn key_columns(car: &Car) -> Vec<CarQuantity> {
         let load = |place| CarQuantity::Wheel(place, WheelResult::Load);
-        let mut columns = WheelPlace::ALL.map(load).to_vec();
+        let mut columns = WheelPlace::ALL.each(load).to_vec();
         let whole = [
             WholeResult::Roll,
             WholeResult::Pitch,
@@ -368,7 +368,7 @@ impl CarQuantity {
             WholeResult::WeightFront,
             WholeResult::CrossWeight,
         ];
-        columns.extend(whole.map(CarQuantity::Whole));
+        columns.extend(whole.each(CarQuantity::Whole));
         columns.retain(|quantity| quantity.is_met_by(car));
         columns
     }

@@ -183,7 +183,7 @@ impl<T: Real> Corner<T> {
         );
         let axle = match (carriers, sign > 0.0) {
             (Carriers::Steered(held), true) => {
-                let columns = [0, 1].map(|i| vector(&|powers| wheel.axle_column(i, powers)));
+                let columns = [0, 1].each(|i| vector(&|powers| wheel.axle_column(i, powers)));
                 let place = vector(&|powers| wheel.read_vector(VectorPart::SteeringPoint, powers));
                 Some(axle_motion(held, columns, place, offset))
             }

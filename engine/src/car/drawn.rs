@@ -3,7 +3,7 @@
 use super::{CarQuantity, CarSolver, Case, Equilibrium, NoEquilibrium, WheelPlace, WheelResult};
 use crate::mechanism::Configuration;
 use crate::model::{PointId, Side};
-use crate::number::Vector3;
+use crate::number::{Each, Vector3};
 
 /// Places in the axes of the ground under the car: forward, left, height above the ground.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +41,7 @@ impl CarSolver<'_> {
                 road.left.dot(v),
                 road.up.dot(v) - ground,
             ]
-            .map(|c| c + 0.0)
+            .each(|c| c + 0.0)
         };
         let offset = |axle: usize| match axle {
             0 => Vector3::default(),
@@ -71,26 +71,26 @@ impl CarSolver<'_> {
             };
             Side::ALL.map(of_side).concat()
         });
-        let turned = |v: Vector3<f64>| [road.forward, road.left, road.up].map(|axis| axis.dot(v));
-        let spin_axes = WheelPlace::ALL.map(|wheel| {
+        let turned = |v: Vector3<f64>| [road.forward, road.left, road.up].each(|axis| axis.dot(v));
+        let spin_axes = WheelPlace::ALL.each(|wheel| {
             let side = Side::ALL[wheel.0 % 2];
             let own = configuration(wheel.0 / 2, side).spin_axis();
             turned(Vector3::new(own.x, side.sign() * own.y, own.z))
         });
-        let centres = [0, 1, 2, 3].map(|number| {
+        let centres = [0, 1, 2, 3].each(|number| {
             let (axle, side) = (number / 2, number % 2);
             let wheel = self.car.axles[axle].suspension(Side::ALL[side]);
             let own = &points[axle][side * (points[axle].len() / 2)..];
             own[wheel.mechanism.wheel_centre.0]
         });
-        let contacts = WheelPlace::ALL.map(|wheel| {
+        let contacts = WheelPlace::ALL.each(|wheel| {
             let coordinates = [
                 WheelResult::ContactX,
                 WheelResult::ContactY,
                 WheelResult::ContactZ,
             ];
             let of = |result| CarQuantity::Wheel(wheel, result).evaluate_state(&balance);
-            place(Vector3::from(coordinates.map(of)))
+            place(Vector3::from(coordinates.each(of)))
         });
         Ok(CarDrawing {
             points,
@@ -98,7 +98,7 @@ impl CarSolver<'_> {
             centres,
             spin_axes,
             sprung_cg: place(balance.sprung.1),
-            axes: [road.forward, road.left, road.up].map(|axis| axis.to_array()),
+            axes: [road.forward, road.left, road.up].each(|axis| axis.to_array()),
         })
     }
 }

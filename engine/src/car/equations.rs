@@ -135,7 +135,7 @@ impl<T: Scalar> Balance<T> {
                 static_load,
             )
         });
-        let stances = placed.each_ref().map(|placed| &placed.stance);
+        let stances = placed.each_ref().each(|placed| &placed.stance);
         let body = Body::of(held, parameters, &ground, masses.sprung);
         let loaded = Loaded::of(
             held,
@@ -144,12 +144,12 @@ impl<T: Scalar> Balance<T> {
             (stances, &body.resultant),
             &x,
         );
-        let axles = [0, 2].map(|left| {
+        let axles = [0, 2].each(|left| {
             let right = left + 1;
             let forces = [&loaded.forces[left], &loaded.forces[right]];
             load_parts([stances[left], stances[right]], forces)
         });
-        let wheels = [0, 1, 2, 3].map(|number| {
+        let wheels = [0, 1, 2, 3].each(|number| {
             let (axle, side) = (number / 2, number % 2);
             placed[number].under(held, axle, &loaded.forces[number], axles[axle][side])
         });
@@ -313,19 +313,19 @@ impl<T: Scalar> Loaded<T> {
         x: &[T; UNKNOWNS],
     ) -> Self {
         let car = held.car;
-        let bars = [0, 1].map(|axle| {
-            let angles = [0, 1].map(|side| wheels[2 * axle + side].bar);
+        let bars = [0, 1].each(|axle| {
+            let angles = [0, 1].each(|side| wheels[2 * axle + side].bar);
             bar_torque(car, parameters, axle, angles)
         });
-        let rockers = [0, 1].map(|axle| {
+        let rockers = [0, 1].each(|axle| {
             let laws = parameters.rocker_springs(car, axle);
-            match [0, 1].map(|side| wheels[2 * axle + side].rocker) {
+            match [0, 1].each(|side| wheels[2 * axle + side].rocker) {
                 [Some(left), Some(right)] => laws.forces(&[left, right]),
                 _ => RockerForces::none(x[0]),
             }
         });
         let shares = shares(held, x);
-        let forces = [0, 1, 2, 3].map(|number: usize| {
+        let forces = [0, 1, 2, 3].each(|number: usize| {
             let axle = number / 2;
             let source = held.case.setting.longitudinal;
             let share = car.longitudinal_share(axle, source, parameters);

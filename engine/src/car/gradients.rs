@@ -7,7 +7,7 @@ use super::solver::{Base, CarSolver, Equilibrium, Wheels};
 use super::{Car, CarQuantity, Case, NoEquilibrium, WholeResult};
 use crate::axle::Axle;
 use crate::model::Side;
-use crate::number::{Scalar, Tape, Tracked, Vector3};
+use crate::number::{Each, Scalar, Tape, Tracked, Vector3};
 
 /// A result with its derivatives.
 #[derive(Clone, Debug)]
@@ -78,8 +78,8 @@ impl<'a> CarSolver<'a> {
         let of_case = |place: usize| {
             use AxleParameter::Rack;
             use BodyParameter::{Ax, Ay, Az, Speed, Warp};
-            let of_body = [Ax, Ay, Az, Speed, Warp].map(|own| Parameter::Body(own).place());
-            let racks = [0, 1].map(|axle| Parameter::Axle(axle, Rack).place());
+            let of_body = [Ax, Ay, Az, Speed, Warp].each(|own| Parameter::Body(own).place());
+            let racks = [0, 1].each(|axle| Parameter::Axle(axle, Rack).place());
             of_body.contains(&place) || racks.contains(&place)
         };
         for (quantity, gradient) in quantities.iter().zip(gradients) {
@@ -123,11 +123,11 @@ impl<'a> CarSolver<'a> {
         let linearised = [linearised(0)?, linearised(1)?];
         let tape = Tape::default();
         let tracked = parameters.map(|value| tape.input(value));
-        let placed = linearised.each_ref().map(|axle| axle.on_tape(&tape));
+        let placed = linearised.each_ref().each(|axle| axle.on_tape(&tape));
         let first = placed
             .each_ref()
-            .map(|axle| axle.each_ref().map(|(_, first)| *first));
-        let wheels = placed.map(|axle| axle.map(|(wheel, _)| wheel));
+            .each(|axle| axle.each_ref().each(|(_, first)| *first));
+        let wheels = placed.each(|axle| axle.each(|(wheel, _)| wheel));
         let ([a, b], [c, d]) = (&wheels[0], &wheels[1]);
         let base = Base {
             held,
@@ -152,7 +152,7 @@ impl<'a> CarSolver<'a> {
             _ => quantity.evaluate_state(&now),
         };
         let values: Vec<_> = quantities.iter().map(value).collect();
-        let inputs = linearised.each_ref().map(|axle| axle.inputs());
+        let inputs = linearised.each_ref().each(|axle| axle.inputs());
         let mut gradients = Vec::with_capacity(quantities.len());
         tape.gradients(&values, first[1][1] + inputs[1], |number, by_numbers| {
             let mut wheels = [0, 0, 1, 1].map(|axle| no_gradients(&self.car.axles[axle]));

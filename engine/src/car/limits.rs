@@ -15,6 +15,7 @@
 use super::catalogue::{CarQuantity, WheelPlace, WheelResult};
 use super::parameters::{BodyParameter, Parameter};
 use super::{CarSolver, Case, Equilibrium, Longitudinal, NoEquilibrium};
+use crate::number::Each;
 
 /// Largest acceleration that is tried, g.
 const MOST: f64 = 5.0;
@@ -84,7 +85,7 @@ impl At {
 
     fn loads(&self) -> [f64; 4] {
         let x = &self.found.unknowns;
-        [0, 1, 2, 3].map(|wheel| x[super::equations::LOADS + wheel])
+        [0, 1, 2, 3].each(|wheel| x[super::equations::LOADS + wheel])
     }
 
     /// Smallest load as a fraction of the largest, and its wheel.
@@ -210,7 +211,7 @@ impl CarSolver<'_> {
     /// Next acceleration by equation (1), g.
     fn next(&mut self, ray: &Ray<'_>, at: &At) -> Option<f64> {
         let case = ray.at(at.g);
-        let loads = WheelPlace::ALL.map(|place| CarQuantity::Wheel(place, WheelResult::Load));
+        let loads = WheelPlace::ALL.each(|place| CarQuantity::Wheel(place, WheelResult::Load));
         let gradients = self.gradients(&case, &at.found, &loads).ok()?;
         let steps = gradients.iter().filter_map(|gradient| {
             let by = |of| gradient.parameters[Parameter::Body(of).place()];

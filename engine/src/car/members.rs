@@ -11,7 +11,7 @@ use crate::analyse::{Applied, Support, bears, rod_name};
 use crate::axle::AxlePose;
 use crate::mechanism::NoPose;
 use crate::model::{ArmId, Axis, Constraint, Mechanism, PointId, RockerId, Side};
-use crate::number::Vector3;
+use crate::number::{Each, Vector3};
 
 /// A member of one wheel, with the force that it reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -199,7 +199,7 @@ impl CarSolver<'_> {
         }
         if let (Some(end), Some(_)) = (mechanism.heave_spring(), setup.rocker_springs.heave_spring)
         {
-            let [left, right] = [0, 1].map(|k| state.wheels[2 * axle + k].corner.rocker.end[0]);
+            let [left, right] = [0, 1].each(|k| state.wheels[2 * axle + k].corner.rocker.end[0]);
             // Vector from the other end to this end, in the frame of this wheel.
             let apart = match side {
                 Side::Left => Vector3::new(left.x - right.x, left.y + right.y, left.z - right.z),

@@ -249,7 +249,7 @@ impl<T: Copy> Parameters<T> {
 
     /// Converts the values to another kind of number.
     pub fn map<U: Copy>(&self, f: impl FnMut(T) -> U) -> Parameters<U> {
-        Parameters(self.0.map(f))
+        Parameters(self.0.each(f))
     }
 }
 

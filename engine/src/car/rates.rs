@@ -6,7 +6,7 @@ use super::parameters::{BodyParameter, Parameter, Parameters};
 use super::solver::Base;
 use super::tangent::{Matrix, held, inverse, tangent};
 use crate::axle::WheelParts;
-use crate::number::{Dual, Jet, Real, Scalar, array_of};
+use crate::number::{Dual, Each, Jet, Real, Scalar, array_of};
 
 /// A state with its derivatives, from which the values of results follow.
 #[derive(Clone, Debug)]
@@ -84,7 +84,7 @@ impl Plain {
             let mut right = [0.0; UNKNOWNS];
             let (matrix, inverse) = match direction {
                 Direction::Parameter(_) => {
-                    right = by_parameters.next().unwrap_or(right).map(|row| -row);
+                    right = by_parameters.next().unwrap_or(right).each(|row| -row);
                     (&tangent, &plain.inverse)
                 }
                 Direction::Couple => {
@@ -99,7 +99,7 @@ impl Plain {
             let mut rates = times(inverse, right);
             // One more step removes rounding error of the inverse.
             let product = times(matrix, rates);
-            let defect = std::array::from_fn(|k| right[k] - product[k]);
+            let defect = array_of(|k| right[k] - product[k]);
             for (rate, step) in rates.iter_mut().zip(times(inverse, defect)) {
                 *rate += step;
             }
@@ -119,9 +119,9 @@ fn by_parameters<R: WheelParts<f64>>(
     for (number, parameter) in PARAMETERS.into_iter().enumerate() {
         moved.0[Parameter::Body(parameter).place()].partials[number] = 1.0;
     }
-    let still = unknowns.map(Dual::constant);
+    let still = unknowns.each(Dual::constant);
     let residuals = base.balance(&moved, still, Dual::constant).residuals;
-    array_of(|number| residuals.map(|row| row.partials[number]))
+    array_of(|number| residuals.each(|row| row.partials[number]))
 }
 
 impl Direction {
@@ -169,7 +169,7 @@ pub(super) fn settle<T: Scalar, U: Real, R: WheelParts<U>>(
     plain: &Plain,
     lift: impl Fn(U) -> T + Copy,
 ) -> [T; UNKNOWNS] {
-    let mut x = plain.unknowns.map(|c| parameters.0[0].constant(c));
+    let mut x = plain.unknowns.each(|c| parameters.0[0].constant(c));
     let residuals = base.balance(parameters, x, lift).residuals;
     for (unknown, step) in x.iter_mut().zip(times(&plain.inverse, residuals)) {
         *unknown = *unknown - step;
@@ -205,20 +205,20 @@ impl<'c, T: Scalar> Solved<'c, T> {
             let moved = direction.moving(parameters);
             let lifted = move |c: U| Jet::<T, 2>::constant(lift(c));
             let evaluate = |rates: [T; UNKNOWNS]| {
-                let mut series = x.map(Jet::<T, 2>::constant);
+                let mut series = x.each(Jet::<T, 2>::constant);
                 for (series, rate) in series.iter_mut().zip(rates) {
                     series.0[1] = rate;
                 }
                 base.balance(&moved, series, lifted)
             };
-            let mut rates = plain.rates[number].map(|c| x[0].constant(c));
+            let mut rates = plain.rates[number].each(|c| x[0].constant(c));
             if !T::IS_LARGE {
                 return evaluate(rates);
             }
             // One more step adds the gradients of the derivatives.
             let first = evaluate(rates);
             let level = first.road.forward.x[0];
-            let defect = direction.defect(first.residuals.map(|row| row[1]), level);
+            let defect = direction.defect(first.residuals.each(|row| row[1]), level);
             let inverse = match direction {
                 Direction::Parameter(_) | Direction::Couple => &plain.inverse,
                 Direction::Body(_) => &plain.held_inverse,

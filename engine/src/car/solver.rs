@@ -14,6 +14,7 @@ use crate::axle::{
 };
 use crate::mechanism::DesignFault;
 use crate::model::Side;
+use crate::number::Each;
 use crate::threads::checkpoint;
 pub use equilibrium::Equilibrium;
 use readings::OnCurves;
@@ -59,7 +60,7 @@ fn read_of(car: &Car, axle: usize) -> Vec<Quantity> {
         AxleQuantity::TBarTorque,
         AxleQuantity::HeaveBarTorque,
     ];
-    let own = own.map(Quantity::Axle).into_iter();
+    let own = own.each(Quantity::Axle).into_iter();
     quantities.extend(own.filter(|quantity| axle.has(*quantity)));
     quantities
 }
@@ -214,7 +215,7 @@ impl<'a> CarSolver<'a> {
         let heights = car.axles.iter().enumerate().flat_map(|(number, axle)| {
             let offset = if number == 0 { 0.0 } else { car.rear_offset.z };
             let radius = axle.setup.wheel_radius.unwrap_or(f64::NAN);
-            Side::ALL.map(|side| {
+            Side::ALL.each(|side| {
                 let wheel = axle.suspension(side);
                 wheel.design[wheel.mechanism.wheel_centre.0].z + offset - radius
             })
@@ -260,7 +261,7 @@ impl<'a> CarSolver<'a> {
             let mut found = self.newton(case, start)?;
             evaluations += found.evaluations;
             let gaps = self.gaps(case, &found)?;
-            let next = [0, 1, 2, 3].map(|number| {
+            let next = [0, 1, 2, 3].each(|number| {
                 if lifted[number] {
                     gaps[number] >= 0.0
                 } else {
@@ -302,7 +303,7 @@ impl<'a> CarSolver<'a> {
             return Ok([0.0; 4]);
         }
         let balance = self.balance(case, found)?;
-        Ok(balance.wheels.map(|wheel| wheel.gap))
+        Ok(balance.wheels.each(|wheel| wheel.gap))
     }
 
     /// Computes a state with its forces.

@@ -41,6 +41,7 @@
 use super::equations::{GROUND, LOADS, PITCH, PITCH_MOMENT, ROLL, ROLL_MOMENT, UNKNOWNS, VERTICAL};
 use super::solver::{CarSolver, Equilibrium, LONGEST_TRAVEL, LONGEST_TURN, Start};
 use super::{Car, Case, NoEquilibrium};
+use crate::number::Each;
 
 /// Longest step along the load, as a fraction of the whole load.
 const LONGEST: f64 = 1.0 / 16.0;
@@ -53,12 +54,12 @@ impl Equilibrium {
     /// Flexibility C by (1).
     fn flexibility(&self) -> [[f64; 3]; 3] {
         let rows = [(VERTICAL, 1.0), (ROLL_MOMENT, -1.0), (PITCH_MOMENT, -1.0)];
-        let answers = rows.map(|(row, sign)| {
+        let answers = rows.each(|(row, sign)| {
             let mut right = [0.0; UNKNOWNS];
             right[row] = sign;
             self.factors.solve(right)
         });
-        [GROUND, ROLL, PITCH].map(|unknown| answers.map(|answer| answer[unknown]))
+        [GROUND, ROLL, PITCH].each(|unknown| answers.each(|answer| answer[unknown]))
     }
 
     /// Checks condition (2) by the leading minors of the symmetric part.

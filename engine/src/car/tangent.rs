@@ -9,7 +9,7 @@ use super::parameters::Parameters;
 use super::solver::Base;
 use crate::axle::WheelParts;
 use crate::linear::lu::Lu;
-use crate::number::{Dual, array_of};
+use crate::number::{Dual, Each, array_of};
 
 pub(super) type Matrix = [[f64; UNKNOWNS]; UNKNOWNS];
 
@@ -67,7 +67,7 @@ fn unknowns_of<const N: usize>(number: usize) -> [usize; N] {
         TRAVELS + number,
         TRAVELS + (number ^ 1),
     ];
-    std::array::from_fn(|k| all[k])
+    array_of(|k| all[k])
 }
 
 /// A wheel on the ground, with derivatives by its first `N` unknowns.
@@ -84,7 +84,7 @@ fn stance<const N: usize>(
         narrow.partials[3..].copy_from_slice(&c.partials[..N - 3]);
         narrow
     });
-    let attitude = [ROLL, PITCH, GROUND].map(|k| Dual::input(x[k], k));
+    let attitude = [ROLL, PITCH, GROUND].each(|k| Dual::input(x[k], k));
     let ground = Ground::of(&parameters, attitude);
     let static_load = Dual::constant(static_load);
     let placed = Placed::of(held, &parameters, number, corner, &ground, static_load);
@@ -101,15 +101,15 @@ pub(super) fn tangent<R: WheelParts<f64>>(
 ) -> ([f64; UNKNOWNS], Matrix) {
     let held = &base.held;
     let parameters_of_wheels = parameters.map(Dual::<f64, 2>::constant);
-    let corners = [0, 1, 2, 3].map(|number: usize| {
-        let [own, other] = [number, number ^ 1].map(|wheel| TRAVELS + wheel);
+    let corners = [0, 1, 2, 3].each(|number: usize| {
+        let [own, other] = [number, number ^ 1].each(|wheel| TRAVELS + wheel);
         let travels = [Dual::input(x[own], 0), Dual::input(x[other], 1)];
         base.corner(&parameters_of_wheels, number, travels, Dual::constant)
     });
-    let values = corners.each_ref().map(|corner| corner.map(|c| c.value));
+    let values = corners.each_ref().each(|corner| corner.map(|c| c.value));
     let masses = masses(held.car, parameters, &values);
     let static_loads = static_loads(held.car, parameters, &values, &masses);
-    let stances = [0, 1, 2, 3].map(|number: usize| {
+    let stances = [0, 1, 2, 3].each(|number: usize| {
         let axle = number / 2;
         let (of, load) = ((number, &corners[number]), static_loads[axle]);
         if base.carriers[axle].is_rigid() {
@@ -118,7 +118,7 @@ pub(super) fn tangent<R: WheelParts<f64>>(
             stance::<4>(held, parameters, x, of, load)
         }
     });
-    let attitude: [Dual<f64, 3>; 3] = [ROLL, PITCH, GROUND].map(|k| Dual::input(x[k], k));
+    let attitude: [Dual<f64, 3>; 3] = [ROLL, PITCH, GROUND].each(|k| Dual::input(x[k], k));
     let parameters_of_body = parameters.map(Dual::<f64, 3>::constant);
     let ground = Ground::of(&parameters_of_body, attitude);
     let (mass, cg) = masses.sprung;
@@ -131,14 +131,14 @@ pub(super) fn tangent<R: WheelParts<f64>>(
     let of = (wheels, &body.resultant.map(wide));
     let loaded = Loaded::of(held, &parameters, &ground.road.map(wide), of, &unknowns);
     (
-        loaded.residuals.map(|row| row.value),
-        loaded.residuals.map(|row| row.partials),
+        loaded.residuals.each(|row| row.value),
+        loaded.residuals.each(|row| row.partials),
     )
 }
 
 /// Divides each row of a matrix by its largest entry. Returns that matrix and the factors on its rows.
 fn scaled(matrix: &Matrix) -> (Matrix, [f64; UNKNOWNS]) {
-    let scales = matrix.map(|row| 1.0 / row.iter().fold(0.0_f64, |m, c| m.max(c.abs())));
+    let scales = matrix.each(|row| 1.0 / row.iter().fold(0.0_f64, |m, c| m.max(c.abs())));
     let mut scaled = *matrix;
     for (row, scale) in scaled.iter_mut().zip(scales) {
         row.iter_mut().for_each(|c| *c *= scale);

@@ -22,7 +22,7 @@ use crate::compliance::KcValue;
 use crate::derive::Seeds;
 use crate::mechanism::Configuration;
 use crate::model::{Mechanism, PointId, RockerId};
-use crate::number::{Dual, Jet, Scalar, Vector3};
+use crate::number::{Dual, Each, Jet, Scalar, Vector3};
 pub(crate) use input::Input;
 pub use input::Stud;
 
@@ -276,7 +276,7 @@ impl Measure {
 
     /// Derivative of the formula by the vector with this index.
     pub(crate) fn by_vector(&self, number: usize, vectors: &Vectors<f64>) -> Vector3<f64> {
-        let mut seeded = vectors.map(|v| v.map(Dual::<f64, 3>::constant));
+        let mut seeded = vectors.each(|v| v.map(Dual::<f64, 3>::constant));
         seeded[number] = Dual::inputs(vectors[number]);
         Vector3::from(self.formula(&seeded).partials)
     }

@@ -14,7 +14,7 @@ use super::swinging::{End, Swinging};
 use super::system::{CarrierBushing, Limb, System};
 use crate::derive::DesignedSpinAxis;
 use crate::model::{Arm, Body, Constraint, Mechanism, PointId};
-use crate::number::{Matrix3, Scalar, Vector3};
+use crate::number::{Each, Matrix3, Scalar, Vector3};
 pub(super) use places::{BushingPlace, JointPlace, LimbPlace, LinkPlace, Places};
 
 /// System, with the locations of the study's parts in it.
@@ -205,7 +205,7 @@ impl<T: Scalar> Builder<'_, T> {
             return limbs;
         }
         for (k, arm) in arms.iter().enumerate() {
-            let numbers = ends(arm).map(|id| self.compliance.bushing_at(id));
+            let numbers = ends(arm).each(|id| self.compliance.bushing_at(id));
             if numbers == [None, None] {
                 continue;
             }
@@ -421,7 +421,7 @@ impl<T: Scalar> Builder<'_, T> {
 
     fn hinge(&mut self, first: PointId, second: PointId) {
         let along = self.at(second) - self.at(first);
-        let numbers = [first, second].map(|id| self.compliance.bushing_at(id));
+        let numbers = [first, second].each(|id| self.compliance.bushing_at(id));
         let one = along.x.one();
         let zero = one.zero();
         let axes = [
@@ -482,7 +482,7 @@ fn rate<T: Scalar>(stiffness: &AxialStiffness<T>, along: Vector3<T>) -> T {
 
 /// Two unit vectors normal to a vector and to each other.
 fn normals<T: Scalar>(v: Vector3<T>) -> [Vector3<T>; 2] {
-    let [x, y, z] = v.to_array().map(|c| c.value().abs());
+    let [x, y, z] = v.to_array().each(|c| c.value().abs());
     let (zero, one) = (v.x.zero(), v.x.one());
     let least = if x <= y && x <= z {
         Vector3::new(one, zero, zero)

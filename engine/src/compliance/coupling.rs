@@ -8,7 +8,7 @@
 use super::ground::{Coupling, Pose, RACK, SHARED, TWIST};
 use super::limb::{BESIDE, Beside, Sum, TWIST_BESIDE, joined};
 use super::system::Equations;
-use crate::number::{Matrix3, Scalar, Vector3};
+use crate::number::{Each, Matrix3, Scalar, Vector3};
 
 /// Number of further coordinates of a frame besides the carrier's: shift of the rack, twist of the bar, displacement of a
 /// spring's upper end.
@@ -149,13 +149,13 @@ impl<T: Scalar> InFrame<T> {
         found.sum.force = turned(&self.sum.force);
         let blocks = blocks(&self.sum.tangent);
         let back = rotation.transposed();
-        let blocks = blocks.map(|row| row.map(|block| rotation.times(&block).times(&back)));
+        let blocks = blocks.each(|row| row.each(|block| rotation.times(&block).times(&back)));
         let [[a, b], [c, d]] = &blocks;
         found.sum.add_blocks([[a, b], [c, d]]);
         found.force = self.force;
         found.own = self.own;
-        found.by_carrier = self.by_carrier.each_ref().map(turned);
-        found.carrier_by = self.carrier_by.each_ref().map(turned);
+        found.by_carrier = self.by_carrier.each_ref().each(turned);
+        found.carrier_by = self.carrier_by.each_ref().each(turned);
         // The displacement of the upper end is also a vector.
         let of = |v: [T; 3]| rotation.apply(Vector3::from(v)).to_array();
         let across = |list: &mut [[T; 6]; EXTRA]| {
@@ -169,7 +169,7 @@ impl<T: Scalar> InFrame<T> {
         let turned = of([self.force[2], self.force[3], self.force[4]]);
         found.force[2..].copy_from_slice(&turned);
         let own: [Vector3<T>; 3] =
-            [0, 1, 2].map(|j| Vector3::from([0, 1, 2].map(|i| self.own[2 + i][2 + j])));
+            [0, 1, 2].each(|j| Vector3::from([0, 1, 2].each(|i| self.own[2 + i][2 + j])));
         let own = Matrix3 { columns: own };
         let own = rotation.times(&own).times(&back);
         let by_twist = of([self.own[2][1], self.own[3][1], self.own[4][1]]);
@@ -290,14 +290,14 @@ impl<T: Scalar> InFrame<T> {
 
     fn upper_blocks(&self) -> UpperBlocks<T> {
         let column = |j: usize, first: usize| {
-            Vector3::from([0, 1, 2].map(|i| self.by_carrier[2 + i][first + j]))
+            Vector3::from([0, 1, 2].each(|i| self.by_carrier[2 + i][first + j]))
         };
         let of = |first: usize| Matrix3 {
             columns: [column(0, first), column(1, first), column(2, first)],
         };
         let by = |first: usize| Matrix3 {
             columns: [2, 3, 4]
-                .map(|k| Vector3::from([0, 1, 2].map(|i| self.carrier_by[k][first + i]))),
+                .each(|k| Vector3::from([0, 1, 2].each(|i| self.carrier_by[k][first + i]))),
         };
         UpperBlocks {
             force: Vector3::from([self.force[2], self.force[3], self.force[4]]),
@@ -305,7 +305,7 @@ impl<T: Scalar> InFrame<T> {
             carrier_by: [by(0), by(3)],
             own: Matrix3 {
                 columns: [0, 1, 2]
-                    .map(|j| Vector3::from([0, 1, 2].map(|i| self.own[2 + i][2 + j]))),
+                    .each(|j| Vector3::from([0, 1, 2].each(|i| self.own[2 + i][2 + j]))),
             },
         }
     }
@@ -322,7 +322,8 @@ struct UpperBlocks<T> {
 /// Splits a 6 x 6 matrix into 3 x 3 blocks.
 fn blocks<T: Scalar>(matrix: &[[T; 6]; 6]) -> [[Matrix3<T>; 2]; 2] {
     let block = |i: usize, j: usize| Matrix3 {
-        columns: [0, 1, 2].map(|c| Vector3::from([0, 1, 2].map(|r| matrix[3 * i + r][3 * j + c]))),
+        columns: [0, 1, 2]
+            .each(|c| Vector3::from([0, 1, 2].each(|r| matrix[3 * i + r][3 * j + c]))),
     };
     [[block(0, 0), block(0, 1)], [block(1, 0), block(1, 1)]]
 }
@@ -348,7 +349,7 @@ impl<T: Scalar> JointRow<T> {
             shared[RACK] = -row[1];
         }
         if let Some(pose) = pose {
-            let [a, b] = halves(&row).map(|v| pose.rotation.apply(v));
+            let [a, b] = halves(&row).each(|v| pose.rotation.apply(v));
             row = joined(a, b);
             let by = joined(-a, a.cross(pose.lever) - b);
             shared[..6].copy_from_slice(&by);

@@ -3,7 +3,7 @@
 use super::law::Shape;
 use crate::axle::SpringLaw;
 use crate::model::{Body, Constraint, Mechanism, PointId, RockerId};
-use crate::number::{Scalar, Vector3};
+use crate::number::{Each, Scalar, Vector3};
 
 /// Position in which elastic parts are relaxed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,7 +76,7 @@ impl Subframe {
             name: mount.name.clone(),
             at: mount.at.map(f),
             shapes: mount.shapes.each_ref().map(|shape| shape.map(f)),
-            preload: mount.preload.map(f),
+            preload: mount.preload.each(f),
             x_axis: mount.x_axis.map(|axis| axis.map(f)),
             z_axis: mount.z_axis.map(|axis| axis.map(f)),
         };
@@ -164,7 +164,7 @@ impl Compliance {
         let bushing = |part: &BushingPart| BushingPart {
             point: part.point,
             shapes: part.shapes.each_ref().map(|shape| shape.map(f)),
-            preload: part.preload.map(f),
+            preload: part.preload.each(f),
             x_axis: part.x_axis.map(|axis| axis.map(f)),
             z_axis: part.z_axis.map(|axis| axis.map(f)),
         };

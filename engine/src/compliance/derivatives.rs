@@ -17,7 +17,7 @@ use super::solve::Solution;
 use super::system::{Equations, Hold, Limb, State, Step, System, Task};
 use super::wheel::{Change, ElasticWheel, Equilibrium, HeldQuantity};
 use crate::linear::square::{MOST, SquareLu};
-use crate::number::{Dual, Jet, Scalar, Vector3};
+use crate::number::{Dual, Each, Jet, Scalar, Vector3};
 
 /// Equations in an equilibrium and their factors, with one quantity held. All derivatives by loads use them.
 #[derive(Clone, Debug)]
@@ -36,7 +36,7 @@ impl<T: Scalar> ElasticWheel<T> {
         let like = system.like();
         let state = at.map(|c| like.constant(c));
         let equations = system.correction(&state, task).ok()?;
-        let right = equations.residual.map(|c| -c);
+        let right = equations.residual.each(|c| -c);
         let solution = equations.factors()?.solve(&right);
         Some(Equilibrium {
             solution: Solution {
@@ -84,7 +84,7 @@ impl<T: Scalar> ElasticWheel<T> {
                 let equations = dual.equations(&state.map(Dual::constant), &moving, None);
                 let equations = equations.ok()?;
                 let factors = SquareLu::of(equations.matrix, equations.size)?;
-                let solution = factors.solve(&equations.residual.map(|c| -c));
+                let solution = factors.solve(&equations.residual.each(|c| -c));
                 let step = equations.step(&solution, false);
                 return Some(step.map(|c| c.partials[0]));
             }
@@ -139,7 +139,7 @@ impl<T: Scalar> ElasticWheel<T> {
     /// State with a given rate, with the parts needed to read wheels.
     pub(super) fn moving(&self, state: &State<T>, rate: &Step<T>) -> State<Jet<T, 2>> {
         let mut moving = state.map(Jet::constant);
-        let [x, y, z, a, b, c] = rate.carrier.map(|c| Jet([c.zero(), c]));
+        let [x, y, z, a, b, c] = rate.carrier.each(|c| Jet([c.zero(), c]));
         let (shift, turn) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
         moving.carrier = moving.carrier.moved(shift, turn);
         for (k, limb) in self.built.system.limbs.iter().enumerate() {

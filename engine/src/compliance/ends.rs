@@ -23,6 +23,7 @@ use super::solve::{Obstacle, Solution};
 use super::system::{Singular, State, Task};
 use super::wheel::{ElasticWheel, Equilibrium, HeldQuantity, level_task};
 use crate::model::LengthUnit;
+use crate::number::Each;
 
 /// Force (N) at which the search along a motion ends.
 pub const LARGEST_FORCE: f64 = 1e6;
@@ -128,7 +129,7 @@ pub(super) struct Way {
 
 impl Way {
     fn both(usual: f64, farthest: f64, driven_by: Option<DrivingForce>) -> [Self; 2] {
-        [-farthest, farthest].map(|farthest| Way {
+        [-farthest, farthest].each(|farthest| Way {
             usual,
             farthest,
             driven_by,

@@ -21,7 +21,7 @@ use super::limb::{BESIDE, Conditions, Sum, TWIST_BESIDE, joined, tangent_of};
 use super::point::PointForce;
 use super::system::{CarrierBushing, Equations, System};
 use crate::linear::square::MOST;
-use crate::number::{Matrix3, Scalar, Vector3};
+use crate::number::{Each, Matrix3, Scalar, Vector3};
 
 /// Number of unknowns that both wheels share: shift and rotation of the subframe, shift of the rack, and twist of the
 /// anti-roll bar's middle.
@@ -161,11 +161,11 @@ impl<T: Scalar> Coupling<T> {
     /// Removes the derivatives of the tangents, for the step of [`Conditions::is_correction`].
     pub(super) fn fix_tangents(&mut self) {
         let fixed = |c: T| tangent_of(c, true);
-        self.own = self.own.map(|row| row.map(fixed));
-        self.by_corner = self.by_corner.map(|row| row.map(fixed));
-        self.corner_by = self.corner_by.map(|row| row.map(fixed));
+        self.own = self.own.each(|row| row.each(fixed));
+        self.by_corner = self.by_corner.each(|row| row.each(fixed));
+        self.corner_by = self.corner_by.each(|row| row.each(fixed));
         for (_, by) in &mut self.beside {
-            *by = by.map(|row| row.map(fixed));
+            *by = by.each(|row| row.each(fixed));
         }
     }
 }

@@ -21,7 +21,7 @@ use super::algebra::Placed;
 use super::bushing::{Bushing, BushingForce};
 use super::point::PointForce;
 use crate::linear::lu::Lu;
-use crate::number::{Matrix3, Scalar, Vector3, array_of};
+use crate::number::{Each, Matrix3, Scalar, Vector3, array_of};
 
 /// Sum of forces and moments on the carrier about its reference point, with its tangent.
 #[derive(Clone, Copy, Debug)]
@@ -197,7 +197,7 @@ impl<T: Scalar> LimbState<T> {
     pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> LimbState<U> {
         LimbState {
             placed: self.placed.map(f),
-            pivot: self.pivot.map(f),
+            pivot: self.pivot.each(f),
             slide: f(self.slide),
         }
     }
@@ -344,10 +344,10 @@ pub(super) fn eliminated<T: Scalar, const N: usize, const C: usize>(
     units: [f64; N],
     is_correction: bool,
 ) -> Option<Eliminated<T, N, C>> {
-    let own = own.map(|row| row.map(|c| tangent_of(c, is_correction)));
+    let own = own.each(|row| row.each(|c| tangent_of(c, is_correction)));
     let factors = Lu::of(own, 1.0)?;
     let rest = factors.solve(force);
-    let mut followers = by.map(|row| row.map(|c| tangent_of(c, is_correction)));
+    let mut followers = by.each(|row| row.each(|c| tangent_of(c, is_correction)));
     for k in 0..C {
         let column: [T; N] = array_of(|i| followers[i][k]);
         for (row, value) in followers.iter_mut().zip(factors.solve(column)) {

@@ -11,7 +11,7 @@ use super::point::{BarSeat, RockerSeat, Seat};
 use super::reading::WheelFigures;
 use super::swinging::{End, Swinging};
 use super::system::{CarrierBushing, Limb, System};
-use crate::number::Scalar;
+use crate::number::{Each, Scalar};
 
 impl<T: Scalar> Law<T> {
     fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> Law<U> {
@@ -43,10 +43,10 @@ impl<T: Scalar> Seat<T> {
 impl<T: Scalar> RockerSeat<T> {
     fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> RockerSeat<U> {
         RockerSeat {
-            axis: self.axis.map(|point| point.map(f)),
+            axis: self.axis.each(|point| point.map(f)),
             inner: self.inner.map(f),
             spring: self.spring.map(f),
-            rod: self.rod.map(|rod| rod.map(f)),
+            rod: self.rod.map(|rod| rod.each(f)),
         }
     }
 }
@@ -57,7 +57,7 @@ impl<T: Scalar> BarSeat<T> {
         BarSeat {
             point: self.point.map(f),
             rocker: rocker.map(|(rocker, link)| (rocker.map(f), link.map(f))),
-            axis: self.axis.map(|point| point.map(f)),
+            axis: self.axis.each(|point| point.map(f)),
             inner: self.inner.map(f),
             rate: f(self.rate),
         }
@@ -70,7 +70,7 @@ impl<T: Scalar> LegPoint<T> {
             joint: self.joint.map(f),
             axis: self.axis.map(f),
             radius: self.radius.map(f),
-            place: self.place.map(f),
+            place: self.place.each(f),
         }
     }
 }
@@ -93,7 +93,7 @@ impl<T: Scalar> RodPart<T> {
             joint: self.joint.map(f),
             along: self.along.map(f),
             on_rack: self.on_rack,
-            elastic: self.elastic.map(|elastic| elastic.map(f)),
+            elastic: self.elastic.map(|elastic| elastic.each(f)),
         }
     }
 }
@@ -110,7 +110,7 @@ impl<T: Scalar> Limb<T> {
                         lever: end.lever.map(f),
                         on_rack: end.on_rack,
                         bushing: end.bushing.as_ref().map(|bushing| bushing.map(f)),
-                        normals: end.normals.map(|normal| normal.map(f)),
+                        normals: end.normals.each(|normal| normal.map(f)),
                     })
                     .collect(),
                 seat: arm
@@ -201,7 +201,7 @@ impl<T: Copy> WheelFigures<T> {
         WheelFigures {
             toe: f(self.toe),
             camber: f(self.camber),
-            steering: self.steering.map(|angles| angles.map(f)),
+            steering: self.steering.map(|angles| angles.each(f)),
             spin: f(self.spin),
             centre: self.centre.map(f),
             contact: self.contact.map(f),

@@ -21,7 +21,7 @@ use super::bushing::Bushing;
 use super::limb::{Conditions, Evaluated, Followers, LimbState, Sum, joined, tangent_of};
 use super::point::{PointForce, Seat, Stretched};
 use crate::axle::SpringLaw;
-use crate::number::{Dual, Matrix3, Real, Scalar, Vector3};
+use crate::number::{Dual, Each, Matrix3, Real, Scalar, Vector3};
 
 /// Top mount of a strut with its spring.
 #[derive(Clone, Debug)]
@@ -165,7 +165,7 @@ impl<T: Scalar> Mount<T> {
         let by = [
             turned.x, turned.y, turned.z, twisted.x, twisted.y, twisted.z,
         ];
-        let by = by.map(|c| tangent_of(c, at.is_correction));
+        let by = by.each(|c| tangent_of(c, at.is_correction));
         let own = tangent_of(own, at.is_correction);
         let inverse = own.one() / own;
         let mut followers = Followers::of_one(like);

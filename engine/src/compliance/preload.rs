@@ -16,7 +16,7 @@ use super::ground::{Frames, Holder, SHARED, Surroundings};
 use super::solve::{Bounds, is_definite};
 use super::system::{Equations, LOOSE, Limb, Singular, State, Step};
 use crate::linear::square::SquareLu;
-use crate::number::{Scalar, Vector3};
+use crate::number::{Each, Scalar, Vector3};
 
 /// Reason for no preload.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,7 +57,7 @@ impl<T: Scalar> Built<T> {
         self.border_for_preload(&mut equations, Some(bounds))?;
         let factors = SquareLu::of(equations.matrix, equations.size);
         let factors = factors.ok_or(singular(Singular::Carrier))?;
-        let solution = factors.solve(&equations.residual.map(|c| -c));
+        let solution = factors.solve(&equations.residual.each(|c| -c));
         let step = equations.step(&solution, false);
         self.set_preload(&SeenStep {
             step: &step,

@@ -14,7 +14,7 @@ use super::system::{Limb, State};
 use crate::characteristics::{Characteristic, Constants, DesignWheel, Inputs, Wheel};
 use crate::mechanism::Ground;
 use crate::model::{Mechanism, SteeringAxis};
-use crate::number::{Real, Scalar, Vector3};
+use crate::number::{Each, Real, Scalar, Vector3};
 
 /// Points that give the pose of a wheel, in the design position.
 #[derive(Clone, Copy, Debug)]
@@ -66,7 +66,7 @@ impl<T: Real> WheelGeometry<T> {
         let steering = match self.steering {
             SteeringJoints::None => SteeringJoints::None,
             SteeringJoints::Joints(points) => {
-                SteeringJoints::Joints(points.map(|point| point.map(f)))
+                SteeringJoints::Joints(points.each(|point| point.map(f)))
             }
             SteeringJoints::Strut { lower, top, mount } => SteeringJoints::Strut {
                 lower: lower.map(f),
@@ -100,7 +100,7 @@ impl<T: Scalar> WheelGeometry<T> {
             });
         let steering = match mechanism.steering_axis {
             Some(SteeringAxis::Through { lower, upper }) => {
-                let points = [lower, upper].map(|id| design[id.0] - origin);
+                let points = [lower, upper].each(|id| design[id.0] - origin);
                 match mechanism.body(upper) {
                     crate::model::Body::Knuckle => SteeringJoints::Joints(points),
                     _ => SteeringJoints::Strut {

@@ -12,7 +12,7 @@ use super::swinging::Swinging;
 use super::system::{Limb, State, System};
 use super::wheel::{BushingReading, ElasticWheel, Equilibrium, SpringReading};
 use crate::mechanism::Pose;
-use crate::number::{Scalar, Vector3};
+use crate::number::{Each, Scalar, Vector3};
 
 /// Rotation of a bushing above which its law is doubtful, radians.
 const LARGEST_ROTATION: f64 = std::f64::consts::FRAC_PI_3;
@@ -266,7 +266,7 @@ fn rack_force_of<T: Scalar>(
 }
 
 fn reading<T: Scalar>(state: &BushingState<T>, bushing: &Bushing<T>) -> BushingReading<T> {
-    let [d, r] = [state.deflection, state.rotation].map(|v| v.map(Scalar::value).to_array());
+    let [d, r] = [state.deflection, state.rotation].each(|v| v.map(Scalar::value).to_array());
     let beyond =
         (0..3).any(|k| bushing.laws[k].is_beyond(d[k]) || bushing.laws[3 + k].is_beyond(r[k]));
     BushingReading {

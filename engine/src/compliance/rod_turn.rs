@@ -15,7 +15,7 @@
 
 use crate::mechanism::Turn;
 use crate::model::Rod;
-use crate::number::{Matrix3, Scalar, Vector3};
+use crate::number::{Each, Matrix3, Scalar, Vector3};
 
 /// Rotation of a rocker or lever by a rigid rod, with its derivatives by the rod's outer end. Equation (1).
 pub(super) struct RodTurn<T> {
@@ -81,7 +81,7 @@ impl<T: Scalar> RodTurn<T> {
 
     /// Derivatives by the rod's outer end of a value with these first and second derivatives by the angle. Equation (2).
     pub(super) fn chained(&self, first: T, second: T) -> (Vector3<T>, Matrix3<T>) {
-        let columns = self.second.columns.map(|column| column * first);
+        let columns = self.second.columns.each(|column| column * first);
         let mut twice = Matrix3 { columns };
         twice.add_product(self.by, self.by, second);
         (self.by * first, twice)

@@ -20,7 +20,7 @@ use super::limb::is_positive;
 use super::system::{Equations, Held, Hold, Singular, State, System, Task, larger};
 use super::wheel::TURN_LEVER;
 use crate::linear::square::MOST;
-use crate::number::Scalar;
+use crate::number::{Each, Scalar};
 use crate::threads::checkpoint;
 
 /// Largest first correction in shift, mm.
@@ -129,7 +129,7 @@ impl System<f64> {
             let factors = equations
                 .factors()
                 .ok_or(Obstacle::Singular(Singular::Carrier))?;
-            let solution = factors.solve(&equations.residual.map(|c| -c));
+            let solution = factors.solve(&equations.residual.each(|c| -c));
             let step = equations.step(&solution, false);
             let verdict = judge.judge(self.size_of(&step))?;
             state = self.stepped(&state, &step);
@@ -276,7 +276,7 @@ impl Judge {
         // The first correction has no predecessor.
         let quotient = size / (self.before * self.before);
         self.quotient = self.quotient.max(quotient);
-        let next = sizes.map(|part| FORESEEN * part * self.quotient * size);
+        let next = sizes.each(|part| FORESEEN * part * self.quotient * size);
         let is_foreseen = self.steps > 1 && contracts && self.bounds.is_last(next);
         if self.bounds.is_last(sizes) || is_rounding || is_foreseen {
             return Ok(Verdict::Settled);

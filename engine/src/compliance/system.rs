@@ -29,7 +29,7 @@ use super::loads::{WheelLoads, WheelPart};
 use super::parts::{CarrierSeat, Joint, Mount, MountState, RodPart};
 use super::point::SeatState;
 use super::swinging::Swinging;
-use crate::number::{Scalar, Vector3};
+use crate::number::{Each, Scalar, Vector3};
 pub(super) use equations::{Equations, Singular};
 pub(super) use state::{State, Step};
 
@@ -122,8 +122,8 @@ impl<T: Scalar> Held<T> {
     /// Fraction of these forces.
     pub(super) fn share(&self, share: T) -> Self {
         Held {
-            carrier: self.carrier.map(|c| c * share),
-            limbs: self.limbs.map(|limb| limb.map(|c| c * share)),
+            carrier: self.carrier.each(|c| c * share),
+            limbs: self.limbs.each(|limb| limb.each(|c| c * share)),
         }
     }
 }

@@ -12,7 +12,7 @@ use super::system::{Equations, Held, Hold, Limb, Singular, State, Task, larger};
 use crate::characteristics::Constants;
 use crate::linear::square::MOST;
 use crate::model::{Axis, Suspension};
-use crate::number::{Scalar, Vector3};
+use crate::number::{Scalar, Vector3, array_of};
 
 /// Distance, mm, at which the movement by a rotation is compared with a shift.
 pub(super) const TURN_LEVER: f64 = 300.0;
@@ -262,7 +262,7 @@ impl ElasticWheel {
             _ => {
                 let equations = self.built.system.equations(&self.start, &from, None);
                 equations.ok().map(|equations| Held {
-                    carrier: std::array::from_fn(|i| equations.residual[i]),
+                    carrier: array_of(|i| equations.residual[i]),
                     limbs: equations.inner,
                 })
             }

@@ -8,7 +8,7 @@ use crate::characteristics::{Characteristic, Quantity};
 use crate::compliance::{KcRun, KcValue, NoEquilibrium, Parameter};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, LengthUnit, PointId, Suspension};
-use crate::number::Tape;
+use crate::number::{Each, Tape};
 use crate::plan::Plan;
 use crate::study::{ComplianceStudy, ElasticFigure};
 
@@ -68,7 +68,7 @@ pub(super) fn elastic_curves(
         columns(suspension.length_unit, plan).into_iter().unzip();
     let wanted: Vec<KcValue> = reads.iter().map(|read| read.value).collect();
     let points = plan.sensitivities.iter();
-    let inputs = points.flat_map(|point| Axis::ALL.map(|axis| (*point, axis)));
+    let inputs = points.flat_map(|point| Axis::ALL.each(|axis| (*point, axis)));
     let inputs: Vec<(PointId, Axis)> = inputs.collect();
     let parameters: Vec<Parameter> = inputs
         .iter()

@@ -9,7 +9,7 @@ use crate::compliance::ElasticWheel;
 use crate::derive::DesignSeries;
 use crate::mechanism::{Configuration, DesignFault, Failure, NoPose};
 use crate::model::{Axis, Body, PointId, RockerId, SteeringAxis, Suspension};
-use crate::number::{Jet, Real, Vector3};
+use crate::number::{Each, Jet, Real, Vector3};
 use crate::plan::Plan;
 use crate::solve::{Solver, Toggles};
 use crate::study::{ComplianceStudy, WheelStudy};
@@ -226,13 +226,13 @@ impl Placement {
         at: &Configuration<Jet<f64, N>>,
         centres: InstantCentres,
     ) -> Placement {
-        let outside = |v: Vector3<f64>| suspension.frame.vector(v).to_array().map(|x| x + 0.0);
+        let outside = |v: Vector3<f64>| suspension.frame.vector(v).to_array().each(|x| x + 0.0);
         let now = |v: Vector3<Jet<f64, N>>| outside(v.map(|c| c[0]));
         let points = 0..suspension.mechanism.points.len();
         Placement {
             points: points.map(|i| now(at.point(PointId(i)))).collect(),
             spin_axis: now(at.spin_axis()),
-            steering_axis: steering_axis(suspension, at).map(|ends| ends.map(now)),
+            steering_axis: steering_axis(suspension, at).map(|ends| ends.each(now)),
             contact: centres.contact.map(outside),
             roll_centre: centres.roll_centre.map(outside),
             front_view_centre: centres.front_view.map(outside),
@@ -249,7 +249,7 @@ fn steering_axis<T: Real>(
     at: &Configuration<T>,
 ) -> Option<[Vector3<T>; 2]> {
     if let SteeringAxis::Through { lower, upper } = at.mechanism.steering_axis? {
-        return Some([lower, upper].map(|id| at.point(id)));
+        return Some([lower, upper].each(|id| at.point(id)));
     }
     let (point, along) = at.steering_axis()?;
     let along = along.normalised();

@@ -11,7 +11,7 @@ use crate::axle::{Axle, AxleColumn, AxleMotion, AxlePlan, AxleSolver, Placement,
 use crate::curves::{ByTime, Column};
 use crate::mechanism::DesignFault;
 use crate::model::Side;
-use crate::number::Width;
+use crate::number::{Each, Width};
 use std::borrow::Cow;
 
 /// Poses and quantities of an axle that a sweep evaluates.
@@ -93,7 +93,7 @@ impl<'s> AxleStations<'s> {
     pub(crate) fn place(&self, quantity: Quantity, placement: Placement) -> [usize; 2] {
         let quantity = self.quantities.iter().position(|q| *q == quantity);
         let station = self.placements.iter().position(|p| *p == placement);
-        [quantity, station].map(|place| place.expect("the plan has what is looked at"))
+        [quantity, station].each(|place| place.expect("the plan has what is looked at"))
     }
 
     /// Placements as stations of a sweep.
@@ -145,7 +145,7 @@ impl<'s> AxleStations<'s> {
 /// Both wheels of the design with this index. Each wheel has this number of `points`.
 fn pair([left, right]: Pairs<'_>, number: usize, points: usize) -> Pairs<'_> {
     let right = if right.is_empty() { left } else { right };
-    [left, right].map(|designs| &designs[number * points..(number + 1) * points])
+    [left, right].each(|designs| &designs[number * points..(number + 1) * points])
 }
 
 /// Solves axles one after another. Each series has `N` coefficients.

@@ -7,7 +7,7 @@ use super::lanes::{NotInLanes, gather};
 use crate::axle::{Axle, AxleState, Carriers, Hold, LaneWheel, Placement, Quantity, Setup};
 use crate::characteristics::{LaneInputs, LaneReader, LaneWheels, Slots};
 use crate::model::Side;
-use crate::number::{SimdReal, SimdTask, Vector3, Width};
+use crate::number::{Each, SimdReal, SimdTask, Vector3, Width};
 use crate::solve::{
     Acceptance, AxleTracker, GroundContact, LanePose, PairDrive, PairStations, StationOrder,
     VisitPair,
@@ -86,7 +86,7 @@ impl<'a> AxleLanes<'a> {
             }
         }
         let hold = stations.placements[0].hold();
-        let suspensions = Side::ALL.map(|side| axle.suspension(side));
+        let suspensions = Side::ALL.each(|side| axle.suspension(side));
         let half_track = suspensions
             .iter()
             .map(|s| 0.5 * s.design[s.mechanism.wheel_centre.0].y)
@@ -104,8 +104,8 @@ impl<'a> AxleLanes<'a> {
                 order: StationOrder::through(values),
             })
             .collect();
-        let mechanisms = suspensions.map(|s| &s.mechanism);
-        let bases = suspensions.map(|s| &s.design[..]);
+        let mechanisms = suspensions.each(|s| &s.mechanism);
+        let bases = suspensions.each(|s| &s.design[..]);
         let batch = AxleTracker::new(mechanisms, bases, drive, &visits);
         let batch = batch.ok_or(NotInLanes::Mechanism)?;
         if !batch.is_complete() {

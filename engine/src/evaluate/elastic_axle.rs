@@ -5,6 +5,7 @@ use super::{AxleStations, Block, NotInLanes};
 use crate::axle::{AxleColumn, AxleRead, Equilibria, Quantity};
 use crate::compliance::{AxleCompliance, AxleParameter};
 use crate::mechanism::{DesignFault, NoPose};
+use crate::number::Each;
 use crate::study::AxleComplianceStudy;
 
 /// Elastic parts of an axle whose designs are evaluated.
@@ -77,7 +78,7 @@ impl<'a> OneByOne<'a> {
         }
         let points = self.stations.axle.left.design.len();
         let right = if right.is_empty() { left } else { right };
-        let designs = [left, right].map(|all| &all[number * points..(number + 1) * points]);
+        let designs = [left, right].each(|all| &all[number * points..(number + 1) * points]);
         let found = self.stations.axle.equilibria(designs, &self.parts);
         found.map_err(|(_, fault)| fault)
     }

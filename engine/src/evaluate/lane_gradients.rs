@@ -272,18 +272,12 @@ impl SimdTask for GradientTask<'_, '_, '_> {
         let zero = like.zero();
         let nothing = Vector3::new(zero, zero, zero);
         let mut group = vec![nothing; points];
-        let mut history = match self.tracked {
-            Some(_) => Vec::new(),
-            None => batch.history(like),
-        };
         gather(self.designs, points, 0, count, &mut group);
         let design = batch.design(&group);
         let wheels = reader.wheels(&design, &group);
         let members = batch.members(&design);
-        let series = match along_travel {
-            Some(along) => Some((&*along, along.design(reader.mechanism(), &group))),
-            None => None,
-        };
+        let series = along_travel.as_ref();
+        let series = series.map(|along| (along, along.design(reader.mechanism(), &group)));
         let mut inputs = reader.inputs(like);
         reader.read_designs(&group, &mut inputs);
         let series = series.as_ref();
@@ -302,6 +296,8 @@ impl SimdTask for GradientTask<'_, '_, '_> {
             sum: zero,
             found,
         };
+        let own_history = || batch.history(like);
+        let mut history = self.tracked.map_or_else(own_history, |_| Vec::new());
         let mut groups = 0;
         let mut tracked = self.tracked;
         let mut rack = 0;

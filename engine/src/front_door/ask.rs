@@ -4,6 +4,7 @@ use super::Error;
 use super::error::{checked, finite};
 use crate::characteristics::Characteristic;
 use crate::model::{Axis, PointId, Suspension};
+use crate::number::Each;
 use crate::study::{
     Designs, FileFormat, Interpolation, Motion, Move, Optimise, Order, Sampled, Sampling, Site,
     Study, Sweep, SweepVariable, Target, TargetQuantity, Variable, Vehicle, Wanted, WheelStudy,
@@ -157,8 +158,8 @@ impl Study {
             absolute: false,
             // The range of a rate as a design variable is in logarithms or changes. Here it is in factors or rates.
             range: match &variable.rate {
-                Some(rate) if rate.is_relative => variable.range.map(f64::exp),
-                Some(rate) => variable.range.map(|change| rate.design + change),
+                Some(rate) if rate.is_relative => variable.range.each(f64::exp),
+                Some(rate) => variable.range.each(|change| rate.design + change),
                 None => variable.range,
             },
             steps,

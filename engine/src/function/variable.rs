@@ -1,6 +1,7 @@
 //! Variables of a function.
 
 use crate::model::Suspension;
+use crate::number::Each;
 use crate::study::{Designs, Study, SweepVariable, Variable, nearest};
 use thiserror::Error;
 
@@ -117,7 +118,7 @@ impl DesignVariable {
         let at = suspension.design[m.point.0][m.axis];
         let at = at * suspension.frame.sign(m.axis) + 0.0;
         let mut moved = self.moved.clone();
-        moved.range = moved.range.map(|offset| at + offset);
+        moved.range = moved.range.each(|offset| at + offset);
         DesignVariable {
             name: format!("{}_{}", self.moved.name, m.axis.name()),
             moved,

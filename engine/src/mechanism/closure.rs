@@ -328,7 +328,7 @@ impl Closure<f64> {
         size: f64,
     ) -> Option<(Pose<f64>, f64, Lu6<f64>)> {
         let lu = Lu6::new(self.jacobian(at, driver), size)?;
-        let [x, y, z, a, b, c] = lu.solve(self.residuals(at, driver)).map(|v| -v);
+        let [x, y, z, a, b, c] = lu.solve(self.residuals(at, driver)).each(|v| -v);
         let (shift, turn) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
         let pose = at.pose.moved(shift, turn * 0.5);
         Some((pose, shift.norm().max(turn.norm() * size), lu))

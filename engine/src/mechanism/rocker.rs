@@ -60,8 +60,7 @@ use super::pose::{Configuration, Sink};
 use crate::mechanism::DEGENERATE;
 use crate::model::Body;
 use crate::model::{Rocker, RockerId, Rod};
-use crate::number::Each;
-use crate::number::{Matrix3, Real, Vector3, outlined};
+use crate::number::{Each, Matrix3, Real, Vector3, outlined};
 
 /// Inputs for the rotation of a rocker. They are two points of its axis, the rod's inner and outer end in the design
 /// position, and the present outer end.
@@ -193,7 +192,8 @@ pub(crate) fn is_effective(ends: Ends<f64>) -> bool {
 /// Returns true if the rod can turn its rocker in the design position, away from a toggle.
 pub fn has_leverage(rocker: &Rocker, design: &[Vector3<f64>]) -> bool {
     let outer = design[rocker.outer.0];
-    let [first, second, inner] = [rocker.first, rocker.second, rocker.inner].map(|id| design[id.0]);
+    let [first, second, inner] =
+        [rocker.first, rocker.second, rocker.inner].each(|id| design[id.0]);
     is_effective([first, second, inner, outer, outer])
 }
 

@@ -27,9 +27,9 @@ impl<T: Scalar> Configuration<'_, T> {
     /// Tension in the rod of a rocker for a moment on the rocker, in the sense of its angle.
     pub(crate) fn rod_tension_by_moment(&self, id: RockerId, moment: T) -> T {
         let rocker = self.mechanism.rocker(id);
-        let [first, second] = [rocker.first, rocker.second].map(|id| self.designed(id));
+        let [first, second] = [rocker.first, rocker.second].each(|id| self.designed(id));
         let axis = (second - first).normalised();
-        let [inner, outer] = [rocker.inner, rocker.outer].map(|id| self.point(id));
+        let [inner, outer] = [rocker.inner, rocker.outer].each(|id| self.point(id));
         let pull = (outer - inner).normalised();
         let sense = Turn::of(self.ends(rocker)).sense(rocker.rod);
         -(moment * sense) / axis.dot((inner - first).cross(pull))

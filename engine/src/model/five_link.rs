@@ -5,6 +5,7 @@ use super::topology::{
     Given, NO_LINK, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional, required,
 };
 use super::{Body, Constraint, Mechanism, SteeringAxis, Topology};
+use crate::number::Each;
 
 const LINKS: [(&str, &str); 5] = [
     ("upper_front_link_inner", "upper_front_link_outer"),
@@ -64,7 +65,7 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
             _ => Body::Knuckle,
         },
     );
-    let constraints = LINKS.map(|(inner, outer)| Constraint::Link {
+    let constraints = LINKS.each(|(inner, outer)| Constraint::Link {
         inner: given.id(inner),
         outer: given.id(outer),
     });

@@ -5,6 +5,7 @@
 //! the far half: they are those of an axle that moves nearly alike, by which a study is checked and drawn.
 
 use super::{Mechanism, Point, PointId};
+use crate::number::Each;
 
 /// Ends of the upper link.
 const UPPER_LINK: [&str; 2] = ["upper_link_chassis", "upper_link_axle"];
@@ -12,11 +13,11 @@ const UPPER_LINK: [&str; 2] = ["upper_link_chassis", "upper_link_axle"];
 impl Mechanism {
     /// Gives a solid axle with a single upper link one on each side. The points of the far half are the last ones.
     pub fn pair_upper_links(&mut self) {
-        let near = UPPER_LINK.map(|name| self.point(name));
+        let near = UPPER_LINK.each(|name| self.point(name));
         let (Some(rigid), [Some(chassis), Some(axle)]) = (&mut self.rigid_axle, near) else {
             return;
         };
-        let far = [chassis, axle].map(|near| {
+        let far = [chassis, axle].each(|near| {
             let id = PointId(self.points.len());
             let Point { name, body } = &self.points[near.0];
             self.points.push(Point {

@@ -4,7 +4,7 @@
 //! differ only in the signs of coordinates. So the change of frame is exact, and a mirrored car gives mirrored results
 //! to the last bit.
 
-use crate::number::Vector3;
+use crate::number::{Each, Vector3};
 use std::ops::{Index, IndexMut};
 
 /// A coordinate axis of the study.
@@ -241,7 +241,7 @@ impl Frame {
 
     /// Convention and side of this frame. They are unique, because no two frames have the same signs.
     pub fn meaning(&self) -> (FrameConvention, Side) {
-        let both = |convention| Side::ALL.map(|side| (convention, side));
+        let both = |convention| Side::ALL.each(|side| (convention, side));
         let mut all = FrameConvention::ALL.into_iter().flat_map(both);
         all.find(|(convention, side)| Frame::new(*convention, *side) == *self)
             .expect("a frame is made of a convention and a side")

@@ -30,7 +30,7 @@ pub use suspension::{AxlePosition, Suspension, TorquePath, VehicleFigures};
 pub use topology::{Group, Hardpoint, Topology};
 pub use twist_beam::TwistBeam;
 
-use crate::number::Vector3;
+use crate::number::{Each, Vector3};
 
 /// Index of a hardpoint in [`Mechanism::points`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -297,7 +297,7 @@ impl Mechanism {
             }
             if let Some(steering) = &rigid.steering {
                 let beside = steering.followers(rigid.far_centre);
-                design.extend(beside.map(|[_, beside]| design[beside.0]));
+                design.extend(beside.each(|[_, beside]| design[beside.0]));
             }
         }
     }

@@ -43,7 +43,7 @@ use super::topology::{Given, Group, NO_LINK, NO_TIE_ROD, optional};
 use super::{
     Body, Mechanism, Point, PointId, RigidAxle, Rocker, RockerId, Rod, SteeringAxis, rocker,
 };
-use crate::number::{Real, Vector3};
+use crate::number::{Each, Real, Vector3};
 
 /// Drag link, kingpins and tie rod. A study gives all points or none.
 pub(super) static STEERING: Group = Group {
@@ -151,7 +151,7 @@ pub(super) fn add(given: &mut Given, first: RockerId) -> AxleSteering {
         PointId(given.0.len() - 1)
     };
     let place = add("drag_link_place");
-    let turned_centres = ["turned_wheel_centre", "right_turned_wheel_centre"].map(&mut add);
+    let turned_centres = ["turned_wheel_centre", "right_turned_wheel_centre"].each(&mut add);
     given.0[end.0].body = Body::SteeringGear(place);
     AxleSteering {
         near_knuckle: first,
@@ -191,7 +191,7 @@ pub(super) fn steer(mechanism: &mut Mechanism, steering: AxleSteering) {
         found.expect("the points of the steering are given together")
     };
     let knuckles = knuckles(id);
-    let [lower, upper] = ["kingpin_lower", "kingpin_upper"].map(id);
+    let [lower, upper] = ["kingpin_lower", "kingpin_upper"].each(id);
     let first = mechanism.rockers.len();
     mechanism.rockers.extend(knuckles);
     let near = rocker::bodies(&mechanism.rockers).nth(first);

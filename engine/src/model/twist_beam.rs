@@ -17,7 +17,7 @@ use super::topology::{
     Given, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, Topology, WHEEL_CENTRE, optional, required,
 };
 use super::{Body, Constraint, Mechanism, Point, PointId, Rocker, RockerId, Rod};
-use crate::number::Vector3;
+use crate::number::{Each, Vector3};
 
 /// The twist beam.
 pub(super) static TWIST_BEAM: Topology = Topology {
@@ -73,7 +73,7 @@ impl TwistBeam {
 
     /// Positions of [`TwistBeam::followers`] in a design with these mounts and this shear centre.
     pub(crate) fn followers_of(&self, design: &[Vector3<f64>]) -> [Vector3<f64>; 2] {
-        let [mount, centre] = [self.far_mount, self.shear_centre].map(|id| design[id.0]);
+        let [mount, centre] = [self.far_mount, self.shear_centre].each(|id| design[id.0]);
         let aside = Vector3::new(0.0, mount.y.abs(), 0.0);
         // By Thales' theorem, the rod from the mount is perpendicular to the lever from the hinge.
         let (x, z) = (0.5 * (mount.x - centre.x), 0.5 * (mount.z - centre.z));
@@ -114,7 +114,7 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         add("twist_beam_rod", Body::Rocker(beam)),
     );
     let [shear_centre, far_mount, far_centre] =
-        ["shear_centre", "right_mount", "right_wheel_centre"].map(|name| given.id(name));
+        ["shear_centre", "right_mount", "right_wheel_centre"].each(|name| given.id(name));
     let held = AxleTravel::Mean;
     let link = |outer: PointId| Constraint::Link {
         inner: far_mount,

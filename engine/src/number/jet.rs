@@ -11,6 +11,7 @@
 )]
 
 use super::{Outlined, Real, Scalar, call_outlined, outlined};
+use crate::number::array_of;
 use std::ops::{Add, Div, Index, Mul, Neg, Sub};
 
 /// A Taylor series with `N` coefficients, and so with derivatives up to order `N - 1`.
@@ -287,9 +288,7 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
         if T::SHARES_DIVISIONS {
             self
         } else {
-            Jet(std::array::from_fn(|k| {
-                self.0[k].intersected_with(other.0[k])
-            }))
+            Jet(array_of(|k| self.0[k].intersected_with(other.0[k])))
         }
     }
 

@@ -9,6 +9,7 @@ use super::observed::{Grid, Observed, Series, Station};
 use super::{SideEffect, by_severity, over_all_motions};
 use crate::car::{AxleEnd, CarQuantity, CarSolver, Case};
 use crate::model::Side;
+use crate::number::Each;
 use crate::study::{AxleStudy, CarOptimise, CarStudy, Study, Vehicle};
 
 /// Names of the results that are compared in addition to those of the study.
@@ -42,7 +43,7 @@ pub fn side_effects_of_car(before: &CarStudy, after: &CarStudy) -> Result<Vec<Si
     let [from, to] = [before, after].map(|study| observe(study, &compared, optimise));
     let mut found = compare(&from?, &to?, &RequestedChanges::default());
     for end in AxleEnd::ALL {
-        let axles = [before, after].map(|study| &study.car.axles[end as usize]);
+        let axles = [before, after].each(|study| &study.car.axles[end as usize]);
         if axles[0] == axles[1] {
             continue;
         }

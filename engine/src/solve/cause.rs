@@ -50,7 +50,7 @@ use super::closed_form::{Roles, UpperRoles};
 use super::continuation::{Curve, CurvePoint, Moving};
 use crate::mechanism::{Closure, Configuration, Driver, LimitCause, PartMeasure};
 use crate::model::{Drive, Mechanism, PointId};
-use crate::number::Vector3;
+use crate::number::{Each, Vector3};
 use nalgebra::{Matrix5, SMatrix};
 
 /// Value of a part's measure, a sine, below which the part counts as singular. Folds are found to rounding, but at a double
@@ -110,7 +110,7 @@ fn part_measures(at: &Configuration<f64>) -> Option<[PartMeasure; 2]> {
             (LimitCause::StrutSquare, at.pose.rotation.apply(designed))
         }
         UpperRoles::Arm(arm) => {
-            let [front, rear, outer] = [arm.front, arm.rear, arm.outer].map(|id| at.point(id));
+            let [front, rear, outer] = [arm.front, arm.rear, arm.outer].each(|id| at.point(id));
             let tangent = (front - rear).cross(outer - rear);
             (LimitCause::UpperArmStraight, tangent)
         }
@@ -121,7 +121,7 @@ fn part_measures(at: &Configuration<f64>) -> Option<[PartMeasure; 2]> {
     };
     let ends = roles
         .tie_rod()
-        .map(|id| axis.cross(at.point(id) - ball_joint));
+        .each(|id| axis.cross(at.point(id) - ball_joint));
     let [inner, outer]: [Vector3<f64>; 2] = ends;
     // The cross products are normal to the half planes, and to the axis.
     let tie_rod = PartMeasure {

@@ -19,7 +19,7 @@ use crate::linear::lu::Lu6;
 use crate::mechanism::Configuration;
 use crate::mechanism::Failure;
 use crate::mechanism::Pose;
-use crate::number::Jet;
+use crate::number::{Each, Jet};
 
 /// Conditioning of one pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +56,7 @@ impl Conditioning {
             norm.max(magnitude(&row[..3]) + magnitude(&row[3..]) / size)
         });
         let inverse = lu.inverse();
-        let [shifts, turns] = [&inverse[..3], &inverse[3..]].map(|rows| {
+        let [shifts, turns] = [&inverse[..3], &inverse[3..]].each(|rows| {
             let sums = rows.iter().map(|row| magnitude(row));
             sums.fold(0.0, f64::max)
         });

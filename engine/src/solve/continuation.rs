@@ -24,8 +24,8 @@ use crate::mechanism::GOOD_PREDICTION;
 use crate::mechanism::{Configuration, Pose};
 use crate::mechanism::{Work, WorkCounter};
 use crate::model::{Drive, Mechanism};
-use crate::number::Jet;
 use crate::number::Vector3;
+use crate::number::{Each, Jet, array_of};
 use crate::threads::checkpoint;
 use std::cmp::Ordering;
 
@@ -169,7 +169,7 @@ impl Curve<'_> {
             .factors
             .solve_transposed([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
         // Equations are in sizes, the value is in its own unit.
-        std::array::from_fn(|i| m[i] * self.unit() / self.size)
+        array_of(|i| m[i] * self.unit() / self.size)
     }
 
     /// Motion point at a value of the moving quantity.
@@ -213,8 +213,8 @@ impl Curve<'_> {
             &pose.map(Jet::constant),
             &self.motion_series(Jet::variable(value)),
         );
-        std::array::from_fn(|i| {
-            std::array::from_fn(|j| match j {
+        array_of(|i| {
+            array_of(|j| match j {
                 0..3 => jacobian[i][j],
                 3..6 => jacobian[i][j] / self.size,
                 _ => by_value[i][1] * self.unit() / self.size,
@@ -238,7 +238,7 @@ impl Curve<'_> {
             None => tangent[6] * direction < 0.0,
         };
         if turned {
-            tangent = tangent.map(|c| -c);
+            tangent = tangent.each(|c| -c);
         }
         self.work.note(|w| {
             w.factorisations += 2;
@@ -251,7 +251,7 @@ impl Curve<'_> {
             let residuals =
                 self.design_series
                     .residuals(self.mechanism, &series, &self.motion_series(moved));
-            let y = factors.solve(std::array::from_fn(|i| match i {
+            let y = factors.solve(array_of(|i| match i {
                 0..6 => -residuals[i][k] / self.size,
                 _ if k == 1 => 1.0,
                 _ => 0.0,
@@ -289,7 +289,7 @@ impl Curve<'_> {
             let residuals = self.closure.residuals(&at, motion.driver());
             self.work.note(Work::note_newton);
             let factors = bordered(&self.matrix(&pose, value), &from.tangent)?;
-            let y = factors.solve(std::array::from_fn(|i| match i {
+            let y = factors.solve(array_of(|i| match i {
                 0..6 => -residuals[i] / self.size,
                 _ => 0.0,
             }));
@@ -397,7 +397,7 @@ fn dot(a: &[f64; 7], b: &[f64; 7]) -> f64 {
 
 /// Unit vector that is orthogonal to six rows, by elimination with complete pivoting.
 fn null_vector(mut a: [[f64; 7]; 6]) -> Option<[f64; 7]> {
-    let mut order: [usize; 7] = std::array::from_fn(|j| j);
+    let mut order: [usize; 7] = array_of(|j| j);
     for k in 0..6 {
         let (mut row, mut column, mut largest) = (k, k, 0.0);
         for (i, line) in a.iter().enumerate().skip(k) {
@@ -442,7 +442,7 @@ fn null_vector(mut a: [[f64; 7]; 6]) -> Option<[f64; 7]> {
 
 /// Factorises the square matrix that consists of six rows and a last row. `None` if it is singular.
 fn bordered(rows: &[[f64; 7]; 6], last: &[f64; 7]) -> Option<Lu<f64, 7>> {
-    let square = std::array::from_fn(|i| if i < 6 { rows[i] } else { *last });
+    let square = array_of(|i| if i < 6 { rows[i] } else { *last });
     Lu::of(square, 1.0)
 }
 

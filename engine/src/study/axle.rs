@@ -24,6 +24,7 @@ use crate::axle::{
 };
 use crate::characteristics::Constants;
 use crate::model::{Axis, Side, Suspension};
+use crate::number::Each;
 use std::path::Path;
 use toml::Spanned;
 
@@ -247,8 +248,8 @@ fn refuse_wheel_keys(motion: &file::Motion, problems: &mut Problems) -> bool {
 fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setup> {
     let vehicle = &file.vehicle;
     let kilograms = kilograms(file, problems);
-    let masses = [&vehicle.sprung_mass, &vehicle.unsprung_mass].map(|m| positive(m, problems));
-    let masses = masses.map(|mass| Some(mass?.map(|mass| mass * kilograms.unwrap_or(1.0))));
+    let masses = [&vehicle.sprung_mass, &vehicle.unsprung_mass].each(|m| positive(m, problems));
+    let masses = masses.each(|mass| Some(mass?.map(|mass| mass * kilograms.unwrap_or(1.0))));
     let newtons = left.length_unit.newtons();
     let given = file.steering.as_ref().map(Spanned::get_ref);
     let c_factor = match given.and_then(|steering| steering.c_factor.as_ref()) {
@@ -263,7 +264,7 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
     let rocker_springs = rocker_springs::rocker_springs(file, left, problems);
     let bar = file.anti_roll_bar.as_ref().map(|bar| &bar.get_ref().rate);
     let tyre = file.tyre.as_ref().map(Spanned::get_ref);
-    let [mut bar_rate, tyre_rate] = [bar, tyre.map(|tyre| &tyre.rate)].map(|rate| match rate {
+    let [mut bar_rate, tyre_rate] = [bar, tyre.map(|tyre| &tyre.rate)].each(|rate| match rate {
         None => Some(None),
         Some(rate) => above_zero(rate, problems).map(|rate| Some(rate * newtons)),
     });

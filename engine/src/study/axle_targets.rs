@@ -11,6 +11,7 @@ use super::{Motion, Site, Target, TargetKind, TargetQuantity};
 use crate::ask::with_unit;
 use crate::axle::{Axle, AxleMotion, AxlePlan, Coordinate, Placement, Quantity};
 use crate::model::Side;
+use crate::number::Each;
 use std::ops::Range as Span;
 use toml::Spanned;
 
@@ -235,7 +236,7 @@ pub(super) fn quantities_of_side(
     let all = quantities(name, axle, problems)?;
     let quantities: Vec<Quantity> = match side {
         Some(text) => {
-            let sides = Side::ALL.map(|side| (side.name(), side));
+            let sides = Side::ALL.each(|side| (side.name(), side));
             let side = choose(text, "side", &sides, problems)?;
             let of_side = |quantity: &Quantity| quantity.side() == Some(side);
             let own: Vec<_> = all.into_iter().filter(of_side).collect();

@@ -5,7 +5,7 @@ mod inside;
 use super::{AxleComplianceStudy, AxleStudy, Designs, Study};
 use crate::compliance::{AxialStiffness, Compliance, Shape};
 use crate::model::{Axis, Frame, Mechanism, PointId, Suspension};
-use crate::number::Vector3;
+use crate::number::{Each, Vector3};
 pub(super) use inside::{with_bushings_inside, with_curves_inside};
 use std::path::{Component, Path};
 use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
@@ -368,7 +368,11 @@ fn write_right_rates(
         own_table(root, "links").insert(name, Item::Table(link));
         differ |= differs;
     }
-    let rates = elastic.parts.wheels.each_ref().map(Compliance::spring_rate);
+    let rates = elastic
+        .parts
+        .wheels
+        .each_ref()
+        .each(Compliance::spring_rate);
     if let [Some(of_left), Some(of_right)] = rates {
         let stands_there =
             table(root, &["axle", "right", "spring"]).is_some_and(|own| own.get("rate").is_some());

@@ -8,7 +8,7 @@ use super::suspension::three;
 use super::{Load, LoadPoint};
 use crate::compliance::HeldQuantity;
 use crate::model::{Axis, Suspension};
-use crate::number::Vector3;
+use crate::number::{Each, Vector3};
 
 const PLACES: [(&str, LoadPoint); 2] = [
     ("contact_point", LoadPoint::ContactPoint),
@@ -193,7 +193,7 @@ fn resolved(
         at: at?,
         held: held?,
         force: frame.vector(force?),
-        moment: Vector3::from(Axis::ALL.map(turn)),
+        moment: Vector3::from(Axis::ALL.each(turn)),
     };
     check_vertical(written, &load, suspension, problems)?;
     Some(load)

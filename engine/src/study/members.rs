@@ -6,6 +6,7 @@ use super::outputs::hardpoint;
 use super::value::{MemberName, Text};
 use crate::assembly::{BuildParameter, Member};
 use crate::model::{Axis, Suspension};
+use crate::number::Each;
 use toml::Spanned;
 
 /// A dimension, and the factor from its change in the study's frame to its change in the kernel's frame.
@@ -73,5 +74,5 @@ pub(super) fn coordinate(
 
 /// Reads an axis of the study.
 pub(super) fn axis(text: &Text, problems: &mut Problems) -> Option<Axis> {
-    choose(text, "axis", &Axis::ALL.map(|a| (a.name(), a)), problems)
+    choose(text, "axis", &Axis::ALL.each(|a| (a.name(), a)), problems)
 }

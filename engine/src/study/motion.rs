@@ -7,6 +7,7 @@ use super::value::{Number, Values, Whole};
 use super::{Drive, MOST_STATIONS, Motion, TimeLaw};
 use crate::mechanism::raises_its_joint;
 use crate::model::{self, LengthUnit, Suspension};
+use crate::number::Each;
 use std::ops::{Range as Span, RangeInclusive};
 use toml::Spanned;
 
@@ -141,7 +142,7 @@ fn drive_values(
         Drive::ArmAngle => &section.arm_angle,
         Drive::PaperTheta => &section.theta,
     };
-    let others = Drive::ALL.map(|(_, other)| other).into_iter();
+    let others = Drive::ALL.each(|(_, other)| other).into_iter();
     for other in others.filter(|other| *other != drive) {
         if let Some(values) = values_of(other) {
             let (key, name) = (other.key(), drive.name());

@@ -7,6 +7,7 @@ use super::suspension::{below_right_angle, bodies, position};
 use super::value::{RightWheel, Text};
 use crate::mechanism::GeometryFault;
 use crate::model::{PointId, SpinAxis, Suspension};
+use crate::number::Each;
 use crate::solve::Solver;
 use toml::Spanned;
 
@@ -104,7 +105,7 @@ fn spin_axis(
     let left = &file.wheel;
     let camber = wheel.static_camber.as_ref().or(left.static_camber.as_ref());
     let toe = wheel.static_toe.as_ref().or(left.static_toe.as_ref());
-    let [camber, toe] = [camber, toe].map(|angle| below_right_angle(angle, problems));
+    let [camber, toe] = [camber, toe].each(|angle| below_right_angle(angle, problems));
     let (camber, toe) = (camber?.to_radians(), toe?.to_radians());
     mechanism.spin_axis = SpinAxis::standing(camber, toe);
     Some(())

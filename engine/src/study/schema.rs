@@ -3,6 +3,7 @@
 use crate::car::CarQuantity;
 use crate::compliance::{FIGURE_NAMES, TestLoad};
 use crate::model::{FrameConvention, LengthUnit, Side, Topology};
+use crate::number::Each;
 use hardpoint_study_file::schema::{self, Allowed, Root};
 
 /// JSON schema (draft 4) of studies, for editors: keys, required keys, types of values, and permitted names.
@@ -40,11 +41,11 @@ fn names(root: Root, path: &str) -> Option<Vec<String>> {
     Some(match root {
         Root::Suspension => owned(&match path {
             "suspension.topology" => Topology::ALL.iter().map(|t| t.name).collect(),
-            "suspension.side" => Side::ALL.map(Side::name).to_vec(),
-            "suspension.length_unit" => LengthUnit::ALL.map(LengthUnit::symbol).to_vec(),
+            "suspension.side" => Side::ALL.each(Side::name).to_vec(),
+            "suspension.length_unit" => LengthUnit::ALL.each(LengthUnit::symbol).to_vec(),
             "suspension.force_unit" => vec!["N", "lbf"],
             "suspension.mass_unit" => vec!["kg", "lb"],
-            "suspension.frame" => FrameConvention::ALL.map(FrameConvention::name).to_vec(),
+            "suspension.frame" => FrameConvention::ALL.each(FrameConvention::name).to_vec(),
             "outputs.characteristics[]" => {
                 let mut names = crate::axle::Quantity::names();
                 names.extend(FIGURE_NAMES);

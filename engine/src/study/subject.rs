@@ -11,6 +11,7 @@ use crate::analyse::{Support, members as carriers};
 use crate::ask::Unit;
 use crate::characteristics::{CarriedForce, Measure, Quantity};
 use crate::model::{Constraint, PointId, Suspension};
+use crate::number::Each;
 use toml::Spanned;
 
 /// Point of the study: a hardpoint or an extra point.
@@ -50,7 +51,7 @@ pub(super) fn members(suspension: &Suspension) -> Vec<(String, [PointId; 2])> {
     if let Some(spring) = mechanism.spring {
         members.push(("spring".to_owned(), [spring.upper, spring.lower]));
     }
-    let shaft = ["drive_shaft_inner", "drive_shaft_outer"].map(|end| mechanism.point(end));
+    let shaft = ["drive_shaft_inner", "drive_shaft_outer"].each(|end| mechanism.point(end));
     if let [Some(inner), Some(outer)] = shaft {
         members.push(("drive_shaft".to_owned(), [inner, outer]));
     }
@@ -84,7 +85,7 @@ pub(super) fn length(
                 let message = format!("expected two points, found {}", names.len());
                 return problems.refuse(written.span(), message);
             };
-            let ends = [a, b].map(|text| point(text, suspension, problems));
+            let ends = [a, b].each(|text| point(text, suspension, problems));
             let [Some(first), Some(second)] = ends else {
                 return None;
             };

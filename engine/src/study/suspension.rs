@@ -11,7 +11,7 @@ use crate::model::{
     AxlePosition, Frame, FrameConvention, Group, LengthUnit, MassUnit, Mechanism, Point, Side,
     SpinAxis, Suspension, Topology, TorquePath, VehicleFigures,
 };
-use crate::number::Vector3;
+use crate::number::{Each, Vector3};
 use std::collections::BTreeMap;
 
 /// Reads the suspension. `None` if it has an error.
@@ -24,7 +24,7 @@ pub(super) fn suspension(file: &File, problems: &mut Problems) -> Option<Suspens
         &section.length_unit,
         LengthUnit::Millimetre,
         "length unit",
-        &LengthUnit::ALL.map(|u| (u.symbol(), u)),
+        &LengthUnit::ALL.each(|u| (u.symbol(), u)),
         problems,
     );
     let length_unit = with_forces(file, length_unit, problems);
@@ -101,7 +101,7 @@ fn with_forces(
 
 /// Unit of mass.
 pub(super) fn mass_unit(written: &Option<Text>, problems: &mut Problems) -> Option<MassUnit> {
-    let names = MassUnit::ALL.map(|unit| (unit.symbol(), unit));
+    let names = MassUnit::ALL.each(|unit| (unit.symbol(), unit));
     choose_or(written, MassUnit::Kilogram, "mass unit", &names, problems)
 }
 
@@ -118,8 +118,8 @@ struct Given<'a> {
 }
 
 fn frame(section: &file::Suspension, problems: &mut Problems) -> Option<Frame> {
-    let sides = Side::ALL.map(|side| (side.name(), side));
-    let conventions = FrameConvention::ALL.map(|convention| (convention.name(), convention));
+    let sides = Side::ALL.each(|side| (side.name(), side));
+    let conventions = FrameConvention::ALL.each(|convention| (convention.name(), convention));
     let side = choose_or(&section.side, Side::Left, "side", &sides, problems);
     let iso = FrameConvention::Iso8855;
     let convention = choose_or(&section.frame, iso, "frame", &conventions, problems);
@@ -294,7 +294,7 @@ fn spin_axis(
             problems.refuse(file.suspension.hardpoints.span(), message)
         }
         (SpinAxis::Along(_), Some(_)) => {
-            let [camber, toe] = angles.map(|angle| below_right_angle(angle.as_ref(), problems));
+            let [camber, toe] = angles.each(|angle| below_right_angle(angle.as_ref(), problems));
             let (camber, toe) = (camber?.to_radians(), toe?.to_radians());
             mechanism.spin_axis = SpinAxis::standing(camber, toe);
             Some(())

@@ -14,6 +14,7 @@ use super::subject::{site, subject};
 use super::suspension::above_zero;
 use super::value::{LimitText, Number, Text};
 use super::{Interpolation, Limit, Motion, Site, Target, TargetQuantity, Wanted};
+use crate::number::Each;
 use stations::{added_stations, rack_displacements};
 use std::ops::Range as Span;
 use toml::Spanned;
@@ -457,7 +458,7 @@ pub(super) fn ends(values: &[f64]) -> (f64, f64) {
 /// Describes the range of the motion, in the unit of the targets' drive values.
 fn range_in_words(motion: &Motion) -> String {
     let (lowest, highest) = ends(&motion.values);
-    let [lowest, highest] = [lowest, highest].map(|value| motion.drive.printed(value));
+    let [lowest, highest] = [lowest, highest].each(|value| motion.drive.printed(value));
     if motion.drive.is_angle() {
         format!("runs from {lowest} to {highest} degrees")
     } else {

@@ -16,6 +16,7 @@ use super::value::{MemberName, Text};
 use super::{AxleStudy, Contributor, Drive, Law, Setup, Source, Tolerance};
 use crate::assembly::BuildParameter;
 use crate::model::{Axis, PointId, Side, Suspension};
+use crate::number::Each;
 use band::band;
 use jig::jig;
 use std::ops::Range as Span;
@@ -118,7 +119,7 @@ pub(super) fn contributors_of_axle(
     context: Option<&Context>,
     problems: &mut Problems,
 ) -> Option<Vec<Contributor>> {
-    let sides = Side::ALL.map(|side| (side.name(), side));
+    let sides = Side::ALL.each(|side| (side.name(), side));
     let only = match &written.get_ref().side {
         None => None,
         Some(text) => {

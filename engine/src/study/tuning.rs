@@ -1,6 +1,7 @@
 //! `[optimise]`, resolved: variables, goals and settings of a tuning.
 
 use super::*;
+use crate::number::Each;
 
 /// A coordinate that moves with a variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -193,7 +194,7 @@ impl Variable {
             cost: 1.0,
         };
         points
-            .flat_map(|point| Axis::ALL.map(|axis| (point, axis)))
+            .flat_map(|point| Axis::ALL.each(|axis| (point, axis)))
             .map(coordinate)
             .collect()
     }

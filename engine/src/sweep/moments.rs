@@ -1,6 +1,7 @@
 //! Sums from which main effects are computed.
 
 use super::SweepRecord;
+use crate::number::Each;
 use serde::{Deserialize, Serialize};
 
 /// Largest number of levels of a variable.
@@ -102,7 +103,7 @@ impl Moments {
 
     /// Returns true if both have the same shape.
     pub(super) fn fits(&self, other: &Self) -> bool {
-        let lengths = |m: &Self| [&m.u, &m.uu, &m.y, &m.yy, &m.uy].map(Vec::len);
+        let lengths = |m: &Self| [&m.u, &m.uu, &m.y, &m.yy, &m.uy].each(Vec::len);
         lengths(self) == lengths(other)
     }
 
@@ -252,7 +253,7 @@ impl SaltelliSums {
 
     /// Returns true if both have the same shape.
     pub(super) fn fits(&self, other: &Self) -> bool {
-        let lengths = |s: &Self| [&s.sum, &s.squares, &s.steps, &s.first, &s.total].map(Vec::len);
+        let lengths = |s: &Self| [&s.sum, &s.squares, &s.steps, &s.first, &s.total].each(Vec::len);
         lengths(self) == lengths(other)
     }
 

@@ -12,9 +12,9 @@
 
 use super::{Search, Undecided};
 use crate::mechanism::Pose;
-use crate::number::Interval;
 use crate::number::Matrix3;
 use crate::number::Real;
+use crate::number::{Each, Interval};
 use crate::solve::closed_form::Circle;
 
 impl Search<'_> {
@@ -57,7 +57,7 @@ fn turned(circle: &Circle<f64>, angle: f64) -> Pose<f64> {
     Pose {
         origin: circle.at(cosine, sine),
         rotation: Matrix3 {
-            columns: Matrix3::identity(0.0).columns.map(column),
+            columns: Matrix3::identity(0.0).columns.each(column),
         },
     }
 }

@@ -17,8 +17,8 @@ use super::certificate::{Certificate, Certifier};
 use crate::derive::MotionPoint;
 use crate::mechanism::{Configuration, Pose};
 use crate::model::{Arm, Constraint, Drive, Mechanism};
-use crate::number::Interval;
 use crate::number::Vector3;
+use crate::number::{Each, Interval};
 use crate::solve::closed_form::Circle;
 use crate::solve::closed_form::Roles;
 use crate::solve::{Solver, StationOrder};
@@ -307,7 +307,7 @@ impl<'a> Search<'a> {
             }
             AssemblyMode::TieRod => {
                 let from = at.point(roles?.ball_joint());
-                let [inner, outer] = roles?.tie_rod().map(|id| at.point(id) - from);
+                let [inner, outer] = roles?.tie_rod().each(|id| at.point(id) - from);
                 Some(outer.dot(steering_axis(&roles?).cross(inner)))
             }
             AssemblyMode::Arm => Some(velocity(at, mechanism.arms.first()?).z),
@@ -344,7 +344,7 @@ impl<'a> Search<'a> {
             let far = |a: Vector3<Interval>, b: Vector3<f64>| {
                 let parts = (a - b.map(Interval::point)).to_array();
                 parts
-                    .map(Interval::magnitude)
+                    .each(Interval::magnitude)
                     .into_iter()
                     .fold(0.0, f64::max)
             };

@@ -28,10 +28,9 @@ use crate::linear::lu::Lu6;
 use crate::mechanism::Pose;
 use crate::model::{Body, Constraint, Mechanism};
 use crate::number::Interval;
-use crate::number::{Matrix3, Vector3};
+use crate::number::{Each, Matrix3, Vector3, array_of};
 use crate::number::{Real, Scalar};
 use crate::threads::checkpoint;
-use std::array::from_fn;
 
 /// Box of p and v.
 type Cell = [Interval; 6];
@@ -184,7 +183,7 @@ fn rods(mechanism: &Mechanism, design: &[Vector3<Interval>], rack: f64) -> Optio
         let Constraint::Link { inner, outer } = *constraint else {
             return None;
         };
-        let [from, to] = [inner, outer].map(|id| design[id.0]);
+        let [from, to] = [inner, outer].each(|id| design[id.0]);
         let mut there = from;
         match (
             mechanism.points[inner.0].body,
@@ -238,7 +237,7 @@ impl Chart {
             Vector3::new(v.x.scaled(x), v.y.scaled(y), v.z.scaled(z))
         };
         Chart {
-            rods: rods.map(|rod| Rod {
+            rods: rods.each(|rod| Rod {
                 lever: flipped(rod.lever),
                 ..rod
             }),
@@ -254,11 +253,11 @@ impl Chart {
         }
         let mut one = false;
         let moves = loop {
-            let middle = cell.map(Interval::middle);
+            let middle = cell.each(Interval::middle);
             let over = self.linearised(&cell);
-            let there = self.linearised(&middle.map(Interval::point)).f;
-            let around: Cell = from_fn(|k| cell[k] - Interval::point(middle[k]));
-            let moves: [f64; 6] = from_fn(|k| {
+            let there = self.linearised(&middle.each(Interval::point)).f;
+            let around: Cell = array_of(|k| cell[k] - Interval::point(middle[k]));
+            let moves: [f64; 6] = array_of(|k| {
                 let steepest = over.jacobian.iter().map(|row| row[k].magnitude());
                 steepest.fold(0.0, f64::max) * cell[k].width()
             });
@@ -317,7 +316,7 @@ impl Chart {
         cell[2] = cell[2].common(self.height - rise)?;
         for rod in &self.rods {
             let from = (apply(&rotation, rod.lever) - rod.inner).to_array();
-            let mut along: [Interval; 3] = from_fn(|k| cell[k] + from[k]);
+            let mut along: [Interval; 3] = array_of(|k| cell[k] + from[k]);
             for k in 0..3 {
                 let others = along[(k + 1) % 3].squared() + along[(k + 2) % 3].squared();
                 let rest = rod.squared - others;
@@ -326,7 +325,7 @@ impl Chart {
                 }
                 let Interval { low, high } = rest.sqrt();
                 let sides = [Interval::bounds(low, high), Interval::bounds(-high, -low)];
-                along[k] = match sides.map(|side| along[k].common(side)) {
+                along[k] = match sides.each(|side| along[k].common(side)) {
                     [Some(a), Some(b)] => a.hull(b),
                     [a, b] => a.or(b)?,
                 };
@@ -366,11 +365,11 @@ impl Chart {
     /// Poses of a box.
     fn pose(&self, cell: &Cell) -> Pose<Interval> {
         let rows = rotation(cell);
-        let [x, y, z] = rows.map(Vector3::to_array);
+        let [x, y, z] = rows.each(Vector3::to_array);
         Pose {
             origin: Vector3::new(cell[0], cell[1], cell[2]),
             rotation: Matrix3 {
-                columns: from_fn(|k| {
+                columns: array_of(|k| {
                     let column = Vector3::new(x[k], y[k], z[k]);
                     column.map(|c| c.scaled(self.flip[k]))
                 }),
@@ -382,7 +381,7 @@ impl Chart {
 /// Rows of C(v).
 fn rotation(cell: &Cell) -> [Vector3<Interval>; 3] {
     let v = [cell[3], cell[4], cell[5]];
-    let squares = v.map(Real::squared);
+    let squares = v.each(Real::squared);
     let one = Interval::point(1.0);
     let twice = one.constant(2.0) / (one + squares[0] + squares[1] + squares[2]);
     let unit = Interval::bounds(-1.0, 1.0);
@@ -414,7 +413,7 @@ fn apply(rows: &[Vector3<Interval>; 3], v: Vector3<Interval>) -> Vector3<Interva
 
 /// Inverse of the middle of a matrix, rounded.
 fn inverse(matrix: &[[Interval; 6]; 6]) -> Option<[[f64; 6]; 6]> {
-    let rows = Lu6::new(matrix.map(|row| row.map(Scalar::value)), 1.0)?.inverse();
+    let rows = Lu6::new(matrix.each(|row| row.each(Scalar::value)), 1.0)?.inverse();
     let finite = rows.as_flattened().iter().all(|entry| entry.is_finite());
     finite.then_some(rows)
 }

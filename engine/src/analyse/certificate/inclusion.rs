@@ -13,8 +13,7 @@ use super::{Certificate, Certifier, middles};
 use crate::derive::MotionPoint;
 use crate::mechanism::{Pose, Unproven};
 use crate::model::Drive;
-use crate::number::{Interval, Jet, Matrix3, Vector3};
-use std::array::from_fn;
+use crate::number::{Each, Interval, Jet, Matrix3, Vector3, array_of};
 
 /// Poses at all travels of an interval.
 #[derive(Clone, Copy, Debug)]
@@ -61,7 +60,7 @@ impl Certifier<'_> {
         if left.low <= 0.0 {
             return Err(Unproven::TooClose);
         }
-        let rate: [Interval; super::N] = from_fn(|i| {
+        let rate: [Interval; super::N] = array_of(|i| {
             let terms = inverse[i].iter().zip(&by_travel);
             terms.fold(Interval::point(0.0), |sum, (a, b)| sum - b.times(*a))
         });
@@ -69,7 +68,7 @@ impl Certifier<'_> {
             .iter()
             .fold(0.0, |most: f64, v| most.max(v.magnitude()));
         let off = (defect * Interval::point(largest) / left).high;
-        let rate = rate.map(|v| around(v, off));
+        let rate = rate.each(|v| around(v, off));
 
         // The error moves the origin by a length, and changes the entries of the rotation by the error divided by the scale.
         let turn = (Interval::point(certificate.error) / Interval::point(self.scale)).high;

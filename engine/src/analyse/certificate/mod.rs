@@ -40,12 +40,11 @@ use crate::derive::MotionPoint;
 use crate::mechanism::Pose;
 use crate::mechanism::Unproven;
 use crate::model::{Drive, Mechanism};
-use crate::number::Interval;
 use crate::number::Real;
 use crate::number::Vector3;
+use crate::number::{Each, Interval, array_of};
 pub use inclusion::Inclusion;
 use quadratic::{Quadratic, middles};
-use std::array::from_fn;
 use std::cell::OnceCell;
 use theorem::{Radii, image, inverse, radii};
 
@@ -140,10 +139,10 @@ impl<'m> Certifier<'m> {
         errors: [f64; 2],
     ) -> Result<(), Unproven> {
         let equations = self.equations(start.drive);
-        let [a, b] = [(from, start), (to, end)].map(|(p, at)| equations.displacement(p, at));
+        let [a, b] = [(from, start), (to, end)].each(|(p, at)| equations.displacement(p, at));
         let ([constant, slope, bend], jacobian) = equations.on_line([&a, &b], [start, end]);
         let inverse = inverse(&middles(&jacobian))?;
-        let ends = from_fn(|i| slope[i] + bend[i]);
+        let ends = array_of(|i| slope[i] + bend[i]);
         let bound = [
             Interval::point(image(&inverse, &constant)),
             Interval::point(image(&inverse, &ends)),

@@ -21,8 +21,7 @@ use crate::model::{Drive, Mechanism};
 use crate::number::Dual;
 use crate::number::Interval;
 use crate::number::Real;
-use crate::number::{Matrix3, Vector3};
-use std::array::from_fn;
+use crate::number::{Each, Matrix3, Vector3, array_of};
 
 /// Number of variables: the pose, the rack, and two for the drive.
 const V: usize = N + 3;
@@ -190,7 +189,7 @@ impl Quadratic {
     ) -> Displacement {
         let length = |to: Interval, from: f64| (to - Interval::point(from)).times(1.0 / self.scale);
         let one = Interval::point(1.0);
-        let columns = pose.rotation.columns.map(Vector3::to_array);
+        let columns = pose.rotation.columns.each(Vector3::to_array);
         let (at, origin) = (pose.origin.to_array(), self.origin.to_array());
         let drive = match self.drive {
             Drive::Travel => [length(point.value, 0.0), Interval::point(0.0)],
@@ -199,7 +198,7 @@ impl Quadratic {
                 [sine, cosine - one]
             }
         };
-        from_fn(|j| match j {
+        array_of(|j| match j {
             0..3 => length(Interval::point(at[j]), origin[j]),
             3..N => {
                 let (column, row) = (j / 3 - 1, j % 3);
@@ -215,8 +214,8 @@ impl Quadratic {
     pub(crate) fn jacobian(&self, z: &Displacement) -> (Jacobian, [Interval; N]) {
         let gradients = self.gradients(z);
         (
-            gradients.map(by_pose),
-            gradients.map(|gradient| gradient[DRIVE[0]]),
+            gradients.each(by_pose),
+            gradients.each(|gradient| gradient[DRIVE[0]]),
         )
     }
 
@@ -233,14 +232,14 @@ impl Quadratic {
     /// Values F(z) and Jacobian J(z).
     pub(crate) fn linearised(&self, z: &Displacement) -> ([Interval; N], Jacobian) {
         let gradients = self.gradients(z);
-        let values = from_fn(|i| {
+        let values = array_of(|i| {
             let terms = self.linear[i].iter().zip(&gradients[i]).zip(z);
             let sum = terms.fold(Interval::point(0.0), |sum, ((first, now), z)| {
                 sum + (*first + *now) * *z
             });
             self.constant[i] + sum.scaled(0.5)
         });
-        (values, gradients.map(by_pose))
+        (values, gradients.each(by_pose))
     }
 
     /// Equations on the straight line between two poses, while drive and rack move evenly from one motion point to the
@@ -251,8 +250,8 @@ impl Quadratic {
         [from, to]: [&Displacement; 2],
         [start, end]: [&MotionPoint<f64>; 2],
     ) -> ([[Interval; N]; 3], Jacobian) {
-        let mut over: Displacement = from_fn(|j| from[j].hull(to[j]));
-        let mut along: Displacement = from_fn(|j| to[j] - from[j]);
+        let mut over: Displacement = array_of(|j| from[j].hull(to[j]));
+        let mut along: Displacement = array_of(|j| to[j] - from[j]);
         // Half the second derivatives of the variables.
         let mut curved = [Interval::point(0.0); 2];
         let mut along_anywhere = along;
@@ -274,18 +273,18 @@ impl Quadratic {
         let here = self.gradients(from);
         let anywhere = self.gradients(&over);
         let zero = Interval::point(0.0);
-        let slope = from_fn(|i| {
+        let slope = array_of(|i| {
             let terms = here[i].iter().zip(&along);
             terms.fold(zero, |sum, (g, v)| sum + *g * *v)
         });
         // Half of H(z', z') + J z''.
         let mut bend: [Interval; N] =
-            from_fn(|i| anywhere[i][DRIVE[0]] * curved[0] + anywhere[i][DRIVE[1]] * curved[1]);
+            array_of(|i| anywhere[i][DRIVE[0]] * curved[0] + anywhere[i][DRIVE[1]] * curved[1]);
         for b in &self.bends {
             let product = along_anywhere[b.by] * along_anywhere[b.and_by];
             bend[b.equation] = bend[b.equation] + (b.value * product).scaled(0.5);
         }
-        ([constant, slope, bend], anywhere.map(by_pose))
+        ([constant, slope, bend], anywhere.each(by_pose))
     }
 }
 
@@ -298,7 +297,7 @@ fn is_length(variable: usize, drive: Drive) -> bool {
 }
 
 fn by_pose(gradient: [Interval; V]) -> [Interval; N] {
-    from_fn(|j| gradient[j])
+    array_of(|j| gradient[j])
 }
 
 /// Largest distance of a number in the interval from `middle`.
@@ -311,7 +310,7 @@ pub(crate) fn radius(interval: Interval, middle: f64) -> f64 {
 
 /// Middles of a Jacobian.
 pub(crate) fn middles(jacobian: &Jacobian) -> Square {
-    jacobian.map(|row| row.map(Interval::middle))
+    jacobian.each(|row| row.each(Interval::middle))
 }
 
 #[cfg(test)]

@@ -9,9 +9,8 @@ use super::quadratic::{Jacobian, PoseBend, middles, radius};
 use super::{N, Square};
 use crate::linear::lu::Lu;
 use crate::mechanism::Unproven;
-use crate::number::Interval;
 use crate::number::Real;
-use std::array::from_fn;
+use crate::number::{Each, Interval, array_of};
 
 /// Radii of one application of the theorem.
 pub(crate) struct Radii {
@@ -57,8 +56,8 @@ pub(crate) fn radii(
 /// Bound on |1 - A J|.
 pub(crate) fn defect(inverse: &Square, jacobian: &Jacobian) -> f64 {
     let middle = middles(jacobian);
-    let off: Square = from_fn(|k| {
-        from_fn(|j| radius(jacobian[k][j], middle[k][j]) + ROUNDING * middle[k][j].abs())
+    let off: Square = array_of(|k| {
+        array_of(|j| radius(jacobian[k][j], middle[k][j]) + ROUNDING * middle[k][j].abs())
     });
     let row = |i: usize| {
         let mut product = [0.0; N];
@@ -111,8 +110,8 @@ fn largest(sums: impl Iterator<Item = f64>) -> f64 {
 
 /// Bound on the norm of A applied to a vector.
 pub(crate) fn image(inverse: &Square, vector: &[Interval; N]) -> f64 {
-    let middle = vector.map(Interval::middle);
-    let off: [f64; N] = from_fn(|j| radius(vector[j], middle[j]) + ROUNDING * middle[j].abs());
+    let middle = vector.each(Interval::middle);
+    let off: [f64; N] = array_of(|j| radius(vector[j], middle[j]) + ROUNDING * middle[j].abs());
     let row = |row: &[f64; N]| {
         let (mut sum, mut unsure) = (0.0, 0.0);
         for j in 0..N {

@@ -12,6 +12,7 @@ use crate::assembly::rest::Rest;
 use crate::axle::{FROM_DESIGN, Quantity};
 use crate::characteristics::Characteristic;
 use crate::model::{RockerId, Side};
+use crate::number::Each;
 use crate::study::{Adjustment, AxleStudy, Increment, Setup, Study};
 use nalgebra::{DMatrix, DVector};
 
@@ -118,7 +119,8 @@ impl<'a> Problem<'a> {
         let Some(toe) = self.toes().next() else {
             return;
         };
-        let settable = [Characteristic::Camber, Characteristic::Caster].map(Static::Characteristic);
+        let settable =
+            [Characteristic::Camber, Characteristic::Caster].each(Static::Characteristic);
         let sets_toe = |k: usize| {
             let effect = |i: usize| (drawn.by[k][i] * self.weights[i]).abs();
             let others = self.statics.iter().enumerate();
@@ -330,8 +332,8 @@ fn quantities(both: &AxleStudy, setup: &Setup) -> Vec<Quantity> {
     ];
     let of_wheels = usual
         .into_iter()
-        .flat_map(|c| Side::ALL.map(|side| Quantity::Corner(side, c)));
-    let usual = of_wheels.chain(FROM_DESIGN.map(Quantity::Axle));
+        .flat_map(|c| Side::ALL.each(|side| Quantity::Corner(side, c)));
+    let usual = of_wheels.chain(FROM_DESIGN.each(Quantity::Axle));
     let mut quantities: Vec<_> = usual.filter(|quantity| both.axle.has(*quantity)).collect();
     for want in &setup.want {
         match want.of {

@@ -19,6 +19,7 @@ use crate::axle::{Axle, AxlePlan, FROM_DESIGN, Quantity, place_of};
 use crate::characteristics::Characteristic;
 use crate::evaluate::{AxleStations, Evaluated, Request};
 use crate::model::{Side, Suspension};
+use crate::number::Each;
 use crate::plan::Plan;
 use crate::study::{Adjustment, AxleStudy, Outputs, WheelStudy};
 use std::borrow::Cow;
@@ -175,7 +176,7 @@ impl WholeAxle<'_> {
         let evaluator = self.request.gradients(&[], None);
         let mut evaluator = evaluator.map_err(|(_, fault)| SetUpError::Fault(fault))?;
         let mut found = Evaluated::default();
-        let designs = built.each_ref().map(|built| &built.suspension.design[..]);
+        let designs = built.each_ref().each(|built| &built.suspension.design[..]);
         evaluator.evaluate(designs, &mut found);
         if let Some(fault) = found.fault(0) {
             return Err(SetUpError::Fault(fault.clone()));

@@ -5,6 +5,7 @@ use crate::ask::Unit;
 use crate::compliance::{AxleEquilibrium, ElasticAxle, HeldQuantity, WheelLoads};
 use crate::curves::{Column, MemberColumns};
 use crate::model::{Axis, Side};
+use crate::number::Each;
 use crate::study::{AxleComplianceStudy, Load};
 
 /// Loads with one name: they act together.
@@ -106,7 +107,7 @@ impl<'a> AxleLoads<'a> {
 
     fn case(&self, case: &Case<'_>, station: &AxleEquilibrium) -> Option<Vec<Option<f64>>> {
         let (axle, held) = (self.axle, case.held);
-        let loads = Side::ALL.map(|side| match case.on[side as usize] {
+        let loads = Side::ALL.each(|side| match case.on[side as usize] {
             Some(load) => load.in_equilibrium(held, axle.wheel_load(station, side)),
             None => WheelLoads::none(0.0),
         });

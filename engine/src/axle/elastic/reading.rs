@@ -21,7 +21,7 @@ use crate::compliance::{
 };
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, Side};
-use crate::number::{Jet, Real, Scalar, Tape, Tracked, Vector3};
+use crate::number::{Each, Jet, Real, Scalar, Tape, Tracked, Vector3};
 use crate::study::AxleComplianceStudy;
 
 /// The reason why an equilibrium of an axle of this kind does not have a quantity, and the alternatives; `None` if it has
@@ -152,10 +152,10 @@ impl<T: Scalar> Reader<'_, T> {
         of: fn(&WheelFigures<T>) -> T,
     ) -> Option<[Jet<T, 2>; 2]> {
         let here = &self.here;
-        let now = Side::ALL.map(|side| of(&here.axle.figures(&here.at, side)));
+        let now = Side::ALL.each(|side| of(&here.axle.figures(&here.at, side)));
         let by = match by {
-            None => now.map(|value| value.zero()),
-            Some(by) => self.moving(by)?.figures.each_ref().map(of),
+            None => now.each(|value| value.zero()),
+            Some(by) => self.moving(by)?.figures.each_ref().each(of),
         };
         Some([Jet([now[0], by[0]]), Jet([now[1], by[1]])])
     }
@@ -338,7 +338,7 @@ impl Axle {
     /// Both wheels for the tests of a rig, on tyres with this rate (force per length).
     pub fn on_rig(&self, tyre_rate: Option<f64>) -> AxleVehicle<'_> {
         AxleVehicle {
-            suspensions: Side::ALL.map(|side| self.suspension(side)),
+            suspensions: Side::ALL.each(|side| self.suspension(side)),
             tyre_rate,
         }
     }
@@ -348,7 +348,7 @@ impl Axle {
         &self,
         elastic: &AxleComplianceStudy,
     ) -> Result<Equilibria<'_>, (Side, DesignFault)> {
-        let designs = Side::ALL.map(|side| &self.suspension(side).design[..]);
+        let designs = Side::ALL.each(|side| &self.suspension(side).design[..]);
         self.equilibria(designs, &elastic.parts)
     }
 

@@ -9,7 +9,7 @@ use crate::axle::reading::WheelParts;
 use crate::axle::rocker_springs::{RockerForces, RockerMotion};
 use crate::axle::state::{AxleState, Motion};
 use crate::model::Side;
-use crate::number::{Real, Scalar};
+use crate::number::{Each, Real, Scalar};
 use std::f64::consts::PI;
 
 /// Force of a spring with its stops.
@@ -37,7 +37,7 @@ pub(crate) fn bar_torque<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -
 
 /// Springs between the rockers of both wheels.
 fn rocker_forces<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> RockerForces<T> {
-    let motions = state.readings.each_ref().map(RockerMotion::read);
+    let motions = state.readings.each_ref().each(RockerMotion::read);
     let laws = &state.setup.rocker_springs;
     laws.map(|c| state.like().constant(c)).forces(&motions)
 }

@@ -278,7 +278,7 @@ pub(crate) fn beam_twist<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -
     let [left, right] = state
         .readings
         .each_ref()
-        .map(|reading| reading.bar_angle().0);
+        .each(|reading| reading.bar_angle().0);
     (right - left).scaled(0.5)
 }
 

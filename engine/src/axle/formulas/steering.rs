@@ -14,7 +14,7 @@
 use crate::axle::reading::WheelParts;
 use crate::axle::state::{AxleState, Motion};
 use crate::model::{AxlePosition, Side};
-use crate::number::{Real, Vector3, outlined};
+use crate::number::{Each, Real, Vector3, outlined};
 use std::f64::consts::PI;
 
 /// Mean steer in rad below which percentages have no value. They are quotients of two angles that vanish straight ahead.
@@ -221,16 +221,16 @@ pub(crate) fn turn(state: &AxleState<f64>) -> Option<FromAbove> {
         Some(AxlePosition::Front) | None => 1.0,
     };
     // The right wheel's frame is the mirror image.
-    let readings = state.wheels().map(|wheel| wheel.reading);
+    let readings = state.wheels().each(|wheel| wheel.reading);
     let plan = |v: Vector3<f64>, side: usize| [v.x, if side == 0 { v.y } else { -v.y }];
-    let centres = [0, 1].map(|side| plan(readings[side].centre(), side));
-    let wheels = [0, 1].map(|side| {
+    let centres = [0, 1].each(|side| plan(readings[side].centre(), side));
+    let wheels = [0, 1].each(|side| {
         let [x, y] = plan(readings[side].spin_axis(), side);
-        let [dx, dy] = [y, -x].map(|c| c * radius / x.hypot(y) * (1.0 - 2.0 * side as f64));
+        let [dx, dy] = [y, -x].each(|c| c * radius / x.hypot(y) * (1.0 - 2.0 * side as f64));
         let [cx, cy] = centres[side];
         [[cx - dx, cy - dy], [cx + dx, cy + dy]]
     });
-    let [left, right] = readings.map(|reading| reading.design().centre.x);
+    let [left, right] = readings.each(|reading| reading.design().centre.x);
     let other_axle = 0.5 * (left + right) - forward * wheelbase;
     let meets = (!is_straight_ahead(state)).then(|| {
         let turn = Turn::of(state);

@@ -1,6 +1,7 @@
 //! One wheel of the axle during the solution.
 
 use super::*;
+use crate::number::Each;
 
 /// Solver for one corner of the axle.
 #[derive(Clone, Debug)]
@@ -93,7 +94,7 @@ impl WheelSeries {
 /// Change of half the difference of travels that brings both wheels to the same height, by their series.
 pub(super) fn solve_level(left: &Jet<f64, TERMS>, right: &Jet<f64, TERMS>) -> f64 {
     // The right wheel moves the opposite way.
-    let f = [0, 1, 2, 3].map(|k| match k % 2 {
+    let f = [0, 1, 2, 3].each(|k| match k % 2 {
         0 => left[k] - right[k],
         _ => left[k] + right[k],
     });
@@ -426,7 +427,7 @@ pub(super) fn read_wheel<const N: usize>(
                     let series: Vec<&[f64]> = lines.map(|way| &way[point][axis].0[..]).collect();
                     Taylor::through(&series)
                 };
-                Vector3::from(Axis::ALL.map(along))
+                Vector3::from(Axis::ALL.each(along))
             })
             .collect(),
     })

@@ -412,7 +412,7 @@ impl<T: Scalar> Placed<T> {
             spring_force: *spring_force,
             stop_gaps: match law {
                 Some(own) => {
-                    [&own.bump_stop, &own.rebound_stop].map(|stop| stop.as_ref().map(|s| s.gap))
+                    [&own.bump_stop, &own.rebound_stop].each(|stop| stop.as_ref().map(|s| s.gap))
                 }
                 None => [None; 2],
             },

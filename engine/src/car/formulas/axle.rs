@@ -4,8 +4,8 @@ use super::super::catalogue::WheelPlace;
 use super::super::equations::{Balance, SIDE_FORCES};
 use super::super::rates::Solved;
 use super::{car, frequency, wheel};
-use crate::number::Each;
-use crate::number::{Scalar, Vector3};
+
+use crate::number::{Each, Scalar, Vector3};
 
 fn both<T: Scalar>(
     state: &Balance<T>,
@@ -70,7 +70,7 @@ fn by_difference<T: Scalar>(
     state: &Balance<T>,
     axle: usize,
 ) -> Option<([Vector3<T>; 2], Vector3<T>)> {
-    let [left, right] = [0, 1].map(|side| &state.wheels[2 * axle + side]);
+    let [left, right] = [0, 1].each(|side| &state.wheels[2 * axle + side]);
     if let Some(body) = &left.corner.axle {
         let at = |contact: Vector3<T>| body.velocity + body.turn.cross(contact - body.point);
         return Some(([at(left.contact), at(right.contact)], body.turn));
@@ -86,7 +86,7 @@ fn by_difference<T: Scalar>(
 /// Loads of both wheels of an axle that balance given forces at the contact points.
 fn loads_by<T: Scalar>(state: &Balance<T>, axle: usize, forces: [Vector3<T>; 2]) -> [T; 2] {
     let up = state.road.up;
-    let [left, right] = [0, 1].map(|side| &state.wheels[2 * axle + side]);
+    let [left, right] = [0, 1].each(|side| &state.wheels[2 * axle + side]);
     let [left_force, right_force] = forces;
     let by_left = left_force.dot(left.contact_rate);
     let by_right = right_force.dot(right.contact_rate);

@@ -5,7 +5,7 @@ use super::super::equations::{
 };
 use super::super::rates::Solved;
 use super::{axle, frequency};
-use crate::number::{Jet, Scalar, Vector3};
+use crate::number::{Each, Jet, Scalar, Vector3};
 
 pub(in crate::car) fn roll<T: Scalar>(state: &Balance<T>) -> T {
     state.unknowns[ROLL]
@@ -31,7 +31,7 @@ pub(in crate::car) fn energy<T: Scalar>(state: &Balance<T>) -> T {
 /// Load that each wheel gains or loses per warp of the ground. The ground rises under one diagonal pair of wheels and
 /// falls under the other.
 pub(in crate::car) fn warp_stiffness<T: Scalar>(solved: &Solved<'_, T>) -> T {
-    let [a, b, c, d] = loads(&solved.by_warp).map(|load| load[1]);
+    let [a, b, c, d] = loads(&solved.by_warp).each(|load| load[1]);
     (a - b - c + d).scaled(0.25)
 }
 
@@ -40,7 +40,7 @@ pub(in crate::car) fn rake<T: Scalar>(state: &Balance<T>) -> T {
 }
 
 fn mid_contact<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
-    let [left, right] = [0, 1].map(|side| state.wheels[2 * axle + side].contact);
+    let [left, right] = [0, 1].each(|side| state.wheels[2 * axle + side].contact);
     state.road.forward.dot(left + right).scaled(0.5)
 }
 
@@ -133,7 +133,7 @@ pub(in crate::car) fn distribution_unsprung<T: Scalar>(state: &Balance<T>) -> T 
 }
 
 fn loads<T: Scalar>(state: &Balance<T>) -> [T; 4] {
-    state.wheels.map(|wheel| wheel.load)
+    state.wheels.each(|wheel| wheel.load)
 }
 
 pub(in crate::car) fn cross_weight<T: Scalar>(state: &Balance<T>) -> T {
@@ -169,9 +169,9 @@ pub(in crate::car) fn anti<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
         let force = wheel.across * wheel.side_force + wheel.heading * wheel.longitudinal_force;
         force.dot(state.road.forward)
     };
-    let [a, b, c, d] = state.wheels.each_ref().map(push);
+    let [a, b, c, d] = state.wheels.each_ref().each(push);
     let transfer = -(a + b + c + d) * cg_height(state) / wheelbase(state);
-    let parts = [0, 1].map(|side| state.wheels[2 * axle + side].parts[2]);
+    let parts = [0, 1].each(|side| state.wheels[2 * axle + side].parts[2]);
     let own = (parts[0] + parts[1]).scaled(match axle {
         0 => 100.0,
         _ => -100.0,
@@ -196,7 +196,7 @@ pub(in crate::car) fn pitch_gradient<T: Scalar>(solved: &Solved<'_, T>) -> T {
 }
 
 pub(in crate::car) fn local_distribution<T: Scalar>(solved: &Solved<'_, T>) -> T {
-    let [front, rear] = [0, 1].map(|end| axle::load_transfer(&solved.by_ay, end)[1]);
+    let [front, rear] = [0, 1].each(|end| axle::load_transfer(&solved.by_ay, end)[1]);
     front.scaled(100.0) / (front + rear)
 }
 
@@ -212,7 +212,7 @@ pub(in crate::car) fn roll_stiffness<T: Scalar>(solved: &Solved<'_, T>) -> T {
 pub(in crate::car) fn roll_stiffness_distribution<T: Scalar>(solved: &Solved<'_, T>) -> T {
     let state = &solved.by_couple;
     let [front, rear] =
-        [0, 1].map(|end| (axle::track(state, end) * axle::load_transfer(state, end))[1]);
+        [0, 1].each(|end| (axle::track(state, end) * axle::load_transfer(state, end))[1]);
     front.scaled(100.0) / (front + rear)
 }
 
@@ -233,7 +233,7 @@ fn body_frequency<T: Scalar>(solved: &Solved<'_, T>, sign: f64) -> T {
     let height = solved.now.road.up.dot(solved.now.design_contact);
     let along = |state: &Balance<Jet<T, 2>>| {
         let [forward, up, pitch] =
-            [BODY, VERTICAL, PITCH_MOMENT].map(|row| state.residuals[row][1]);
+            [BODY, VERTICAL, PITCH_MOMENT].each(|row| state.residuals[row][1]);
         [up, height * forward - pitch]
     };
     let [by_heave, by_pitch] = [along(&solved.by_heave), along(&solved.by_pitch)];

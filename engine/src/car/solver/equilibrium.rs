@@ -3,6 +3,7 @@
 use super::super::equations::{TRAVELS, UNKNOWNS};
 use super::super::tangent::Factors;
 use crate::axle::AxlePose;
+use crate::number::Each;
 
 /// A state in equilibrium.
 #[derive(Clone, Debug)]
@@ -26,6 +27,6 @@ impl Equilibrium {
     /// Travels of the wheels.
     #[inline]
     pub(in crate::car) fn travels(&self) -> [f64; 4] {
-        [0, 1, 2, 3].map(|k| self.unknowns[TRAVELS + k])
+        [0, 1, 2, 3].each(|k| self.unknowns[TRAVELS + k])
     }
 }

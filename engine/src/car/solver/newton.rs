@@ -18,6 +18,7 @@ use super::equilibrium::Equilibrium;
 use super::readings::Wheels;
 use super::start::Start;
 use super::{CarSolver, LONGEST_TRAVEL, LONGEST_TURN};
+use crate::number::{Each, array_of};
 
 /// Largest number of Newton steps for one set of wheels in contact. Steps back count as well.
 const MOST_STEPS: usize = 60;
@@ -78,7 +79,7 @@ impl<'a> CarSolver<'a> {
         let mut is_last = self.curves.is_none();
         let mut evaluations = 0;
         for _ in 0..MOST_STEPS {
-            let travels: [f64; 4] = [0, 1, 2, 3].map(|k| at.x[TRAVELS + k]);
+            let travels: [f64; 4] = [0, 1, 2, 3].each(|k| at.x[TRAVELS + k]);
             let wheels = match self.wheels(travels, case.racks, is_last) {
                 Ok(wheels) => wheels,
                 Err(failure) => {
@@ -190,7 +191,7 @@ impl Iteration {
                 (residuals, Linear::of(&tangent, self.x)?)
             }
         };
-        let change = linear.factors.solve(residuals.map(|residual| -residual));
+        let change = linear.factors.solve(residuals.each(|residual| -residual));
         let longest = self.sizes.longest(&change);
         if !longest.is_finite() {
             return if is_fresh {
@@ -298,7 +299,7 @@ impl Sizes {
         let back = reached?;
         let far = (0..4).map(|k| (x[TRAVELS + k] - back[TRAVELS + k]).abs());
         let is_far = far.fold(0.0, f64::max) > 1e-9 * self.metre;
-        is_far.then(|| std::array::from_fn(|k| 0.5 * (x[k] + back[k])))
+        is_far.then(|| array_of(|k| 0.5 * (x[k] + back[k])))
     }
 
     fn of(start: &[f64; UNKNOWNS], car: &Car) -> Self {
@@ -311,7 +312,7 @@ impl Sizes {
 
     /// Distance between two points, in sizes.
     fn between(&self, x: &[f64; UNKNOWNS], y: &[f64; UNKNOWNS]) -> f64 {
-        self.longest(&std::array::from_fn(|k| x[k] - y[k]))
+        self.longest(&array_of(|k| x[k] - y[k]))
     }
 
     /// Largest component of a step, in sizes; NaN if a component is NaN.

@@ -87,8 +87,8 @@ impl Readings<'_> {
         let [front, rear] = &self.placed;
         Base {
             held,
-            racks: self.by_rack.then(|| self.placed.map(|placed| placed.rack)),
-            carriers: self.axles.each_ref().map(|read| read.state.carriers),
+            racks: self.by_rack.then(|| self.placed.each(|placed| placed.rack)),
+            carriers: self.axles.each_ref().each(|read| read.state.carriers),
             readings: self.wheels(),
             travels: [
                 front.travels[0],

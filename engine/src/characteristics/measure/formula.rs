@@ -1,7 +1,7 @@
 //! Formulas of the geometric measures, over vectors.
 
 use super::{Measure, Vectors};
-use crate::number::{Scalar, Vector3};
+use crate::number::{Scalar, Vector3, array_of};
 
 impl Measure {
     /// Evaluates the formula for the vectors that `inputs` names.
@@ -24,7 +24,7 @@ impl Measure {
             Measure::FromBox { middle, half, .. } => {
                 let away = (v[0] - v[0].constant(*middle)).to_array();
                 let half = half.to_array();
-                outside(&std::array::from_fn::<T, 3, _>(|i| {
+                outside(&array_of::<T, 3>(|i| {
                     magnitude(away[i]) - away[i].constant(half[i])
                 }))
             }

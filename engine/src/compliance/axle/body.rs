@@ -5,7 +5,7 @@ use super::{AxleEquilibrium, ElasticAxle};
 use crate::compliance::algebra::Placed;
 use crate::compliance::system::{Limb, State};
 use crate::model::{Side, mirrored};
-use crate::number::{Jet, Scalar, Vector3};
+use crate::number::{Each, Jet, Scalar, Vector3};
 
 /// Place of a solid axle, in the left wheel's axes.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +55,7 @@ impl<T: Scalar> ElasticAxle<T> {
         change: &AxleChange<T>,
     ) -> Option<AxlePlace<Jet<T, 2>>> {
         let rate = self.rate(tangent, change);
-        let moving = [0, 1].map(|side: usize| {
+        let moving = [0, 1].each(|side: usize| {
             let state: State<Jet<T, 2>> =
                 self.wheels[side].moving(&tangent.state.wheels[side], &rate.wheels[side]);
             let centre = self.wheels[side].built.system.wheel.centre;

@@ -21,7 +21,7 @@ use super::super::system::{Equations, LOOSE};
 use super::equations::{AxleSingular, SideEquations, sign};
 use crate::compliance::system::Singular;
 use crate::linear::square::{MOST, SquareLu};
-use crate::number::Scalar;
+use crate::number::{Each, Scalar};
 
 /// Equations of both wheels, factorised.
 #[derive(Clone, Debug)]
@@ -109,9 +109,9 @@ impl<T: Scalar> Corners<T> {
         sides: &mut [SideEquations<T>; 2],
         bounds: Option<Bounds>,
     ) -> Result<Self, AxleSingular> {
-        let sizes = sides.each_ref().map(|side| side.equations.size);
+        let sizes = sides.each_ref().each(|side| side.equations.size);
         let places = Places::of(sizes).ok_or(AxleSingular::Carrier)?;
-        let residuals = sides.each_ref().map(|side| side.equations.residual);
+        let residuals = sides.each_ref().each(|side| side.equations.residual);
         let mut equations = Equations::empty(residuals[0][0], 0, None);
         equations.size = places.size;
         equations.residual = places.joined(&residuals);
@@ -146,7 +146,7 @@ impl<T: Scalar> Corners<T> {
     /// Solves the tangents of both wheels for these forces.
     pub(super) fn solve(&self, parts: &[[T; MOST]; 2]) -> [[T; MOST]; 2] {
         match self {
-            Corners::Apart(factors) => [0, 1].map(|side: usize| factors[side].solve(&parts[side])),
+            Corners::Apart(factors) => [0, 1].each(|side: usize| factors[side].solve(&parts[side])),
             Corners::Joined(own) => {
                 let solution = own.factors.solve(&own.places.joined(parts));
                 own.places.parted(&solution)

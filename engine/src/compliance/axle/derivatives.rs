@@ -9,7 +9,7 @@ use crate::compliance::reading::WheelFigures;
 use crate::compliance::wheel::HeldQuantity;
 use crate::linear::square::MOST;
 use crate::model::Side;
-use crate::number::{Jet, Scalar, Vector3};
+use crate::number::{Each, Jet, Scalar, Vector3};
 
 /// Input along which an equilibrium changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,7 +118,7 @@ impl<T: Scalar> ElasticAxle<T> {
         change: &AxleChange<T>,
     ) -> [WheelFigures<T>; 2] {
         let rate = self.rate(tangent, change);
-        [0, 1].map(|side: usize| {
+        [0, 1].each(|side: usize| {
             let wheel = &self.wheels[side];
             let moving = wheel.moving(&tangent.state.wheels[side], &rate.wheels[side]);
             let geometry = wheel.geometry.map(Jet::constant);
@@ -134,7 +134,7 @@ impl<T: Scalar> ElasticAxle<T> {
         change: &AxleChange<T>,
     ) -> [Inputs<Jet<T, 2>>; 2] {
         let rate = self.rate(tangent, change);
-        [0, 1].map(|side: usize| {
+        [0, 1].each(|side: usize| {
             let wheel = &self.wheels[side];
             let moving = wheel.moving(&tangent.state.wheels[side], &rate.wheels[side]);
             let geometry = wheel.geometry.map(Jet::constant);
@@ -149,7 +149,7 @@ impl<T: Scalar> ElasticAxle<T> {
         loads: &[WheelLoads<T>; 2],
     ) -> [[Vector3<T>; 2]; 2] {
         let rate = self.rate(tangent, &AxleChange::Loads(*loads));
-        [0, 1].map(|side: usize| {
+        [0, 1].each(|side: usize| {
             let [x, y, z, a, b, c] = rate.wheels[side].carrier;
             let turn = Vector3::new(a, b, c);
             let carrier = &tangent.state.wheels[side].carrier;

@@ -18,7 +18,7 @@ use super::super::system::{Equations, Held, Limb, Singular, State, Step, Task, l
 use super::super::wheel::ElasticWheel;
 use super::corners::Corners;
 use crate::linear::square::{MOST, SquareLu};
-use crate::number::{Scalar, Vector3, array_of};
+use crate::number::{Each, Scalar, Vector3, array_of};
 
 /// Parts between the body and both wheels, except the subframe's mounts.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +42,7 @@ impl<T: Scalar> AxleState<T> {
     pub(in super::super) fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> AxleState<U> {
         let around = &self.around;
         AxleState {
-            wheels: self.wheels.each_ref().map(|wheel| wheel.map(f)),
+            wheels: self.wheels.each_ref().each(|wheel| wheel.map(f)),
             around: Surroundings {
                 subframe: around.subframe.map(f),
                 rack: f(around.rack),
@@ -196,7 +196,7 @@ impl<T: Scalar> SharedParts<T> {
         } else {
             Corners::apart(&sides)?
         };
-        let by_shared = |shared: &usize| [0, 1].map(|side| sides[side].by_shared(side, *shared));
+        let by_shared = |shared: &usize| [0, 1].each(|side| sides[side].by_shared(side, *shared));
         let columns = active.iter().map(by_shared);
         let responses: Vec<_> = columns.map(|columns| corners.solve(&columns)).collect();
         let zero = task.rack.zero();
@@ -333,8 +333,8 @@ impl<T: Scalar> AxleEquations<T> {
 
     /// Residuals with opposite signs, for a Newton step.
     pub(in super::super) fn residuals(&self) -> ([[T; MOST]; 2], [T; SHARED]) {
-        let wheels = [0, 1].map(|side: usize| self.sides[side].equations.residual.map(|c| -c));
-        (wheels, self.force.map(|c| -c))
+        let wheels = [0, 1].each(|side: usize| self.sides[side].equations.residual.each(|c| -c));
+        (wheels, self.force.each(|c| -c))
     }
 
     /// Takes a Newton step.
@@ -415,7 +415,7 @@ impl<T: Scalar> AxleState<T> {
 impl<T: Scalar> AxleStep<T> {
     /// Largest shift and largest rotation.
     pub(in super::super) fn sizes(&self, axle: &[ElasticWheel<T>; 2]) -> [f64; 2] {
-        let shared = self.shared.each_ref().map(|c| c.value().abs());
+        let shared = self.shared.each_ref().each(|c| c.value().abs());
         let shift = shared[..3].iter().copied().fold(shared[RACK], larger);
         let turn = shared[3..RACK].iter().copied().fold(shared[TWIST], larger);
         let mut sizes = [shift, turn];
@@ -458,7 +458,7 @@ impl AxleEquations<f64> {
             let of = &self.sides[side];
             let by = of.by_shared(side, shared);
             let mirror = sign(side, shared);
-            std::array::from_fn(|i| match i {
+            array_of(|i| match i {
                 0..6 => 0.5 * (by[i] + mirror * of.coupling.by_corner[shared][i]),
                 _ => by[i],
             })

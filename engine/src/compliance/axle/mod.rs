@@ -29,7 +29,7 @@ use super::wheel::{
 use crate::characteristics::Inputs;
 use crate::mechanism::Pose;
 use crate::model::{Axis, Mechanism, Side, Suspension, mirrored};
-use crate::number::{Scalar, Vector3};
+use crate::number::{Each, Scalar, Vector3, array_of};
 use equations::{AxleEquations, AxleSingular, AxleState, AxleTask, Purpose, SharedParts};
 
 /// Equilibrium of both wheels.
@@ -128,8 +128,7 @@ impl<T: Scalar> ElasticAxle<T> {
             let around = state.around(side);
             let system = &self.wheels[side].built.system;
             let frames = system.frames(&state.wheels[side].carrier, &around, true);
-            let shared: [T; SHARED] =
-                std::array::from_fn(|k| step.shared[k].scaled(equations::sign(side, k)));
+            let shared: [T; SHARED] = array_of(|k| step.shared[k].scaled(equations::sign(side, k)));
             let seen = SeenStep {
                 step: &step.wheels[side],
                 around: &around,
@@ -232,13 +231,13 @@ impl<T: Scalar> ElasticAxle<T> {
         let task = |travel: f64| level_task(like.constant(travel), like.zero());
         AxleTask {
             rack: like.constant(rack),
-            wheels: travels.map(task),
+            wheels: travels.each(task),
         }
     }
 
     /// Vertical forces at the contact points in the design position; `None` if it is no equilibrium.
     pub fn design_loads(&self) -> Option<[T; 2]> {
-        let loads = self.wheels.each_ref().map(|wheel| wheel.start.vertical);
+        let loads = self.wheels.each_ref().each(|wheel| wheel.start.vertical);
         (self.relaxed() == Relaxed::AtDesignLoad).then_some(loads)
     }
 
@@ -346,7 +345,7 @@ const SHARED_NAME: &str = "the subframe, rack or anti-roll bar";
 /// `None` for independently suspended wheels.
 fn common_reference(suspensions: [&Suspension; 2]) -> Option<Vector3<f64>> {
     suspensions[0].mechanism.rigid_axle.as_ref()?;
-    let [left, right] = suspensions.map(|wheel| wheel.design[wheel.mechanism.wheel_centre.0]);
+    let [left, right] = suspensions.each(|wheel| wheel.design[wheel.mechanism.wheel_centre.0]);
     Some((left + mirrored(right)) * 0.5)
 }
 

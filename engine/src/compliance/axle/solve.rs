@@ -11,7 +11,7 @@ use crate::compliance::system::{Held, Singular, larger};
 use crate::compliance::wheel::{CARRIER, HeldQuantity, TURN_LEVER, largest_axis};
 use crate::linear::square::MOST;
 use crate::model::{Axis, Side};
-use crate::number::Vector3;
+use crate::number::{Each, Vector3, array_of};
 
 /// Number of inverse iterations that find the softest motion.
 const SOFT_STEPS: usize = 8;
@@ -32,10 +32,10 @@ impl ElasticAxle {
                     Purpose::Balance,
                 );
                 equations.ok().map(|equations| AxleHeld {
-                    wheels: [0, 1].map(|side: usize| {
+                    wheels: [0, 1].each(|side: usize| {
                         let of = &equations.sides[side].equations;
                         Held {
-                            carrier: std::array::from_fn(|i| of.residual[i]),
+                            carrier: array_of(|i| of.residual[i]),
                             limbs: of.inner,
                         }
                     }),
@@ -75,13 +75,13 @@ impl ElasticAxle {
     ) -> Result<AxleEquilibrium, NoEquilibrium> {
         let way = |share: f64| AxleTask {
             rack: from.rack + (to.rack - from.rack) * share,
-            wheels: [0, 1].map(|side: usize| between(&from.wheels[side], &to.wheels[side], share)),
+            wheels: [0, 1].each(|side: usize| between(&from.wheels[side], &to.wheels[side], share)),
         };
         let mut side = None;
         let newton = |state: &AxleState<f64>, share: f64, is_first: bool| {
             let rest = held.filter(|_| !is_first).map(|held| AxleHeld {
-                wheels: held.wheels.each_ref().map(|held| held.share(1.0 - share)),
-                shared: held.shared.map(|force| force * (1.0 - share)),
+                wheels: held.wheels.each_ref().each(|held| held.share(1.0 - share)),
+                shared: held.shared.each(|force| force * (1.0 - share)),
             });
             let found = self.newton(state, &way(share), rest.as_ref());
             found.map_err(|(of, obstacle)| {
@@ -194,7 +194,7 @@ impl ElasticAxle {
                     *right = x / size;
                 }
             }
-            shared = moved.map(|c| c / size);
+            shared = moved.each(|c| c / size);
             step = Some(equations.step(&self.wheels, &solution, &moved, true));
         }
         Some((softness, self.largest_motion(&step?)))

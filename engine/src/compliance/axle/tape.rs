@@ -7,7 +7,7 @@ use crate::compliance::fault::AxleFault;
 use crate::compliance::inputs::{AxleParameter, Parameter, law_of};
 use crate::compliance::system::Hold;
 use crate::model::Suspension;
-use crate::number::{Scalar, Tape, Tracked, Vector3};
+use crate::number::{Each, Scalar, Tape, Tracked, Vector3};
 
 /// Elastic axle over numbers on a tape.
 #[derive(Clone, Debug)]
@@ -76,7 +76,7 @@ fn on_tape<'t>(at: &AxleEquilibrium, rack: f64) -> AxleTask<Tracked<'t>> {
     let wheels = at.task.wheels.each_ref();
     AxleTask {
         rack: Tracked::constant(rack),
-        wheels: wheels.map(|task| task.map(Tracked::constant)),
+        wheels: wheels.each(|task| task.map(Tracked::constant)),
     }
 }
 

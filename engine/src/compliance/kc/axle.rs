@@ -14,13 +14,14 @@
 )]
 
 mod ends;
+mod figures;
 mod gradients;
 mod links;
 
 pub use gradients::FigureGradients;
 
-use super::figures::{Read, Sheet};
-use super::test::{KcTest, TestLoad, TestMode};
+use super::figures::Sheet;
+use super::test::{KcTest, TestLoad};
 use super::{
     KcAxleState, KcFigure, KcLevel, KcOutcome, KcState, KcStation, KcSubject, KcWheelState,
     at_stations, end_loads, levels, quotient, secant, twist_signs, unit_at_centre,
@@ -30,8 +31,8 @@ use crate::compliance::{
     AxleChange, AxleCompliance, AxleEquilibrium, AxleFault, AxleTangent, ElasticAxle, HeldQuantity,
     NoEquilibrium, WheelFigures, WheelLoads,
 };
-use crate::model::{Axis, AxlePosition, Side, Suspension};
-use crate::number::{Scalar, Vector3};
+use crate::model::{Axis, Side, Suspension};
+use crate::number::{Each, Scalar, Vector3};
 
 /// Suspensions and data of an axle under test.
 #[derive(Clone, Copy, Debug)]
@@ -105,7 +106,7 @@ impl<T: Scalar> Here<T> {
     /// Converts loads to the number type of the station.
     fn loads(&self, loads: &[WheelLoads; 2]) -> AxleChange<T> {
         let like = self.axle.travel(&self.at, Side::Left);
-        AxleChange::Loads(loads.map(|load| load.map(|c| like.constant(c))))
+        AxleChange::Loads(loads.each(|load| load.map(|c| like.constant(c))))
     }
 }
 
@@ -114,8 +115,8 @@ fn roll<T: Scalar>(
     (axle, at): (&ElasticAxle<T>, &AxleEquilibrium<T>),
     by: &[WheelFigures<T>; 2],
 ) -> [T; 2] {
-    let figures = Side::ALL.map(|side| axle.figures(at, side));
-    let loads = Side::ALL.map(|side| axle.wheel_load(at, side));
+    let figures = Side::ALL.each(|side| axle.figures(at, side));
+    let loads = Side::ALL.each(|side| axle.wheel_load(at, side));
     let track = figures[0].contact.y + figures[1].contact.y;
     let track_by = by[0].contact.y + by[1].contact.y;
     let height = figures[1].contact.z - figures[0].contact.z;
@@ -130,7 +131,7 @@ fn roll<T: Scalar>(
 impl<'a> AxleKcRun<'a> {
     /// Prepares the tests of an axle.
     pub fn new(vehicle: AxleVehicle<'a>, parts: &AxleCompliance) -> Result<Self, AxleFault> {
-        let designs = vehicle.suspensions.map(|wheel| &wheel.design[..]);
+        let designs = vehicle.suspensions.each(|wheel| &wheel.design[..]);
         AxleKcRun::of(vehicle, designs, parts)
     }
 
@@ -289,7 +290,7 @@ impl<'a> AxleKcRun<'a> {
     fn outcome(&self, here: &mut Here, test: &KcTest) -> KcOutcome {
         let (load, place) = test.unit_load(&self.vehicle.suspensions[0].vehicle);
         let factors = test.factors();
-        let loads = |force: f64| factors.map(|factor| end_loads(&load, force * factor));
+        let loads = |force: f64| factors.each(|factor| end_loads(&load, force * factor));
         let has_levels = !test.load.is_motion() && test.levels > 0;
         let levels = if has_levels {
             let (axle, at) = (&here.axle, &here.at);
@@ -344,7 +345,7 @@ impl<'a> AxleKcRun<'a> {
             ..axle.figures(at, side)
         };
         let inverse = 1.0 / (2.0 * test.window);
-        Some(Side::ALL.map(|side| quotient(&figures(&low, side), &figures(&high, side), inverse)))
+        Some(Side::ALL.each(|side| quotient(&figures(&low, side), &figures(&high, side), inverse)))
     }
 
     /// Equilibrium at the negative or the positive end of a test's window.
@@ -352,192 +353,9 @@ impl<'a> AxleKcRun<'a> {
         let (load, _) = test.unit_load(&self.vehicle.suspensions[0].vehicle);
         let force = sign * test.window;
         let factors = test.factors();
-        let loads = factors.map(|factor| end_loads(&load, force * factor));
+        let loads = factors.each(|factor| end_loads(&load, force * factor));
         let (axle, at) = (&here.axle, &here.at);
         axle.loaded_about(at, at, &loads, test.held).ok()
-    }
-
-    /// Computes the figures of a test, first those of the wheels.
-    pub(crate) fn figures<T: Scalar>(
-        &self,
-        here: &mut Here<T>,
-        test: &KcTest,
-        secants: Option<[WheelFigures<T>; 2]>,
-    ) -> Vec<AxleFigure<T>> {
-        let (load, _) = test.unit_load(&self.vehicle.suspensions[0].vehicle);
-        let unit = test.factors().map(|factor| end_loads(&load, factor));
-        let by = self.derivatives(here, test, &unit);
-        let mut figures = self.wheel_figures(here, test, by, secants);
-        if test.load == TestLoad::Roll {
-            figures.extend(self.wheel_tensions(here));
-        }
-        figures.extend(self.axle_figures(here, test, by, secants));
-        if test.load == TestLoad::Roll {
-            figures.extend(self.link_figures(here));
-        }
-        figures
-    }
-
-    /// Derivatives of both wheels by the load or motion, each in the frame of its side.
-    fn derivatives<T: Scalar>(
-        &self,
-        here: &mut Here<T>,
-        test: &KcTest,
-        unit: &[WheelLoads; 2],
-    ) -> Option<[WheelFigures<T>; 2]> {
-        let height = HeldQuantity::WheelHeight;
-        let one = here.axle.travel(&here.at, Side::Left).one();
-        match test.load {
-            TestLoad::Heave => here.by(height, &AxleChange::Travels([one, one])),
-            TestLoad::Roll => here.by(height, &AxleChange::Travels([-one, one])),
-            TestLoad::Steering => here.by(height, &AxleChange::Rack),
-            _ => {
-                let loads = here.loads(unit);
-                here.by(test.held, &loads)
-            }
-        }
-    }
-
-    fn wheel_figures<T: Scalar>(
-        &self,
-        here: &mut Here<T>,
-        test: &KcTest,
-        by: Option<[WheelFigures<T>; 2]>,
-        secants: Option<[WheelFigures<T>; 2]>,
-    ) -> Vec<AxleFigure<T>> {
-        let one = here.axle.travel(&here.at, Side::Left).one();
-        // These factors convert derivatives to one unit at the wheel itself.
-        let units = match test.load {
-            TestLoad::Heave | TestLoad::Steering => [one; 2],
-            TestLoad::Roll => match &by {
-                Some(by) => [one / roll((&here.axle, &here.at), by)[0]; 2],
-                None => [one; 2],
-            },
-            _ => test.factors().map(|factor| one.scaled(factor)),
-        };
-        let rates = self.wheel_rates(here, test);
-        let mut found = Vec::new();
-        for (k, side) in Side::ALL.into_iter().enumerate() {
-            if units[k].value() == 0.0 {
-                continue;
-            }
-            let steering = here.axle.figures(&here.at, side).steering;
-            let sheet = self.sheet(side, steering.is_some());
-            let read = |by: Option<[WheelFigures<T>; 2]>| Read {
-                by: by.map(|by| by[k].map(|c| c * units[k])),
-                wheel_rate: rates.map(|rates| rates[k]),
-                rack_force: None,
-            };
-            let values = sheet.figures(test, &read(by));
-            let at_ends = sheet.figures(test, &read(secants));
-            let finite = |value: Option<T>| value.filter(|value| value.value().is_finite());
-            found.extend(
-                values
-                    .into_iter()
-                    .zip(at_ends)
-                    .map(|(value, secant)| AxleFigure {
-                        quantity: value.quantity,
-                        unit: value.unit,
-                        value: finite(value.value),
-                        secant: finite(secant.value.filter(|_| secants.is_some())),
-                        of: KcSubject::Wheel(side),
-                    }),
-            );
-        }
-        found
-    }
-
-    /// Wheel load per rise of the contact point, with both contact points rising together; for ride rates by heave.
-    fn wheel_rates<T: Scalar>(&self, here: &mut Here<T>, test: &KcTest) -> Option<[T; 2]> {
-        if test.load != TestLoad::Heave || self.vehicle.tyre_rate.is_none() {
-            return None;
-        }
-        let mut load = WheelLoads::none(0.0);
-        load.contact.z = 1.0;
-        let loads = here.loads(&[load; 2]);
-        let by = here.by(HeldQuantity::WheelLoad, &loads)?;
-        Some(by.map(|by| by.contact.z.one() / by.contact.z))
-    }
-
-    /// Computes the figures of the axle as a whole.
-    fn axle_figures<T: Scalar>(
-        &self,
-        here: &Here<T>,
-        test: &KcTest,
-        by: Option<[WheelFigures<T>; 2]>,
-        secants: Option<[WheelFigures<T>; 2]>,
-    ) -> Vec<AxleFigure<T>> {
-        let like = here.axle.travel(&here.at, Side::Left);
-        let mut found = Vec::new();
-        let mut push = |quantity, unit, of: &dyn Fn(&[WheelFigures<T>; 2]) -> T| {
-            let finite = |value: Option<T>| value.filter(|value| value.value().is_finite());
-            found.push(AxleFigure {
-                quantity,
-                unit,
-                value: finite(by.as_ref().map(of)),
-                secant: finite(secants.as_ref().map(of)),
-                of: KcSubject::Axle,
-            });
-        };
-        let steer = |by: &[WheelFigures<T>; 2]| (by[1].toe - by[0].toe).scaled(0.5);
-        // At the left wheel, loads act to the right.
-        let to_left = |by: &[WheelFigures<T>; 2]| -steer(by);
-        let position = self.vehicle.suspensions[0].vehicle.position;
-        let understeer = match position {
-            Some(AxlePosition::Rear) => 1.0,
-            _ => -1.0,
-        };
-        let is_elastic = !self.parts.is_rigid();
-        let has_spring = here.axle.spring(&here.at, Side::Left).is_some();
-        match (test.load, test.mode) {
-            (TestLoad::Roll, _) => {
-                let angle = by.map_or(like.constant(f64::NAN), |by| {
-                    roll((&here.axle, &here.at), &by)[0]
-                });
-                push("steer_by_roll", Unit::AnglePerAngle, &|by| {
-                    steer(by) / angle
-                });
-                if has_spring {
-                    push("compliant_roll_stiffness", Unit::TorquePerAngle, &|by| {
-                        roll((&here.axle, &here.at), by)[1] / angle
-                    });
-                }
-            }
-            (TestLoad::Steering, _) => {
-                let along = self.vehicle.suspensions[0].frame.sign(Axis::Y);
-                push("steer_by_rack", Unit::AnglePerLength, &|by| {
-                    steer(by).scaled(along)
-                });
-                if has_spring {
-                    let force = here.axle.rack_force(&here.at).scaled(along);
-                    push("rack_force", Unit::Force, &|_| force);
-                }
-            }
-            (TestLoad::Lateral, TestMode::Parallel) => {
-                if is_elastic {
-                    push("axle_steer_by_lateral_force", Unit::AnglePerForce, &to_left);
-                    push("understeer_by_lateral_force", Unit::AnglePerForce, &|by| {
-                        to_left(by).scaled(understeer)
-                    });
-                }
-                if test.held == HeldQuantity::WheelHeight {
-                    let at = Side::ALL.map(|side| here.axle.figures(&here.at, side).contact.y);
-                    let track = at[0] + at[1];
-                    push("force_roll_centre_height_compliant", Unit::Length, &|by| {
-                        (track * (by[0].vertical - by[1].vertical)).scaled(0.25)
-                    });
-                }
-            }
-            (TestLoad::Aligning, TestMode::Parallel) if is_elastic => {
-                push(
-                    "understeer_by_aligning_moment",
-                    Unit::AnglePerTorque,
-                    &|by| to_left(by).scaled(understeer),
-                );
-            }
-            _ => {}
-        }
-        found
     }
 
     fn state(&self, axle: &ElasticAxle, at: &AxleEquilibrium) -> KcState {

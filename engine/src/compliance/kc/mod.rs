@@ -24,7 +24,7 @@ use super::reading::WheelFigures;
 use super::wheel::{BushingReading, ElasticWheel, Equilibrium, HeldQuantity, SpringReading};
 use crate::ask::Unit;
 use crate::model::{Axis, Frame, Side, SteeringAxis, Suspension};
-use crate::number::{Scalar, Vector3};
+use crate::number::{Each, Scalar, Vector3, array_of};
 use figures::{Read, Sheet};
 use gradients::Station;
 
@@ -317,7 +317,7 @@ fn at_stations<S: Copy>(
 
 /// Signs that convert shifts and rotations from the kernel's frame to the study's axes.
 fn twist_signs(frame: Frame) -> [f64; 6] {
-    std::array::from_fn(|k| {
+    array_of(|k| {
         let axis = Axis::ALL[k % 3];
         if k < 3 {
             frame.sign(axis)
@@ -419,7 +419,7 @@ fn secant(levels: &[KcLevel], wheel: usize) -> Option<WheelFigures> {
         ..state.figures
     };
     let inverse = 1.0 / (high.load - low.load);
-    let [a, b] = [a, b].map(|state| with_load(&state.wheels[wheel]));
+    let [a, b] = [a, b].each(|state| with_load(&state.wheels[wheel]));
     Some(quotient(&a, &b, inverse))
 }
 
@@ -427,7 +427,7 @@ fn secant(levels: &[KcLevel], wheel: usize) -> Option<WheelFigures> {
 fn quotient<T: Scalar>(a: &WheelFigures<T>, b: &WheelFigures<T>, factor: T) -> WheelFigures<T> {
     let of = |a: T, b: T| (b - a) * factor;
     let steering = match (a.steering, b.steering) {
-        (Some(a), Some(b)) => Some([0, 1].map(|k| of(a[k], b[k]))),
+        (Some(a), Some(b)) => Some([0, 1].each(|k| of(a[k], b[k]))),
         _ => None,
     };
     WheelFigures {

@@ -2,6 +2,7 @@
 
 use crate::compliance::{Change, HeldQuantity, WheelLoads};
 use crate::model::{LengthUnit, Side, TorquePath, VehicleFigures};
+use crate::number::Each;
 
 /// Load or motion of a test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -150,7 +151,7 @@ impl KcTest {
             trail: 0.03 * length.per_metre(),
             ..test(TestLoad::Lateral)
         });
-        tests.extend([TestLoad::Aligning, TestLoad::Braking, TestLoad::Traction].map(test));
+        tests.extend([TestLoad::Aligning, TestLoad::Braking, TestLoad::Traction].each(test));
         tests.extend(has_spring.then(|| test(TestLoad::Vertical)));
         tests
     }

@@ -4,7 +4,7 @@ use super::super::limb::{Evaluated, Followers, LimbStep, tangent_of};
 use super::state::Step;
 use super::{Held, LOOSE, MOST_JOINTS, MOST_LIMBS};
 use crate::linear::square::{MOST, SquareLu};
-use crate::number::{Scalar, array_of};
+use crate::number::{Each, Scalar, array_of};
 
 /// Equations in a state.
 #[derive(Clone, Copy, Debug)]
@@ -71,12 +71,12 @@ impl<T: Scalar> Equations<T> {
 
     /// Tangent of the carrier.
     pub(in crate::compliance) fn tangent(&self) -> [[f64; 6]; 6] {
-        std::array::from_fn(|i| std::array::from_fn(|j| self.matrix[i][j].value()))
+        array_of(|i| array_of(|j| self.matrix[i][j].value()))
     }
 
     /// Rows of the carrier that every motion must keep at zero.
     pub(in crate::compliance) fn rows(&self) -> impl Iterator<Item = [f64; 6]> + '_ {
-        let row = |i: usize| std::array::from_fn(|j| self.matrix[i][j].value());
+        let row = |i: usize| array_of(|j| self.matrix[i][j].value());
         (6..self.size).map(row)
     }
 
@@ -93,9 +93,9 @@ impl<T: Scalar> Equations<T> {
 
     /// Removes the derivatives of the tangents, for the step of [`Conditions::is_correction`](super::Conditions).
     pub(in crate::compliance) fn fix_tangents(&mut self) {
-        self.matrix = self.matrix.map(|row| row.map(|c| tangent_of(c, true)));
+        self.matrix = self.matrix.each(|row| row.each(|c| tangent_of(c, true)));
         for followers in &mut self.followers {
-            followers.by = followers.by.map(|row| row.map(|c| tangent_of(c, true)));
+            followers.by = followers.by.each(|row| row.each(|c| tangent_of(c, true)));
         }
     }
 

@@ -31,7 +31,7 @@ impl<T: Scalar> State<T> {
         State {
             carrier: self.carrier.map(f),
             limbs: self.limbs.each_ref().each(|limb| limb.map(f)),
-            joints: self.joints.map(f),
+            joints: self.joints.each(f),
             vertical: f(self.vertical),
         }
     }
@@ -50,12 +50,12 @@ impl<T: Scalar> Step<T> {
     #[inline]
     pub(in crate::compliance) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Step<U> {
         Step {
-            carrier: self.carrier.map(f),
-            limbs: self.limbs.each_ref().map(|limb| LimbStep {
-                inner: limb.inner.map(f),
+            carrier: self.carrier.each(f),
+            limbs: self.limbs.each_ref().each(|limb| LimbStep {
+                inner: limb.inner.each(f),
                 slide: f(limb.slide),
             }),
-            joints: self.joints.map(f),
+            joints: self.joints.each(f),
             vertical: f(self.vertical),
         }
     }

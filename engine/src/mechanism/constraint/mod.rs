@@ -39,8 +39,8 @@ use strut_line::StrutLine;
 
 use super::pose::{Configuration, Sink, Twist, Wrench};
 use crate::model::{Body, Constraint, Mechanism};
-use crate::number::Real;
 use crate::number::Vector3;
+use crate::number::{Each, Real};
 
 /// One scalar constraint, with all its terms that depend only on the design.
 #[derive(Clone, Copy, Debug)]
@@ -79,7 +79,7 @@ impl<T: Real> Row<T> {
         let origin = mechanism.origin;
         match constraint {
             Constraint::Link { inner, outer } => {
-                match [inner, outer].map(|id| mechanism.body(id)) {
+                match [inner, outer].each(|id| mechanism.body(id)) {
                     [Body::Arm(arm), _] => {
                         Row::ArmEnd(ArmEnd::link(mechanism, arm, [inner, outer], design))
                     }
@@ -118,7 +118,7 @@ impl<T: Real> Row<T> {
         let length = parts.lengths[constraint];
         match mechanism.constraints[constraint] {
             Constraint::Link { inner, outer } => {
-                match [inner, outer].map(|id| mechanism.body(id)) {
+                match [inner, outer].each(|id| mechanism.body(id)) {
                     [Body::Arm(arm), _] => {
                         let ends = [inner, outer];
                         Row::ArmEnd(ArmEnd::built_link(mechanism, arm, ends, length, parts))

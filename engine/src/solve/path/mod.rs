@@ -23,7 +23,7 @@ use crate::mechanism::{Configuration, Pose};
 use crate::mechanism::{DEGENERATE, ROUNDING};
 use crate::mechanism::{Work, WorkCounter};
 use crate::model::{Drive, Mechanism, PointId};
-use crate::number::{Matrix3, Vector3};
+use crate::number::{Each, Matrix3, Vector3};
 use crate::threads::checkpoint;
 use std::ops::ControlFlow;
 
@@ -95,7 +95,7 @@ impl<'m> Solver<'m> {
         }
         self.check_distinct()?;
         for arm in &self.mechanism.arms {
-            let [front, rear, outer] = [arm.front, arm.rear, arm.outer].map(|id| design[id.0]);
+            let [front, rear, outer] = [arm.front, arm.rear, arm.outer].each(|id| design[id.0]);
             let axis = (rear - front).normalised();
             let radius = axis.cross(outer - front).norm();
             if radius.is_nan() || radius <= DEGENERATE * self.size {

@@ -47,7 +47,7 @@ use crate::mechanism::{Configuration, Pose, Twist};
 use crate::model::{Drive, Mechanism};
 use crate::number::Real;
 use crate::number::SimdReal;
-use crate::number::{Matrix3, Vector3};
+use crate::number::{Each, Matrix3, Vector3};
 use blocks::{Blocks, Order};
 pub(super) use corner::LinkageCorner;
 use linear::Linear;
@@ -144,7 +144,7 @@ impl ByLinkage {
             size,
             determinants: blocks.determinants(),
             by_travel: slope(blocks.solve([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])),
-            by_rack: slope(blocks.solve(wrenches.map(|row| -row.rack))),
+            by_rack: slope(blocks.solve(wrenches.each(|row| -row.rack))),
         })
     }
 

@@ -3,7 +3,7 @@
 use super::{Acceptance, CornerTracker, LanePose, Rejection, Visit};
 use crate::mechanism::Pose;
 use crate::model::{Drive, Mechanism};
-use crate::number::{Matrix3, SimdReal, SimdTask, Vector3, Width};
+use crate::number::{Each, Matrix3, SimdReal, SimdTask, Vector3, Width};
 use crate::solve::StationOrder;
 
 /// Largest number of routes that are kept, each for a drive, a rack displacement and an order of stations.
@@ -201,7 +201,7 @@ impl<B: SimdReal> Visit<B> for Collecting<'_, B> {
         self.poses[station] = Ok(Pose {
             origin: first_of(origin),
             rotation: Matrix3 {
-                columns: rotation.columns.map(first_of),
+                columns: rotation.columns.each(first_of),
             },
         });
     }

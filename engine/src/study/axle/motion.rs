@@ -8,6 +8,7 @@ use super::super::value::{Number, Values};
 use super::super::{MOST_STATIONS, TimeLaw};
 use super::coordinates;
 use crate::axle::{Axle, AxleMotion, AxleTime, Coordinate, Motion, WheelMotion};
+use crate::number::Each;
 use std::ops::Range as Span;
 use toml::Spanned;
 
@@ -48,7 +49,7 @@ fn over_time(
     let Some(time) = &section.time else {
         return Some(None);
     };
-    let names = Coordinate::ALL.map(|coordinate| (coordinate.key(), coordinate));
+    let names = Coordinate::ALL.each(|coordinate| (coordinate.key(), coordinate));
     let coordinate = choose_or(&section.drive, Coordinate::Heave, "drive", &names, problems)?;
     let key = coordinate.key();
     let given = Coordinate::ALL.into_iter().zip(coordinates!(section));

@@ -1,6 +1,7 @@
 //! `[car]`: axles, masses, tyres and air.
 
 use super::*;
+use crate::number::Each;
 
 impl Resolver<'_> {
     pub(super) fn axle(&mut self, end: usize) -> Option<Axle> {
@@ -54,7 +55,7 @@ impl Resolver<'_> {
         let section = file.car.get_ref();
         let (front, rear) = (self.axle(0), self.axle(1));
         let axles = [front?, rear?];
-        let [unit, of_rear] = axles.each_ref().map(|axle| axle.left.length_unit);
+        let [unit, of_rear] = axles.each_ref().each(|axle| axle.left.length_unit);
         if of_rear != unit {
             let words = |unit: LengthUnit| format!("{} and {}", unit.symbol(), unit.force_symbol());
             let message = format!(
@@ -180,7 +181,7 @@ impl Resolver<'_> {
             Some(text) => Some(choose(text, "kind of tyres", &names, self.problems)?),
             None => None,
         };
-        let rates = axles.each_ref().map(|axle| axle.setup.tyre_rate);
+        let rates = axles.each_ref().each(|axle| axle.setup.tyre_rate);
         match (wanted, rates) {
             (Some(false), _) | (None, [None, None]) => Some(None),
             (_, [Some(front), Some(rear)]) => {

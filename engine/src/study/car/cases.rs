@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::car::Setting;
+use crate::number::Each;
 use crate::study::motion::evenly_spaced;
 
 impl Resolver<'_> {
@@ -172,7 +173,7 @@ impl Resolver<'_> {
         };
         let written = section.get_ref();
         let (ax, ay) = (&written.ax, &written.ay);
-        let count = [ax, ay].map(|range| *range.get_ref().steps.get_ref());
+        let count = [ax, ay].each(|range| *range.get_ref().steps.get_ref());
         for (range, steps) in [ax, ay].into_iter().zip(count) {
             if !(1..=MOST_STATES).contains(&steps) {
                 let message = format!("expected 1 to {MOST_STATES} steps, found {steps}");

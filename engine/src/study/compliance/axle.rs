@@ -62,22 +62,7 @@ pub(in super::super) fn axle_compliance<'m>(
         refuse_motion(place, motion, problems)?;
     }
     let setup = &axle.setup;
-    let between = [
-        (
-            "[heave_spring]",
-            file.heave_spring.as_ref().map(Spanned::span),
-        ),
-        ("[t_bar]", file.t_bar.as_ref().map(Spanned::span)),
-        ("[heave_bar]", file.heave_bar.as_ref().map(Spanned::span)),
-    ];
-    for (name, span) in between {
-        if let Some(span) = span {
-            let message = format!(
-                "{name} with [compliance] is not available: springs between the rockers need an axle without elastic parts"
-            );
-            return problems.refuse(span, &message);
-        }
-    }
+    refuse_springs_between_rockers(file, problems)?;
     let own = subframe::subframe(file, suspension, directory, problems);
     let mounts: Vec<&str> = file
         .subframe
@@ -130,6 +115,27 @@ pub(in super::super) fn axle_compliance<'m>(
             problems.refuse(section.span(), &message)
         }
     }
+}
+
+/// Refuses springs between the rockers.
+fn refuse_springs_between_rockers(file: &File, problems: &mut Problems) -> Option<()> {
+    let between = [
+        (
+            "[heave_spring]",
+            file.heave_spring.as_ref().map(Spanned::span),
+        ),
+        ("[t_bar]", file.t_bar.as_ref().map(Spanned::span)),
+        ("[heave_bar]", file.heave_bar.as_ref().map(Spanned::span)),
+    ];
+    for (name, span) in between {
+        if let Some(span) = span {
+            let message = format!(
+                "{name} with [compliance] is not available: springs between the rockers need an axle without elastic parts"
+            );
+            return problems.refuse(span, &message);
+        }
+    }
+    Some(())
 }
 
 /// Parts of the right wheel. They equal those of the left wheel, except for rates that the study gives.

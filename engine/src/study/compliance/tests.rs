@@ -8,6 +8,7 @@ use super::super::suspension::above_zero;
 use super::super::value::Text;
 use crate::compliance::{HeldQuantity, KcTest, TestLoad, TestMode};
 use crate::model::{Side, Suspension};
+use crate::number::Each;
 use toml::Spanned;
 
 /// Largest number of levels in a test.
@@ -106,7 +107,7 @@ fn in_modes(
     let modes = [
         ("parallel", both),
         ("opposed", &[TestMode::Opposed]),
-        ("single", &Side::ALL.map(TestMode::Single)),
+        ("single", &Side::ALL.each(TestMode::Single)),
     ];
     if let (Some(mode), true) = (&written.mode, test.load.is_motion()) {
         let message = format!("mode works with loads; {} is a motion", test.load.name());

@@ -7,7 +7,7 @@ use super::super::subject::point;
 use super::Reader;
 use crate::characteristics::Measure;
 use crate::mechanism::DEGENERATE;
-use crate::number::Vector3;
+use crate::number::{Each, Vector3};
 
 impl Reader<'_> {
     /// Reads `coplanar` and `line`.
@@ -58,7 +58,7 @@ impl Reader<'_> {
             let design = &self.suspension().design;
             let along = (design[ids[1].0] - design[ids[0].0])
                 .to_array()
-                .map(f64::abs);
+                .each(f64::abs);
             // The line has its largest component along `most`. Conditions in the two other axes are sufficient.
             let most = (0..3).max_by(|a, b| along[*a].total_cmp(&along[*b]))?;
             for id in &ids[2..] {

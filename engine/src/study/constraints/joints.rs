@@ -7,6 +7,7 @@ use super::super::value::{MemberName, Text};
 use super::{LIMITS, Reader, words};
 use crate::characteristics::{Measure, Stud};
 use crate::model::{Body, Constraint as Holds, PointId, SteeringAxis};
+use crate::number::Each;
 use toml::Spanned;
 
 impl Reader<'_> {
@@ -103,7 +104,7 @@ impl Reader<'_> {
             let message = format!("{} is to be a point of the {expected}", name.get_ref());
             return problems.refuse(name.span(), message);
         }
-        let ends = ["drive_shaft_inner", "drive_shaft_outer"].map(|end| mechanism.point(end));
+        let ends = ["drive_shaft_inner", "drive_shaft_outer"].each(|end| mechanism.point(end));
         let [Some(inner), Some(outer)] = ends else {
             let message = "a drive shaft has two ends: expected the extra points drive_shaft_inner and \
                            drive_shaft_outer";

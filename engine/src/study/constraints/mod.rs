@@ -20,7 +20,7 @@ use crate::ask::Unit;
 use crate::characteristics::{Measure, Quantity};
 use crate::compliance::KcValue;
 use crate::model::{LengthUnit, Side, Suspension};
-use crate::number::Vector3;
+use crate::number::{Each, Vector3};
 use limits::{LIMITS, Limits, words};
 use std::ops::Range as Span;
 use toml::Spanned;
@@ -184,7 +184,7 @@ impl Reader<'_> {
         let kept = self.written.kept.as_ref().is_some_and(|k| *k.get_ref());
         let [lower, upper] = if kept {
             self.refuse(|key| LIMITS.contains(&key), problems);
-            let [a, b] = ends.map(|id| self.suspension().design[id.0]);
+            let [a, b] = ends.each(|id| self.suspension().design[id.0]);
             [Some((a - b).norm()); 2]
         } else {
             self.needed_limits(problems)?
@@ -226,7 +226,7 @@ impl Reader<'_> {
         let length = self.suspension().length_unit;
         let (visible, symbol) = visible_change(unit, length);
         let inside = |printed: f64| unit.from_printed(printed, length);
-        let [lower, upper] = limits.map(|limit| limit.map(inside));
+        let [lower, upper] = limits.each(|limit| limit.map(inside));
         Limited {
             of,
             lower,
@@ -242,7 +242,7 @@ impl Reader<'_> {
         let (force, sign) = force(name, self.context, problems)?;
         let limits = self.needed_limits(problems)?;
         let unit = self.suspension().length_unit;
-        let [lower, upper] = limits.map(|limit| limit.map(|value| value * unit.newtons() * sign));
+        let [lower, upper] = limits.each(|limit| limit.map(|value| value * unit.newtons() * sign));
         let is_turned = sign < 0.0;
         let of = Limited {
             of: Measure::Carried(force),
@@ -271,7 +271,7 @@ impl Reader<'_> {
             );
             return problems.refuse(names.span(), message);
         };
-        let found = [a, b].map(|name| member(name, self.suspension(), problems));
+        let found = [a, b].each(|name| member(name, self.suspension(), problems));
         let [Some(first), Some(second)] = found else {
             return None;
         };

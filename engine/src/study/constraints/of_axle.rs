@@ -10,6 +10,7 @@ use super::Reader;
 use super::limits::{LIMITS, words};
 use crate::characteristics::Measure;
 use crate::model::{Axis, Side};
+use crate::number::Each;
 use toml::Spanned;
 
 impl Reader<'_> {
@@ -71,7 +72,7 @@ impl Reader<'_> {
                     let message = "side needs a motion of an axle: heave, or travel_left and travel_right, in [motions.NAME]";
                     return problems.refuse(text.span(), message);
                 }
-                let sides = Side::ALL.map(|side| (side.name(), side));
+                let sides = Side::ALL.each(|side| (side.name(), side));
                 Some(choose(text, "side", &sides, problems)?)
             }
         };

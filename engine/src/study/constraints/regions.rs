@@ -10,7 +10,7 @@ use super::super::value::Text;
 use super::Reader;
 use crate::characteristics::{Measure, Quantity};
 use crate::model::{Axis, PointId, SpinAxis};
-use crate::number::Vector3;
+use crate::number::{Each, Vector3};
 use std::ops::Range as Span;
 use toml::Spanned;
 
@@ -297,7 +297,7 @@ fn rim_ends(
     place: Span<usize>,
     problems: &mut Problems,
 ) -> Option<[Option<f64>; 2]> {
-    let ends = [&shape.from, &shape.to].map(|end| end.as_ref().map(|number| number.value));
+    let ends = [&shape.from, &shape.to].each(|end| end.as_ref().map(|number| number.value));
     if let [Some(low), Some(high)] = ends
         && low >= high
     {

@@ -7,6 +7,7 @@ use crate::ask::Need;
 use crate::assembly::BuildParameter;
 use crate::axle::{AxleQuantity, Quantity};
 use crate::model::{Side, Suspension};
+use crate::number::Each;
 use crate::study::names::choose;
 use toml::Spanned;
 
@@ -17,7 +18,7 @@ pub(super) fn adjustments(
     suspension: &Suspension,
     problems: &mut Problems,
 ) -> Option<Vec<Adjustment>> {
-    let sides = Side::ALL.map(|side| (side.name(), side));
+    let sides = Side::ALL.each(|side| (side.name(), side));
     let side = &written.get_ref().side;
     let only = match side {
         None => None,
@@ -120,7 +121,7 @@ fn no_static_value(quantity: Quantity) -> Option<&'static str> {
         );
     }
     let is_zero = [AxleQuantity::TrackChange, AxleQuantity::RollAngle]
-        .map(Quantity::Axle)
+        .each(Quantity::Axle)
         .contains(&quantity);
     is_zero.then_some("is 0 at rest, whatever is adjusted; leave it out")
 }

@@ -6,6 +6,7 @@ use super::super::outputs::characteristic;
 use super::super::resolve::Context;
 use super::super::targets::ends;
 use super::super::{Band, TargetQuantity, axle_targets, file};
+use crate::number::Each;
 use toml::Spanned;
 
 pub(super) fn band(
@@ -75,7 +76,7 @@ pub(super) fn band(
     let (of, site) = of?;
     Some(Band {
         at: at?,
-        between: ends?.map(|end| of.from_printed(end)),
+        between: ends?.each(|end| of.from_printed(end)),
         of,
         site,
     })

@@ -185,41 +185,58 @@ pub(super) fn side(record: &CarRecord, state: &CarStateRecord) -> String {
             ends.into_iter().map(|end| scale.at(end)),
         );
     }
-    let [x, y] = scale.at(cg);
     if let [Some(front), Some(rear)] = state.roll_axis {
-        let ends = [[axles[0], front], [axles[1], rear]];
-        line(&mut svg, "axis", ends.into_iter().map(|end| scale.at(end)));
-        let share = (cg[0] - axles[0]) / (axles[1] - axles[0]);
-        let height = front + share * (rear - front);
-        let foot = scale.at([cg[0], height]);
-        line(&mut svg, "arm-of-cg", [[x, y], foot].into_iter());
-        for (axle, height) in [front, rear].into_iter().enumerate() {
-            let [at, _] = scale.at([axles[axle], 0.0]);
-            let _ = write!(
-                svg,
-                "<text class=\"middle\" x=\"{at:.1}\" y=\"{:.1}\">{} {}</text>",
-                ground + 17.0,
-                shown(height, &record.length_unit),
-                record.length_unit
-            );
-        }
-        let _ = write!(
-            svg,
-            "<text class=\"middle\" x=\"{x:.1}\" y=\"{:.1}\">arm {} {}</text>",
-            ground + 17.0,
-            shown(cg[1] - height, &record.length_unit),
-            record.length_unit
-        );
-        let _ = write!(
-            svg,
-            "<text class=\"small middle\" x=\"{:.1}\" y=\"{:.1}\">height of the roll axis at each axle, arm of the sprung mass</text>",
-            0.5 * WIDTH,
-            ground + 34.0
+        roll_axis(
+            &mut svg,
+            &scale,
+            (axles, [front, rear]),
+            cg,
+            &record.length_unit,
         );
     }
+    let [x, y] = scale.at(cg);
     let _ = write!(
         svg,
         "<circle class=\"cg\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\"/>"
     );
     svg + "</svg>"
+}
+
+/// Draws the roll axis between the axles, at these places along the car and heights, and the arm of the centre of gravity.
+fn roll_axis(
+    svg: &mut String,
+    scale: &Scale,
+    (axles, [front, rear]): ([f64; 2], [f64; 2]),
+    cg: [f64; 2],
+    unit: &str,
+) {
+    let ground = scale.at([0.0, 0.0])[1];
+    let [x, y] = scale.at(cg);
+    let ends = [[axles[0], front], [axles[1], rear]];
+    line(svg, "axis", ends.into_iter().map(|end| scale.at(end)));
+    let share = (cg[0] - axles[0]) / (axles[1] - axles[0]);
+    let height = front + share * (rear - front);
+    let foot = scale.at([cg[0], height]);
+    line(svg, "arm-of-cg", [[x, y], foot].into_iter());
+    for (axle, height) in [front, rear].into_iter().enumerate() {
+        let [at, _] = scale.at([axles[axle], 0.0]);
+        let _ = write!(
+            svg,
+            "<text class=\"middle\" x=\"{at:.1}\" y=\"{:.1}\">{} {unit}</text>",
+            ground + 17.0,
+            shown(height, unit),
+        );
+    }
+    let _ = write!(
+        svg,
+        "<text class=\"middle\" x=\"{x:.1}\" y=\"{:.1}\">arm {} {unit}</text>",
+        ground + 17.0,
+        shown(cg[1] - height, unit),
+    );
+    let _ = write!(
+        svg,
+        "<text class=\"small middle\" x=\"{:.1}\" y=\"{:.1}\">height of the roll axis at each axle, arm of the sprung mass</text>",
+        0.5 * WIDTH,
+        ground + 34.0
+    );
 }

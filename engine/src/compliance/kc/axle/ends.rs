@@ -3,6 +3,7 @@
 use super::{AxleKcRun, KcTest, end_loads};
 use crate::compliance::ends::EquilibriumEnd;
 use crate::compliance::{AxleWay, NoEquilibrium};
+use crate::number::Each;
 
 impl AxleKcRun<'_> {
     /// Smallest and largest load of a test that the axle carries, under the conditions of the test.
@@ -10,7 +11,7 @@ impl AxleKcRun<'_> {
         let here = self.here(test.conditions(), [0.0; 2], 0.0, [])?;
         let suspension = self.vehicle.suspensions[0];
         let (load, _) = test.unit_load(&suspension.vehicle);
-        let unit = test.factors().map(|factor| end_loads(&load, factor));
+        let unit = test.factors().each(|factor| end_loads(&load, factor));
         let ways = test.ways(suspension.length_unit);
         Ok(here.axle.load_ends(&here.at, &unit, test.held, ways))
     }

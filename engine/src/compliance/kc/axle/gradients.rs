@@ -4,7 +4,7 @@ use super::super::{KcTest, quotient};
 use super::{AxleKcRun, Conditions, Here};
 use crate::compliance::{AxleOnTape, AxleParameter, Parameter, WheelFigures};
 use crate::model::Side;
-use crate::number::{Tape, Tracked};
+use crate::number::{Each, Tape, Tracked};
 
 /// Derivatives of a figure, and those of its secant; `None` without a value.
 pub type FigureGradients = [Option<Vec<f64>>; 2];
@@ -94,13 +94,13 @@ impl AxleKcRun<'_> {
         let end = |sign: f64| {
             let end = self.end(plain, test, sign)?;
             let end = axle.carried_about(&station.at, &end, test.held)?;
-            Some(Side::ALL.map(|side| WheelFigures {
+            Some(Side::ALL.each(|side| WheelFigures {
                 vertical: axle.wheel_load(&end, side),
                 ..axle.figures(&end, side)
             }))
         };
         let (low, high) = (end(-1.0)?, end(1.0)?);
         let inverse = Tracked::constant(1.0 / (2.0 * test.window));
-        Some([0, 1].map(|k: usize| quotient(&low[k], &high[k], inverse)))
+        Some([0, 1].each(|k: usize| quotient(&low[k], &high[k], inverse)))
     }
 }

@@ -1,8 +1,7 @@
 //! Jacobian of the closure equations in blocks of three by three, and their elimination.
 
 use crate::mechanism::{Twist, Wrench};
-use crate::number::{Matrix3, Real, Vector3, outlined};
-use std::array::from_fn;
+use crate::number::{Each, Matrix3, Real, Vector3, array_of, outlined};
 
 /// Smallest pivot of the base design.
 const LEAST_PIVOT: f64 = 1e-3;
@@ -19,15 +18,15 @@ pub(super) struct Order {
 impl Order {
     /// Order from complete pivoting, with moments divided by the size. `None` if the matrix is singular in double precision.
     pub(super) fn of(wrenches: &[Wrench<f64>; 6], size: f64) -> Option<Order> {
-        let mut a = wrenches.map(|row| {
+        let mut a = wrenches.each(|row| {
             let mut row = row.to_row();
             row[3..].iter_mut().for_each(|moment| *moment /= size);
             row
         });
         let mut order = Order {
-            rows: from_fn(|i| i),
-            columns: from_fn(|i| i),
-            places: from_fn(|i| i),
+            rows: array_of(|i| i),
+            columns: array_of(|i| i),
+            places: array_of(|i| i),
         };
         for k in 0..6 {
             let entries = (k..6).flat_map(|i| (k..6).map(move |j| (i, j)));

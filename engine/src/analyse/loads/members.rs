@@ -1,0 +1,214 @@
+//! Members: the forces that appear in results, by name.
+
+use super::super::beam_loads::BeamForce;
+use super::{FAR, Support};
+use crate::ask::Unit;
+use crate::model::{Arm, Axis, Body, Constraint, Frame, Mechanism, PointId, RockerId, Rod};
+
+/// One of the reactions to a load, in the kernel's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Carried {
+    /// Tension of the rod with these ends, or of a leg of an arm that carries no spring.
+    Tension(PointId, PointId),
+    /// Force at a point on the wheel carrier.
+    Force(PointId, Axis),
+    /// Force with which the support holds the suspension.
+    Support(Support),
+    /// Force of the support at the far wheel of a rigid axle.
+    FarSupport(Support),
+    /// Tension of the rod of the spring's rocker.
+    Rod,
+    /// Tension of the rod that rotates the rocker of a Watt linkage.
+    WattRod(RockerId),
+    /// Tension of the drag link of a steered axle.
+    DragLink,
+    /// Tension of its tie rod.
+    TieRod,
+    /// Force or moment of a twist beam.
+    Beam(BeamForce),
+}
+
+impl Carried {
+    /// Meaning of a positive value.
+    pub fn positive(&self) -> &'static str {
+        match self {
+            Carried::Tension(..)
+            | Carried::Rod
+            | Carried::WattRod(_)
+            | Carried::DragLink
+            | Carried::TieRod => "tension",
+            Carried::Beam(force) => force.positive(),
+            Carried::Force(_, Axis::X) => "on the wheel carrier along +x",
+            Carried::Force(_, Axis::Y) => "on the wheel carrier along +y",
+            Carried::Force(_, Axis::Z) => "on the wheel carrier along +z",
+            Carried::Support(Support::Spring(_)) | Carried::FarSupport(Support::Spring(_)) => {
+                "compression"
+            }
+            Carried::Support(Support::WheelCentre) | Carried::FarSupport(Support::WheelCentre) => {
+                "upward on the wheel carrier"
+            }
+        }
+    }
+
+    /// Factor from the kernel's frame of the loaded wheel to the study's axes.
+    pub(crate) fn sign(&self, frame: &Frame) -> f64 {
+        match self {
+            Carried::Force(_, axis) => frame.sign(*axis),
+            Carried::Beam(force) => {
+                let sign = match force {
+                    BeamForce::Moment(axis) => frame.turn_sign(*axis),
+                    _ => frame.sign(force.axis()),
+                };
+                sign * force.sign_of(frame.meaning().1)
+            }
+            _ => 1.0,
+        }
+    }
+
+    /// Unit of the reaction.
+    pub fn unit(&self) -> Unit {
+        match self {
+            Carried::Beam(BeamForce::Moment(_)) => Unit::Torque,
+            _ => Unit::Force,
+        }
+    }
+}
+
+/// A force in the results, for every load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Member {
+    /// Part of its column's name after the load's name.
+    pub name: String,
+    /// Reaction that is the force.
+    pub what: Carried,
+}
+
+/// All members with a reaction: rods, then forces at points, then joints of arms, then the support.
+pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
+    let mut members = members_of_constraints(mechanism);
+    members.extend(joints_of_arms_with_links(mechanism));
+    members.extend(rods_on_rockers(mechanism));
+    if mechanism.topology.is_twist_beam() {
+        let forces = BeamForce::all(FAR).map(|(name, force)| Member {
+            name,
+            what: Carried::Beam(force),
+        });
+        members.extend(forces);
+    }
+    members.extend(supports(mechanism, support));
+    members
+}
+
+/// Components of the force at a point.
+fn components(name: &str, point: PointId) -> [Member; 3] {
+    Axis::ALL.map(|axis| Member {
+        name: format!("{name}_{}", axis.name()),
+        what: Carried::Force(point, axis),
+    })
+}
+
+/// Members in the order of the constraints that they meet.
+fn members_of_constraints(mechanism: &Mechanism) -> Vec<Member> {
+    let mut members = Vec::new();
+    for constraint in &mechanism.constraints {
+        match *constraint {
+            // These rods stand for the far half of a twist beam.
+            Constraint::Link { .. } if mechanism.topology.is_twist_beam() => {}
+            // The legs of an arm with a spring or a link on it are bent, and no force along them is the whole load.
+            Constraint::Link { outer, .. } if is_joint_of_bent_arm(mechanism, outer) => {}
+            Constraint::Link { inner, outer } => {
+                members.push(Member {
+                    name: mechanism.link_name(inner).to_owned(),
+                    what: Carried::Tension(inner, outer),
+                });
+            }
+            Constraint::StrutLine { top, .. } => members.extend(components("strut_side", top)),
+            Constraint::Revolute { first, second } => {
+                members.extend(components(mechanism.name(first), first));
+                members.extend(components(mechanism.name(second), second));
+            }
+            Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => {
+                members.extend(components(mechanism.name(at), at));
+            }
+            // The forces of a twist beam come together below.
+            Constraint::Mount { .. } | Constraint::AxleTravel { .. } => {}
+        }
+    }
+    members
+}
+
+/// Forces in the outer joints of arms at which a link to the carrier ends.
+fn joints_of_arms_with_links(mechanism: &Mechanism) -> impl Iterator<Item = Member> + use<'_> {
+    let ends_a_link = |arm: &&Arm| {
+        let at_joint =
+            |c: &Constraint| matches!(c, Constraint::Link { outer, .. } if *outer == arm.outer);
+        mechanism.constraints.iter().any(at_joint)
+    };
+    let arms = mechanism.arms.iter().filter(ends_a_link);
+    arms.flat_map(|arm| components(mechanism.name(arm.outer), arm.outer))
+}
+
+/// Rods of Watt linkages, and drag link and tie rod of a steered axle.
+fn rods_on_rockers(mechanism: &Mechanism) -> Vec<Member> {
+    let rockers = mechanism.rockers.iter().enumerate();
+    let watt_links = rockers.filter(|(_, rocker)| rocker.rod == Rod::WattLink);
+    let mut members: Vec<Member> = watt_links
+        .map(|(number, rocker)| Member {
+            name: rocker.rod.key().to_owned(),
+            what: Carried::WattRod(RockerId(number)),
+        })
+        .collect();
+    if mechanism.axle_steering().is_some() {
+        let rods = [
+            (Rod::DragLink, Carried::DragLink),
+            (Rod::TieRod, Carried::TieRod),
+        ];
+        members.extend(rods.map(|(rod, what)| Member {
+            name: rod.key().to_owned(),
+            what,
+        }));
+    }
+    members
+}
+
+/// Rod of the spring's rocker, and the supports.
+fn supports(mechanism: &Mechanism, support: Support) -> Vec<Member> {
+    let mut members = Vec::new();
+    if let Some(rocker) = support.rocker(mechanism) {
+        members.push(Member {
+            name: mechanism.rocker(rocker).rod.key().to_owned(),
+            what: Carried::Rod,
+        });
+    }
+    let name = match support {
+        Support::Spring(_) => "spring",
+        Support::WheelCentre => "support",
+    };
+    members.push(Member {
+        name: name.to_owned(),
+        what: Carried::Support(support),
+    });
+    if mechanism.rigid_axle.is_some() {
+        members.push(Member {
+            name: format!("{FAR}{name}"),
+            what: Carried::FarSupport(support),
+        });
+    }
+    members
+}
+
+/// Returns true for the outer joint of an arm that carries another part. Such parts are the spring, the rod of its rocker, a
+/// link to the knuckle and a second joint to the knuckle.
+fn is_joint_of_bent_arm(mechanism: &Mechanism, joint: PointId) -> bool {
+    let arms = mechanism.constraints.iter();
+    let mut arms = arms.filter_map(|constraint| mechanism.arm_under(constraint));
+    sprung_joint(mechanism) == Some(joint) || arms.any(|arm| mechanism.arms[arm.0].outer == joint)
+}
+
+/// Outer joint of the arm that carries the spring or the rod of its rocker. `None` if no arm carries them.
+pub(super) fn sprung_joint(mechanism: &Mechanism) -> Option<PointId> {
+    match mechanism.body(mechanism.spring_seat()?) {
+        Body::Arm(arm) => Some(mechanism.arms[arm.0].outer),
+        _ => None,
+    }
+}

@@ -1,0 +1,42 @@
+//! Proofs that poses lie on the branch of the design position.
+
+use super::AxleSolver;
+use crate::analyse::Certifier;
+use crate::mechanism::{Failure, NoPose, Pose, Unproven};
+use crate::model::{Drive, Side};
+use crate::solve::StationOrder;
+use std::ops::ControlFlow;
+
+impl<const N: usize> AxleSolver<'_, N> {
+    /// Proves that poses of one wheel lie on the branch of its design position. The poses have these values of the drive and
+    /// one rack displacement. For a rigid axle the mean travel replaces the rack.
+    pub(in crate::axle) fn prove_branch(
+        &mut self,
+        certifier: &Certifier,
+        side: Side,
+        rack: f64,
+        (travels, poses): (&[f64], &[Pose<f64>]),
+    ) -> Vec<Result<(), NoPose>> {
+        let corner = &mut self.corners[side as usize];
+        let order = StationOrder::through(travels);
+        let found: Vec<_> = poses.iter().copied().map(Ok).collect();
+        let mut proved = vec![Err(Failure::Uncertified(Unproven::Branch)); travels.len()];
+        let rack = rack * corner.rack_sign;
+        // The constructor has checked the design position.
+        let _ = corner.solver.prove_poses(
+            certifier,
+            Drive::Travel,
+            &order,
+            rack,
+            &found,
+            |_, station, certified| {
+                proved[station] = certified.map(|_| ());
+                ControlFlow::Continue(())
+            },
+        );
+        let wheel = |(proved, travel): (Result<(), Failure>, &f64)| {
+            proved.map_err(|failure| corner.fails(*travel, failure))
+        };
+        proved.into_iter().zip(travels).map(wheel).collect()
+    }
+}

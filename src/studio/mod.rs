@@ -14,6 +14,7 @@
 mod access;
 mod answer;
 mod axle;
+mod beside;
 mod car;
 mod connections;
 mod directions;
@@ -32,6 +33,7 @@ mod routes;
 mod server;
 mod start;
 mod study_file;
+mod turns;
 
 pub use invitation::Invitation;
 pub use server::{NotServed, Studio};

@@ -1,6 +1,6 @@
 // Load cases of a car: a row for each result, a column for each case, each value with its change against the file.
 import { AXES, brief, byId, html, set, signed, write } from './draw.js';
-import { emit, on, state } from './design.js';
+import { emit, on, onRest, state } from './design.js';
 import { askForTarget } from './targets.js';
 
 let rows = new Map();
@@ -103,5 +103,7 @@ export const startCases = () => {
     for (const own of document.querySelectorAll('[data-of]')) own.hidden = (own.dataset.of === 'car') !== isCar;
     key();
   });
-  for (const event of ['answer', 'ghost', 'deed', 'proposed', 'influence', 'edited']) on(event, () => { key(); draw(); });
+  const renew = () => { key(); draw(); };
+  for (const event of ['answer', 'ghost', 'proposed', 'influence', 'edited']) on(event, renew);
+  onRest(renew);
 };

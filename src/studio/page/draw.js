@@ -31,8 +31,17 @@ export const html = (tag, attributes = {}, ...children) => {
   element.append(...children);
   return element;
 };
+// A place on the screen, to a tenth and to a hundredth of a pixel.
+export const tenth = (value) => Math.round(10 * value) / 10;
+export const hundredth = (value) => Math.round(100 * value) / 100;
+// Shows an element, or hides it.
+export const show = (element, isShown) => {
+  if (element.isHidden === !isShown) return;
+  element.isHidden = !isShown;
+  element.style.display = isShown ? '' : 'none';
+};
 // Attribute that puts a text at a place. A text whose x or y changes is shaped again, one that is translated is not.
-export const placed = (x, y) => `translate(${Number(x).toFixed(1)} ${Number(y).toFixed(1)})`;
+export const placed = (x, y) => `translate(${tenth(x)} ${tenth(y)})`;
 // Fills a group of a drawing with elements: pairs of tag and attributes. Elements that it has are changed, not replaced. Those
 // of one tag in one group must name the same attributes.
 export const refill = (group, wanted) => {

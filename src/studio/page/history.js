@@ -106,6 +106,7 @@ const draw = () => {
   if (!state.overview) return;
   const { timeline, present } = history();
   tellTab('history', timeline.length > 1 ? String(timeline.length - 1) : '');
+  if (byId('pane-history').hidden) return;
   const deeds = timeline.map(({ label }, k) => html('li', {}, html('button', { class: k > present ? 'later' : null, 'aria-current': k === present ? 'true' : null, text: label, on: { click: () => travel(k) } })));
   const changes = html('button', { id: 'changes', text: 'Show lines that change', on: { click: async () => { await question('Changes', `${state.overview.files.join(', ')}: lines that saving would change.`, [['', 'Close']], await writtenDiff()); } } });
   byId('pane-history').replaceChildren(html('div', { class: 'columns' },
@@ -119,5 +120,6 @@ export const startHistory = () => {
   on('deed', keepHistory);
   for (const event of ['study', 'edited', 'deed', 'pins']) on(event, draw);
   on('answer', () => { if (Object.keys(state.pins).length && !byId('pane-history').hidden) draw(); });
+  on('tab', (name) => { if (name === 'history') draw(); });
   for (const event of ['chosen', 'place', 'edited']) on(event, () => { if (Object.keys(state.pins).length) askPins(); });
 };

@@ -1,6 +1,6 @@
 // The coordinates: typed in, locked, each with its slope and what it does to the curves.
 import { AXES, brief, byId, html, set, write } from './draw.js';
-import { askInfluence, emit, gradient, isInGesture, isMoved, on, placeAfter, put, setCoordinate, state, stepped } from './design.js';
+import { askInfluence, emit, gradient, isInGesture, isMoved, on, onRest, placeAfter, put, setCoordinate, state, stepped } from './design.js';
 import { select } from './views.js';
 
 let rows = [];
@@ -88,8 +88,17 @@ const build = () => {
   byId('coordinates').replaceChildren(html('thead', {}, head), html('tbody', {}, ...rows.map((r) => r.tr)));
 };
 
+// Range of a coordinate; worked out again if the study or the file has changed.
+const ends = (cell) => {
+  const { overview, opened } = state;
+  if (cell.known?.overview !== overview || cell.known.opened !== opened) cell.known = { overview, opened, ends: range(cell.p, cell.axis) };
+  return cell.known.ends;
+};
+
 const draw = () => {
-  if (!state.overview) return;
+  byId('back').disabled = !isMoved();
+  // Out of sight it is not renewed.
+  if (!state.overview || byId('pane-points').hidden) return;
   const slopes = gradient();
   const steepest = slopes ? Math.max(...slopes.flat().map(Math.abs), 1e-300) : 1;
   rows.forEach(({ tr, cells, moved, all, back }, p) => {
@@ -98,31 +107,38 @@ const draw = () => {
     write(moved, way > 0 ? brief(way, 3) : '');
     back.style.visibility = way === 0 ? 'hidden' : '';
     set(all, { 'aria-pressed': String(state.locked[p].every(Boolean)), text: state.locked[p].every(Boolean) ? '●' : '○' });
-    for (const { input, lock, slope, bar, axis } of cells) {
+    for (const one of cells) {
+      const { input, lock, slope, bar, axis } = one;
       const value = state.design[p][axis];
       const changed = value !== state.opened[p][axis];
       if (document.activeElement !== input) putValue(input, short(value));
       else if (Number(input.value) !== value) input.value = String(value);
       input.classList.toggle('changed', changed);
-      const ends = range(p, axis);
-      const outside = ends && (value < ends[0] || value > ends[1]);
+      const reach = ends(one);
+      const outside = reach && (value < reach[0] || value > reach[1]);
       input.classList.toggle('outside', Boolean(outside));
-      set(input, { title: [input.value.endsWith('…') ? String(value) : '', changed ? `file: ${state.opened[p][axis]}` : '', ends ? `range for Tune: ${brief(ends[0], 6)} … ${brief(ends[1], 6)}${outside ? ', outside' : ''}` : ''].filter(Boolean).join('; ') || null });
+      set(input, { title: [input.value.endsWith('…') ? String(value) : '', changed ? `file: ${state.opened[p][axis]}` : '', reach ? `range for Tune: ${brief(reach[0], 6)} … ${brief(reach[1], 6)}${outside ? ', outside' : ''}` : ''].filter(Boolean).join('; ') || null });
       set(lock, { 'aria-pressed': String(state.locked[p][axis]), text: state.locked[p][axis] ? '●' : '○' });
       input.readOnly = state.locked[p][axis];
       const g = slopes?.[p][axis] ?? 0;
       const shown = slopes && Math.abs(g) > 0.01 * steepest && Math.abs(g) > 1e-9;
       write(slope, shown ? `${g > 0 ? '↓' : '↑'}${brief(Math.abs(g), 2)}` : '');
       set(slope, { title: shown ? `${g > 0 ? 'lower' : 'raise'} it: −${brief(Math.abs(g), 3)} tolerances per ${state.overview.unit}` : null });
-      bar.style.transform = `scaleX(${shown ? (Math.abs(g) / steepest).toFixed(3) : 0})`;
+      const length = shown ? (Math.abs(g) / steepest).toFixed(3) : 0;
+      if (one.length !== length) {
+        one.length = length;
+        bar.style.transform = `scaleX(${length})`;
+      }
     }
   });
-  byId('back').disabled = !isMoved();
 };
 
 export const startTable = () => {
   on('study', () => { build(); draw(); });
-  for (const event of ['edited', 'answer', 'unanswered', 'options', 'selection', 'deed']) on(event, draw);
+  for (const event of ['edited', 'answer', 'unanswered', 'late', 'options', 'selection']) on(event, draw);
+  onRest(draw);
+  on('tab', (name) => { if (name === 'points') draw(); });
+  addEventListener('beforeprint', draw);
   // During a drag the table follows the curves: both are laid out and painted once.
   on('design', () => { if (!isInGesture()) draw(); });
   // The effect of a coordinate changes as points move.

@@ -339,6 +339,35 @@ fn tunings_keep_locks_and_tell_wide_ranges() {
     assert!(!proposal["edits"].as_array().unwrap().is_empty());
 }
 
+/// A later request of the same page stops the search of an earlier one. Requests of other pages go on.
+#[test]
+fn a_later_request_stops_an_earlier_one() {
+    let served = served("car", as_it_is);
+    let names = asked(&served.overview());
+    let request = |of: &Value, turn: [u64; 2]| {
+        let at = [1.0];
+        json!({"of": of, "characteristics": names, "at": at, "curves_rack": null, "over": 0, "turn": turn})
+    };
+    // The search for the equilibria of this design takes long.
+    let hard = moved(&served, &[("rear_upper_front_link_outer", 2, -150.0)]);
+    let easy = moved(&served, &[("rear_upper_front_link_outer", 2, 1.0)]);
+    std::thread::scope(|scope| {
+        let first = scope.spawn(|| served.post("solve", &request(&hard, [7, 1])));
+        let other = scope.spawn(|| served.post("solve", &request(&hard, [8, 9])));
+        std::thread::sleep(std::time::Duration::from_millis(60));
+        let second = served.post("solve", &request(&easy, [7, 2]));
+        assert_eq!(second.json()["columns"], solve(&served, &easy)["columns"]);
+        let first = first.join().unwrap();
+        assert!(
+            first.text().contains("later request") && first.status == 422,
+            "{}",
+            first.text()
+        );
+        let other = other.join().unwrap().json();
+        assert_eq!(other["status"], solve(&served, &hard)["status"]);
+    });
+}
+
 const READY: &str = "document.documentElement.dataset.ready === 'true' && window.studio.state.answer && window.studio.state.ghost";
 const SETTLED: &str = "studio.isSettled()";
 
@@ -449,6 +478,7 @@ fn a_car_is_dragged_edited_tuned_and_saved() {
     browser.wait("studio.state.answer.failures.length === 1");
     browser.wait("document.querySelector('[data-chip=solved]').textContent.includes('4 of 5')");
     browser.wait("document.querySelector('[data-chip=misfit]').textContent.includes('none')");
+    browser.click("#tab-warnings");
     browser.wait("document.getElementById('pane-warnings').textContent.includes('case turn')");
     assert_eq!(browser.console(), Vec::<String>::new());
 }

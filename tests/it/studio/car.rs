@@ -8,7 +8,7 @@ use std::fs;
 use std::path::PathBuf;
 
 /// A sample car with its axles, served.
-fn served(name: &str, changed: impl Fn(&str, String) -> String) -> Served {
+pub(super) fn served(name: &str, changed: impl Fn(&str, String) -> String) -> Served {
     let ends = ["_front", "_rear", ""];
     Served::of_files(ends.map(|end| {
         let file = format!("{name}{end}.toml");
@@ -17,7 +17,7 @@ fn served(name: &str, changed: impl Fn(&str, String) -> String) -> Served {
     }))
 }
 
-fn as_it_is(_: &str, text: String) -> String {
+pub(super) fn as_it_is(_: &str, text: String) -> String {
     text
 }
 
@@ -30,13 +30,13 @@ fn read(served: &Served, name: &str) -> String {
 }
 
 /// Characteristics that the page asks for at first.
-fn asked(overview: &Value) -> Vec<Value> {
+pub(super) fn asked(overview: &Value) -> Vec<Value> {
     let all = overview["characteristics"].as_array().unwrap().iter();
     let asked = all.filter(|c| c["asked"] == true && c["available"] == true);
     asked.map(|c| c["name"].clone()).collect()
 }
 
-fn solve(served: &Served, of: &Value) -> Value {
+pub(super) fn solve(served: &Served, of: &Value) -> Value {
     let names = asked(&served.overview());
     let message =
         json!({"of": of, "characteristics": names, "at": [1.0], "curves_rack": null, "over": 0});
@@ -44,7 +44,7 @@ fn solve(served: &Served, of: &Value) -> Value {
 }
 
 /// Moves further coordinates of a design.
-fn moved(served: &Served, moves: &[(&str, usize, f64)]) -> Value {
+pub(super) fn moved(served: &Served, moves: &[(&str, usize, f64)]) -> Value {
     let overview = served.overview();
     let points = overview["points"].as_array().unwrap();
     let mut design = overview["design"].clone();
@@ -337,35 +337,6 @@ fn tunings_keep_locks_and_tell_wide_ranges() {
     assert_eq!(proposal["design"][front], of["design"][front]);
     assert_ne!(proposal["design"][rear], of["design"][rear]);
     assert!(!proposal["edits"].as_array().unwrap().is_empty());
-}
-
-/// A later request of the same page stops the search of an earlier one. Requests of other pages go on.
-#[test]
-fn a_later_request_stops_an_earlier_one() {
-    let served = served("car", as_it_is);
-    let names = asked(&served.overview());
-    let request = |of: &Value, turn: [u64; 2]| {
-        let at = [1.0];
-        json!({"of": of, "characteristics": names, "at": at, "curves_rack": null, "over": 0, "turn": turn})
-    };
-    // The search for the equilibria of this design takes long.
-    let hard = moved(&served, &[("rear_upper_front_link_outer", 2, -150.0)]);
-    let easy = moved(&served, &[("rear_upper_front_link_outer", 2, 1.0)]);
-    std::thread::scope(|scope| {
-        let first = scope.spawn(|| served.post("solve", &request(&hard, [7, 1])));
-        let other = scope.spawn(|| served.post("solve", &request(&hard, [8, 9])));
-        std::thread::sleep(std::time::Duration::from_millis(60));
-        let second = served.post("solve", &request(&easy, [7, 2]));
-        assert_eq!(second.json()["columns"], solve(&served, &easy)["columns"]);
-        let first = first.join().unwrap();
-        assert!(
-            first.text().contains("later request") && first.status == 422,
-            "{}",
-            first.text()
-        );
-        let other = other.join().unwrap().json();
-        assert_eq!(other["status"], solve(&served, &hard)["status"]);
-    });
 }
 
 const READY: &str = "document.documentElement.dataset.ready === 'true' && window.studio.state.answer && window.studio.state.ghost";

@@ -85,6 +85,8 @@ const build = () => {
     const tr = html('tr', {}, th, ...cells.map((c) => c.td), html('td', { class: 'number moved' }, moved), html('td', {}, html('span', { class: 'tools' }, all, back)));
     return { tr, cells, moved, all, back };
   });
+  watch.disconnect();
+  for (const { tr } of rows) watch.observe(tr);
   byId('coordinates').replaceChildren(html('thead', {}, head), html('tbody', {}, ...rows.map((r) => r.tr)));
 };
 
@@ -95,14 +97,26 @@ const ends = (cell) => {
   return cell.known.ends;
 };
 
-const draw = () => {
+// Rows out of sight are renewed when they are scrolled into view, and when the page is at rest.
+const PAUSE = 300;
+let late = null;
+const watch = new IntersectionObserver((found) => {
+  for (const { target, isIntersecting } of found) target.isSeen = isIntersecting;
+  if (found.some(({ target, isIntersecting }) => isIntersecting && target.isLate)) draw();
+});
+const drawLate = () => { if (!isInGesture()) draw(true); };
+
+const draw = (isAll = false) => {
   byId('back').disabled = !isMoved();
+  clearTimeout(late);
   // Out of sight it is not renewed.
   if (!state.overview || byId('pane-points').hidden) return;
   const slopes = gradient();
   const steepest = slopes ? Math.max(...slopes.flat().map(Math.abs), 1e-300) : 1;
   rows.forEach(({ tr, cells, moved, all, back }, p) => {
     tr.classList.toggle('selected', state.selected === p);
+    tr.isLate = !isAll && !tr.isSeen;
+    if (tr.isLate) return;
     const way = Math.hypot(...state.design[p].map((c, k) => c - state.opened[p][k]));
     write(moved, way > 0 ? brief(way, 3) : '');
     back.style.visibility = way === 0 ? 'hidden' : '';
@@ -124,21 +138,22 @@ const draw = () => {
       const shown = slopes && Math.abs(g) > 0.01 * steepest && Math.abs(g) > 1e-9;
       write(slope, shown ? `${g > 0 ? '↓' : '↑'}${brief(Math.abs(g), 2)}` : '');
       set(slope, { title: shown ? `${g > 0 ? 'lower' : 'raise'} it: −${brief(Math.abs(g), 3)} tolerances per ${state.overview.unit}` : null });
-      const length = shown ? (Math.abs(g) / steepest).toFixed(3) : 0;
+      const length = shown ? Math.round((1000 * Math.abs(g)) / steepest) / 10 : 0;
       if (one.length !== length) {
         one.length = length;
-        bar.style.transform = `scaleX(${length})`;
+        bar.style.backgroundSize = `${length}% 100%`;
       }
     }
   });
+  if (rows.some(({ tr }) => tr.isLate)) late = setTimeout(drawLate, PAUSE);
 };
 
 export const startTable = () => {
-  on('study', () => { build(); draw(); });
-  for (const event of ['edited', 'answer', 'unanswered', 'late', 'options', 'selection']) on(event, draw);
-  onRest(draw);
-  on('tab', (name) => { if (name === 'points') draw(); });
-  addEventListener('beforeprint', draw);
+  on('study', () => { build(); draw(true); });
+  for (const event of ['edited', 'answer', 'unanswered', 'late', 'options', 'selection']) on(event, () => draw());
+  onRest(() => draw());
+  on('tab', (name) => { if (name === 'points') draw(true); });
+  addEventListener('beforeprint', () => draw(true));
   // During a drag the table follows the curves: both are laid out and painted once.
   on('design', () => { if (!isInGesture()) draw(); });
   // The effect of a coordinate changes as points move.

@@ -42,7 +42,10 @@ const build = () => {
     return [column, { tr: html('tr', { 'data-column': column }, th, ...cells.map(({ td }) => td)), cells }];
   }));
   const table = html('table', { id: 'cases' }, html('thead', {}, html('tr', {}, html('th', { text: 'result' }), ...heads)), html('tbody', {}, ...[...rows.values()].map(({ tr }) => tr)));
-  byId('charts').replaceChildren(html('div', { class: 'scroll', tabindex: 0, role: 'group', 'aria-label': 'Load cases' }, table));
+  const box = html('div', { class: 'scroll', tabindex: 0, role: 'group', 'aria-label': 'Load cases' }, table);
+  byId('charts').replaceChildren(box);
+  const sizes = new ResizeObserver(() => table.classList.toggle('wide', box.scrollWidth > box.clientWidth));
+  for (const element of [box, table]) sizes.observe(element);
 };
 
 const of = (answer, column) => answer?.columns.find((c) => c.column === column)?.values;

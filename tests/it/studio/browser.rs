@@ -367,6 +367,7 @@ fn pinned_designs_are_compared() {
     browser.wait(READY);
     browser.wait("studio.state.pins.A?.answer");
     assert_eq!(browser.run("return studio.state.pins.A.design"), pinned);
+    browser.click("#tab-history");
     browser.run("document.querySelector('[data-pin=A] button[aria-label=\"Remove A\"]').click()");
     browser.open(&served.address);
     browser.wait(READY);
@@ -506,7 +507,7 @@ fn a_reload_keeps_unsaved_work() {
     browser.wait(SETTLED);
     browser.click("#undo");
     browser.wait(SETTLED);
-    let deeds = "return [...document.querySelectorAll('.deeds button')].map((b) => [b.textContent, b.getAttribute('aria-current')])";
+    let deeds = "document.getElementById('tab-history').click(); return [...document.querySelectorAll('.deeds button')].map((b) => [b.textContent, b.getAttribute('aria-current')])";
     let work = "return [studio.state.design, studio.state.overview.digest]";
     let (told, done) = (browser.run(deeds), browser.run(work));
     assert_eq!(told.as_array().unwrap().len(), 4, "{told}");

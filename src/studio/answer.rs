@@ -1,9 +1,11 @@
 //! Answer to a dragged point: the solved design.
 
+use super::beside::beside;
 use super::groups::Groups;
 use super::message::{ColumnValues, Designed, Drawn, SolveRequest, SolvedAnswer};
 use super::misfit;
 use super::study_file::Opened;
+use super::turns::Stop;
 use crate::characteristics::Characteristic;
 use crate::compliance::not_of_equilibrium;
 use crate::curves::{Curves, Frame, wheel_curves, wheel_frames};
@@ -45,11 +47,15 @@ pub(super) fn asking_for(own: &WheelStudy, names: &[String]) -> Result<WheelStud
 const MOST_STATIONS: usize = 2000;
 
 /// Solves the design after a point was dragged. An error names the fault of the design or the request.
-pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<SolvedAnswer, String> {
+pub(super) fn solved(
+    opened: &Opened,
+    request: &SolveRequest,
+    stop: &Stop,
+) -> Result<SolvedAnswer, String> {
     let moved = opened.moved(&request.of.design)?;
     match &moved.vehicle {
-        Vehicle::Axle(both) => super::axle::solved(opened, &moved, both, request),
-        Vehicle::Wheel(own) => solved_wheel(opened, &moved, own, request),
+        Vehicle::Axle(both) => super::axle::solved(opened, &moved, both, (request, stop)),
+        Vehicle::Wheel(own) => solved_wheel(opened, &moved, own, (request, stop)),
     }
 }
 
@@ -57,7 +63,7 @@ fn solved_wheel(
     opened: &Opened,
     study: &Study,
     own: &WheelStudy,
-    request: &SolveRequest,
+    (request, stop): (&SolveRequest, &Stop),
 ) -> Result<SolvedAnswer, String> {
     let start = Instant::now();
     let &[drive, rack] = request.at.as_slice() else {
@@ -78,8 +84,9 @@ fn solved_wheel(
         plan = plan.thinned(MOST_STATIONS, 9);
     }
     let fault = |fault: crate::mechanism::DesignFault| fault.describe(mechanism);
-    let found = wheel_curves(own, &plan).map_err(fault)?;
-    let misfit = misfit::misfit(opened, study).map_err(fault)?;
+    let misfit = || misfit::misfit(opened, study).map_err(fault);
+    let (misfit, found) = beside(stop, misfit, || wheel_curves(own, &plan).map_err(fault))?;
+    let (misfit, found) = (misfit?, found?);
     let place = Plan {
         station_order: StationOrder::through(&[in_kernel(plan.drive, drive)]),
         racks: vec![rack],

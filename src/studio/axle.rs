@@ -4,12 +4,14 @@
 //! variable of a tuning.
 
 use super::answer::columns;
+use super::beside::beside;
 use super::groups::Groups;
 use super::message::{
     CharacteristicOverview, InfluenceAnswer, InfluenceColumn, Slider, SolveRequest, SolvedAnswer,
 };
 use super::overview::rack_slider;
 use super::study_file::Opened;
+use super::turns::Stop;
 use crate::ask::with_unit;
 use crate::axle::{
     Axle, AxleMotion, AxlePlan, Coordinate, Placement, Quantity, WheelMotion, axle_curves,
@@ -150,7 +152,7 @@ pub(super) fn solved(
     opened: &Opened,
     study: &Study,
     AxleStudy { axle, plan, .. }: &AxleStudy,
-    request: &SolveRequest,
+    (request, stop): (&SolveRequest, &Stop),
 ) -> Result<SolvedAnswer, String> {
     let start = Instant::now();
     let left = &axle.left;
@@ -167,7 +169,11 @@ pub(super) fn solved(
             all.len()
         ));
     }
-    let found = axle_curves(axle, &plan).map_err(|fault| axle.describe_fault(fault))?;
+    let fault = |fault: DesignFault| fault.describe(&left.mechanism);
+    let misfit = || super::misfit::misfit(opened, study).map_err(fault);
+    let curves = || axle_curves(axle, &plan).map_err(|fault| axle.describe_fault(fault));
+    let (misfit, found) = beside(stop, misfit, curves)?;
+    let (misfit, found) = (misfit?, found?);
     let over = request.over;
     let placements = plan.motion.placements();
     let place = |placement: &Placement| {
@@ -178,7 +184,6 @@ pub(super) fn solved(
     };
     let places: Vec<Vec<f64>> = placements.iter().map(place).collect();
     let groups = Groups::of(&places, over, &request.at);
-    let fault = |fault: DesignFault| fault.describe(&left.mechanism);
     let mut said = plausibility(left).map_err(fault)?;
     said.extend(axle_plausibility(axle, &plan, &found, false));
     let frames = |axle: &Axle| {
@@ -207,7 +212,7 @@ pub(super) fn solved(
         } else {
             frames(opened_axle())[0].take()
         },
-        misfit: super::misfit::misfit(opened, study).map_err(fault)?,
+        misfit,
         remarks: said,
         milliseconds: start.elapsed().as_secs_f64() * 1e3,
     })

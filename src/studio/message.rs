@@ -61,6 +61,9 @@ pub(super) struct SolveRequest {
     pub curves_rack: Option<f64>,
     /// Index of the slider on the horizontal axis of curves.
     pub over: usize,
+    /// Number of the page, and of its request. A later request of the same page stops this one. `None` if none does.
+    #[serde(default)]
+    pub turn: Option<[u64; 2]>,
 }
 
 #[derive(Deserialize)]

@@ -4,7 +4,8 @@
 //! `hardpoint solve` writes them, the mechanism in one position, and the misfit with its exact gradient by every coordinate. The
 //! page itself computes nothing.
 //!
-//! The server stores the texts that it has read, and a running tuning. The page keeps the design in progress. So several tabs do
+//! The server stores the texts that it has read, a running tuning, and which request of each page is the latest (`turns.rs`).
+//! The page keeps the design in progress. So several tabs do
 //! not disturb each other, and a stopped server loses nothing.
 //!
 //! The server accepts requests to a loopback address whose path begins with a token of 128 random bits. `Host` must be the
@@ -14,6 +15,7 @@
 mod access;
 mod answer;
 mod axle;
+mod beside;
 mod car;
 mod connections;
 mod directions;
@@ -32,6 +34,7 @@ mod routes;
 mod server;
 mod start;
 mod study_file;
+mod turns;
 
 pub use invitation::Invitation;
 pub use server::{NotServed, Studio};

@@ -6,6 +6,7 @@ use super::message::{
     Overview, SolveRequest, SolvedAnswer, TextChange, TuneRequest,
 };
 use super::study_file::{NotSaved, Opened, StudyFile};
+use super::turns::Stop;
 use super::{answer, car, directions, influence, overview};
 use crate::report::{CurveTable, Run};
 use crate::solved::Solved;
@@ -20,8 +21,8 @@ pub(super) trait Reading: Send + Sync {
     fn digest(&self) -> &str;
     /// The study, as far as it stays while points move.
     fn overview(&self) -> Overview;
-    /// Answers a dragged point.
-    fn solved(&self, request: &SolveRequest) -> Result<SolvedAnswer, String>;
+    /// Answers a dragged point. The flag stops the work.
+    fn solved(&self, request: &SolveRequest, stop: &Stop) -> Result<SolvedAnswer, String>;
     /// Derivatives of every column by a coordinate.
     fn influence(&self, request: &InfluenceRequest) -> Result<InfluenceAnswer, String>;
     /// Moves that the targets do not see.
@@ -98,8 +99,8 @@ impl Reading for Opened {
         overview::overview(self)
     }
 
-    fn solved(&self, request: &SolveRequest) -> Result<SolvedAnswer, String> {
-        answer::solved(self, request)
+    fn solved(&self, request: &SolveRequest, stop: &Stop) -> Result<SolvedAnswer, String> {
+        answer::solved(self, request, stop)
     }
 
     fn influence(&self, request: &InfluenceRequest) -> Result<InfluenceAnswer, String> {

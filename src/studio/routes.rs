@@ -6,11 +6,13 @@ use super::http::{Connection, Head, Response, Unread};
 use super::job::Job;
 use super::message::{
     Designed, EditRequest, InfluenceRequest, JobRequest, SaveRequest, Saved, SolveRequest,
-    StartRequest, TuneRequest,
+    SolvedAnswer, StartRequest, TuneRequest,
 };
 use super::reading::{Files, Reading};
 use super::study_file::{NotSaved, name_of};
+use super::turns::{STOPPED, Stop, Turns};
 use super::{page, start};
+use crate::threads::stoppable;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::VecDeque;
@@ -42,6 +44,7 @@ pub(super) struct ServerState {
     reports: Mutex<VecDeque<(u64, Arc<str>)>>,
     /// Lock that allows only one save at a time.
     saving: Mutex<()>,
+    turns: Turns,
 }
 
 /// Refusal: status and text.
@@ -59,6 +62,7 @@ impl ServerState {
             job: Mutex::new(None),
             reports: Mutex::default(),
             saving: Mutex::new(()),
+            turns: Turns::default(),
         }
     }
 
@@ -145,7 +149,7 @@ impl ServerState {
         let answered = match rest {
             "study" => self.study(body),
             "digest" => self.digest(body),
-            "solve" => self.with_text(body, |r: &SolveRequest| &r.of, |own, r| own.solved(r)),
+            "solve" => self.with_text(body, |r: &SolveRequest| &r.of, |own, r| self.solved(own, r)),
             "influence" => self.with_text(
                 body,
                 |r: &InfluenceRequest| &r.of,
@@ -242,6 +246,16 @@ impl ServerState {
         let request: R = message(body)?;
         let opened = self.text(&of(&request).digest)?;
         json(&answer(&*opened, &request).map_err(|why| (422, why))?)
+    }
+
+    /// Answers a dragged point, unless a later request of the same page stops the work.
+    fn solved(&self, own: &dyn Reading, request: &SolveRequest) -> Result<SolvedAnswer, String> {
+        let turn = request.turn.map(|turn| self.turns.begin(turn));
+        let stop = turn
+            .as_ref()
+            .map_or_else(Stop::default, |turn| turn.stop.clone());
+        let answer = stoppable(&stop, || own.solved(request, &stop));
+        answer.unwrap_or_else(|| Err(STOPPED.to_owned()))
     }
 
     /// Answers with an exported file of a design, of this media type.

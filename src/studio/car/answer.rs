@@ -1,14 +1,16 @@
 //! The answer to a dragged point of a car: all load cases, solved.
 
-use super::misfit::{by_coordinates, misfit};
+use super::misfit::{assessed_rigs, by_coordinates, misfit};
 use super::{OpenedCar, solver};
 use crate::car::{AXLE_NAMES, CarDrawing, CarQuantity, CarSolver};
 use crate::number::Vector3;
 use crate::report::{CarResults, CarState, FailureRange, plausibility, readable_unit};
+use crate::studio::beside::beside;
 use crate::studio::message::{
     ColumnValues, Drawn, InfluenceAnswer, InfluenceColumn, InfluenceRequest, SidePlacement,
     SolveRequest, SolvedAnswer,
 };
+use crate::studio::turns::Stop;
 use crate::study::CarStudy;
 use std::time::Instant;
 
@@ -28,13 +30,20 @@ fn quantities(study: &CarStudy, names: &[String]) -> Result<Vec<CarQuantity>, St
 }
 
 /// Answers a dragged point. An error names the fault of the design or the request.
-pub(super) fn solved(opened: &OpenedCar, request: &SolveRequest) -> Result<SolvedAnswer, String> {
+pub(super) fn solved(
+    opened: &OpenedCar,
+    request: &SolveRequest,
+    stop: &Stop,
+) -> Result<SolvedAnswer, String> {
     let start = Instant::now();
     let study = opened.moved(&request.of.design)?;
     let shown = shown_case(&study, &request.at)?;
     let quantities = quantities(&study, &request.characteristics)?;
     let mut solver = solver(&study)?;
-    let results = CarResults::solve(&study, &mut solver, study.cases.len());
+    let all = study.cases.len();
+    let rigs = || (assessed_rigs(opened, &study), doubts(&study));
+    let ((rigs, doubts), results) =
+        beside(stop, rigs, || CarResults::solve(&study, &mut solver, all))?;
     let columns = quantities
         .iter()
         .map(|quantity| column(*quantity, &results));
@@ -78,8 +87,8 @@ pub(super) fn solved(opened: &OpenedCar, request: &SolveRequest) -> Result<Solve
         frame: left,
         right,
         opened: was,
-        misfit: misfit(opened, &study, &mut solver, &results),
-        remarks: [results.remarks(), doubts(&study)?].concat(),
+        misfit: misfit(&study, &mut solver, &results, rigs),
+        remarks: [results.remarks(), doubts?].concat(),
         milliseconds: start.elapsed().as_secs_f64() * 1e3,
     })
 }

@@ -20,27 +20,38 @@ use crate::studio::misfit::{VIOLATED, of_assessment};
 use crate::study::{CarOptimise, CarStudy};
 
 /// A target with its weight in the misfit.
-struct Weighed {
+pub(super) struct Weighed {
     target: TargetMisfit,
     weight: f64,
 }
 
-/// Targets and constraints, or why there are none.
+/// Targets and constraints.
 type Found = (Vec<Weighed>, Vec<ConstraintRoom>);
+
+/// Targets and constraints of each axle by itself, if it has some.
+pub(super) type Rigs = [Option<Result<Found, String>>; 2];
+
+/// Evaluates the targets and constraints of each axle by itself. They need no load case.
+pub(super) fn assessed_rigs(opened: &OpenedCar, study: &CarStudy) -> Rigs {
+    [0, 1].map(|end| {
+        let goals = study.optimise.as_ref()?.rigs[end].as_ref()?;
+        Some(of_axle(opened, study, end, goals))
+    })
+}
 
 /// The misfit of a design, if its study has targets.
 pub(super) fn misfit<'s>(
-    opened: &OpenedCar,
     study: &'s CarStudy,
     solver: &mut CarSolver<'s>,
     results: &CarResults<'s>,
+    rigs: Rigs,
 ) -> Option<Misfit> {
     let optimise = study.optimise.as_ref()?;
     let found = of_cases(study, optimise, solver, results).and_then(|mut found| {
-        for end in 0..2 {
-            if let Some(goals) = &optimise.rigs[end] {
-                of_axle(opened, study, end, goals, &mut found)?;
-            }
+        for rig in rigs.into_iter().flatten() {
+            let (targets, constraints) = rig?;
+            found.0.extend(targets);
+            found.1.extend(constraints);
         }
         Ok(found)
     });
@@ -190,14 +201,13 @@ pub(super) fn by_coordinates(study: &CarStudy, gradient: &CarGradient) -> Coordi
     points.collect()
 }
 
-/// Adds the targets and constraints of an axle by itself.
+/// Targets and constraints of an axle by itself.
 fn of_axle(
     opened: &OpenedCar,
     study: &CarStudy,
     end: usize,
     goals: &RigGoals,
-    (targets, constraints): &mut Found,
-) -> Result<(), String> {
+) -> Result<Found, String> {
     let own = &study.axles[end];
     let wheel = own.wheel();
     let layout = TargetLayout::of(&goals.optimise, &own.vehicle);
@@ -213,23 +223,24 @@ fn of_axle(
             .vector(wheel.frame.vector(by.into()))
             .to_array()
     };
-    for (target, goal) in misfit.targets.into_iter().zip(&goals.optimise.targets) {
+    let goals = misfit.targets.into_iter().zip(&goals.optimise.targets);
+    let targets = goals.map(|(target, goal)| {
         let mut gradient = vec![[0.0; 3]; points[0] + points[1]];
         for (into, by) in gradient[end * points[0]..].iter_mut().zip(target.gradient) {
             *into = turned(by);
         }
-        targets.push(Weighed {
+        Weighed {
             weight: goal.weight,
             target: TargetMisfit {
                 column: name_on_rig(&target.column, end),
                 gradient,
                 ..target
             },
-        });
-    }
-    constraints.extend(misfit.constraints.into_iter().map(|room| ConstraintRoom {
+        }
+    });
+    let constraints = misfit.constraints.into_iter().map(|room| ConstraintRoom {
         name: name_on_rig(&room.name, end),
         ..room
-    }));
-    Ok(())
+    });
+    Ok((targets.collect(), constraints.collect()))
 }

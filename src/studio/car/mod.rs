@@ -18,6 +18,7 @@ use super::message::{
 };
 use super::reading::Reading;
 use super::study_file::{NotSaved, check_geometry, in_kernel};
+use super::turns::Stop;
 use crate::car::{AXLE_NAMES, CarSolver};
 use crate::exchange::{car_point_pages, car_points_csv};
 use crate::number::Vector3;
@@ -134,8 +135,8 @@ impl Reading for OpenedCar {
         overview::overview(self)
     }
 
-    fn solved(&self, request: &SolveRequest) -> Result<SolvedAnswer, String> {
-        answer::solved(self, request)
+    fn solved(&self, request: &SolveRequest, stop: &Stop) -> Result<SolvedAnswer, String> {
+        answer::solved(self, request, stop)
     }
 
     fn influence(&self, request: &InfluenceRequest) -> Result<InfluenceAnswer, String> {

@@ -1,6 +1,6 @@
 //! A tuning of a car that is under way in the page.
 
-use super::misfit::misfit;
+use super::misfit::{assessed_rigs, misfit};
 use super::{OpenedCar, coordinates, solver};
 use crate::car::CarVariable;
 use crate::report::{CarResults, brief, misfit_in_words, settings_of_car, side_effects_in_words};
@@ -90,7 +90,8 @@ fn run(
 fn misfit_of(opened: &OpenedCar, study: &CarStudy) -> Option<f64> {
     let mut solver = solver(study).ok()?;
     let results = CarResults::solve(study, &mut solver, study.cases.len());
-    misfit(opened, study, &mut solver, &results)?.value
+    let rigs = assessed_rigs(opened, study);
+    misfit(study, &mut solver, &results, rigs)?.value
 }
 
 /// The changes that give the texts the tuned rates and figures of the car, and the same in words: part, value now, tuned

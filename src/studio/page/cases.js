@@ -1,6 +1,6 @@
 // Load cases of a car: a row for each result, a column for each case, each value with its change against the file.
 import { AXES, brief, byId, html, set, signed, write } from './draw.js';
-import { emit, on, state } from './design.js';
+import { emit, on, onRest, state } from './design.js';
 import { askForTarget } from './targets.js';
 
 let rows = new Map();
@@ -42,7 +42,10 @@ const build = () => {
     return [column, { tr: html('tr', { 'data-column': column }, th, ...cells.map(({ td }) => td)), cells }];
   }));
   const table = html('table', { id: 'cases' }, html('thead', {}, html('tr', {}, html('th', { text: 'result' }), ...heads)), html('tbody', {}, ...[...rows.values()].map(({ tr }) => tr)));
-  byId('charts').replaceChildren(html('div', { class: 'scroll', tabindex: 0, role: 'group', 'aria-label': 'Load cases' }, table));
+  const box = html('div', { class: 'scroll', tabindex: 0, role: 'group', 'aria-label': 'Load cases' }, table);
+  byId('charts').replaceChildren(box);
+  const sizes = new ResizeObserver(() => table.classList.toggle('wide', box.scrollWidth > box.clientWidth));
+  for (const element of [box, table]) sizes.observe(element);
 };
 
 const of = (answer, column) => answer?.columns.find((c) => c.column === column)?.values;
@@ -103,5 +106,7 @@ export const startCases = () => {
     for (const own of document.querySelectorAll('[data-of]')) own.hidden = (own.dataset.of === 'car') !== isCar;
     key();
   });
-  for (const event of ['answer', 'ghost', 'deed', 'proposed', 'influence', 'edited']) on(event, () => { key(); draw(); });
+  const renew = () => { key(); draw(); };
+  for (const event of ['answer', 'ghost', 'proposed', 'influence', 'edited']) on(event, renew);
+  onRest(renew);
 };

@@ -1,6 +1,6 @@
 // Curves over one of the sliders: now, as opened, wanted, and a proposal beside them.
-import { brief, byId, html, placed, refill, set, signed, svg, ticks, write } from './draw.js';
-import { ask, askGhost, emit, here as placeNow, isInGesture, on, state } from './design.js';
+import { brief, byId, html, hundredth, placed, refill, set, show, signed, svg, tenth, ticks, write } from './draw.js';
+import { ask, askGhost, emit, here as placeNow, isInGesture, on, onRest, state } from './design.js';
 import { framed } from './frame.js';
 import { Deviation } from './deviation.js';
 import { EdgeHandles } from './handles.js';
@@ -14,10 +14,31 @@ const STRIP = 26;
 let charts = [];
 let clips = 0;
 
+// What is worked out once for an answer, though many charts draw it: stations of each group by rising place, ends of the
+// places, and curves of each column.
+const known = new WeakMap();
+const knownOf = (answer) => {
+  if (known.has(answer)) return known.get(answer);
+  const order = new Map();
+  answer.groups.forEach((group, i) => {
+    if (!order.has(group)) order.set(group, []);
+    if (answer.drive[i] !== null) order.get(group).push(i);
+  });
+  for (const places of order.values()) places.sort((a, b) => answer.drive[a] - answer.drive[b]);
+  const own = { order, ends: endsOf(answer.drive.filter((x) => x !== null)), columns: new Map(answer.columns.map((c) => [c.column, c])), curves: new Map() };
+  known.set(answer, own);
+  return own;
+};
+// The curve of a column in a group.
+const curveOf = (answer, column, group) => {
+  const { curves, columns } = knownOf(answer);
+  const key = `${group} ${column}`;
+  if (!curves.has(key)) curves.set(key, runs(answer, columns.get(column).values, group));
+  return curves.get(key);
+};
 // Stations of one group by rising place, in runs without gaps.
 const runs = (answer, values, group) => {
-  const places = answer.drive.map((x, i) => i).filter((i) => answer.groups[i] === group && answer.drive[i] !== null);
-  places.sort((a, b) => answer.drive[a] - answer.drive[b]);
+  const places = knownOf(answer).order.get(group) ?? [];
   const found = [];
   let run = [];
   for (const i of places) {
@@ -29,7 +50,7 @@ const runs = (answer, values, group) => {
   if (run.length) found.push(run);
   return found;
 };
-const groupsOf = (answer) => [...new Set(answer.groups)];
+const groupsOf = (answer) => [...knownOf(answer).order.keys()];
 
 // Groups that differ from the one that is shown in the family's slider alone.
 const familyOf = (answer) => {
@@ -53,6 +74,21 @@ const at = (pieces, x) => {
   return null;
 };
 const heights = (pieces) => pieces.flat().map(([, y]) => y);
+const endsOf = (values) => {
+  let [low, high] = [Infinity, -Infinity];
+  for (const value of values) {
+    if (value < low) low = value;
+    if (value > high) high = value;
+  }
+  return [low, high];
+};
+// Draws a curve, unless it is drawn already in these scales.
+const drawCurve = (element, pieces, path, frame) => {
+  if (element.pieces === pieces && element.frame === frame) return;
+  Object.assign(element, { pieces, frame });
+  set(element, { d: path(pieces) });
+};
+const NONE = [];
 
 // Targets of columns over the slider that is chosen, for the rack that is shown.
 const targetsOf = (columns, rack) => state.overview.targets.filter((target) => target.columns.some((c) => columns.includes(c))
@@ -119,7 +155,7 @@ class Chart {
     this.isSeen = true;
     new IntersectionObserver(([{ isIntersecting }]) => {
       this.isSeen = isIntersecting;
-      if (isIntersecting && this.isLate) this.draw();
+      if (isIntersecting && this.isLate) this.draw(true);
     }).observe(this.figure);
     new ResizeObserver(([{ contentRect: { width, height } }]) => {
       this.size = { width, height };
@@ -128,11 +164,15 @@ class Chart {
     }).observe(this.svg);
   }
 
-  draw() {
+  draw(isWanted = false) {
     const { answer, ghost, proposed, influence } = state;
-    this.isLate = isInGesture() && !this.isSeen;
-    if (this.isLate) return;
-    const found = this.series.map(({ column }) => answer?.columns.find((c) => c.column === column));
+    this.isLate = !isWanted && !this.isSeen;
+    if (this.isLate) {
+      later();
+      return;
+    }
+    const columns = answer && knownOf(answer).columns;
+    const found = this.series.map(({ column }) => columns?.get(column));
     if (!found.every(Boolean)) return;
     const { width, height } = this.size ??= this.svg.getBoundingClientRect();
     if (width < 40) return;
@@ -145,27 +185,22 @@ class Chart {
     set(this.clip, { width: this.inner[0] + MARGIN.right, height: this.inner[1] });
     const group = answer.shown;
     const family = familyOf(answer);
-    const of = (other, column) => {
-      const values = other?.columns.find((c) => c.column === column)?.values;
-      return values && groupsOf(other).includes(group) ? runs(other, values, group) : [];
-    };
+    const of = (other, column) => (other && knownOf(other).columns.has(column) ? curveOf(other, column, group) : NONE);
     // By one unit of length, or by a tenth where that is much.
     const far = influence ? 10 * state.step : 0;
     const lines = found.map(({ column, values }, k) => {
       const slopes = influence?.columns.get(column);
-      const bent = slopes ? runs(answer, values.map((v, i) => (v === null || slopes[i] === null ? null : v + slopes[i] * far)), group) : [];
+      const bent = slopes ? runs(answer, values.map((v, i) => (v === null || slopes[i] === null ? null : v + slopes[i] * far)), group) : NONE;
       return {
-        ...this.series[k], found: found[k], slopes, bent, pieces: runs(answer, values, group), old: of(ghost, column), next: of(proposed, column),
+        ...this.series[k], found: found[k], slopes, bent, pieces: curveOf(answer, column, group), old: of(ghost, column), next: of(proposed, column),
         pins: Object.entries(state.pins).map(([letter, pin]) => [letter, of(pin.answer, column)]),
-        family: family.map((g) => ({ value: answer.group_places[g][state.family], pieces: runs(answer, values, g) })),
+        family: family.map((g) => ({ value: answer.group_places[g][state.family], pieces: curveOf(answer, column, g) })),
       };
     });
     this.series.forEach((one, k) => { one.values = found[k].values; });
 
-    const drives = answer.drive.filter((x) => x !== null);
     const wantedAt = targets.flatMap((t) => t.points.map((p) => p[0]));
-    const all = [...drives, ...state.overview.sliders[state.over].values, ...wantedAt];
-    this.xs = [Math.min(...all), Math.max(...all)];
+    this.xs = endsOf([...knownOf(answer).ends, ...state.overview.sliders[state.over].values, ...wantedAt]);
     if (this.xs[0] === this.xs[1]) this.xs = [this.xs[0] - 1, this.xs[1] + 1];
     const bands = targets.flatMap((t) => t.points.flatMap(([, low, high]) => [low, high].filter((v) => v !== null)));
     const still = [...lines.flatMap(({ old, next, pins }) => [...heights(old), ...heights(next), ...pins.flatMap(([, some]) => heights(some))]), ...bands];
@@ -174,24 +209,28 @@ class Chart {
     const x = (v) => MARGIN.left + ((v - this.xs[0]) / (this.xs[1] - this.xs[0])) * this.inner[0];
     const y = (v) => MARGIN.top + (1 - (v - this.ys[0]) / (this.ys[1] - this.ys[0])) * this.inner[1];
     this.scales = { x, y };
-    const path = (some) => some.map((piece) => (piece.length === 1
-      ? `M${x(piece[0][0]) - 3} ${y(piece[0][1])}h6`
-      : `M${piece.map(([a, b]) => `${x(a).toFixed(2)} ${y(b).toFixed(2)}`).join('L')}`)).join('');
+    const [xScale, yScale] = [this.inner[0] / (this.xs[1] - this.xs[0]), this.inner[1] / (this.ys[1] - this.ys[0])];
+    const [left, top] = [MARGIN.left - this.xs[0] * xScale, MARGIN.top + this.ys[1] * yScale];
+    const path = (some) => {
+      let d = '';
+      for (const piece of some) {
+        if (piece.length === 1) d += `M${x(piece[0][0]) - 3} ${y(piece[0][1])}h6`;
+        else for (let i = 0; i < piece.length; i += 1) d += `${i ? 'L' : 'M'}${hundredth(left + piece[i][0] * xScale)} ${hundredth(top - piece[i][1] * yScale)}`;
+      }
+      return d;
+    };
 
     this.drawAxes(width, height, x, y, found[0].unit);
     this.drawBands(targets, x, y);
     const now = placeNow();
     this.series.forEach((one, k) => {
       const { pieces, old, next, bent } = lines[k];
-      set(one.now, { d: path(pieces) });
-      set(one.old, { d: path(old) });
-      set(one.proposed, { d: path(next) });
-      set(one.moved, { d: path(bent) });
+      for (const [element, some] of [[one.now, pieces], [one.old, old], [one.proposed, next], [one.moved, bent]]) drawCurve(element, some, path, this.frame);
       const here = at(pieces, now);
       lines[k].here = here;
       lines[k].before = at(old, now);
-      set(one.spot, { display: here === null || here < this.ys[0] || here > this.ys[1] ? 'none' : null });
-      if (here !== null) set(one.spot, { cx: x(now).toFixed(1), cy: y(here).toFixed(1) });
+      show(one.spot, here !== null && here >= this.ys[0] && here <= this.ys[1]);
+      if (here !== null) set(one.spot, { cx: tenth(x(now)), cy: tenth(y(here)) });
     });
     // One element for all lines of a family: many elements would take longer to lay out than the rest of the chart.
     refill(this.parts.others, lines.map(({ side, family: some }) => ['path', { class: side, d: some.map((f) => path(f.pieces)).join('') }]));
@@ -319,10 +358,17 @@ class Chart {
   }
 }
 
-export const chartSvgs = () => charts.map((chart) => [chart.key, chart.title.textContent + chart.unit.textContent, chart.svg]);
+export const chartSvgs = () => {
+  drawLate();
+  return charts.map((chart) => [chart.key, chart.title.textContent + chart.unit.textContent, chart.svg]);
+};
 const everySeries = () => charts.flatMap((chart) => chart.series.map((one) => ({ chart, ...one })));
-export const drawnValues = () => Object.fromEntries(everySeries().map(({ column, values }) => [column, values]));
+export const drawnValues = () => {
+  drawLate();
+  return Object.fromEntries(everySeries().map(({ column, values }) => [column, values]));
+};
 export const drawnPlaces = (wanted) => {
+  drawLate();
   const { chart, now, values } = everySeries().find(({ column }) => column === wanted);
   return { d: now.getAttribute('d'), drive: state.answer.drive.map((v) => v !== null && chart.scales.x(v)), value: values.map((v) => v !== null && chart.scales.y(v)) };
 };
@@ -336,6 +382,14 @@ const arrange = () => {
   byId('charts').replaceChildren(...charts.map((chart) => chart.figure));
 };
 const drawAll = () => charts.forEach((chart) => chart.draw());
+// Charts out of sight are drawn when nothing else is to be done, and before they are exported or printed.
+const drawLate = () => charts.forEach((chart) => { if (chart.isLate) chart.draw(true); });
+const REST = 300;
+let timer = null;
+const later = () => {
+  clearTimeout(timer);
+  timer = setTimeout(() => { if (!isInGesture()) drawLate(); }, REST);
+};
 
 const offer = () => {
   const choices = byId('choices');
@@ -409,7 +463,8 @@ export const startCurves = () => {
   });
   on('pins', drawAll);
   on('ghost', drawAll);
-  on('deed', drawAll);
+  onRest(drawAll);
+  addEventListener('beforeprint', drawLate);
   on('proposed', () => { byId('key-proposal').hidden = !state.proposed; drawAll(); });
   on('influence', () => {
     const { influence } = state;

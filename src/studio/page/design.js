@@ -20,6 +20,9 @@ export const state = {
   chosen: [],
   // Answers for the design, for the design of the file, and for a proposal.
   answer: null,
+  // Coordinates that the answer belongs to, and whether the answer for later ones is late.
+  answered: null,
+  isLate: false,
   ghost: null,
   proposed: null,
   fault: null,
@@ -188,42 +191,68 @@ const request = (design, digest) => ({
 });
 
 // Asks for the latest design, one request at a time: what was wanted in between is never computed, and an
-// answer to an older text of the study is dropped.
+// answer to an older text of the study is dropped. A request that takes longer than the patience is given up as soon as a
+// later design is wanted: the server then stops its search.
+// The least and the longest patience in milliseconds. Between them it is a multiple of the time of the last answer.
+const PATIENCE = [150, 1000];
+const MULTIPLE = 3;
+let patience = PATIENCE[0];
+const [page] = crypto.getRandomValues(new Uint32Array(1));
 let wanted = 0;
 let answered = 0;
-let busy = false;
+let running = null;
 let cause = null;
 export const ask = (event) => {
   wanted += 1;
   cause ??= event?.timeStamp ?? null;
-  if (!busy) run();
+  if (!running || running.isSlow) run();
 };
-export const isSettled = () => !busy && answered === wanted;
+export const isSettled = () => !running && answered === wanted;
+// Draws after a deed. If an answer is on its way, it will draw the same.
+export const onRest = (draw) => on('deed', () => { if (isSettled()) draw(); });
+const tellLate = (isLate) => {
+  if (state.isLate === isLate) return;
+  state.isLate = isLate;
+  emit('late');
+};
+const becomeSlow = (own) => {
+  if (running !== own) return;
+  own.isSlow = true;
+  if (own.number < wanted) run();
+  tellLate(true);
+};
 const run = async () => {
-  busy = true;
-  while (answered < wanted) {
-    const number = wanted;
-    const since = cause;
-    cause = null;
-    const { digest } = state.overview;
-    try {
-      const answer = await post('solve', request());
-      if (digest === state.overview.digest) {
-        state.answer = answer;
-        state.fault = null;
-        emit('answer', since);
-      }
-    } catch (refused) {
-      if (refused.status === 0 || refused.status === 403) {
-        emit('unanswered');
-        break;
-      }
-      state.fault = refused.message;
-      emit('answer', since);
-    }
-    answered = number;
+  const own = { number: wanted, since: running?.since ?? cause, isSlow: false };
+  running = own;
+  cause = null;
+  const { design } = state;
+  const { digest } = state.overview;
+  const begun = performance.now();
+  setTimeout(() => becomeSlow(own), patience);
+  let answer = null;
+  let fault = null;
+  try {
+    answer = await post('solve', { ...request(), turn: [page, own.number] });
+  } catch (refused) {
+    fault = refused;
   }
-  busy = false;
+  // A later request has taken its place.
+  if (running !== own) return;
+  running = null;
+  state.isLate = false;
+  // A failed search says nothing about the time of the others.
+  if (answer && !answer.failures.length) patience = Math.min(PATIENCE[1], Math.max(PATIENCE[0], MULTIPLE * (performance.now() - begun)));
+  if (fault?.status === 0 || fault?.status === 403) {
+    emit('unanswered');
+    return;
+  }
+  answered = own.number;
+  if (fault) state.fault = fault.message;
+  else if (digest === state.overview.digest) Object.assign(state, { answer, fault: null, answered: design });
+  // The next request goes out first: the server works while the page draws.
+  const isOfText = fault || digest === state.overview.digest;
+  if (answered < wanted) run();
+  if (isOfText) emit('answer', own.since);
 };
 
 // The same for the design as it was opened, and for a proposal: for curves to compare with.

@@ -2,21 +2,28 @@
 
 const NAMESPACE = 'http://www.w3.org/2000/svg';
 
-// Writes a text, if it changed: the same text again would be laid out and painted again.
+// Writes a text, if it changed: the same text again would be laid out and painted again. What was written is kept here,
+// because to ask the element takes longer. So no other code may change texts and attributes that these two set.
 export const write = (element, text) => {
   const wanted = String(text);
-  if (element.textContent !== wanted) element.textContent = wanted;
+  if (element.written === wanted) return;
+  element.written = wanted;
+  element.textContent = wanted;
 };
 // Sets attributes that changed. Text becomes text, never markup: names come from the study.
 export const set = (element, attributes) => {
-  for (const [name, value] of Object.entries(attributes)) {
-    if (value === undefined || value === null || value === false) {
-      if (element.hasAttribute(name)) element.removeAttribute(name);
-    } else if (name === 'text') write(element, value);
-    else if (name === 'on') for (const [event, handler] of Object.entries(value)) element.addEventListener(event, handler);
+  const sent = element.sent ??= {};
+  for (const name in attributes) {
+    const value = attributes[name];
+    if (name === 'text') {
+      if (value !== undefined && value !== null && value !== false) write(element, value);
+    } else if (name === 'on') for (const [event, handler] of Object.entries(value)) element.addEventListener(event, handler);
     else {
-      const wanted = value === true ? '' : String(value);
-      if (element.getAttribute(name) !== wanted) element.setAttribute(name, wanted);
+      const wanted = value === undefined || value === null || value === false ? null : value === true ? '' : String(value);
+      if (sent[name] === wanted) continue;
+      sent[name] = wanted;
+      if (wanted === null) element.removeAttribute(name);
+      else element.setAttribute(name, wanted);
     }
   }
   return element;
@@ -31,8 +38,17 @@ export const html = (tag, attributes = {}, ...children) => {
   element.append(...children);
   return element;
 };
+// A place on the screen, to a tenth and to a hundredth of a pixel.
+export const tenth = (value) => Math.round(10 * value) / 10;
+export const hundredth = (value) => Math.round(100 * value) / 100;
+// Shows an element, or hides it.
+export const show = (element, isShown) => {
+  if (element.isHidden === !isShown) return;
+  element.isHidden = !isShown;
+  element.style.display = isShown ? '' : 'none';
+};
 // Attribute that puts a text at a place. A text whose x or y changes is shaped again, one that is translated is not.
-export const placed = (x, y) => `translate(${Number(x).toFixed(1)} ${Number(y).toFixed(1)})`;
+export const placed = (x, y) => `translate(${tenth(x)} ${tenth(y)})`;
 // Fills a group of a drawing with elements: pairs of tag and attributes. Elements that it has are changed, not replaced. Those
 // of one tag in one group must name the same attributes.
 export const refill = (group, wanted) => {

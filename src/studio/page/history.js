@@ -1,6 +1,6 @@
 // The history that undo goes through, and designs that are pinned beside the present one.
 import { brief, byId, html } from './draw.js';
-import { askPins, copy, history, isEdited, isMoved, on, put, resume, state, travel } from './design.js';
+import { askPins, copy, history, isEdited, isInGesture, isMoved, on, onRest, put, resume, state, travel } from './design.js';
 import { action, question, say } from './dialog.js';
 import { post } from './server.js';
 import { writtenDiff } from './changes.js';
@@ -106,6 +106,7 @@ const draw = () => {
   if (!state.overview) return;
   const { timeline, present } = history();
   tellTab('history', timeline.length > 1 ? String(timeline.length - 1) : '');
+  if (byId('pane-history').hidden) return;
   const deeds = timeline.map(({ label }, k) => html('li', {}, html('button', { class: k > present ? 'later' : null, 'aria-current': k === present ? 'true' : null, text: label, on: { click: () => travel(k) } })));
   const changes = html('button', { id: 'changes', text: 'Show lines that change', on: { click: async () => { await question('Changes', `${state.overview.files.join(', ')}: lines that saving would change.`, [['', 'Close']], await writtenDiff()); } } });
   byId('pane-history').replaceChildren(html('div', { class: 'columns' },
@@ -117,7 +118,9 @@ const draw = () => {
 export const startHistory = () => {
   on('study', restorePins);
   on('deed', keepHistory);
-  for (const event of ['study', 'edited', 'deed', 'pins']) on(event, draw);
-  on('answer', () => { if (Object.keys(state.pins).length && !byId('pane-history').hidden) draw(); });
+  for (const event of ['study', 'edited', 'pins']) on(event, draw);
+  onRest(draw);
+  on('answer', () => { if (!isInGesture() || Object.keys(state.pins).length) draw(); });
+  on('tab', (name) => { if (name === 'history') draw(); });
   for (const event of ['chosen', 'place', 'edited']) on(event, () => { if (Object.keys(state.pins).length) askPins(); });
 };

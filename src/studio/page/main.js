@@ -122,6 +122,16 @@ const startWatch = () => watchServer((there) => {
   }
 });
 
+// While the answer for a moved design is late, what is shown of an earlier one is pale.
+const startLate = () => {
+  for (const event of ['late', 'answer', 'unanswered']) {
+    on(event, () => {
+      if (state.isLate) root.dataset.late = 'true';
+      else delete root.dataset.late;
+    });
+  }
+};
+
 // From the event that moved something to the picture that shows it.
 const startClock = () => {
   const times = [];
@@ -153,6 +163,7 @@ const start = async () => {
   startNotes();
   startTuning();
   startWatch();
+  startLate();
   const times = startClock();
   on('study', () => {
     const { name, topology, files, points } = state.overview;

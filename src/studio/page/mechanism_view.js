@@ -1,5 +1,5 @@
 // A view of a mechanism, in the studio and in reports: the camera, the grid, bodies and wheels, and places for names.
-import { along, AXES, brief, dot, html, minus, niceStep, norm, set, svg, ticks } from './draw.js';
+import { along, AXES, brief, dot, html, minus, niceStep, norm, set, svg, tenth, ticks } from './draw.js';
 import { directions, flat, inSpace } from './space.js';
 
 const HUES = 7;
@@ -105,8 +105,12 @@ export class MechanismView {
   }
 
   path(points, closed = false) {
-    const places = points.map((p) => this.project(p).map((c) => c.toFixed(1)).join(' '));
-    return places.length ? `M${places.join('L')}${closed ? 'Z' : ''}` : '';
+    let d = '';
+    for (const p of points) {
+      const [x, y] = this.project(p);
+      d += `${d ? 'L' : 'M'}${tenth(x)} ${tenth(y)}`;
+    }
+    return d && closed ? `${d}Z` : d;
   }
 
   // A path for each body of the drawing.

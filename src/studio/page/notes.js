@@ -1,6 +1,6 @@
 // Panels beside the curves: targets, constraints, limits, free directions, warnings.
 import { brief, byId, html, set, write } from './draw.js';
-import { of, begin, copy, emit, finish, isInGesture, isSame, on, snapped, state } from './design.js';
+import { of, begin, copy, emit, finish, isInGesture, isSame, on, onRest, snapped, state } from './design.js';
 import { openTab, tellTab } from './layout.js';
 import { post } from './server.js';
 import { constraintForms, partForms, targetForms } from './targets.js';
@@ -144,11 +144,18 @@ const warnings = () => {
   return [panel('Warnings', html('ul', {}, ...lines.map(([kind, text]) => html('li', { class: kind, text }))))];
 };
 
-const fill = (name, ...children) => {
+// Panes that are out of sight are filled when they are opened or printed.
+const PANES = {
+  targets: () => [...targets(), ...targetForms(), ...freeDirections()],
+  constraints: () => [...constraints(), ...constraintForms(), ...limitsPanel()],
+  parts: () => partForms(),
+  warnings: () => warnings(),
+};
+const fill = (name, isWanted = false) => {
   const pane = byId(`pane-${name}`);
   // A slider or a field that is in use must stay.
-  if (pane.querySelector('input:active, input:focus')) return;
-  pane.replaceChildren(html('div', { class: 'columns' }, ...children));
+  if ((pane.hidden && !isWanted) || pane.querySelector('input:active, input:focus')) return;
+  pane.replaceChildren(html('div', { class: 'columns' }, ...PANES[name]()));
 };
 const draw = () => {
   figures();
@@ -159,11 +166,7 @@ const draw = () => {
   const select = byId('arrows');
   select.value = state.arrows === null ? 'all' : String(state.arrows);
   if (isInGesture()) return;
-  fill('targets', ...targets(), ...targetForms(), ...freeDirections());
-  fill('constraints', ...constraints(), ...constraintForms(), ...limitsPanel());
-  byId('tab-parts').firstChild.textContent = state.overview.is_car ? 'Car and cases' : 'Vehicle and parts';
-  fill('parts', ...partForms());
-  fill('warnings', ...warnings());
+  for (const name of Object.keys(PANES)) fill(name);
 };
 
 // Asks for free directions when the point rests, because they take longer. Limits take longest: the page asks for them only
@@ -201,6 +204,7 @@ export const startNotes = () => {
     const option = (value, text) => html('option', { value, text });
     select.replaceChildren(option('all', 'misfit'), ...state.overview.targets.map((t, k) => option(String(k), words(t.column))), option('none', 'none'));
     select.disabled = !state.overview.tunes;
+    byId('tab-parts').firstChild.textContent = state.overview.is_car ? 'Car and cases' : 'Vehicle and parts';
     rest();
   };
   on('study', renew);
@@ -210,7 +214,13 @@ export const startNotes = () => {
     state.arrows = value === 'all' ? null : value === 'none' ? 'none' : Number(value);
     emit('options');
   });
-  for (const event of ['answer', 'ghost', 'options', 'deed']) on(event, draw);
+  for (const event of ['answer', 'ghost', 'options']) on(event, draw);
+  onRest(draw);
   on('deed', rest);
-  on('tab', (name) => { if (name === 'constraints' && state.overview && !limits) rest(); });
+  on('tab', (name) => {
+    if (!state.overview) return;
+    if (PANES[name]) fill(name);
+    if (name === 'constraints' && !limits) rest();
+  });
+  addEventListener('beforeprint', () => { if (state.overview) for (const name of Object.keys(PANES)) fill(name, true); });
 };

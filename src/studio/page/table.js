@@ -1,6 +1,6 @@
 // The coordinates: typed in, locked, each with its slope and what it does to the curves.
 import { AXES, brief, byId, html, set, write } from './draw.js';
-import { askInfluence, emit, gradient, isInGesture, isMoved, on, placeAfter, put, setCoordinate, state, stepped } from './design.js';
+import { askInfluence, emit, gradient, isInGesture, isMoved, on, onRest, placeAfter, put, setCoordinate, state, stepped } from './design.js';
 import { select } from './views.js';
 
 let rows = [];
@@ -85,44 +85,75 @@ const build = () => {
     const tr = html('tr', {}, th, ...cells.map((c) => c.td), html('td', { class: 'number moved' }, moved), html('td', {}, html('span', { class: 'tools' }, all, back)));
     return { tr, cells, moved, all, back };
   });
+  watch.disconnect();
+  for (const { tr } of rows) watch.observe(tr);
   byId('coordinates').replaceChildren(html('thead', {}, head), html('tbody', {}, ...rows.map((r) => r.tr)));
 };
 
-const draw = () => {
-  if (!state.overview) return;
+// Range of a coordinate; worked out again if the study or the file has changed.
+const ends = (cell) => {
+  const { overview, opened } = state;
+  if (cell.known?.overview !== overview || cell.known.opened !== opened) cell.known = { overview, opened, ends: range(cell.p, cell.axis) };
+  return cell.known.ends;
+};
+
+// Rows out of sight are renewed when they are scrolled into view, and when the page is at rest.
+const PAUSE = 300;
+let late = null;
+const watch = new IntersectionObserver((found) => {
+  for (const { target, isIntersecting } of found) target.isSeen = isIntersecting;
+  if (found.some(({ target, isIntersecting }) => isIntersecting && target.isLate)) draw();
+});
+const drawLate = () => { if (!isInGesture()) draw(true); };
+
+const draw = (isAll = false) => {
+  byId('back').disabled = !isMoved();
+  clearTimeout(late);
+  // Out of sight it is not renewed.
+  if (!state.overview || byId('pane-points').hidden) return;
   const slopes = gradient();
   const steepest = slopes ? Math.max(...slopes.flat().map(Math.abs), 1e-300) : 1;
   rows.forEach(({ tr, cells, moved, all, back }, p) => {
     tr.classList.toggle('selected', state.selected === p);
+    tr.isLate = !isAll && !tr.isSeen;
+    if (tr.isLate) return;
     const way = Math.hypot(...state.design[p].map((c, k) => c - state.opened[p][k]));
     write(moved, way > 0 ? brief(way, 3) : '');
     back.style.visibility = way === 0 ? 'hidden' : '';
     set(all, { 'aria-pressed': String(state.locked[p].every(Boolean)), text: state.locked[p].every(Boolean) ? '●' : '○' });
-    for (const { input, lock, slope, bar, axis } of cells) {
+    for (const one of cells) {
+      const { input, lock, slope, bar, axis } = one;
       const value = state.design[p][axis];
       const changed = value !== state.opened[p][axis];
       if (document.activeElement !== input) putValue(input, short(value));
       else if (Number(input.value) !== value) input.value = String(value);
       input.classList.toggle('changed', changed);
-      const ends = range(p, axis);
-      const outside = ends && (value < ends[0] || value > ends[1]);
+      const reach = ends(one);
+      const outside = reach && (value < reach[0] || value > reach[1]);
       input.classList.toggle('outside', Boolean(outside));
-      set(input, { title: [input.value.endsWith('…') ? String(value) : '', changed ? `file: ${state.opened[p][axis]}` : '', ends ? `range for Tune: ${brief(ends[0], 6)} … ${brief(ends[1], 6)}${outside ? ', outside' : ''}` : ''].filter(Boolean).join('; ') || null });
+      set(input, { title: [input.value.endsWith('…') ? String(value) : '', changed ? `file: ${state.opened[p][axis]}` : '', reach ? `range for Tune: ${brief(reach[0], 6)} … ${brief(reach[1], 6)}${outside ? ', outside' : ''}` : ''].filter(Boolean).join('; ') || null });
       set(lock, { 'aria-pressed': String(state.locked[p][axis]), text: state.locked[p][axis] ? '●' : '○' });
       input.readOnly = state.locked[p][axis];
       const g = slopes?.[p][axis] ?? 0;
       const shown = slopes && Math.abs(g) > 0.01 * steepest && Math.abs(g) > 1e-9;
       write(slope, shown ? `${g > 0 ? '↓' : '↑'}${brief(Math.abs(g), 2)}` : '');
       set(slope, { title: shown ? `${g > 0 ? 'lower' : 'raise'} it: −${brief(Math.abs(g), 3)} tolerances per ${state.overview.unit}` : null });
-      bar.style.transform = `scaleX(${shown ? (Math.abs(g) / steepest).toFixed(3) : 0})`;
+      const length = shown ? Math.round((1000 * Math.abs(g)) / steepest) / 10 : 0;
+      if (one.length !== length) {
+        one.length = length;
+        bar.style.backgroundSize = `${length}% 100%`;
+      }
     }
   });
-  byId('back').disabled = !isMoved();
+  if (rows.some(({ tr }) => tr.isLate)) late = setTimeout(drawLate, PAUSE);
 };
 
 export const startTable = () => {
-  on('study', () => { build(); draw(); });
-  for (const event of ['edited', 'answer', 'unanswered', 'options', 'selection', 'deed']) on(event, draw);
+  on('study', () => { build(); draw(true); });
+  for (const event of ['edited', 'answer', 'unanswered', 'late', 'options', 'selection']) on(event, () => draw());
+  onRest(() => draw());
+  on('tab', (name) => { if (name === 'points') draw(true); });
+  addEventListener('beforeprint', () => draw(true));
   // During a drag the table follows the curves: both are laid out and painted once.
   on('design', () => { if (!isInGesture()) draw(); });
   // The effect of a coordinate changes as points move.

@@ -1,8 +1,8 @@
 // Front, side, top and a view in space: the mechanism at the sliders' place, with points that can be dragged.
-import { along, AXES, brief, byId, cross, dot, html, minus, norm, placed, set, signed, svg, write } from './draw.js';
+import { along, AXES, brief, byId, cross, dot, html, minus, norm, placed, set, show, signed, svg, tenth, write } from './draw.js';
 import { MechanismView } from './mechanism_view.js';
 import { flat, rims } from './space.js';
-import { ask, begin, emit, finish, gradient, grip, moveTo, on, snapped, state, stepped } from './design.js';
+import { begin, emit, finish, gradient, grip, moveTo, on, snapped, state, stepped } from './design.js';
 
 // Points nearer to each other than this, in pixels, lie on each other.
 const STACKED = 9;
@@ -21,8 +21,14 @@ const otherWheel = (frame) => {
   const { points, spin_axis: axis, contact } = frame;
   return { points: points.map(mirrored), spin_axis: mirrored(axis), contact: contact && mirrored(contact) };
 };
+// Circles of a placement. All views draw the same.
+const circles = new WeakMap();
+const circlesOf = (at, scene) => {
+  if (!circles.has(at)) circles.set(at, rims(at, scene));
+  return circles.get(at);
+};
 // The rims of the wheels that are drawn.
-const rimsOf = (at, scene) => rims(at, scene).filter((_, k) => !at?.spin_axes || isDrawn(scene.wheels[k].centre));
+const rimsOf = (at, scene) => circlesOf(at, scene).filter((_, k) => !at.spin_axes || isDrawn(scene.wheels[k].centre));
 const contactsOf = (frame, other) => (frame?.contacts ? [...frame.contacts, ...(other?.contacts ?? [])] : [frame?.contact, frame?.contact && other?.contact].filter(Boolean));
 // A way in the drawing, along the axes of the body: a car is drawn over the ground, which its body rolls and pitches on.
 // In a flat view two coordinates move, and the point stays under the pointer; in space the way is turned.
@@ -43,8 +49,30 @@ const inDrawing = (way) => {
   const { axes } = placement(state.answer?.frame) ?? {};
   return axes ? axes.map((row) => dot(row, way)) : way;
 };
-// Place of a point. Without a pose it is the place in the design.
-const placeIn = (frame, p) => frame?.points[p] ?? along(state.design[p], state.overview.points[p].shift, 1);
+// Place of a point. Without a pose it is the place in the design. While the answer is late, the point is as far from its
+// place in the last answer as it was moved since, so that it stays under the pointer.
+const placeIn = (frame, p) => {
+  const at = frame?.points[p];
+  if (!at) return along(state.design[p], state.overview.points[p].shift, 1);
+  const [is, was] = [state.design[p], state.answered?.[p]];
+  return !was || is.every((c, k) => c === was[k]) ? at : along(at, inDrawing(minus(is, was)), 1);
+};
+// Names of points with their coordinates, for all views; and the points that a variable moves.
+let labels = [];
+const labelOf = (p) => {
+  const { points, unit } = state.overview;
+  const [x, y, z] = state.design[p];
+  const known = labels[p];
+  if (known?.point === points[p] && known.x === x && known.y === y && known.z === z) return known.text;
+  const text = `${points[p].name}: ${state.design[p].map((c, k) => `${AXES[k]} ${brief(c)}`).join(', ')} ${unit}`;
+  labels[p] = { point: points[p], x, y, z, text };
+  return text;
+};
+const movable = new WeakMap();
+const movableOf = (overview) => {
+  if (!movable.has(overview)) movable.set(overview, new Set(overview.variables.flatMap(({ moves }) => moves.map(([p]) => p))));
+  return movable.get(overview);
+};
 
 class View extends MechanismView {
   constructor(name, title, basis) {
@@ -93,7 +121,9 @@ class View extends MechanismView {
       const hit = svg('path', { class: 'hit' });
       const line = svg('path', { class: 'arrow' });
       const title = svg('title');
-      return { group: this.layers.arrows.appendChild(svg('g', {}, title, hit, line)), hit, line, title };
+      const arrow = { group: this.layers.arrows.appendChild(svg('g', {}, title, hit, line)), hit, line, words: () => '' };
+      arrow.group.addEventListener('pointerenter', () => write(title, arrow.words()));
+      return arrow;
     });
     // The selected point, over all that lie on it.
     this.top = this.layers.words.appendChild(svg('circle', { class: 'top', r: 7 }));
@@ -119,21 +149,22 @@ class View extends MechanismView {
 
   draw() {
     if (!this.width || !this.handles) return;
-    const { scene, points, unit } = state.overview;
+    const { scene, points } = state.overview;
+    const free = movableOf(state.overview);
     const frame = placement(state.answer?.frame);
     this.look = this.turned();
     this.drawGrid();
-    const show = (paths, at) => this.showBodies(paths, at, ({ lines }) => isDrawn(lines[0][0]));
+    const bodies = (paths, at) => this.showBodies(paths, at, ({ lines }) => isDrawn(lines[0][0]));
     const round = (path, at) => set(path, { d: at ? rimsOf(at, scene).map((own) => this.path(own, true)).join('') : '' });
-    show(this.bodies, frame);
+    bodies(this.bodies, frame);
     round(this.wheel, frame);
     const opened = placement(state.answer?.opened);
-    show(this.ghost, opened);
+    bodies(this.ghost, opened);
     round(this.ghost.at(-1), opened);
-    show(this.proposal, placement(state.proposed?.frame));
-    for (const [letter, paths] of Object.entries(this.pins)) show(paths, placement(state.pins[letter]?.answer?.frame));
+    bodies(this.proposal, placement(state.proposed?.frame));
+    for (const [letter, paths] of Object.entries(this.pins)) bodies(paths, placement(state.pins[letter]?.answer?.frame));
     const other = others && frame ? otherWheel(frame) : null;
-    show(this.other, other);
+    bodies(this.other, other);
     round(this.other.at(-1), other);
     const axis = frame?.steering_axis;
     set(this.axis, { d: axis ? this.path([-0.35, 1.12].map((t) => along(axis[0], minus(axis[1], axis[0]), t))) : '' });
@@ -151,19 +182,12 @@ class View extends MechanismView {
       const at = placeIn(frame, p);
       const [x, y] = this.project(at);
       const handle = this.handles[p];
-      set(handle, {
-        transform: placed(x, y),
-        'aria-label': `${name}: ${state.design[p].map((c, k) => `${AXES[k]} ${brief(c)}`).join(', ')} ${unit}`,
-      });
-      const locked = state.locked[p].every(Boolean);
-      handle.classList.toggle('locked', locked);
-      handle.classList.toggle('moved', state.design[p].some((c, k) => c !== state.opened[p][k]));
-      handle.classList.toggle('selected', state.selected === p);
-      handle.classList.toggle('free', state.overview.variables.some(({ moves }) => moves.some(([q]) => q === p)));
+      const kinds = [['locked', state.locked[p].every(Boolean)], ['moved', state.design[p].some((c, k) => c !== state.opened[p][k])], ['selected', state.selected === p], ['free', free.has(p)]];
+      set(handle, { transform: placed(x, y), 'aria-label': labelOf(p), class: ['handle', ...kinds.flatMap(([kind, is]) => (is ? [kind] : []))].join(' ') });
       const isHere = isDrawn(p);
-      handle.style.display = isHere ? '' : 'none';
+      show(handle, isHere);
       const mirror = this.mirrors[p];
-      mirror.style.display = other && isHere ? '' : 'none';
+      show(mirror, other && isHere);
       if (other) {
         const [mx, my] = this.project(other.points[p]);
         this.mirrorPlaces[p] = isHere ? [mx, my] : undefined;
@@ -174,8 +198,8 @@ class View extends MechanismView {
       this.drawArrow(p, [x, y], isHere ? slopes?.[p] : null, steepest);
     });
     const top = state.selected === null ? null : this.places[state.selected];
-    this.top.style.display = top ? '' : 'none';
-    if (top) set(this.top, { cx: top[0].toFixed(1), cy: top[1].toFixed(1) });
+    show(this.top, top);
+    if (top) set(this.top, { cx: tenth(top[0]), cy: tenth(top[1]) });
     this.drawWords(frame);
   }
 
@@ -186,9 +210,9 @@ class View extends MechanismView {
     const order = this.words.map((_, p) => p).sort((a, b) => (b === state.selected) - (a === state.selected));
     for (const p of order) {
       const word = this.words[p];
-      const shown = isDrawn(p) && (named || state.selected === p || near.includes(p));
-      word.style.display = shown ? '' : 'none';
-      if (!shown) continue;
+      const isNamed = isDrawn(p) && (named || state.selected === p || near.includes(p));
+      show(word, isNamed);
+      if (!isNamed) continue;
       write(word, this.wordOf(p));
       const [x, y] = this.project(placeIn(frame, p));
       const width = 6.2 * word.textContent.length;
@@ -209,26 +233,26 @@ class View extends MechanismView {
 
   // Downhill: the longer the steeper, by the square root, so that gentle slopes can be seen as well.
   drawArrow(p, [x, y], slope, steepest) {
-    const { group, line, hit, title } = this.arrows[p];
+    const { group, line, hit } = this.arrows[p];
     const steep = slope ? norm(slope) : 0;
     const drawn = slope && inDrawing(slope);
     const down = slope ? [-dot(drawn, this.look.right), dot(drawn, this.look.up)] : [0, 0];
     const flatness = Math.hypot(...down) / (steep || 1);
     if (steep < 1e-3 * steepest || steep < 1e-9 || flatness < 0.02) {
-      group.style.display = 'none';
+      show(group, false);
       return;
     }
-    group.style.display = '';
+    show(group, true);
     const length = (12 + 44 * Math.sqrt(steep / steepest)) * flatness;
     const [ux, uy] = down.map((c) => c / Math.hypot(...down));
     const from = [x + ux * 8, y + uy * 8];
     const tip = [x + ux * (8 + length), y + uy * (8 + length)];
     const barb = Math.min(7, 3 + length / 6);
-    const at = (s, t) => `${(tip[0] - ux * s - uy * t).toFixed(1)} ${(tip[1] - uy * s + ux * t).toFixed(1)}`;
-    const [a, b] = [from, tip].map((c) => c.map((v) => v.toFixed(1)).join(' '));
+    const at = (s, t) => `${tenth(tip[0] - ux * s - uy * t)} ${tenth(tip[1] - uy * s + ux * t)}`;
+    const [a, b] = [from, tip].map((c) => c.map(tenth).join(' '));
     set(line, { d: `M${a}L${b}M${at(barb, barb * 0.55)}L${b}L${at(barb, -barb * 0.55)}` });
     set(hit, { d: `M${a}L${b}` });
-    write(title, `${state.overview.points[p].name}: −${brief(steep, 3)} tolerances per ${state.overview.unit} this way (${slope.map((c, k) => `${AXES[k]} ${signed(-c, 2)}`).join(', ')})`);
+    this.arrows[p].words = () => `${state.overview.points[p].name}: −${brief(steep, 3)} tolerances per ${state.overview.unit} this way (${slope.map((c, k) => `${AXES[k]} ${signed(-c, 2)}`).join(', ')})`;
   }
 
   // Points that lie on each other at a place, the nearest first.
@@ -266,7 +290,6 @@ class View extends MechanismView {
       const step = now.altKey ? state.step / 100 : state.step;
       const to = way.map((by, k) => (Math.abs(by) < 1e-12 ? start[point][k] : snapped(start[point][k] + by, step)));
       moveTo(start, point, to);
-      if (now.type === 'pointermove') ask(now);
     };
     const end = (now) => {
       for (const name of ['pointermove', 'pointerup', 'pointercancel']) target.removeEventListener(name, handlers[name]);
@@ -351,7 +374,8 @@ export const startViews = () => {
     }
     drawAll();
   });
-  for (const event of ['selection', 'options', 'proposed', 'pins', 'unanswered']) on(event, drawAll);
+  for (const event of ['selection', 'options', 'proposed', 'pins', 'unanswered', 'late']) on(event, drawAll);
+  on('design', () => { if (state.isLate) drawAll(); });
   byId('part').addEventListener('change', (event) => {
     part = event.target.value;
     views.forEach((view) => view.fit());

@@ -5,16 +5,16 @@ use super::{Served, columns, sample, solved};
 use serde_json::{Value, json};
 use std::fs;
 
-const READY: &str = "document.documentElement.dataset.ready === 'true' && window.studio.state.answer && window.studio.state.ghost";
+pub(super) const READY: &str = "document.documentElement.dataset.ready === 'true' && window.studio.state.answer && window.studio.state.ghost";
 /// The answer that is shown is of the design that is worked on.
-const SETTLED: &str = "studio.isSettled()";
+pub(super) const SETTLED: &str = "studio.isSettled()";
 
-fn handle(view: &str, point: &str) -> String {
+pub(super) fn handle(view: &str, point: &str) -> String {
     format!("[data-view={view}] .handle[data-name={point}]:not([data-other])")
 }
 
 /// Every column that is drawn is the one `hardpoint solve` prints of the study in a file; how many there are.
-fn assert_drawn_as_solved(browser: &Browser, study: &std::path::Path) -> usize {
+pub(super) fn assert_drawn_as_solved(browser: &Browser, study: &std::path::Path) -> usize {
     let drawn = browser.run("return studio.drawnValues()");
     let printed = columns(&solved(study));
     let mut compared = 0;
@@ -367,6 +367,7 @@ fn pinned_designs_are_compared() {
     browser.wait(READY);
     browser.wait("studio.state.pins.A?.answer");
     assert_eq!(browser.run("return studio.state.pins.A.design"), pinned);
+    browser.click("#tab-history");
     browser.run("document.querySelector('[data-pin=A] button[aria-label=\"Remove A\"]').click()");
     browser.open(&served.address);
     browser.wait(READY);
@@ -506,7 +507,7 @@ fn a_reload_keeps_unsaved_work() {
     browser.wait(SETTLED);
     browser.click("#undo");
     browser.wait(SETTLED);
-    let deeds = "return [...document.querySelectorAll('.deeds button')].map((b) => [b.textContent, b.getAttribute('aria-current')])";
+    let deeds = "document.getElementById('tab-history').click(); return [...document.querySelectorAll('.deeds button')].map((b) => [b.textContent, b.getAttribute('aria-current')])";
     let work = "return [studio.state.design, studio.state.overview.digest]";
     let (told, done) = (browser.run(deeds), browser.run(work));
     assert_eq!(told.as_array().unwrap().len(), 4, "{told}");

@@ -8,7 +8,7 @@ use std::fs;
 use std::path::PathBuf;
 
 /// A sample car with its axles, served.
-fn served(name: &str, changed: impl Fn(&str, String) -> String) -> Served {
+pub(super) fn served(name: &str, changed: impl Fn(&str, String) -> String) -> Served {
     let ends = ["_front", "_rear", ""];
     Served::of_files(ends.map(|end| {
         let file = format!("{name}{end}.toml");
@@ -17,7 +17,7 @@ fn served(name: &str, changed: impl Fn(&str, String) -> String) -> Served {
     }))
 }
 
-fn as_it_is(_: &str, text: String) -> String {
+pub(super) fn as_it_is(_: &str, text: String) -> String {
     text
 }
 
@@ -30,13 +30,13 @@ fn read(served: &Served, name: &str) -> String {
 }
 
 /// Characteristics that the page asks for at first.
-fn asked(overview: &Value) -> Vec<Value> {
+pub(super) fn asked(overview: &Value) -> Vec<Value> {
     let all = overview["characteristics"].as_array().unwrap().iter();
     let asked = all.filter(|c| c["asked"] == true && c["available"] == true);
     asked.map(|c| c["name"].clone()).collect()
 }
 
-fn solve(served: &Served, of: &Value) -> Value {
+pub(super) fn solve(served: &Served, of: &Value) -> Value {
     let names = asked(&served.overview());
     let message =
         json!({"of": of, "characteristics": names, "at": [1.0], "curves_rack": null, "over": 0});
@@ -44,7 +44,7 @@ fn solve(served: &Served, of: &Value) -> Value {
 }
 
 /// Moves further coordinates of a design.
-fn moved(served: &Served, moves: &[(&str, usize, f64)]) -> Value {
+pub(super) fn moved(served: &Served, moves: &[(&str, usize, f64)]) -> Value {
     let overview = served.overview();
     let points = overview["points"].as_array().unwrap();
     let mut design = overview["design"].clone();
@@ -449,6 +449,7 @@ fn a_car_is_dragged_edited_tuned_and_saved() {
     browser.wait("studio.state.answer.failures.length === 1");
     browser.wait("document.querySelector('[data-chip=solved]').textContent.includes('4 of 5')");
     browser.wait("document.querySelector('[data-chip=misfit]').textContent.includes('none')");
+    browser.click("#tab-warnings");
     browser.wait("document.getElementById('pane-warnings').textContent.includes('case turn')");
     assert_eq!(browser.console(), Vec::<String>::new());
 }

@@ -5,6 +5,7 @@ mod axle;
 mod browser;
 mod car;
 mod client;
+mod moves;
 mod saving;
 mod start;
 mod webdriver;

@@ -1,0 +1,131 @@
+//! Requests for moved points: one for each move, and the latest goes on.
+
+use super::browser::{READY, SETTLED, assert_drawn_as_solved, handle};
+use super::webdriver::Browser;
+use super::{Served, car, sample};
+use serde_json::{Value, json};
+
+/// A later request of the same page stops the search of an earlier one. Requests of other pages go on.
+#[test]
+fn a_later_request_stops_an_earlier_one() {
+    let served = car::served("car", car::as_it_is);
+    let names = car::asked(&served.overview());
+    let request = |of: &Value, turn: [u64; 2]| {
+        let at = [1.0];
+        json!({"of": of, "characteristics": names, "at": at, "curves_rack": null, "over": 0, "turn": turn})
+    };
+    // The search for the equilibria of this design takes long.
+    let hard = car::moved(&served, &[("rear_upper_front_link_outer", 2, -150.0)]);
+    let easy = car::moved(&served, &[("rear_upper_front_link_outer", 2, 1.0)]);
+    std::thread::scope(|scope| {
+        let first = scope.spawn(|| served.post("solve", &request(&hard, [7, 1])));
+        let other = scope.spawn(|| served.post("solve", &request(&hard, [8, 9])));
+        std::thread::sleep(std::time::Duration::from_millis(60));
+        let second = served.post("solve", &request(&easy, [7, 2]));
+        assert_eq!(
+            second.json()["columns"],
+            car::solve(&served, &easy)["columns"]
+        );
+        let first = first.join().unwrap();
+        assert!(
+            first.text().contains("later request") && first.status == 422,
+            "{}",
+            first.text()
+        );
+        let other = other.join().unwrap().json();
+        assert_eq!(other["status"], car::solve(&served, &hard)["status"]);
+    });
+}
+
+/// Each move is asked for once. Tables out of sight are of the present design when they are opened.
+#[test]
+fn a_move_is_asked_for_once() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = Served::of(&sample("macpherson_front.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    browser.wait(SETTLED);
+    browser.run(
+        "window.asked = 0; const send = window.fetch; \
+         window.fetch = (what, ...rest) => { if (what === 'solve') window.asked += 1; return send(what, ...rest); }",
+    );
+    browser.drag(&handle("front", "strut_top"), [9, -7], 1);
+    browser.wait(SETTLED);
+    assert_eq!(browser.run("return window.asked"), json!(1));
+    browser.keys(&["\u{e013}"]);
+    browser.wait(SETTLED);
+    assert_eq!(browser.run("return window.asked"), json!(2));
+
+    browser.click("#tab-targets");
+    let shown = browser.run(
+        "return [...document.querySelectorAll('#pane-targets .panel:first-child tbody td:nth-child(2)')].map((cell) => Number(cell.textContent))",
+    );
+    let known =
+        browser.run("return studio.state.answer.misfit.targets.map((target) => target.rms)");
+    let list = |value: &Value| -> Vec<f64> {
+        let all = value.as_array().unwrap().iter();
+        all.map(|v| v.as_f64().unwrap()).collect()
+    };
+    let (shown, known) = (list(&shown), list(&known));
+    assert!(!known.is_empty() && shown.len() == known.len());
+    for (shown, known) in shown.iter().zip(&known) {
+        assert!(
+            (shown - known).abs() < 5.1e-3 * known.abs(),
+            "{shown} {known}"
+        );
+    }
+    browser.click("#tab-history");
+    let deeds = "document.querySelectorAll('.deeds li').length";
+    assert_eq!(browser.run(&format!("return {deeds}")), json!(3));
+    assert_eq!(browser.console(), Vec::<String>::new());
+}
+
+/// While an answer is late, the point stays under the pointer and the page marks the earlier curves. A later design does not
+/// wait for it, and the late answer is never shown.
+#[test]
+fn a_late_answer_gives_way() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = Served::of(&sample("macpherson_front.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    browser.wait(SETTLED);
+    let point = handle("front", "lower_ball_joint");
+    let place = format!(
+        "const box = document.querySelector(\"{point}\").getBoundingClientRect(); return [box.x + box.width / 2, box.y + box.height / 2]"
+    );
+    let number = |value: &Value| value.as_f64().unwrap();
+    let from = browser.run(&place);
+    // The answer to the first move comes after five seconds.
+    browser.run(
+        "window.came = 0; let asked = 0; const send = window.fetch; \
+         window.fetch = async (what, ...rest) => { \
+           const is_first = what === 'solve' && (asked += 1) === 1; \
+           if (is_first) await new Promise((done) => setTimeout(done, 5000)); \
+           const answer = await send(what, ...rest); \
+           if (is_first) window.came = 1; \
+           return answer; }",
+    );
+    browser.drag(&point, [16, 0], 1);
+    browser.wait("document.documentElement.dataset.late === 'true'");
+    let to = browser.run(&place);
+    assert!((number(&to[0]) - number(&from[0]) - 16.0).abs() < 1.5);
+    browser.keys(&["\u{e013}"]);
+    browser.wait(SETTLED);
+    assert_eq!(
+        browser.run("return document.documentElement.dataset.late ?? null"),
+        Value::Null
+    );
+    assert_eq!(browser.run("return window.came"), json!(0));
+    let shown = browser.run("return studio.drawnValues()");
+    browser.wait("window.came === 1");
+    assert_eq!(browser.run("return studio.drawnValues()"), shown);
+    browser.click("#save");
+    browser.wait("document.getElementById('banner').textContent.includes('saved')");
+    browser.wait(SETTLED);
+    assert!(assert_drawn_as_solved(&browser, &served.study) >= 6);
+    assert_eq!(browser.console(), Vec::<String>::new());
+}

@@ -430,9 +430,7 @@ impl DesignFunction {
         self.design(x, &offsets, &mut left);
         let mut moved = study.at_design(left.clone());
         let own = study.axle().and_then(|both| both.axle.own_right());
-        let right = moved
-            .axle_mut()
-            .and_then(|both| both.axle.right.as_mut());
+        let right = moved.axle_mut().and_then(|both| both.axle.right.as_mut());
         if let (Some(own), Some(right)) = (own, right) {
             self.right_design(own, &offsets, &left, &mut right.design);
         }

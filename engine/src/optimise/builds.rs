@@ -117,9 +117,9 @@ impl<'a> Builds<'a> {
             wheel
                 .build(&self.draws[number], rates, variables)
                 .map_err(|reject| {
-                    let of = wheel.side.map_or(String::new(), |side| {
-                        format!(", {} wheel", side.name())
-                    });
+                    let of = wheel
+                        .side
+                        .map_or(String::new(), |side| format!(", {} wheel", side.name()));
                     let reason = format!("build {number}{of} cannot be assembled: {reject}");
                     Infeasible::Refused(reason)
                 })?;

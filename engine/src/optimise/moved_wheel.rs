@@ -103,7 +103,9 @@ impl<'a> MovedWheel<'a> {
         }
         for (wheel, duals) in [(&mut *self, whole), (right, turned)] {
             wheel.design.clear();
-            wheel.design.extend(duals.iter().map(|p| p.map(|c| c.value)));
+            wheel
+                .design
+                .extend(duals.iter().map(|p| p.map(|c| c.value)));
             wheel.point_rates.sort_by_key(|rate| rate.point);
         }
     }

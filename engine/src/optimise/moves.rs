@@ -123,9 +123,7 @@ impl Vehicle {
         let mut moved = self.clone();
         moved.set_design(by_variables(self.wheel()));
         let own = self.axle().and_then(|both| both.axle.own_right());
-        let right = moved
-            .axle_mut()
-            .and_then(|both| both.axle.right.as_mut());
+        let right = moved.axle_mut().and_then(|both| both.axle.right.as_mut());
         if let (Some(own), Some(right)) = (own, right) {
             right.design = by_variables(own);
         }

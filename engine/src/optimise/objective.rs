@@ -175,7 +175,9 @@ impl<'a> Objective<'a> {
 
     /// The wheel, or both wheels of an axle. A right wheel that is a mirror image of the left one is not among them.
     pub(super) fn wheels(&self) -> impl Iterator<Item = &MovedWheel<'a>> {
-        [Some(&self.wheel), self.right.as_ref()].into_iter().flatten()
+        [Some(&self.wheel), self.right.as_ref()]
+            .into_iter()
+            .flatten()
     }
 
     /// Moves the design, or the nominal design of builds, to `x`.

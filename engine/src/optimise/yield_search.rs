@@ -40,6 +40,7 @@ use crate::study::{
     AxleSite, AxleStudy, Band, Limit, Optimise, Scatter, Site, Target, Vehicle, Wanted,
 };
 use nalgebra::DVector;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 /// Widths of the steps of the search, in standard deviations of the values of a band.
 const WIDTHS: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
@@ -51,6 +52,10 @@ const FEW: f64 = 0.5;
 const JUDGED: usize = 1 << 16;
 /// Number of further builds that judge a design with elastic parts, whose equilibria take longer than poses.
 const JUDGED_ELASTIC: usize = 1 << 10;
+/// Number of further builds that judge an axle. They are solved one by one.
+const JUDGED_AXLE: usize = 1 << 13;
+/// Number of parts of an axle's further builds, which threads share.
+const AXLE_PARTS: usize = 8;
 /// Number of builds whose designs are in memory at once.
 const AT_ONCE: usize = 1 << 12;
 
@@ -283,32 +288,37 @@ impl<'a> YieldSearch<'a> {
             .map(|band| self.target(band, band.between, 1.0))
             .collect();
         let judged = self.judged();
-        let at_once = judged.min(AT_ONCE);
-        let mut further = Scatter {
-            builds: at_once,
-            ..self.scatter.clone()
+        let parts = match self.vehicle {
+            Vehicle::Wheel(_) => judged.div_ceil(AT_ONCE),
+            Vehicle::Axle(_) => AXLE_PARTS,
         };
-        let goals = self.goals(bands, &further);
-        let mut inside = 0;
-        for part in 0..judged / at_once {
+        let at_once = judged / parts;
+        let of_part = |part: usize| {
             if self.control.is_interrupted() {
                 return Err(Infeasible::Refused("interrupted".to_owned()));
             }
-            // Each part of the builds has its own seed.
-            further.seed = self.scatter.seed.wrapping_add(1 + part as u32);
+            let further = Scatter {
+                builds: at_once,
+                // Each part of the builds has its own seed.
+                seed: self.scatter.seed.wrapping_add(1 + part as u32),
+                ..self.scatter.clone()
+            };
+            let goals = self.goals(bands.clone(), &further);
             let found = self.values(&goals, &further, x)?;
             let builds = found.as_slice().chunks_exact(found.len() / at_once);
-            inside += builds.filter(|own| own.iter().all(|h| *h == 0.0)).count();
-        }
+            Ok(builds.filter(|own| own.iter().all(|h| *h == 0.0)).count())
+        };
+        let counts: Vec<_> = (0..parts).into_par_iter().map(of_part).collect();
+        let inside: usize = counts.into_iter().sum::<Result<_, Infeasible>>()?;
         Ok(inside as f64 / judged as f64)
     }
 
     /// Number of further builds that judge a design.
     fn judged(&self) -> usize {
-        if self.vehicle.is_elastic() {
-            JUDGED_ELASTIC
-        } else {
-            JUDGED
+        match self.vehicle {
+            _ if self.vehicle.is_elastic() => JUDGED_ELASTIC,
+            Vehicle::Wheel(_) => JUDGED,
+            Vehicle::Axle(_) => JUDGED_AXLE,
         }
     }
 

@@ -281,6 +281,9 @@ impl<const N: usize> RowsBeside for Rows<'_, N> {
                     }
                 }
             }
+            if moved.variables.is_empty() {
+                continue;
+            }
             let receive = |number: usize, [left, right]: [&[Vector3<f64>]; 2]| {
                 let own = |sample: &&&TargetSample| quantities[sample.of] == wanted[number];
                 for sample in pulling.iter().filter(own) {

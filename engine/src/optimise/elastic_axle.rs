@@ -82,6 +82,44 @@ fn used_by(station: &AxleStation, count: usize, seeks_targets: bool) -> Vec<usiz
     (0..count).filter(is_used).collect()
 }
 
+/// Makes these the parts of a moved design.
+fn take_rates(
+    parts: &mut AxleCompliance,
+    elastic: &AxleComplianceStudy,
+    moved: &Moved<'_>,
+) -> Result<(), Infeasible> {
+    parts.clone_from(&elastic.parts);
+    for (_, parameter, [rate, _]) in moved.rates() {
+        parts.set_rate(parameter.into(), rate);
+    }
+    let mut scattered = moved.scattered.iter();
+    if scattered.all(|own| parts.change_rate(own.of, own.change, own.is_relative)) {
+        Ok(())
+    } else {
+        Err(Infeasible::Refused(NO_RATE.to_owned()))
+    }
+}
+
+/// Writes the slopes of a value along the variables, from its derivatives by the parameters of the wheels that move.
+fn along_variables(
+    moved: &Moved<'_>,
+    (sides, parameters): (&[Option<Side>], &[AxleParameter]),
+    gradient: &[f64],
+    slopes: &mut [f64],
+) {
+    let by = |parameter: AxleParameter| {
+        let place = parameters.iter().position(|p| *p == parameter);
+        place.map_or(0.0, |place| gradient[place])
+    };
+    slopes.fill(0.0);
+    for (side, (_, ways)) in sides.iter().zip(&moved.wheels) {
+        let side = *side;
+        let of_side = |parameter| by(AxleParameter { parameter, side });
+        add_points(ways, of_side, slopes);
+    }
+    add_rates(moved, by, slopes);
+}
+
 impl RowsBeside for Rows<'_> {
     fn evaluate(
         &mut self,
@@ -99,15 +137,7 @@ impl RowsBeside for Rows<'_> {
             tape,
             slopes,
         } = self;
-        parts.clone_from(&elastic.parts);
-        for (_, parameter, [rate, _]) in moved.rates() {
-            parts.set_rate(parameter.into(), rate);
-        }
-        for own in moved.scattered {
-            if !parts.change_rate(own.of, own.change, own.is_relative) {
-                return Err(Infeasible::Refused(NO_RATE.to_owned()));
-            }
-        }
+        take_rates(parts, elastic, moved)?;
         let equilibria = axle.equilibria(moved.wheels.each(|(design, _)| design), parts);
         let equilibria = equilibria
             .map_err(|(side, fault)| Infeasible::Refused(axle.describe_fault((side, fault))))?;
@@ -127,36 +157,36 @@ impl RowsBeside for Rows<'_> {
             let reads = used.iter().map(|k| layout.quantities[*k].into());
             let reads: Vec<AxleRead> = reads.collect();
             let mut is_found = vec![false; used.len()];
-            let found =
-                equilibria.gradients(at, &reads, parameters, tape, &mut |number, value, by| {
-                    is_found[number] = true;
-                    let slope = |parameter: AxleParameter| {
-                        let place = parameters.iter().position(|p| *p == parameter);
-                        place.map_or(0.0, |place| by[place])
-                    };
-                    slopes.fill(0.0);
-                    for (side, (_, ways)) in sides.iter().zip(&moved.wheels) {
-                        let side = *side;
-                        let of_side = |parameter| slope(AxleParameter { parameter, side });
-                        add_points(ways, of_side, slopes);
-                    }
-                    add_rates(moved, slope, slopes);
-                    if let Some((into, first)) = &mut into {
-                        let own = |sample: &&TargetSample| sample.of == used[number];
-                        for sample in samples.iter().filter(own) {
-                            let row = *first + sample.row;
-                            if sample.write_residual(row, value, into) {
-                                into.write_slopes(row, slopes, sample.scale);
-                            }
+            let mut receive = |number: usize, value: f64, by: &[f64]| {
+                is_found[number] = true;
+                along_variables(moved, (sides, parameters), by, slopes);
+                if let Some((into, first)) = &mut into {
+                    let own = |sample: &&TargetSample| sample.of == used[number];
+                    for sample in samples.iter().filter(own) {
+                        let row = *first + sample.row;
+                        if sample.write_residual(row, value, into) {
+                            into.write_slopes(row, slopes, sample.scale);
                         }
                     }
-                    let Some(rows) = &mut rows else {
-                        return;
-                    };
-                    for own in limits.iter().filter(|own| own.of == used[number]) {
-                        own.check.write(&own.limited, value, slopes, rows);
-                    }
-                });
+                }
+                let Some(rows) = &mut rows else {
+                    return;
+                };
+                for own in limits.iter().filter(|own| own.of == used[number]) {
+                    own.check.write(&own.limited, value, slopes, rows);
+                }
+            };
+            let found = if moved.variables.is_empty() {
+                // Builds that judge a design need no derivatives.
+                equilibria.values(at, &reads).map(|values| {
+                    let found = values.into_iter().enumerate();
+                    found
+                        .filter_map(|(number, value)| Some((number, value?)))
+                        .for_each(|(number, value)| receive(number, value, &[]));
+                })
+            } else {
+                equilibria.gradients(at, &reads, parameters, tape, &mut receive)
+            };
             if let Err(why) = found {
                 let why = NoPose::from(why);
                 let message = format!("the axle has no equilibrium at {placement}: {why}");

@@ -53,7 +53,7 @@ const JUDGED: usize = 1 << 16;
 /// Number of further builds that judge a design with elastic parts, whose equilibria take longer than poses.
 const JUDGED_ELASTIC: usize = 1 << 10;
 /// Number of further builds that judge an axle. They are solved one by one.
-const JUDGED_AXLE: usize = 1 << 13;
+const JUDGED_AXLE: usize = 1 << 12;
 /// Number of parts of an axle's further builds, which threads share.
 const AXLE_PARTS: usize = 8;
 /// Number of builds whose designs are in memory at once.

@@ -8,7 +8,6 @@ use super::elastic_axle::elastic_axle_rows;
 use super::layout::{LimitedValue, TargetSample};
 use super::moved_wheel::WheelMoved;
 use super::{Infeasible, Linearisation};
-use crate::ask::NoValue;
 use crate::axle::{Axle, AxleSolver, Hold, Placement, Quantity};
 use crate::compliance::{AxleParameter, Parameter};
 use crate::evaluate::index_or_push;
@@ -263,12 +262,7 @@ impl<const N: usize> RowsBeside for Rows<'_, N> {
             pulling.clear();
             for target_sample in samples {
                 let quantity = quantities[target_sample.of];
-                if read.is_stuck(quantity) {
-                    let name = quantity.name();
-                    let why = NoValue::Toggle.reason();
-                    return Err(Infeasible::Refused(format!("{name} at {placement}: {why}")));
-                }
-                let found = quantity.value(&read.state).map_err(|void| {
+                let found = read.value(quantity).map_err(|void| {
                     let (name, why) = (quantity.name(), void.reason());
                     Infeasible::Refused(format!("{name} has no value at {placement}: {why}"))
                 })?;

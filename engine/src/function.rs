@@ -429,10 +429,10 @@ impl DesignFunction {
         let mut left = self.suspension.design.clone();
         self.design(x, &offsets, &mut left);
         let mut moved = study.at_design(left.clone());
-        if let Some(own) = study.axle().and_then(|both| both.axle.own_right()) {
-            let mut design = own.design.clone();
-            self.right_design(own, &offsets, &left, &mut design);
-            moved.set_own_right(design);
+        let own = study.axle().and_then(|both| both.axle.own_right());
+        let right = moved.axle_mut().and_then(|both| both.axle.right.as_mut());
+        if let (Some(own), Some(right)) = (own, right) {
+            self.right_design(own, &offsets, &left, &mut right.design);
         }
         moved
     }

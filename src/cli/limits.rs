@@ -17,11 +17,10 @@ pub(super) fn run(arguments: &LimitsArguments) -> Result<Exit, Stop> {
     let force = arguments.force;
     let arguments = &arguments.study;
     let path = &arguments.study;
+    let study = Study::read_elastic(path, &arguments.set)?;
     if let Some(count) = builds {
-        let study = Study::read(path, &arguments.set)?;
         return super::limits_of_builds::run(arguments, &study, count);
     }
-    let study = Study::read_elastic(path, &arguments.set)?;
     let stop = |why| Stop::in_file(path, why);
     let limits = LimitTable::of(&study).map_err(stop)?;
     if let Some(page) = page {

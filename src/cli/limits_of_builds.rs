@@ -2,15 +2,18 @@
 
 use super::StudyArguments;
 use super::exit::{Exit, Stop};
-use super::output::{design_fault, pool};
+use super::output::pool;
 use super::printer::Printer;
 use super::progress;
 use super::tolerance::{problem, tolerance_of};
 use crate::analyse::Range;
 use crate::axle::{Axle, AxlePlan, axle_curves};
-use crate::limits::{Row, ranges, ranges_by_rack, rod_travel, straight, travel_left, travel_rows};
+use crate::limits::{
+    ElasticRow, Row, ranges, ranges_by_rack, rod_travel, rows_of_axle, rows_of_wheel, straight,
+    travel_left, travel_rows,
+};
 use crate::mechanism::DesignFault;
-use crate::model::{Side, Suspension};
+use crate::model::Side;
 use crate::plan::Plan;
 use crate::report::{Cell, Column, Table, brief};
 use crate::solve::Solver;
@@ -27,14 +30,8 @@ pub(super) fn run(
     let path = &arguments.study;
     let tolerance = tolerance_of(study, path)?;
     let problem = problem(study, tolerance, path)?;
-    let drawn = match &study.vehicle {
-        Vehicle::Wheel(own) => LimitRanges::of(study, own, &own.suspension)
-            .map_err(|fault| design_fault(study, path, &fault)),
-        Vehicle::Axle(both) => LimitRanges::of_axle(&both.axle, &both.plan).map_err(|fault| {
-            let reason = both.axle.describe_fault(fault);
-            Stop::in_file(path, reason)
-        }),
-    }?;
+    let drawn = LimitRanges::of_vehicle(study, &study.vehicle);
+    let drawn = drawn.map_err(|reason| Stop::in_file(path, reason))?;
     let line = progress::line(count.get(), "builds");
     let least = pool(None, count.get())?.install(|| {
         let builds = (0..count.get()).into_par_iter().map(|number| {
@@ -52,11 +49,16 @@ pub(super) fn run(
     let mut counts = Table::new(["builds", "number", "first"]);
     // The paper's drive has no comparison of limits and motion.
     let short = (study.motion().drive != Drive::PaperTheta).then_some(least.short);
+    let rejected = if study.is_elastic() {
+        "cannot be assembled, or have no equilibrium at rest"
+    } else {
+        "cannot be assembled"
+    };
     let mut numbers = vec![
-        ("cannot be assembled", Some(least.rejected)),
+        (rejected, Some(least.rejected)),
         ("do not reach the study's motion", short),
     ];
-    if study.axle().is_some() {
+    if study.axle().is_some() && !study.is_elastic() {
         numbers.push(("have an unknown limit of roll", Some(least.unknown)));
     }
     for (what, found) in numbers {
@@ -91,14 +93,64 @@ struct LimitRanges {
     /// Rows of the table: quantity, held quantities, lower limit and upper limit.
     rows: Vec<(String, String, [f64; 2])>,
     /// Distance from the study's motion to the nearest limit; negative if the motion goes beyond it. `None` with the paper's
-    /// drive. Also `None` for axles, because their motion has several quantities.
+    /// drive, and for an elastic wheel whose limit is not known. Also `None` for axles, because their motion has several quantities.
     margin: Option<f64>,
     /// True if the study's motion goes beyond the limits.
     is_short: bool,
 }
 
 impl LimitRanges {
-    fn of(study: &Study, own: &WheelStudy, suspension: &Suspension) -> Result<Self, DesignFault> {
+    /// Limits of a vehicle: that of the study, or a build of it. An error says why it has none.
+    fn of_vehicle(study: &Study, vehicle: &Vehicle) -> Result<Self, String> {
+        match vehicle {
+            Vehicle::Wheel(own) => {
+                let found = match &own.compliance {
+                    None => LimitRanges::of(study, own),
+                    Some(elastic) => {
+                        let found = rows_of_wheel(own, elastic);
+                        return found
+                            .map_err(|fault| fault.describe(&own.suspension.mechanism))
+                            .and_then(|(rows, margin)| {
+                                let is_short = margin.is_some_and(|margin| margin < 0.0);
+                                LimitRanges::of_equilibria(rows, margin, is_short)
+                            });
+                    }
+                };
+                found.map_err(|fault| fault.describe(&own.suspension.mechanism))
+            }
+            Vehicle::Axle(both) => {
+                let axle = &both.axle;
+                let fault = |fault| axle.describe_fault(fault);
+                let Some(elastic) = &axle.elastic else {
+                    return LimitRanges::of_axle(axle, &both.plan).map_err(fault);
+                };
+                let rows = rows_of_axle(axle, elastic)?;
+                let positions = AxlePlan::of(both.plan.motion.clone(), Vec::new());
+                let moved = axle_curves(axle, &positions).map_err(fault)?.curves;
+                LimitRanges::of_equilibria(rows, None, !moved.are_complete())
+            }
+        }
+    }
+
+    /// Limits of equilibrium.
+    fn of_equilibria(
+        rows: Vec<ElasticRow>,
+        margin: Option<f64>,
+        is_short: bool,
+    ) -> Result<Self, String> {
+        let limits = rows.into_iter().map(ElasticRow::limits);
+        let limits: Option<Vec<(Row, [f64; 2])>> = limits.collect();
+        let limits = limits.ok_or("the design position has no equilibrium")?;
+        let rows = limits.into_iter().map(|(row, ends)| in_table(row, ends));
+        Ok(LimitRanges {
+            rows: rows.collect(),
+            margin,
+            is_short,
+        })
+    }
+
+    fn of(study: &Study, own: &WheelStudy) -> Result<Self, DesignFault> {
+        let suspension = &own.suspension;
         let plan = Plan::of(own);
         let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
         let limits = solver.limits()?;
@@ -149,17 +201,10 @@ impl LimitRanges {
         })
     }
 
-    /// Limits of one build. `None` if it cannot be assembled or cannot move.
+    /// Limits of one build. `None` if it cannot be assembled, cannot move or has no equilibrium.
     fn of_build(study: &Study, problem: &Problem, number: u64) -> Option<Self> {
-        let mut wheels = problem.built_wheels(number).ok()?.into_iter();
-        let left = wheels.next()?;
-        match &study.vehicle {
-            Vehicle::Wheel(own) => LimitRanges::of(study, own, &left).ok(),
-            Vehicle::Axle(both) => {
-                let axle = both.axle.with_wheels(left, wheels.next());
-                LimitRanges::of_axle(&axle, &both.plan).ok()
-            }
-        }
+        let built = problem.built_vehicle(number).ok()?;
+        LimitRanges::of_vehicle(study, &built).ok()
     }
 
     /// True if a limit is unknown.

@@ -5,12 +5,13 @@
 
 use super::row::{LOST, Row, columns};
 use super::{Found, travel_rows};
+use crate::axle::Axle;
 use crate::compliance::{
     AxleKcRun, AxleWay, DrivingForce, EndCause, EquilibriumEnd, Event, HeldQuantity, KcRun, KcTest,
     LARGEST_FORCE, NoEquilibrium, TestLoad, TestMode,
 };
 use crate::mechanism::DesignFault;
-use crate::model::{Axis, Body, LengthUnit, Side};
+use crate::model::{Axis, Body, LengthUnit, Side, Suspension};
 use crate::report::{Cell, Table, as_written, brief, no_equilibrium, weakest_motion};
 use crate::solve::Solver;
 use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Study, WheelStudy};
@@ -21,17 +22,38 @@ const RIGID: &str = "all parts rigid";
 /// Ends of equilibrium, or why there is none in the design position.
 type Ends = Result<[EquilibriumEnd; 2], NoEquilibrium>;
 
+/// Limits of one quantity.
+pub(crate) struct ElasticRow {
+    row: Row,
+    /// Unit of the values in words.
+    unit: &'static str,
+    ends: Ends,
+}
+
+impl ElasticRow {
+    /// Row with both limits in its factor's unit. NaN for a limit beyond the search. `None` if the design position has no
+    /// equilibrium.
+    pub(crate) fn limits(self) -> Option<(Row, [f64; 2])> {
+        let ends = self.ends.ok()?.map(|end| {
+            if end.cause == EndCause::SearchEnds {
+                f64::NAN
+            } else {
+                end.value
+            }
+        });
+        Some((self.row, ends))
+    }
+}
+
 /// Limits as they are shown.
-struct Sheet<'s> {
-    study: &'s Study,
+struct Sheet {
     table: Table,
     notes: Vec<String>,
 }
 
-impl<'s> Sheet<'s> {
-    fn new(study: &'s Study) -> Self {
+impl Sheet {
+    fn new() -> Self {
         Sheet {
-            study,
             table: Table::with_columns(columns()).keyed(2),
             notes: Vec::new(),
         }
@@ -41,8 +63,8 @@ impl<'s> Sheet<'s> {
         (self.table, self.notes)
     }
 
-    /// Adds the row of a quantity. `unit` is that of its values.
-    fn push(&mut self, row: &Row, unit: &str, ends: &Ends) {
+    /// Adds the row of a quantity.
+    fn push(&mut self, ElasticRow { row, unit, ends }: &ElasticRow) {
         let cells = match ends {
             Ok(ends) => {
                 let mut ends = ends.each_ref().map(|end| {
@@ -137,14 +159,14 @@ fn load_row(test: &KcTest, unit: LengthUnit, at: &str) -> Row {
     }
 }
 
-/// Adds the rows of all loads. Tests that differ only in window or levels have one row.
-fn push_loads(
-    sheet: &mut Sheet<'_>,
+/// Appends the rows of all loads. Tests that differ only in window or levels have one row. `unit` is the study's.
+fn append_loads(
+    rows: &mut Vec<ElasticRow>,
+    unit: LengthUnit,
     tests: &[KcTest],
     at: &str,
     mut ends: impl FnMut(&KcTest) -> Ends,
 ) {
-    let unit = sheet.study.wheel().length_unit;
     let mut known: Vec<[String; 2]> = Vec::new();
     for test in tests.iter().filter(|test| !test.load.is_motion()) {
         let row = load_row(test, unit, at);
@@ -153,11 +175,12 @@ fn push_loads(
             continue;
         }
         known.push(key);
-        let symbol = match test.load {
+        let unit = match test.load {
             TestLoad::Aligning => "N m",
             _ => "N",
         };
-        sheet.push(&row, symbol, &ends(test));
+        let ends = ends(test);
+        rows.push(ElasticRow { row, unit, ends });
     }
 }
 
@@ -168,29 +191,79 @@ pub(super) fn of_wheel(
     elastic: &ComplianceStudy,
 ) -> Result<Found, DesignFault> {
     let suspension = &own.suspension;
+    let mut sheet = Sheet::new();
+    let (rows, left) = rows_of_wheel(own, elastic)?;
+    rows.iter().for_each(|row| sheet.push(row));
+    let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
+    let rigid = solver.limits()?;
+    let row = travel_row(suspension, RIGID.to_owned());
+    let range = &rigid.travel;
+    sheet.table.push(row.of(study, &range.lower, &range.upper));
+    if let Some(range) = &rigid.rack {
+        let row = rack_row(suspension, RIGID);
+        sheet.table.push(row.of(study, &range.lower, &range.upper));
+    }
+    let unit = suspension.length_unit.symbol();
+    sheet.notes.extend(left.map(|left| {
+        if left >= 0.0 {
+            format!("Nearest travel limit: {} {unit} away.", brief(left))
+        } else {
+            format!(
+                "The motion goes {} {unit} beyond the travel limit.",
+                brief(-left)
+            )
+        }
+    }));
+    Ok(sheet.done())
+}
+
+/// Row for the travel of a wheel.
+fn travel_row(suspension: &Suspension, at: String) -> Row {
+    Row {
+        quantity: format!("travel_{}", suspension.length_unit.symbol()),
+        at,
+        factor: 1.0,
+    }
+}
+
+/// Row for the rack of a wheel, in the study's axes.
+fn rack_row(suspension: &Suspension, at: &str) -> Row {
+    Row {
+        quantity: format!("rack_{}", suspension.length_unit.symbol()),
+        at: at.to_owned(),
+        factor: suspension.frame.sign(Axis::Y),
+    }
+}
+
+/// Limits of equilibrium of a wheel, and the distance of the study's travels from the nearest limit; negative if they go beyond
+/// it, `None` if it is not known.
+pub(crate) fn rows_of_wheel(
+    own: &WheelStudy,
+    elastic: &ComplianceStudy,
+) -> Result<(Vec<ElasticRow>, Option<f64>), DesignFault> {
+    let suspension = &own.suspension;
     let run = KcRun::new(suspension, &elastic.parts, elastic.tyre_rate)
         .map_err(|why| why.of_design(&elastic.parts, suspension))?;
     let wheel = run.wheel();
     let unit = suspension.length_unit.symbol();
     let sign = suspension.frame.sign(Axis::Y);
-    let mut sheet = Sheet::new(study);
-    let travel = |at: String| Row {
-        quantity: format!("travel_{unit}"),
-        at,
-        factor: 1.0,
-    };
-    let rack = |at: &str| Row {
-        quantity: format!("rack_{unit}"),
-        at: at.to_owned(),
-        factor: sign,
+    let mut rows = Vec::new();
+    let travel = |at: String, ends: &Ends| ElasticRow {
+        row: travel_row(suspension, at),
+        unit,
+        ends: ends.clone(),
     };
     let points = &suspension.mechanism.points;
     let steers = points.iter().any(|point| point.body == Body::Rack);
     let straight = if steers { "rack 0" } else { "" };
     let straight_ends = wheel.travel_ends(0.0);
-    sheet.push(&travel(straight.to_owned()), unit, &straight_ends);
+    rows.push(travel(straight.to_owned(), &straight_ends));
     if steers {
-        sheet.push(&rack("travel 0"), unit, &wheel.rack_ends());
+        rows.push(ElasticRow {
+            row: rack_row(suspension, "travel 0"),
+            unit,
+            ends: wheel.rack_ends(),
+        });
     }
     let mut by_rack = Vec::new();
     for &rack in &own.motion.rack {
@@ -199,7 +272,7 @@ pub(super) fn of_wheel(
         } else {
             let ends = wheel.travel_ends(sign * rack);
             let at = format!("rack {}", as_written(rack));
-            sheet.push(&travel(at), unit, &ends);
+            rows.push(travel(at, &ends));
             ends
         };
         by_rack.push(ends);
@@ -209,24 +282,15 @@ pub(super) fn of_wheel(
     } else {
         "travel 0"
     };
-    push_loads(&mut sheet, &elastic.tests, at, |test| run.load_ends(test));
-    let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
-    let rigid = solver.limits()?;
-    let row = travel(RIGID.to_owned());
-    let range = &rigid.travel;
-    sheet.table.push(row.of(study, &range.lower, &range.upper));
-    if let Some(range) = &rigid.rack {
-        let row = rack(RIGID);
-        sheet.table.push(row.of(study, &range.lower, &range.upper));
-    }
-    sheet
-        .notes
-        .extend(margin(&own.motion.values, &by_rack, unit));
-    Ok(sheet.done())
+    let length = suspension.length_unit;
+    append_loads(&mut rows, length, &elastic.tests, at, |test| {
+        run.load_ends(test)
+    });
+    Ok((rows, margin(&own.motion.values, &by_rack)))
 }
 
-/// Distance of the study's travels from the nearest limit, in words.
-fn margin(travels: &[f64], by_rack: &[Ends], unit: &str) -> Option<String> {
+/// Distance of travels from the nearest limit; negative if they go beyond it. `None` without an equilibrium.
+fn margin(travels: &[f64], by_rack: &[Ends]) -> Option<f64> {
     let mut least = f64::INFINITY;
     for ends in by_rack {
         let [lower, upper] = ends.as_ref().ok()?;
@@ -234,16 +298,7 @@ fn margin(travels: &[f64], by_rack: &[Ends], unit: &str) -> Option<String> {
             least = least.min(upper.value - travel).min(travel - lower.value);
         }
     }
-    least.is_finite().then(|| {
-        if least >= 0.0 {
-            format!("Nearest travel limit: {} {unit} away.", brief(least))
-        } else {
-            format!(
-                "The motion goes {} {unit} beyond the travel limit.",
-                brief(-least)
-            )
-        }
-    })
+    least.is_finite().then_some(least)
 }
 
 /// Limits of an elastic axle.
@@ -253,11 +308,33 @@ pub(super) fn of_axle(
     elastic: &AxleComplianceStudy,
 ) -> Result<Found, String> {
     let axle = &both.axle;
+    let mut sheet = Sheet::new();
+    let rows = rows_of_axle(axle, elastic)?;
+    rows.iter().for_each(|row| sheet.push(row));
+    if axle.left.mechanism.has_extra_links() {
+        sheet.notes.push(
+            "Five rigid links do not move in roll: there are no limits with all parts rigid."
+                .to_owned(),
+        )
+    } else {
+        let limits = axle.limits().map_err(|f| axle.describe_fault(f))?;
+        for (mut row, range) in travel_rows(axle, &limits) {
+            row.at = RIGID.to_owned();
+            sheet.table.push(row.of(study, &range.lower, &range.upper));
+        }
+    }
+    Ok(sheet.done())
+}
+
+/// Limits of equilibrium of an axle.
+pub(crate) fn rows_of_axle(
+    axle: &Axle,
+    elastic: &AxleComplianceStudy,
+) -> Result<Vec<ElasticRow>, String> {
     let vehicle = axle.on_rig(elastic.tyre_rate);
     let run = AxleKcRun::new(vehicle, &elastic.parts)
         .map_err(|why| why.describe(&elastic.parts.wheels, &axle.left))?;
     let unit = axle.left.length_unit.symbol();
-    let mut sheet = Sheet::new(study);
     let row = |quantity: &str, at: &str| Row::length_of_axle(axle, quantity, at, 1.0);
     let points = &axle.left.mechanism.points;
     let steers = points.iter().any(|point| point.body == Body::Rack);
@@ -282,22 +359,19 @@ pub(super) fn of_axle(
     if steers {
         rows.push((AxleWay::Rack, Row::axle_rack(axle)));
     }
-    for (way, row) in rows {
-        sheet.push(&row, unit, &run.motion_ends(way));
-    }
+    let found = rows.into_iter().map(|(way, row)| ElasticRow {
+        row,
+        unit,
+        ends: run.motion_ends(way),
+    });
+    let mut found: Vec<ElasticRow> = found.collect();
     let at = with_rack("travels 0");
-    push_loads(&mut sheet, &elastic.tests, &at, |test| run.load_ends(test));
-    if axle.left.mechanism.has_extra_links() {
-        sheet.notes.push(
-            "Five rigid links do not move in roll: there are no limits with all parts rigid."
-                .to_owned(),
-        )
-    } else {
-        let limits = axle.limits().map_err(|f| axle.describe_fault(f))?;
-        for (mut row, range) in travel_rows(axle, &limits) {
-            row.at = RIGID.to_owned();
-            sheet.table.push(row.of(study, &range.lower, &range.upper));
-        }
-    }
-    Ok(sheet.done())
+    append_loads(
+        &mut found,
+        axle.left.length_unit,
+        &elastic.tests,
+        &at,
+        |test| run.load_ends(test),
+    );
+    Ok(found)
 }

@@ -15,6 +15,7 @@ use crate::report::{Table, as_written};
 use crate::solve::Solver;
 use crate::solved::Solved;
 use crate::study::{AxleStudy, Drive, Study, Vehicle, WheelStudy};
+pub(crate) use elastic::{ElasticRow, rows_of_axle, rows_of_wheel};
 use margin::margin;
 pub(crate) use margin::travel_left;
 pub(crate) use row::Row;

@@ -92,15 +92,15 @@ impl Compliance {
         }
     }
 
-    /// Changes the number of a parameter, by a fraction of itself if `is_relative` is true.
-    pub(crate) fn change_rate(&mut self, parameter: Parameter, change: f64, is_relative: bool) {
-        if let Some(number) = law_of(self, parameter) {
-            *number += if is_relative {
-                *number * change
-            } else {
-                change
-            };
-        }
+    /// Changes the number of a parameter, by a fraction of itself if `is_relative` is true. Returns false if it is not above 0
+    /// then.
+    pub(crate) fn change_rate(
+        &mut self,
+        parameter: Parameter,
+        change: f64,
+        is_relative: bool,
+    ) -> bool {
+        law_of(self, parameter).is_none_or(|number| scatter_rate(number, change, is_relative))
     }
 }
 
@@ -111,6 +111,12 @@ pub struct OnTape<'t> {
     pub wheel: ElasticWheel<Tracked<'t>>,
     /// Inputs among loads, travel and rack, each as an added 0.
     added: Vec<(Parameter, Tracked<'t>)>,
+}
+
+/// Changes a rate, by a fraction of itself if `is_relative` is true. Returns false if it is not above 0 then.
+pub(super) fn scatter_rate(rate: &mut f64, change: f64, is_relative: bool) -> bool {
+    *rate += if is_relative { *rate * change } else { change };
+    *rate > 0.0
 }
 
 /// Number of a parameter in the laws of bushings, links and spring; `None` if the parts do not have it.

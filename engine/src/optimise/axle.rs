@@ -2,15 +2,14 @@
 //!
 //! A variable moves the same points of both wheels, each in the frame of its side. So the derivative of a row is the sum of
 //! both wheels' gradients along the variable's rates. If the right wheel has its own hardpoints, the variables move them as
-//! mirror images of the left ones.
+//! mirror images of the left ones. The two wheels of a build differ in any case.
 
 use super::elastic_axle::elastic_axle_rows;
 use super::layout::{LimitedValue, TargetSample};
-use super::moves::{PointRate, moved_design, point_rates};
+use super::moved_wheel::WheelMoved;
 use super::{Infeasible, Linearisation};
-use crate::ask::NoValue;
 use crate::axle::{Axle, AxleSolver, Hold, Placement, Quantity};
-use crate::compliance::Parameter;
+use crate::compliance::{AxleParameter, Parameter};
 use crate::evaluate::index_or_push;
 use crate::mechanism::DesignFault;
 use crate::model::PointId;
@@ -119,24 +118,25 @@ impl AxleLayout {
     }
 }
 
-/// A design moved by its variables.
+/// Designs of the wheels, moved by the variables.
 pub(super) struct Moved<'m> {
     /// The variables.
     pub variables: &'m [Variable],
     /// Values of the variables.
     pub x: &'m DVector<f64>,
-    /// The left wheel's design.
-    pub design: &'m [Vector3<f64>],
-    /// Rates at which the variables move its points.
-    pub point_rates: &'m [PointRate],
+    /// Left and right wheel. Both are the same for one wheel, and for an axle whose wheels are mirror images.
+    pub wheels: [WheelMoved<'m>; 2],
     /// Scatter of elastic rates in a build. Empty for the nominal design.
     pub scattered: &'m [ScatteredRate],
+    /// True for a build: each of its points moves by itself, also those of the far half of a solid axle.
+    pub is_build: bool,
 }
 
 /// Scatter of the rate of an elastic part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ScatteredRate {
-    pub parameter: Parameter,
+    /// The rate, of one wheel or of a part that both wheels share.
+    pub of: AxleParameter,
     /// Change of the rate.
     pub change: f64,
     /// True if the change is a fraction of the rate.
@@ -145,11 +145,12 @@ pub(super) struct ScatteredRate {
 
 impl Moved<'_> {
     /// Derivative of a build's rate by the nominal rate.
-    pub(super) fn gain(&self, parameter: Parameter) -> f64 {
-        let own = self
-            .scattered
-            .iter()
-            .filter(|own| own.parameter == parameter);
+    pub(super) fn gain(&self, of: AxleParameter) -> f64 {
+        let is_own = |own: &&ScatteredRate| {
+            let is_of_side = own.of.side.is_none() || own.of.side == of.side;
+            own.of.parameter == of.parameter && is_of_side
+        };
+        let own = self.scattered.iter().filter(is_own);
         let relative = own.filter(|own| own.is_relative);
         relative.map(|own| 1.0 + own.change).product()
     }
@@ -172,39 +173,6 @@ pub(super) fn moved_points(variables: &[Variable]) -> Vec<PointId> {
     points
 }
 
-/// Workspace for a right wheel that has its own hardpoints.
-#[derive(Default)]
-pub(super) struct RightWheel {
-    design: Vec<Vector3<f64>>,
-    point_rates: Vec<PointRate>,
-}
-
-/// Design of a wheel, and the rates at which the variables move its points.
-pub(super) type WheelMoved<'m> = (&'m [Vector3<f64>], &'m [PointRate]);
-
-impl RightWheel {
-    /// Returns the left and the right wheel of an axle after its left design has moved.
-    pub(super) fn with_left<'m>(
-        &'m mut self,
-        axle: &Axle,
-        moved: &'m Moved<'_>,
-    ) -> [WheelMoved<'m>; 2] {
-        let left = (moved.design, moved.point_rates);
-        let Some(own) = &axle.right else {
-            return [left; 2];
-        };
-        let frame = &axle.left.frame;
-        let RightWheel {
-            design,
-            point_rates: ways,
-        } = self;
-        design.clone_from(&own.design);
-        moved_design(&own.design, frame, moved.variables, moved.x, design);
-        point_rates(&own.design, frame, moved.variables, moved.x, ways);
-        [left, (design, ways)]
-    }
-}
-
 /// Residuals and their derivatives.
 pub(super) trait RowsBeside: Send {
     /// Writes the rows of all targets into `into`, from the given row on, and the rows of the constraints into `rows`.
@@ -216,37 +184,40 @@ pub(super) trait RowsBeside: Send {
     ) -> Result<(), Infeasible>;
 }
 
-/// The rows of a layout.
+/// The rows of a layout, for an axle whose points move.
 pub(super) fn axle_rows<'a>(
     layout: &'a AxleLayout,
+    axle: &'a Axle,
+    points: &[PointId],
     variables: &[Variable],
 ) -> Result<Box<dyn RowsBeside + 'a>, DesignFault> {
     fn rows<'a, const N: usize>(
         layout: &'a AxleLayout,
+        axle: &'a Axle,
     ) -> Result<Box<dyn RowsBeside + 'a>, DesignFault> {
-        let solver = AxleSolver::<N>::new(&layout.axle, &layout.quantities, false);
+        let solver = AxleSolver::<N>::new(axle, &layout.quantities, false);
         Ok(Box::new(Rows {
             layout,
+            axle,
             solver: solver.map_err(|(_, fault)| fault)?,
-            right: RightWheel::default(),
             wanted: Vec::new(),
         }))
     }
-    if let Some(elastic) = &layout.axle.elastic {
-        return Ok(elastic_axle_rows(layout, elastic, variables));
+    if let Some(elastic) = &axle.elastic {
+        return Ok(elastic_axle_rows(layout, axle, elastic, points, variables));
     }
     match layout.degree() {
-        0 => rows::<1>(layout),
-        1 => rows::<2>(layout),
-        2 => rows::<3>(layout),
-        _ => rows::<4>(layout),
+        0 => rows::<1>(layout, axle),
+        1 => rows::<2>(layout, axle),
+        2 => rows::<3>(layout, axle),
+        _ => rows::<4>(layout, axle),
     }
 }
 
 struct Rows<'a, const N: usize> {
     layout: &'a AxleLayout,
+    axle: &'a Axle,
     solver: AxleSolver<'a, N>,
-    right: RightWheel,
     wanted: Vec<Quantity>,
 }
 
@@ -257,23 +228,24 @@ impl<const N: usize> RowsBeside for Rows<'_, N> {
         into: Option<(&mut Linearisation, usize)>,
         _rows: Option<&mut Linearisation>,
     ) -> Result<(), Infeasible> {
-        // Axles have no builds, so their rows start at 0.
-        let Some((into, _)) = into else {
+        // Constraints of a rigid axle are rows of its left wheel.
+        let Some((into, first)) = into else {
             return Ok(());
         };
         let Rows {
             layout,
+            axle,
             solver,
-            right,
             wanted,
         } = self;
-        let AxleLayout {
-            axle, quantities, ..
-        } = *layout;
-        let sides = right.with_left(axle, moved);
-        solver
-            .prepare(sides.each(|(design, _)| design))
-            .map_err(|fault| Infeasible::Refused(axle.describe_fault(fault)))?;
+        let quantities = &layout.quantities;
+        let designs = moved.wheels.each(|(design, _)| design);
+        let prepared = if moved.is_build {
+            solver.prepare_whole(designs)
+        } else {
+            solver.prepare(designs)
+        };
+        prepared.map_err(|fault| Infeasible::Refused(axle.describe_fault(fault)))?;
         let placements: Vec<Placement> = layout.stations.iter().map(|s| s.placement).collect();
         let placed = solver.place_all(&placements);
         let mut pulling: Vec<&TargetSample> = Vec::new();
@@ -290,37 +262,40 @@ impl<const N: usize> RowsBeside for Rows<'_, N> {
             pulling.clear();
             for target_sample in samples {
                 let quantity = quantities[target_sample.of];
-                if read.is_stuck(quantity) {
-                    let name = quantity.name();
-                    let why = NoValue::Toggle.reason();
-                    return Err(Infeasible::Refused(format!("{name} at {placement}: {why}")));
-                }
-                let found = quantity.value(&read.state).map_err(|void| {
+                let found = read.value(quantity).map_err(|void| {
                     let (name, why) = (quantity.name(), void.reason());
                     Infeasible::Refused(format!("{name} has no value at {placement}: {why}"))
                 })?;
-                if target_sample.write_residual(target_sample.row, found, into) {
-                    into.jacobian.row_mut(target_sample.row).fill(0.0);
+                let row = first + target_sample.row;
+                if target_sample.write_residual(row, found, into) {
+                    into.jacobian.row_mut(row).fill(0.0);
                     pulling.push(target_sample);
                     if !wanted.contains(&quantity) {
                         wanted.push(quantity);
                     }
                 }
             }
+            if moved.variables.is_empty() {
+                continue;
+            }
             let receive = |number: usize, [left, right]: [&[Vector3<f64>]; 2]| {
                 let own = |sample: &&&TargetSample| quantities[sample.of] == wanted[number];
                 for sample in pulling.iter().filter(own) {
-                    for ((_, point_rates), gradient) in sides.iter().zip([left, right]) {
+                    for ((_, point_rates), gradient) in moved.wheels.iter().zip([left, right]) {
                         for rate in *point_rates {
                             let slope = gradient[rate.point].dot(rate.by);
-                            into.jacobian[(sample.row, rate.column)] += slope * sample.scale;
+                            into.jacobian[(first + sample.row, rate.column)] +=
+                                slope * sample.scale;
                         }
                     }
                 }
             };
-            solver
-                .gradients(&placed, wanted, receive)
-                .map_err(unreached)?;
+            let found = if moved.is_build {
+                solver.gradients_by_each_point(&placed, wanted, receive)
+            } else {
+                solver.gradients(&placed, wanted, receive)
+            };
+            found.map_err(unreached)?;
         }
         Ok(())
     }

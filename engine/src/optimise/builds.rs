@@ -1,7 +1,7 @@
 //! Scattered builds of a robust tuning, with their derivatives by the design variables.
 //!
-//! At x the nominal design is p(x), and its parts are a(p). Build number s has the scatter z_s, which is the same at every
-//! x. It is assembled from a(p(x)) + z_s. The result is a design b_s again (see [`crate::assembly`]), and
+//! At x the nominal design of a wheel is p(x), and its parts are a(p). Build number s has the scatter z_s, which is the same at
+//! every x. It is assembled from a(p(x)) + z_s. The result is a design b_s again (see [`crate::assembly`]), and
 //!
 //! ```text
 //! db_s/dx = db/da da/dp dp/dx + db/dp dp/dx
@@ -10,60 +10,64 @@
 //! The second term is the movement of the axes in which carriers are drawn: they move with the nominal design. Derivative
 //! numbers pass through the same code as plain numbers, for a few variables at a time.
 //!
+//! Each wheel of an axle is assembled by itself, from the numbers of z_s that belong to it.
+//!
 //! The rate k(x) of an elastic part is k(x) (1 + z) or k(x) + z in a build.
 
 use super::Infeasible;
 use super::axle::ScatteredRate;
+use super::moved_wheel::{AT_ONCE, ByVariables, WheelMoved, along_variables, append_rates};
 use super::moves::PointRate;
 use super::station_reader::refused;
-use crate::assembly::{Alignment, Assembler, Parts, Rest};
+use crate::assembly::{Alignment, Assembler, AssemblyError, BuildParameter, Parts, Rest};
+use crate::compliance::AxleParameter;
 use crate::mechanism::DesignFault;
-use crate::model::{Mechanism, PointId, Suspension};
-use crate::number::{Dual, Vector3};
-use crate::study::{Scatter, Source};
+use crate::model::{Mechanism, Side, Suspension};
+use crate::number::Vector3;
+use crate::study::{Scatter, Source, Vehicle};
 use crate::sweep::sobol;
-
-/// Number of variables that one pass differentiates by.
-const AT_ONCE: usize = 4;
 
 /// The builds of a robust tuning.
 pub(super) struct Builds<'a> {
-    assembler: Assembler,
     scatter: &'a Scatter,
     /// Random numbers of the builds, `[build][source]`.
     draws: Vec<Vec<f64>>,
-    moved: Vec<Vector3<Dual<f64, AT_ONCE>>>,
+    /// The only wheel, or left and right wheel.
+    pub wheels: Vec<BuiltWheel<'a>>,
+}
+
+/// Builds of one wheel.
+pub(super) struct BuiltWheel<'a> {
+    scatter: &'a Scatter,
+    assembler: Assembler,
+    /// Wheel of an axle. `None` for the only wheel of a study.
+    side: Option<Side>,
+    /// Alignment of the builds of the latest nominal design, if they are aligned.
+    alignment: Option<Alignment>,
+    moved: Vec<Vector3<ByVariables>>,
+    /// Design of the latest build.
+    pub design: Vec<Vector3<f64>>,
     /// Rates at which the variables move the points of the latest build, in the order of the point numbers.
     pub point_rates: Vec<PointRate>,
 }
 
 impl<'a> Builds<'a> {
-    /// Prepares the builds of a suspension that [`Assembler::suspension`] returned.
-    pub(super) fn new(suspension: &Suspension, scatter: &'a Scatter) -> Result<Self, DesignFault> {
+    /// Prepares the builds of a vehicle that [`Vehicle::assembled`] returned.
+    pub(super) fn new(vehicle: &Vehicle, scatter: &'a Scatter) -> Result<Self, DesignFault> {
+        let wheel = |suspension, side| BuiltWheel::new(suspension, side, scatter);
         Ok(Builds {
-            assembler: Assembler::new(suspension)?,
             scatter,
             draws: (0..scatter.builds)
                 .map(|build| draw(scatter, build))
                 .collect(),
-            moved: Vec::new(),
-            point_rates: Vec::new(),
+            wheels: match vehicle {
+                Vehicle::Wheel(own) => vec![wheel(&own.suspension, None)?],
+                Vehicle::Axle(both) => {
+                    let own = |side| wheel(both.axle.suspension(side), Some(side));
+                    vec![own(Side::Left)?, own(Side::Right)?]
+                }
+            },
         })
-    }
-
-    /// The assembler of builds of the latest nominal design.
-    pub(super) fn assembler(&self) -> &Assembler {
-        &self.assembler
-    }
-
-    /// The mechanism.
-    pub(super) fn mechanism(&self) -> &Mechanism {
-        &self.assembler.suspension().mechanism
-    }
-
-    /// Sources of scatter, in the order of the random numbers.
-    pub(super) fn sources(&self) -> impl Iterator<Item = &'a Source> + use<'a> {
-        sources(self.scatter)
     }
 
     /// Random numbers of the builds, `[build][source]`.
@@ -73,11 +77,14 @@ impl<'a> Builds<'a> {
 
     /// Scatter of the rates of elastic parts in a build.
     pub(super) fn scattered_rates(&self, number: usize) -> Vec<ScatteredRate> {
-        let sources = self.sources().zip(&self.draws[number]);
+        let sources = sources(self.scatter).zip(&self.draws[number]);
         let scattered = sources.filter_map(|(source, z)| {
             let rate = source.rate.as_ref()?;
             Some(ScatteredRate {
-                parameter: rate.parameter,
+                of: AxleParameter {
+                    parameter: rate.parameter,
+                    side: source.side,
+                },
                 change: *z,
                 is_relative: rate.is_relative,
             })
@@ -90,71 +97,120 @@ impl<'a> Builds<'a> {
         self.draws.len()
     }
 
-    /// Makes these the builds of a nominal design. Returns their alignment, if they are aligned.
-    pub(super) fn redraw(
+    /// Makes these the builds of nominal designs, one for each wheel.
+    pub(super) fn redraw<'d>(
         &mut self,
-        design: &[Vector3<f64>],
-    ) -> Result<Option<Alignment>, Infeasible> {
+        designs: impl IntoIterator<Item = &'d [Vector3<f64>]>,
+    ) -> Result<(), Infeasible> {
+        let mut wheels = self.wheels.iter_mut().zip(designs);
+        wheels.try_for_each(|(wheel, design)| wheel.redraw(design))
+    }
+
+    /// Assembles all wheels of a build, and writes their designs and rates. `nominal` has the nominal designs and their rates.
+    pub(super) fn build<'d>(
+        &mut self,
+        number: usize,
+        nominal: impl IntoIterator<Item = WheelMoved<'d>>,
+        variables: usize,
+    ) -> Result<(), Infeasible> {
+        for (wheel, (_, rates)) in self.wheels.iter_mut().zip(nominal) {
+            wheel
+                .build(&self.draws[number], rates, variables)
+                .map_err(|reject| {
+                    let of = wheel
+                        .side
+                        .map_or(String::new(), |side| format!(", {} wheel", side.name()));
+                    let reason = format!("build {number}{of} cannot be assembled: {reject}");
+                    Infeasible::Refused(reason)
+                })?;
+        }
+        Ok(())
+    }
+}
+
+impl<'a> BuiltWheel<'a> {
+    fn new(
+        suspension: &Suspension,
+        side: Option<Side>,
+        scatter: &'a Scatter,
+    ) -> Result<Self, DesignFault> {
+        Ok(BuiltWheel {
+            scatter,
+            assembler: Assembler::new(suspension)?,
+            side,
+            alignment: None,
+            moved: Vec::new(),
+            design: suspension.design.clone(),
+            point_rates: Vec::new(),
+        })
+    }
+
+    /// The assembler of builds of the latest nominal design.
+    pub(super) fn assembler(&self) -> &Assembler {
+        &self.assembler
+    }
+
+    /// Alignment of the builds of the latest nominal design, if they are aligned.
+    pub(super) fn alignment(&self) -> Option<&Alignment> {
+        self.alignment.as_ref()
+    }
+
+    /// The mechanism.
+    pub(super) fn mechanism(&self) -> &Mechanism {
+        &self.assembler.suspension().mechanism
+    }
+
+    /// Dimensions of this wheel that each source changes, in the order of the random numbers.
+    pub(super) fn changes(&self) -> impl Iterator<Item = &'a [(BuildParameter, f64)]> + use<'a> {
+        let side = self.side;
+        sources(self.scatter).map(move |source| source.changes_in(side))
+    }
+
+    fn redraw(&mut self, design: &[Vector3<f64>]) -> Result<(), Infeasible> {
         let redrawn = self.assembler.redraw(design);
         redrawn.map_err(refused(self.mechanism()))?;
         let aligned = self.scatter.adjust.as_ref();
         let alignment = aligned.map(|adjust| Alignment::of(adjust, &self.assembler));
-        alignment.transpose().map_err(|_| {
+        self.alignment = alignment.transpose().map_err(|_| {
             Infeasible::Refused("the adjustments of [setup] do not move toe and camber".to_owned())
-        })
+        })?;
+        Ok(())
     }
 
-    /// Assembles a build, and writes its design and [`Builds::point_rates`]. `drawn` are the rates of the nominal
-    /// design.
-    pub(super) fn build(
+    /// Assembles a build from its random numbers. `nominal` are the rates of the nominal design.
+    fn build(
         &mut self,
-        number: usize,
-        alignment: Option<&Alignment>,
-        drawn: &[PointRate],
+        draws: &[f64],
+        nominal: &[PointRate],
         variables: usize,
-        into: &mut [Vector3<f64>],
-    ) -> Result<(), Infeasible> {
-        let Builds {
+    ) -> Result<(), AssemblyError> {
+        let changes = self.changes();
+        let BuiltWheel {
             assembler,
-            scatter,
-            draws,
+            alignment,
             moved,
+            design: into,
             point_rates,
+            ..
         } = self;
         let mechanism = &assembler.suspension().mechanism;
-        let refused = |reject: crate::assembly::AssemblyError| {
-            Infeasible::Refused(format!("build {number} cannot be assembled: {reject}"))
-        };
         let mut parts = assembler.drawn().clone();
-        for (source, z) in sources(scatter).zip(&draws[number]) {
-            for (parameter, share) in &source.changes {
+        for (changes, z) in changes.zip(draws) {
+            for (parameter, share) in changes {
                 parts.change(mechanism, *parameter, share * z);
             }
         }
         if let Some(alignment) = alignment {
-            alignment
-                .assemble(assembler, &mut parts, into)
-                .map_err(refused)?;
+            alignment.assemble(assembler, &mut parts, into)?;
         }
-        let built = assembler
-            .build(&parts, Rest::Height(0.0))
-            .map_err(refused)?;
+        let built = assembler.build(&parts, Rest::Height(0.0))?;
         into.copy_from_slice(&built.suspension.design);
+        let alignment = alignment.as_ref();
         let alignment = alignment.and_then(|alignment| alignment.about(assembler, &built));
         point_rates.clear();
-        let mut first = 0;
-        while first < variables {
-            let own = first..first + AT_ONCE;
+        for first in (0..variables).step_by(AT_ONCE) {
             // The nominal design with its derivatives by these variables, and the parts made from it.
-            moved.clear();
-            moved.extend(parts.drawn.iter().map(|p| p.map(Dual::constant)));
-            for rate in drawn.iter().filter(|rate| own.contains(&rate.column)) {
-                let point = &mut moved[rate.point];
-                let k = rate.column - first;
-                point.x.partials[k] += rate.by.x;
-                point.y.partials[k] += rate.by.y;
-                point.z.partials[k] += rate.by.z;
-            }
+            along_variables(&parts.drawn, nominal, first, moved);
             let mut along = Parts::of_drawing(mechanism, moved);
             // Values of the build itself. Its scatter and adjustments are the same at every x, to first order.
             for (dual, value) in along.points.iter_mut().zip(&parts.points) {
@@ -167,16 +223,7 @@ impl<'a> Builds<'a> {
                 None => assembler.design_of(&built, &along, 1),
                 Some(alignment) => alignment.design(assembler, &built, &mut along, 1),
             };
-            for (point, series) in design.iter().enumerate() {
-                for k in 0..AT_ONCE.min(variables - first) {
-                    let by = series.map(|c| c.partials[k]);
-                    if by.norm_squared() > 0.0 {
-                        let column = first + k;
-                        point_rates.push(PointRate { column, point, by });
-                    }
-                }
-            }
-            first += AT_ONCE;
+            append_rates(&design, first, variables, point_rates);
         }
         point_rates.sort_by_key(|rate| (rate.point, rate.column));
         Ok(())
@@ -196,11 +243,4 @@ fn draw(scatter: &Scatter, build: usize) -> Vec<f64> {
 
 fn sources(scatter: &Scatter) -> impl Iterator<Item = &Source> {
     scatter.contributors.iter().flat_map(|c| &c.sources)
-}
-
-/// Returns the point that stands for the spin axis of a carrier without such a point, and the wheel centre that it follows.
-/// The point keeps the study's direction wherever the wheel centre moves.
-pub(super) fn follower(study: &Suspension, assembled: &Suspension) -> Option<(PointId, PointId)> {
-    let added = assembled.design.len() > study.design.len();
-    added.then_some((PointId(study.design.len()), study.mechanism.wheel_centre))
 }

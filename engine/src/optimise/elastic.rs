@@ -7,13 +7,16 @@ use super::axle::{Moved, RowsBeside};
 use super::layout::{LimitedValue, TargetSample};
 use super::moves::PointRate;
 use super::{Infeasible, Linearisation};
-use crate::compliance::{Compliance, KcRun, KcValue, Parameter};
+use crate::compliance::{AxleParameter, Compliance, KcRun, KcValue, Parameter};
 use crate::evaluate::index_or_push;
-use crate::model::{Axis, PointId, Suspension};
+use crate::model::{Axis, PointId, Side, Suspension};
 use crate::number::Tape;
 use crate::study::{
     ComplianceStudy, Limited, Motion, Optimise, Site, TargetKind, Variable, WheelStudy,
 };
+
+/// Refusal of a build whose scatter takes a rate away.
+pub(super) const NO_RATE: &str = "the rate of an elastic part is not above 0";
 
 /// A station with its target values.
 #[derive(Clone, Debug)]
@@ -210,8 +213,9 @@ fn along_variables(
         place.map_or(0.0, |place| gradient[place])
     };
     slopes.fill(0.0);
-    add_points(moved.point_rates, by, slopes);
-    add_rates(moved, by, slopes);
+    add_points(moved.wheels[0].1, by, slopes);
+    let by_rate = |of: AxleParameter| of.side.map_or_else(|| by(of.parameter), |_| 0.0);
+    add_rates(moved, by_rate, slopes);
 }
 
 /// Adds the slopes along the variables that come from moving points. `by` gives the derivative of the value by a coordinate.
@@ -226,10 +230,14 @@ pub(super) fn add_points(ways: &[PointRate], by: impl Fn(Parameter) -> f64, slop
     }
 }
 
-/// Adds the slopes along the variables that come from rates. `by` gives the derivative of the value by a rate.
-pub(super) fn add_rates(moved: &Moved<'_>, by: impl Fn(Parameter) -> f64, slopes: &mut [f64]) {
+/// Adds the slopes along the variables that come from rates: those of both wheels together, and those of each wheel. `by` gives
+/// the derivative of the value by a rate, 0 for a rate that is no input.
+pub(super) fn add_rates(moved: &Moved<'_>, by: impl Fn(AxleParameter) -> f64, slopes: &mut [f64]) {
     for (column, parameter, [_, slope]) in moved.rates() {
-        slopes[column] += by(parameter) * slope * moved.gain(parameter);
+        for side in [None, Some(Side::Left), Some(Side::Right)] {
+            let of = AxleParameter { parameter, side };
+            slopes[column] += by(of) * slope * moved.gain(of);
+        }
     }
 }
 
@@ -253,10 +261,13 @@ impl RowsBeside for Rows<'_> {
             parts.set_rate(parameter, rate);
         }
         for own in moved.scattered {
-            parts.change_rate(own.parameter, own.change, own.is_relative);
+            let parameter = own.of.parameter;
+            if !parts.change_rate(parameter, own.change, own.is_relative) {
+                return Err(Infeasible::Refused(NO_RATE.to_owned()));
+            }
         }
         let tyre_rate = layout.elastic.tyre_rate;
-        let run = KcRun::of(suspension, moved.design, parts, tyre_rate);
+        let run = KcRun::of(suspension, moved.wheels[0].0, parts, tyre_rate);
         let run = run.map_err(|_| {
             Infeasible::Refused("the elastic parts of this design hold no equilibrium".to_owned())
         })?;

@@ -1,34 +1,36 @@
 //! Targets of an axle with elastic parts: rows of the least-squares problem from its equilibria and test figures.
 //!
 //! A variable moves the points of both wheels. It also moves rates of parts of both wheels, or of a shared part. If the
-//! wheels are mirror images, one derivative serves both; otherwise each wheel has its own.
+//! wheels are mirror images, one derivative serves both; otherwise each wheel has its own. In a build, each wheel also has its
+//! own rates.
 
-use super::axle::{AxleLayout, AxleStation, Moved, RightWheel, RowsBeside, moved_points};
-use super::elastic::{add_points, add_rates};
+use super::axle::{AxleLayout, AxleStation, Moved, RowsBeside};
+use super::elastic::{NO_RATE, add_points, add_rates};
 use super::layout::TargetSample;
 use super::{Infeasible, Linearisation};
-use crate::axle::AxleRead;
+use crate::axle::{Axle, AxleRead};
 use crate::compliance::{AxleCompliance, AxleParameter, Parameter};
 use crate::evaluate::index_or_push;
 use crate::mechanism::NoPose;
-use crate::model::{Axis, Side};
-use crate::number::Tape;
+use crate::model::{Axis, PointId, Side};
+use crate::number::{Each, Tape};
 use crate::study::{AxleComplianceStudy, Variable};
 
-/// Rows of a layout of an axle with these elastic parts.
+/// Rows of a layout of an axle with these elastic parts, whose points move.
 pub(super) fn elastic_axle_rows<'a>(
     layout: &'a AxleLayout,
-    elastic: &AxleComplianceStudy,
+    axle: &'a Axle,
+    elastic: &'a AxleComplianceStudy,
+    points: &[PointId],
     variables: &[Variable],
 ) -> Box<dyn RowsBeside + 'a> {
-    let sides = match layout.axle.right {
+    let sides = match axle.right {
         None => vec![None],
         Some(_) => vec![Some(Side::Left), Some(Side::Right)],
     };
-    let points = moved_points(variables);
     let mut parameters = Vec::new();
     for side in &sides {
-        for point in &points {
+        for point in points {
             parameters.extend(Axis::ALL.map(|axis| AxleParameter {
                 parameter: Parameter::Point(*point, axis),
                 side: *side,
@@ -36,12 +38,21 @@ pub(super) fn elastic_axle_rows<'a>(
         }
     }
     for rate in variables.iter().filter_map(|v| v.rate.as_ref()) {
-        index_or_push(&mut parameters, rate.parameter.into());
+        let parameter = rate.parameter;
+        if elastic.parts.is_shared(parameter) {
+            index_or_push(&mut parameters, parameter.into());
+            continue;
+        }
+        for side in &sides {
+            let side = *side;
+            index_or_push(&mut parameters, AxleParameter { parameter, side });
+        }
     }
     Box::new(Rows {
         layout,
+        axle,
+        elastic,
         sides,
-        right: RightWheel::default(),
         parameters,
         parts: elastic.parts.clone(),
         tape: Tape::default(),
@@ -51,9 +62,10 @@ pub(super) fn elastic_axle_rows<'a>(
 
 struct Rows<'a> {
     layout: &'a AxleLayout,
-    /// Wheels whose points move: `None` for both as mirror images, otherwise each wheel separately.
+    axle: &'a Axle,
+    elastic: &'a AxleComplianceStudy,
+    /// Wheels whose points and rates move: `None` for both as mirror images, otherwise each wheel separately.
     sides: Vec<Option<Side>>,
-    right: RightWheel,
     /// Coordinates and rates that the variables move.
     parameters: Vec<AxleParameter>,
     parts: AxleCompliance,
@@ -61,41 +73,72 @@ struct Rows<'a> {
     slopes: Vec<f64>,
 }
 
-/// Indices of the quantities, among `count`, that targets or limits of a station use.
-fn used_by(station: &AxleStation, count: usize) -> Vec<usize> {
+/// Indices of the quantities, among `count`, that targets or limits of a station use. Targets count if they are sought.
+fn used_by(station: &AxleStation, count: usize, seeks_targets: bool) -> Vec<usize> {
     let is_used = |k: &usize| {
-        let is_wanted = station.samples.iter().any(|own| own.of == *k);
+        let is_wanted = seeks_targets && station.samples.iter().any(|own| own.of == *k);
         is_wanted || station.limits.iter().any(|own| own.of == *k)
     };
     (0..count).filter(is_used).collect()
+}
+
+/// Makes these the parts of a moved design.
+fn take_rates(
+    parts: &mut AxleCompliance,
+    elastic: &AxleComplianceStudy,
+    moved: &Moved<'_>,
+) -> Result<(), Infeasible> {
+    parts.clone_from(&elastic.parts);
+    for (_, parameter, [rate, _]) in moved.rates() {
+        parts.set_rate(parameter.into(), rate);
+    }
+    let mut scattered = moved.scattered.iter();
+    if scattered.all(|own| parts.change_rate(own.of, own.change, own.is_relative)) {
+        Ok(())
+    } else {
+        Err(Infeasible::Refused(NO_RATE.to_owned()))
+    }
+}
+
+/// Writes the slopes of a value along the variables, from its derivatives by the parameters of the wheels that move.
+fn along_variables(
+    moved: &Moved<'_>,
+    (sides, parameters): (&[Option<Side>], &[AxleParameter]),
+    gradient: &[f64],
+    slopes: &mut [f64],
+) {
+    let by = |parameter: AxleParameter| {
+        let place = parameters.iter().position(|p| *p == parameter);
+        place.map_or(0.0, |place| gradient[place])
+    };
+    slopes.fill(0.0);
+    for (side, (_, ways)) in sides.iter().zip(&moved.wheels) {
+        let side = *side;
+        let of_side = |parameter| by(AxleParameter { parameter, side });
+        add_points(ways, of_side, slopes);
+    }
+    add_rates(moved, by, slopes);
 }
 
 impl RowsBeside for Rows<'_> {
     fn evaluate(
         &mut self,
         moved: &Moved<'_>,
-        into: Option<(&mut Linearisation, usize)>,
+        mut into: Option<(&mut Linearisation, usize)>,
         mut rows: Option<&mut Linearisation>,
     ) -> Result<(), Infeasible> {
-        // Axles have no builds, so their rows start at 0.
-        let Some((into, _)) = into else {
-            return Ok(());
-        };
         let Rows {
             layout,
+            axle,
+            elastic,
             sides,
-            right,
             parameters,
             parts,
             tape,
             slopes,
         } = self;
-        let axle = &layout.axle;
-        let wheels = right.with_left(axle, moved);
-        for (_, parameter, [rate, _]) in moved.rates() {
-            parts.set_rate(parameter.into(), rate);
-        }
-        let equilibria = axle.equilibria(wheels.map(|(design, _)| design), parts);
+        take_rates(parts, elastic, moved)?;
+        let equilibria = axle.equilibria(moved.wheels.each(|(design, _)| design), parts);
         let equilibria = equilibria
             .map_err(|(side, fault)| Infeasible::Refused(axle.describe_fault((side, fault))))?;
         for station in &layout.stations {
@@ -104,40 +147,46 @@ impl RowsBeside for Rows<'_> {
                 samples,
                 limits,
             } = station;
+            if into.is_none() && limits.is_empty() {
+                continue;
+            }
             let at = placement
                 .on_level_pads()
                 .ok_or_else(|| Infeasible::Refused(format!("{placement} is of rigid axles")))?;
-            let used = used_by(station, layout.quantities.len());
+            let used = used_by(station, layout.quantities.len(), into.is_some());
             let reads = used.iter().map(|k| layout.quantities[*k].into());
             let reads: Vec<AxleRead> = reads.collect();
             let mut is_found = vec![false; used.len()];
-            let found =
-                equilibria.gradients(at, &reads, parameters, tape, &mut |number, value, by| {
-                    is_found[number] = true;
-                    let slope = |parameter: AxleParameter| {
-                        let place = parameters.iter().position(|p| *p == parameter);
-                        place.map_or(0.0, |place| by[place])
-                    };
-                    slopes.fill(0.0);
-                    for (side, (_, ways)) in sides.iter().zip(&wheels) {
-                        let side = *side;
-                        let of_side = |parameter| slope(AxleParameter { parameter, side });
-                        add_points(ways, of_side, slopes);
-                    }
-                    add_rates(moved, |parameter| slope(parameter.into()), slopes);
+            let mut receive = |number: usize, value: f64, by: &[f64]| {
+                is_found[number] = true;
+                along_variables(moved, (sides, parameters), by, slopes);
+                if let Some((into, first)) = &mut into {
                     let own = |sample: &&TargetSample| sample.of == used[number];
                     for sample in samples.iter().filter(own) {
-                        if sample.write_residual(sample.row, value, into) {
-                            into.write_slopes(sample.row, slopes, sample.scale);
+                        let row = *first + sample.row;
+                        if sample.write_residual(row, value, into) {
+                            into.write_slopes(row, slopes, sample.scale);
                         }
                     }
-                    let Some(rows) = &mut rows else {
-                        return;
-                    };
-                    for own in limits.iter().filter(|own| own.of == used[number]) {
-                        own.check.write(&own.limited, value, slopes, rows);
-                    }
-                });
+                }
+                let Some(rows) = &mut rows else {
+                    return;
+                };
+                for own in limits.iter().filter(|own| own.of == used[number]) {
+                    own.check.write(&own.limited, value, slopes, rows);
+                }
+            };
+            let found = if moved.variables.is_empty() {
+                // Builds that judge a design need no derivatives.
+                equilibria.values(at, &reads).map(|values| {
+                    let found = values.into_iter().enumerate();
+                    found
+                        .filter_map(|(number, value)| Some((number, value?)))
+                        .for_each(|(number, value)| receive(number, value, &[]));
+                })
+            } else {
+                equilibria.gradients(at, &reads, parameters, tape, &mut receive)
+            };
             if let Err(why) = found {
                 let why = NoPose::from(why);
                 let message = format!("the axle has no equilibrium at {placement}: {why}");

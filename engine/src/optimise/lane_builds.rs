@@ -3,9 +3,9 @@
 //! The parts of the nominal design have the same derivatives by a variable in every build. They are computed once, and each
 //! group of builds is assembled with them. Builds that do not converge in lanes are assembled one by one.
 
-use super::builds::Builds;
+use super::builds::BuiltWheel;
 use super::moves::PointRate;
-use crate::assembly::{Alignment, Parts};
+use crate::assembly::Parts;
 use crate::number::{Jet, MOST_LANES, SimdReal, SimdTask, Vector3, Width};
 
 /// Assembles the builds of a nominal design.
@@ -80,14 +80,9 @@ impl LaneBuilds {
         self.accepted[build] = false;
     }
 
-    /// Assembles the builds of a nominal design. `drawn` are the rates of the nominal design.
-    pub(super) fn assemble(
-        &mut self,
-        builds: &Builds<'_>,
-        alignment: Option<&Alignment>,
-        drawn: &[PointRate],
-    ) {
-        let (mechanism, parts) = (builds.mechanism(), builds.assembler().drawn());
+    /// Assembles the builds of a wheel's nominal design. `drawn` are the rates of the nominal design.
+    pub(super) fn assemble(&mut self, wheel: &BuiltWheel<'_>, drawn: &[PointRate]) {
+        let (mechanism, parts) = (wheel.mechanism(), wheel.assembler().drawn());
         let along: Vec<Parts<Jet<f64, 2>>> = (0..self.variables)
             .map(|column| {
                 let constant = |p: &Vector3<f64>| p.map(Jet::constant);
@@ -103,8 +98,7 @@ impl LaneBuilds {
             .collect();
         self.width.run(Assembling {
             lanes: self,
-            builds,
-            alignment,
+            wheel,
             along: &along,
         });
     }
@@ -112,8 +106,7 @@ impl LaneBuilds {
 
 struct Assembling<'s, 'b> {
     lanes: &'s mut LaneBuilds,
-    builds: &'s Builds<'b>,
-    alignment: Option<&'s Alignment>,
+    wheel: &'s BuiltWheel<'b>,
     /// Parts of the nominal design with their derivatives by each variable.
     along: &'s [Parts<Jet<f64, 2>>],
 }
@@ -125,12 +118,12 @@ impl SimdTask for Assembling<'_, '_> {
     fn run<B: SimdReal>(self, like: B) {
         let Assembling {
             lanes,
-            builds,
-            alignment,
+            wheel,
             along,
         } = self;
-        let assembler = builds.assembler();
-        let mechanism = builds.mechanism();
+        let assembler = wheel.assembler();
+        let mechanism = wheel.mechanism();
+        let alignment = wheel.alignment();
         let points = lanes.points;
         let shape = Vector3::new(like, like, like);
         let drawn = assembler.drawn().in_lanes(like);
@@ -149,7 +142,7 @@ impl SimdTask for Assembling<'_, '_> {
         let mut first = 0;
         let mut place = 0;
         while first < lanes.accepted.len() {
-            let changes = builds.sources().map(|source| &source.changes[..]);
+            let changes = wheel.changes();
             let numbers = (&lanes.draws[..], first, lanes.stride);
             parts.scatter(mechanism, &drawn, changes, numbers);
             let group =

@@ -7,7 +7,7 @@
 
 use crate::model::{Axis, Frame, Suspension};
 use crate::number::{Dual, Matrix3, Real, Vector3};
-use crate::study::{Study, Variable};
+use crate::study::{Study, Variable, Vehicle};
 use nalgebra::DVector;
 
 /// Coefficients of tan(x)/x - 1 in powers of x^2, from x^2 on (M. Abramowitz, I. A. Stegun, Handbook of mathematical
@@ -103,21 +103,33 @@ impl Study {
         let Some(optimise) = &self.optimise else {
             return self.clone();
         };
-        let (frame, x) = (&self.wheel().frame, DVector::from_column_slice(offsets));
+        let x = DVector::from_column_slice(offsets);
+        Study {
+            vehicle: self.vehicle.moved(&optimise.variables, &x),
+            ..self.clone()
+        }
+    }
+}
+
+impl Vehicle {
+    /// Returns the vehicle with these variables moved by `x`, as in [`Study::moved`].
+    pub(super) fn moved(&self, variables: &[Variable], x: &DVector<f64>) -> Vehicle {
+        let frame = &self.wheel().frame;
         let by_variables = |wheel: &Suspension| {
             let mut design = wheel.design.clone();
-            moved_design(&wheel.design, frame, &optimise.variables, &x, &mut design);
+            moved_design(&wheel.design, frame, variables, x, &mut design);
             design
         };
-        let mut moved = self.at_design(by_variables(self.wheel()));
-        if let Some(own) = self.axle().and_then(|both| both.axle.own_right()) {
-            moved.set_own_right(by_variables(own));
+        let mut moved = self.clone();
+        moved.set_design(by_variables(self.wheel()));
+        let own = self.axle().and_then(|both| both.axle.own_right());
+        let right = moved.axle_mut().and_then(|both| both.axle.right.as_mut());
+        if let (Some(own), Some(right)) = (own, right) {
+            right.design = by_variables(own);
         }
-        for (variable, offset) in optimise.variables.iter().zip(offsets) {
+        for (variable, offset) in variables.iter().zip(x) {
             if let Some(rate) = &variable.rate {
-                moved
-                    .vehicle
-                    .set_rate(rate.parameter.into(), rate.at(*offset)[0]);
+                moved.set_rate(rate.parameter.into(), rate.at(*offset)[0]);
             }
         }
         moved

@@ -14,39 +14,38 @@
 //! Constraints also hold between the stations: see [`extremes`](super::extremes).
 
 use super::axle::{Moved, RowsBeside, ScatteredRate, axle_rows, moved_points};
-use super::builds::{Builds, follower};
 use super::carried::AlongVariables;
 use super::constrained::{Assessment, Constrained, Shape};
 use super::elastic::elastic_rows;
 use super::extremes::{self, SEARCHES, Search};
-use super::lane_builds::LaneBuilds;
 use super::lane_rows::{Checked, LaneRows};
 use super::layout::{Beside, Extremes, Leg, TargetLayout};
-use super::moves::{PointRate, moved_design, point_rates};
+use super::moved_wheel::MovedWheel;
+use super::robust::Robust;
 use super::station_reader::{
     PartValues, ReadStations, Reader, Reading, Visit, read, read_poses, reader, refused,
 };
 use super::{Infeasible, LeastSquares, Linearisation};
 use crate::characteristics::{Constants, WheelReading};
 use crate::mechanism::DesignFault;
-use crate::model::{Frame, PointId, Suspension};
-use crate::number::{Vector3, Width};
+use crate::model::{PointId, Side, Suspension};
+use crate::number::Width;
 use crate::solve::{Solver, StationOrder, Toggles};
-use crate::study::{Scatter, Variable};
+use crate::study::{Scatter, Variable, Vehicle};
 use nalgebra::DVector;
 
 /// The problem, with its workspace.
 pub struct Objective<'a> {
-    frame: Frame,
-    variables: &'a [Variable],
-    layout: &'a TargetLayout,
+    pub(super) variables: &'a [Variable],
+    pub(super) layout: &'a TargetLayout,
     constants: Constants,
-    design: &'a [Vector3<f64>],
-    moved: Vec<Vector3<f64>>,
-    point_rates: Vec<PointRate>,
+    /// The wheel, or the left wheel of an axle.
+    pub(super) wheel: MovedWheel<'a>,
+    /// Right wheel with its own hardpoints.
+    pub(super) right: Option<MovedWheel<'a>>,
     /// Lane evaluation of designs (and builds) that the tracker accepts. `None` if lanes cannot read a target, or if lanes
     /// are switched off.
-    lanes: Option<LaneRows<'a>>,
+    pub(super) lanes: Option<LaneRows<'a>>,
     robust: Option<Robust<'a>>,
     solver: Solver<'a>,
     toggles: Toggles,
@@ -61,15 +60,6 @@ pub struct Objective<'a> {
     searches: Vec<Search>,
 }
 
-/// Builds of a robust tuning. Their residuals replace those of the nominal design.
-struct Robust<'a> {
-    builds: Builds<'a>,
-    lanes: Option<LaneBuilds>,
-    /// Buffer for the design of a build.
-    built: Vec<Vector3<f64>>,
-    follower: Option<(PointId, PointId)>,
-}
-
 impl<'a> Objective<'a> {
     /// Makes the problem of a suspension.
     pub fn new(
@@ -78,24 +68,24 @@ impl<'a> Objective<'a> {
         layout: &'a TargetLayout,
     ) -> Result<Self, DesignFault> {
         let design = &suspension.design;
-        let mut points: Vec<PointId> = Vec::new();
-        for variable in variables {
-            points.extend(variable.moves.iter().map(|m| m.point));
-            points.extend(variable.turn.iter().flat_map(|turn| &turn.points));
-        }
+        let points = moved_points(variables);
         let mechanism = &suspension.mechanism;
         let parts = layout.parts.iter().map(|part| &part.limited.of);
         let all = || layout.measures.iter().chain(parts.clone());
         let rockers = all().flat_map(|measure| measure.rockers(mechanism));
         let has_extremes = layout.legs.iter().any(|leg| !leg.extremes.is_empty());
         Ok(Objective {
-            frame: suspension.frame,
             variables,
             layout,
             constants: Constants::of(suspension),
-            design,
-            moved: design.clone(),
-            point_rates: Vec::new(),
+            wheel: MovedWheel::new(suspension, suspension.frame),
+            right: match &layout.beside {
+                Some(Beside::Axle(own)) => {
+                    let right = own.axle.right.as_ref();
+                    right.map(|right| MovedWheel::new(right, suspension.frame))
+                }
+                _ => None,
+            },
             lanes: LaneRows::new(suspension, layout, true, Width::widest()),
             robust: None,
             solver: Solver::new(&suspension.mechanism, design)?,
@@ -104,9 +94,8 @@ impl<'a> Objective<'a> {
             sloped: has_extremes.then(|| Reader::new(suspension, layout, &points, variables.len())),
             moving: AlongVariables::new(suspension, variables.len(), all()),
             beside: match &layout.beside {
-                Some(Beside::Axle(axle)) => Some(axle_rows(axle, variables)?),
+                Some(Beside::Axle(axle)) => Some(axle_rows(axle, &axle.axle, &points, variables)?),
                 Some(Beside::Elastic(elastic)) => {
-                    let points = moved_points(variables);
                     Some(elastic_rows(elastic, suspension, variables, points))
                 }
                 None => None,
@@ -116,37 +105,45 @@ impl<'a> Objective<'a> {
         })
     }
 
-    /// Makes the problem of a robust tuning, whose residuals are those of builds. With `width` they are solved in lanes,
-    /// otherwise build by build. `suspension` is the suspension of the `study` as [`crate::assembly::Assembler`] extends it:
-    /// it may have an additional spindle point.
+    /// Makes the problem of a robust tuning, whose residuals are those of builds. With `width` those of a rigid wheel are solved
+    /// in lanes, all others build by build. `assembled` is the vehicle of the `study` as [`Vehicle::assembled`] returns it: its
+    /// wheels may have additional spindle points.
     pub fn of_builds(
-        study: &Suspension,
-        suspension: &'a Suspension,
+        study: &Vehicle,
+        assembled: &'a Vehicle,
         variables: &'a [Variable],
         layout: &'a TargetLayout,
         scatter: &'a Scatter,
         width: Option<Width>,
     ) -> Result<Self, DesignFault> {
+        let suspension = assembled.wheel();
         let mut objective = Objective::new(suspension, variables, layout)?;
         // A move of the nominal design may move every point of a build.
         let all: Vec<PointId> = (0..suspension.design.len()).map(PointId).collect();
         objective.reader = reader(suspension, layout, &all, variables.len());
-        // Lanes do not evaluate elastic parts.
-        let width = width.filter(|_| layout.beside.is_none());
+        let frame = suspension.frame;
+        objective.wheel = MovedWheel::assembled(study.wheel(), suspension, frame);
+        let moving = if variables.is_empty() {
+            Vec::new()
+        } else {
+            all
+        };
+        if let (Vehicle::Axle(own), Vehicle::Axle(both)) = (study, assembled) {
+            let own = own.axle.suspension(Side::Right);
+            let right = both.axle.suspension(Side::Right);
+            objective.right = Some(MovedWheel::assembled(own, right, frame));
+            if let Some(Beside::Axle(layout)) = &layout.beside {
+                objective.beside = Some(axle_rows(layout, &both.axle, &moving, variables)?);
+            }
+        }
         if let Some(Beside::Elastic(elastic)) = &layout.beside {
-            let moving = all.into_iter().filter(|_| !variables.is_empty());
             objective.beside = Some(elastic_rows(elastic, suspension, variables, moving));
         }
-        let builds = Builds::new(suspension, scatter)?;
-        let points = suspension.design.len();
+        // Lanes do not evaluate axles and elastic parts.
+        let width = width.filter(|_| layout.beside.is_none());
         // Constraints apply to the nominal design.
         objective.lanes = width.and_then(|width| LaneRows::new(suspension, layout, false, width));
-        objective.robust = Some(Robust {
-            lanes: width.map(|w| LaneBuilds::new(builds.draws(), points, variables.len(), w)),
-            builds,
-            built: suspension.design.clone(),
-            follower: follower(study, suspension),
-        });
+        objective.robust = Some(Robust::new(assembled, scatter, variables.len(), width)?);
         Ok(objective)
     }
 
@@ -172,29 +169,28 @@ impl<'a> Objective<'a> {
 
     /// Number of builds that were evaluated in lanes.
     pub fn builds_in_lanes(&self) -> usize {
-        let Some(robust) = self.robust.as_ref().filter(|_| self.lanes.is_some()) else {
-            return 0;
-        };
-        let is_accepted = |b: &usize| robust.lanes.as_ref().is_some_and(|l| l.is_accepted(*b));
-        (0..robust.builds.count()).filter(is_accepted).count()
+        let robust = self.robust.as_ref().filter(|_| self.lanes.is_some());
+        robust.map_or(0, Robust::builds_in_lanes)
+    }
+
+    /// The wheel, or both wheels of an axle. A right wheel that is a mirror image of the left one is not among them.
+    pub(super) fn wheels(&self) -> impl Iterator<Item = &MovedWheel<'a>> {
+        [Some(&self.wheel), self.right.as_ref()]
+            .into_iter()
+            .flatten()
     }
 
     /// Moves the design, or the nominal design of builds, to `x`.
     fn move_to(&mut self, x: &DVector<f64>) {
-        let (frame, variables) = (&self.frame, self.variables);
-        moved_design(self.design, frame, variables, x, &mut self.moved);
-        point_rates(self.design, frame, variables, x, &mut self.point_rates);
-        if let Some((follower, leader)) = self.robust.as_ref().and_then(|r| r.follower) {
-            let from = self.design[follower.0] - self.design[leader.0];
-            self.moved[follower.0] = self.moved[leader.0] + from;
-            let follows = self
-                .point_rates
-                .iter()
-                .filter(|rate| rate.point == leader.0);
-            let point = follower.0;
-            let point_rates: Vec<PointRate> =
-                follows.map(|rate| PointRate { point, ..*rate }).collect();
-            self.point_rates.extend(point_rates);
+        let variables = self.variables;
+        self.wheel.move_to(variables, x);
+        let Some(right) = &mut self.right else {
+            return;
+        };
+        right.move_to(variables, x);
+        // All points of a build move by themselves, so its nominal design is complete.
+        if let (Some(_), Some(rigid)) = (&self.robust, &self.solver.mechanism().rigid_axle) {
+            self.wheel.complete(right, rigid, variables.len());
         }
     }
 
@@ -210,38 +206,40 @@ impl<'a> Objective<'a> {
             if !self.evaluate_in_lanes(into, rows.as_deref_mut())? {
                 self.evaluate_moved(Some((&mut *into, 0)), rows.as_deref_mut())?;
             }
-            return self.evaluate_beside(x, &[], Some((into, 0)), rows);
+            return self.evaluate_beside(x, None, Some((into, 0)), rows);
         };
         // Constraints apply to the nominal design.
         let found = match &mut rows {
             Some(rows) => {
                 let rigid = self.evaluate_moved(None, Some(&mut **rows));
-                rigid.and_then(|()| self.evaluate_beside(x, &[], None, Some(rows)))
+                rigid.and_then(|()| self.evaluate_beside(x, None, None, Some(rows)))
             }
             None => Ok(()),
         };
-        let found = found.and_then(|()| self.evaluate_builds(&mut robust, x, into));
+        let found = found.and_then(|()| robust.evaluate(self, x, into));
         self.robust = Some(robust);
         found
     }
 
-    /// Writes the rows of an axle or of elastic parts for the moved design, whose elastic rates scatter in a build.
-    fn evaluate_beside(
+    /// Writes the rows of an axle or of elastic parts for the moved design. The elastic rates of a build scatter; `scattered` is
+    /// `None` for the nominal design.
+    pub(super) fn evaluate_beside(
         &mut self,
         x: &DVector<f64>,
-        scattered: &[ScatteredRate],
+        scattered: Option<&[ScatteredRate]>,
         into: Option<(&mut Linearisation, usize)>,
         rows: Option<&mut Linearisation>,
     ) -> Result<(), Infeasible> {
         let Some(beside) = &mut self.beside else {
             return Ok(());
         };
+        let left = self.wheel.moved();
         let moved = Moved {
             variables: self.variables,
             x,
-            design: &self.moved,
-            point_rates: &self.point_rates,
-            scattered,
+            wheels: [left, self.right.as_ref().map_or(left, MovedWheel::moved)],
+            scattered: scattered.unwrap_or_default(),
+            is_build: scattered.is_some(),
         };
         beside.evaluate(&moved, into, rows)
     }
@@ -258,7 +256,8 @@ impl<'a> Objective<'a> {
         let Some(mut lanes) = self.lanes.take_if(tell_all) else {
             return Ok(false);
         };
-        lanes.begin(self.moved.len(), &self.point_rates, self.variables.len());
+        let (design, point_rates) = self.wheel.moved();
+        lanes.begin(design.len(), point_rates, self.variables.len());
         let found = self.evaluate_legs(&mut lanes, into, rows);
         self.lanes = Some(lanes);
         found
@@ -276,7 +275,7 @@ impl<'a> Objective<'a> {
         for (number, leg) in self.layout.legs.iter().enumerate() {
             let values = &mut self.values[..];
             let checked = rows.as_deref_mut().map(|rows| Checked { rows, values });
-            if !lanes.of_leg(number, self.layout, &self.moved, into, checked) {
+            if !lanes.of_leg(number, self.layout, &self.wheel.design, into, checked) {
                 return Ok(false);
             }
             let Some(rows) = &mut rows else {
@@ -296,55 +295,9 @@ impl<'a> Objective<'a> {
         Ok(true)
     }
 
-    /// Writes the residuals of all builds of the moved nominal design. Builds that lanes cannot solve are solved one by one.
-    fn evaluate_builds(
-        &mut self,
-        robust: &mut Robust<'a>,
-        x: &DVector<f64>,
-        into: &mut Linearisation,
-    ) -> Result<(), Infeasible> {
-        let (builds, built) = (&mut robust.builds, &mut robust.built);
-        let alignment = builds.redraw(&self.moved)?;
-        let mut lanes = robust.lanes.as_mut().zip(self.lanes.as_mut());
-        if let Some((lanes, rows)) = &mut lanes {
-            lanes.assemble(builds, alignment.as_ref(), &self.point_rates);
-            rows.of_builds(self.layout, lanes, into);
-        }
-        let lanes = lanes.map(|(lanes, _)| lanes);
-        for number in 0..builds.count() {
-            if lanes
-                .as_ref()
-                .is_some_and(|lanes| lanes.is_accepted(number))
-            {
-                continue;
-            }
-            let variables = self.variables.len();
-            builds.build(
-                number,
-                alignment.as_ref(),
-                &self.point_rates,
-                variables,
-                built,
-            )?;
-            // The build temporarily replaces the nominal design.
-            std::mem::swap(&mut self.moved, built);
-            std::mem::swap(&mut self.point_rates, &mut builds.point_rates);
-            let first = number * self.layout.rows;
-            let found = self.evaluate_moved(Some((into, first)), None);
-            let found = found.and_then(|()| {
-                let scattered = builds.scattered_rates(number);
-                self.evaluate_beside(x, &scattered, Some((into, first)), None)
-            });
-            std::mem::swap(&mut self.moved, built);
-            std::mem::swap(&mut self.point_rates, &mut builds.point_rates);
-            found.map_err(|reason| Infeasible::Refused(format!("build {number}: {reason}")))?;
-        }
-        Ok(())
-    }
-
     /// Solves and reads the poses of one wheel with the moved design, one by one. Writes the residuals into `into`,
     /// from the given row on, and the rows of the constraints into `rows`.
-    fn evaluate_moved(
+    pub(super) fn evaluate_moved(
         &mut self,
         mut into: Option<(&mut Linearisation, usize)>,
         mut rows: Option<&mut Linearisation>,
@@ -356,7 +309,7 @@ impl<'a> Objective<'a> {
                 leg,
                 layout: self.layout,
                 constants: self.constants,
-                point_rates: &self.point_rates,
+                point_rates: &self.wheel.point_rates,
                 toggles: &self.toggles,
                 moving: self.moving.as_ref(),
                 solver: &mut self.solver,
@@ -381,14 +334,15 @@ impl<'a> Objective<'a> {
     /// Prepares to solve the moved design station by station.
     fn prepare(&mut self) -> Result<(), Infeasible> {
         let mechanism = self.solver.mechanism();
-        let prepared = self.solver.prepare(&self.moved);
+        let (design, point_rates) = self.wheel.moved();
+        let prepared = self.solver.prepare(design);
         prepared.map_err(refused(mechanism))?;
-        self.reader.prepare(mechanism, &self.moved);
+        self.reader.prepare(mechanism, design);
         if let Some(moving) = &mut self.moving {
-            moving.prepare(&self.solver, &self.moved, &self.point_rates);
+            moving.prepare(&self.solver, design, point_rates);
         }
         if let Some(sloped) = &mut self.sloped {
-            sloped.series.prepare(mechanism, &self.moved);
+            sloped.series.prepare(mechanism, design);
         }
         Ok(())
     }
@@ -406,7 +360,7 @@ impl<'a> Objective<'a> {
         let Objective {
             layout,
             constants,
-            point_rates,
+            wheel,
             solver,
             sloped: Some(reader),
             searches,
@@ -442,7 +396,7 @@ impl<'a> Objective<'a> {
                         linearised: &linearised,
                         solver,
                         motion: place,
-                        point_rates,
+                        point_rates: &wheel.point_rates,
                         moving: moving.as_ref(),
                     });
                     rows.residuals[search.row] = value;

@@ -17,7 +17,6 @@ use super::{
     Identifiability, Infeasible, LeastSquares, Linearisation, Multistart, Objective, Options,
     StandardErrors, TargetLayout, Termination, moved_design,
 };
-use crate::assembly::Assembler;
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::number::{Vector3, Width};
@@ -137,8 +136,8 @@ pub fn tune(
 /// Inputs and workspace of a requested tuning.
 pub(super) struct TuningRequest<'a> {
     vehicle: &'a Vehicle,
-    /// Suspension as `Assembler` extends it (with a spindle point). Only for a robust tuning.
-    assembled: Option<Suspension>,
+    /// The vehicle as it is assembled ([`Vehicle::assembled`]). Only for a robust tuning.
+    assembled: Option<Vehicle>,
     optimise: &'a Optimise,
     pub layout: TargetLayout,
     control: Control<'a>,
@@ -153,7 +152,7 @@ impl<'a> TuningRequest<'a> {
         Ok(TuningRequest {
             vehicle,
             assembled: match &optimise.scatter {
-                Some(_) => Some(Assembler::new(vehicle.wheel())?.suspension().clone()),
+                Some(_) => Some(vehicle.assembled()?),
                 None => None,
             },
             optimise,
@@ -165,7 +164,7 @@ impl<'a> TuningRequest<'a> {
 
 pub(super) struct Tuner<'a> {
     pub suspension: &'a Suspension,
-    assembled: Option<&'a Suspension>,
+    assembled: Option<&'a Vehicle>,
     vehicle: &'a Vehicle,
     pub optimise: &'a Optimise,
     pub layout: &'a TargetLayout,
@@ -208,7 +207,7 @@ impl<'a> Tuner<'a> {
         let variables = &optimise.variables;
         let made = match (&optimise.scatter, self.assembled) {
             (Some(scatter), Some(assembled)) => {
-                let (study, width) = (self.suspension, Some(Width::widest()));
+                let (study, width) = (self.vehicle, Some(Width::widest()));
                 Objective::of_builds(study, assembled, variables, layout, scatter, width)
             }
             _ => Objective::new(self.suspension, variables, layout),

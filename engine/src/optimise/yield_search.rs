@@ -32,14 +32,15 @@ use super::station_reader::refused;
 use super::tune::{Tuner, Tuning, TuningRequest};
 use super::{
     Bounds, ConstrainedFit, Control, Infeasible, LeastSquares, Linearisation, Objective, Options,
-    TargetLayout, moved_design,
+    TargetLayout,
 };
-use crate::assembly::Assembler;
 use crate::mechanism::DesignFault;
-use crate::model::Suspension;
 use crate::number::Width;
-use crate::study::{Band, Limit, Optimise, Scatter, Site, Target, Vehicle, Wanted};
+use crate::study::{
+    AxleSite, AxleStudy, Band, Limit, Optimise, Scatter, Site, Target, Vehicle, Wanted,
+};
 use nalgebra::DVector;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 /// Widths of the steps of the search, in standard deviations of the values of a band.
 const WIDTHS: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
@@ -51,6 +52,10 @@ const FEW: f64 = 0.5;
 const JUDGED: usize = 1 << 16;
 /// Number of further builds that judge a design with elastic parts, whose equilibria take longer than poses.
 const JUDGED_ELASTIC: usize = 1 << 10;
+/// Number of further builds that judge an axle. They are solved one by one.
+const JUDGED_AXLE: usize = 1 << 12;
+/// Number of parts of an axle's further builds, which threads share.
+const AXLE_PARTS: usize = 8;
 /// Number of builds whose designs are in memory at once.
 const AT_ONCE: usize = 1 << 12;
 
@@ -75,7 +80,7 @@ pub struct ExpectedYield {
 /// A search for the largest yield.
 struct YieldSearch<'a> {
     vehicle: &'a Vehicle,
-    assembled: Suspension,
+    assembled: Vehicle,
     optimise: &'a Optimise,
     scatter: &'a Scatter,
     bands: &'a [Band],
@@ -104,7 +109,7 @@ impl<'a> YieldSearch<'a> {
     ) -> Result<Self, DesignFault> {
         Ok(YieldSearch {
             vehicle,
-            assembled: Assembler::new(vehicle.wheel())?.suspension().clone(),
+            assembled: vehicle.assembled()?,
             optimise,
             scatter,
             bands,
@@ -183,16 +188,27 @@ impl<'a> YieldSearch<'a> {
     /// A band as a target. If `between` has two equal values, residuals are distances from this value.
     fn target(&self, band: &Band, between: [f64; 2], tolerance: f64) -> Target {
         let limit = |value: f64| value.is_finite().then_some(Limit::Value(value));
-        let motion = self.vehicle.motion();
-        // A figure of a test is read in the design position. Another band without `at` applies to the whole motion.
-        let at = match band.at {
-            None if band.of.as_figure().is_some() => Some(0.0),
-            at => at,
+        let site = match self.vehicle {
+            Vehicle::Wheel(own) => {
+                // A figure of a test is read in the design position. Another band without `at` applies to the whole motion.
+                let applies_everywhere = band.at.is_none() && band.of.as_figure().is_none();
+                let motion = &own.motion;
+                Site {
+                    racks: if applies_everywhere && motion.rack_moves {
+                        motion.rack.clone()
+                    } else {
+                        Vec::new()
+                    },
+                    ..Site::default()
+                }
+            }
+            Vehicle::Axle(both) => Site {
+                axle: Some(site_of(band, both)),
+                ..Site::default()
+            },
         };
-        let racks = match at {
-            None if motion.rack_moves => motion.rack.clone(),
-            _ => Vec::new(),
-        };
+        let is_figure = band.of.as_figure().is_some();
+        let at = band.at.or_else(|| is_figure.then_some(0.0));
         Target {
             of: band.of.clone(),
             wanted: Wanted::Band {
@@ -202,10 +218,7 @@ impl<'a> YieldSearch<'a> {
             },
             tolerance,
             weight: 1.0,
-            site: Site {
-                racks,
-                ..Site::default()
-            },
+            site,
             stations: at.into_iter().collect(),
         }
     }
@@ -233,7 +246,7 @@ impl<'a> YieldSearch<'a> {
         layout: &'o TargetLayout,
         residual: Residual,
     ) -> SmoothYield<'o> {
-        let (study, width) = (self.vehicle.wheel(), Some(Width::widest()));
+        let (study, width) = (self.vehicle, Some(Width::widest()));
         let (assembled, variables) = (&self.assembled, &goals.variables);
         let scatter = self.scatter;
         let builds = Objective::of_builds(study, assembled, variables, layout, scatter, width);
@@ -275,32 +288,37 @@ impl<'a> YieldSearch<'a> {
             .map(|band| self.target(band, band.between, 1.0))
             .collect();
         let judged = self.judged();
-        let at_once = judged.min(AT_ONCE);
-        let mut further = Scatter {
-            builds: at_once,
-            ..self.scatter.clone()
+        let parts = match self.vehicle {
+            Vehicle::Wheel(_) => judged.div_ceil(AT_ONCE),
+            Vehicle::Axle(_) => AXLE_PARTS,
         };
-        let goals = self.goals(bands, &further);
-        let mut inside = 0;
-        for part in 0..judged / at_once {
+        let at_once = judged / parts;
+        let of_part = |part: usize| {
             if self.control.is_interrupted() {
                 return Err(Infeasible::Refused("interrupted".to_owned()));
             }
-            // Each part of the builds has its own seed.
-            further.seed = self.scatter.seed.wrapping_add(1 + part as u32);
+            let further = Scatter {
+                builds: at_once,
+                // Each part of the builds has its own seed.
+                seed: self.scatter.seed.wrapping_add(1 + part as u32),
+                ..self.scatter.clone()
+            };
+            let goals = self.goals(bands.clone(), &further);
             let found = self.values(&goals, &further, x)?;
             let builds = found.as_slice().chunks_exact(found.len() / at_once);
-            inside += builds.filter(|own| own.iter().all(|h| *h == 0.0)).count();
-        }
+            Ok(builds.filter(|own| own.iter().all(|h| *h == 0.0)).count())
+        };
+        let counts: Vec<_> = (0..parts).into_par_iter().map(of_part).collect();
+        let inside: usize = counts.into_iter().sum::<Result<_, Infeasible>>()?;
         Ok(inside as f64 / judged as f64)
     }
 
     /// Number of further builds that judge a design.
     fn judged(&self) -> usize {
-        if self.vehicle.is_elastic() {
-            JUDGED_ELASTIC
-        } else {
-            JUDGED
+        match self.vehicle {
+            _ if self.vehicle.is_elastic() => JUDGED_ELASTIC,
+            Vehicle::Wheel(_) => JUDGED,
+            Vehicle::Axle(_) => JUDGED_AXLE,
         }
     }
 
@@ -311,25 +329,38 @@ impl<'a> YieldSearch<'a> {
         scatter: &Scatter,
         x: &DVector<f64>,
     ) -> Result<DVector<f64>, Infeasible> {
-        let mut vehicle = self.vehicle.clone();
-        let wheel = vehicle.wheel_mut();
-        let (design, frame) = (wheel.design.clone(), wheel.frame);
-        let variables = &self.optimise.variables;
-        moved_design(&design, &frame, variables, x, &mut wheel.design);
-        for (variable, x) in variables.iter().zip(x.iter()) {
-            if let Some(rate) = &variable.rate {
-                vehicle.set_rate(rate.parameter.into(), rate.at(*x)[0]);
-            }
-        }
-        let (wheel, layout) = (vehicle.wheel(), TargetLayout::of(goals, &vehicle));
-        let refused = refused(&wheel.mechanism);
-        let assembled = Assembler::new(wheel).map_err(&refused)?;
-        let (assembled, width) = (assembled.suspension(), Some(Width::widest()));
-        let mut builds = Objective::of_builds(wheel, assembled, &[], &layout, scatter, width)
-            .map_err(&refused)?;
+        let vehicle = self.vehicle.moved(&self.optimise.variables, x);
+        let layout = TargetLayout::of(goals, &vehicle);
+        let refused = refused(&vehicle.wheel().mechanism);
+        let assembled = vehicle.assembled().map_err(&refused)?;
+        let width = Some(Width::widest());
+        let builds = Objective::of_builds(&vehicle, &assembled, &[], &layout, scatter, width);
+        let mut builds = builds.map_err(&refused)?;
         let mut found = Linearisation::new(layout.residuals(), 0);
         LeastSquares::evaluate(&mut builds, &DVector::zeros(0), &mut found)?;
         Ok(found.residuals)
+    }
+}
+
+/// Stations of a band of an axle. Without a site of its own it applies to the whole motion, or, for a figure of a test, to the
+/// design position.
+fn site_of(band: &Band, study: &AxleStudy) -> AxleSite {
+    if let Some(site) = &band.site {
+        return site.clone();
+    }
+    let mut held = if band.of.is_figure() {
+        study.plan.motion.at_design()
+    } else {
+        study.plan.motion.clone()
+    };
+    let over = held.moving()[0];
+    let values = held.along(over).cloned().unwrap_or_default();
+    let values = values.iter().map(|value| over.written(*value, &study.axle));
+    AxleSite {
+        over,
+        values: values.collect(),
+        held,
+        words: String::new(),
     }
 }
 

@@ -2,7 +2,7 @@
 
 mod inside;
 
-use super::{AxleComplianceStudy, AxleStudy, Designs, Study};
+use super::{AxleComplianceStudy, Designs, Study};
 use crate::compliance::{AxialStiffness, Compliance, Shape};
 use crate::model::{Axis, Frame, Mechanism, PointId, Suspension};
 use crate::number::{Each, Vector3};
@@ -90,23 +90,8 @@ impl Study {
     /// left one.
     pub fn at_design(&self, design: Vec<Vector3<f64>>) -> Study {
         let mut moved = self.clone();
-        let mut design = design;
-        if let Some(AxleStudy { axle, .. }) = moved.axle_mut() {
-            axle.complete(&mut design);
-            let own = axle.right_design(&design).map(Iterator::collect);
-            if let (Some(right), Some(own)) = (&mut axle.right, own) {
-                right.design = own;
-            }
-        }
-        moved.wheel_mut().design = design;
+        moved.vehicle.set_design(design);
         moved
-    }
-
-    /// Sets the design of a right wheel with hardpoints of its own.
-    pub(crate) fn set_own_right(&mut self, design: Vec<Vector3<f64>>) {
-        if let Some(right) = self.axle_mut().and_then(|both| both.axle.right.as_mut()) {
-            right.design = design;
-        }
     }
 
     /// Returns the text with the moved points of this study, including the right wheel's own points.

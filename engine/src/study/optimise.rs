@@ -111,10 +111,6 @@ pub(super) fn scatter(
         wrong("scatter does not work with fit = true, because measurements come from one car");
         return None;
     }
-    if context.axle.is_some() {
-        wrong("scatter is not available for axles");
-        return None;
-    }
     if context.file.tolerance.is_none() {
         wrong("scatter needs [tolerance] for the scatter of the builds");
         return None;

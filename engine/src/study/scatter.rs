@@ -121,6 +121,17 @@ impl Source {
             seen_from_other: Vec::new(),
         }
     }
+
+    /// Dimensions that the number changes in a wheel, each with its change per unit. `None` for the only wheel of a study.
+    /// Empty if the number belongs to the other wheel alone.
+    pub(crate) fn changes_in(&self, wheel: Option<Side>) -> &[(BuildParameter, f64)] {
+        let own = self.side.or(wheel.and(Some(Side::Left)));
+        if own == wheel {
+            &self.changes
+        } else {
+            &self.seen_from_other
+        }
+    }
 }
 
 /// Distribution of a number.

@@ -3,8 +3,11 @@
 use super::{
     AxleStudy, ComplianceStudy, ElasticFigure, Formulation, Motion, Outputs, Study, elastic_targets,
 };
+use crate::assembly::Assembler;
 use crate::compliance::{AxleParameter, Parameter};
+use crate::mechanism::DesignFault;
 use crate::model::{Side, Suspension};
+use crate::number::Vector3;
 use std::sync::LazyLock;
 
 /// Part of the vehicle that a study describes.
@@ -116,6 +119,39 @@ impl Vehicle {
                 }
             }
         }
+    }
+
+    /// Sets another design. A right wheel with its own hardpoints moves by the same displacements as the left one.
+    pub(crate) fn set_design(&mut self, mut design: Vec<Vector3<f64>>) {
+        if let Vehicle::Axle(both) = self {
+            let axle = &mut both.axle;
+            axle.complete(&mut design);
+            let own = axle.right_design(&design).map(Iterator::collect);
+            if let (Some(right), Some(own)) = (&mut axle.right, own) {
+                right.design = own;
+            }
+        }
+        self.wheel_mut().design = design;
+    }
+
+    /// The vehicle in the form in which builds are assembled: the spin axis of each wheel runs through a point of its carrier
+    /// ([`Assembler::suspension`]), and the right wheel of an axle has its own hardpoints.
+    ///
+    /// # Errors
+    ///
+    /// The design of a wheel cannot move.
+    pub fn assembled(&self) -> Result<Vehicle, DesignFault> {
+        let of = |wheel: &Suspension| Ok(Assembler::new(wheel)?.suspension().clone());
+        let mut assembled = self.clone();
+        match &mut assembled {
+            Vehicle::Wheel(own) => own.suspension = of(&own.suspension)?,
+            Vehicle::Axle(both) => {
+                let axle = &mut both.axle;
+                axle.right = Some(of(axle.suspension(Side::Right))?);
+                axle.left = of(&axle.left)?;
+            }
+        }
+        Ok(assembled)
     }
 
     /// Axle, if the vehicle is one.

@@ -8,6 +8,7 @@ use crate::evaluate::{BLOCK, Block, Evaluator, NotInLanes};
 use crate::mechanism::DesignFault;
 use crate::model::{Side, Suspension};
 use crate::number::{Vector3, Width};
+use crate::study::Vehicle;
 
 impl Problem<'_> {
     /// Reason why no build is solved in SIMD lanes. `None` if most builds are.
@@ -45,14 +46,34 @@ impl Problem<'_> {
             built => self.study.with_built(&built[0]),
         };
         let mut moved = self.study.clone();
+        self.set_rates(number, &mut moved.vehicle);
+        Ok(self.study.with_rates_of(text, &moved))
+    }
+
+    /// The vehicle of the build with this number: its wheels at rest, and its rates. An error names the wheel that cannot be
+    /// assembled.
+    pub fn built_vehicle(&self, number: u64) -> Result<Vehicle, (Option<Side>, AssemblyError)> {
+        let mut wheels = self.built_wheels(number)?.into_iter();
+        let mut built = self.study.vehicle.clone();
+        if let Some(left) = wheels.next() {
+            match &mut built {
+                Vehicle::Wheel(own) => own.suspension = left,
+                Vehicle::Axle(both) => both.axle = both.axle.with_wheels(left, wheels.next()),
+            }
+        }
+        self.set_rates(number, &mut built);
+        Ok(built)
+    }
+
+    /// Sets the rates of the build with this number.
+    fn set_rates(&self, number: u64, vehicle: &mut Vehicle) {
         let mut draws = vec![0.0; self.tolerance.sources()];
         self.tolerance.draw(number, &mut draws);
         let mut rates = Vec::new();
         elastic::append_rates(self.tolerance, &draws, &mut rates);
         for ((parameter, _), value) in elastic::rates(self.tolerance).zip(rates) {
-            moved.vehicle.set_rate(parameter, value);
+            vehicle.set_rate(parameter, value);
         }
-        Ok(self.study.with_rates_of(text, &moved))
     }
 
     /// All wheels of the build with this number: for an axle left and right, each in the frame of a left wheel. An error

@@ -44,12 +44,7 @@ impl WheelAssembler {
 
     /// Dimensions that a source changes in this wheel. Empty if the source belongs to the other wheel alone.
     pub(super) fn changes<'s>(&self, source: &'s Source) -> &'s [(BuildParameter, f64)] {
-        let own = source.side.or(self.side.and(Some(Side::Left)));
-        if own == self.side {
-            &source.changes
-        } else {
-            &source.seen_from_other
-        }
+        source.changes_in(self.side)
     }
 
     /// Dimensions that a source changes in this wheel, with the changes of the adjustments that keep it aligned.

@@ -1,7 +1,6 @@
 //! Robust tuning of a wheel with elastic parts: builds scatter in hardpoints and rates.
 
 use super::support::{elastic, fourth_order, with};
-use hardpoint::assembly::Assembler;
 use hardpoint::optimise::{Control, LeastSquares, Linearisation, Objective, TargetLayout, tune};
 use hardpoint::study::{Optimise, Study};
 use hardpoint::tolerance::{Problem, monte_carlo};
@@ -14,10 +13,16 @@ const NAME: &str = "double_wishbone_compliance.toml";
 fn builds_at(study: &Study, x: &DVector<f64>) -> Linearisation {
     let optimise = study.optimise.as_ref().unwrap();
     let layout = TargetLayout::of(optimise, &study.vehicle);
-    let assembler = Assembler::new(study.wheel()).unwrap();
     let (variables, scatter) = (&optimise.variables, optimise.scatter.as_ref().unwrap());
-    let assembled = assembler.suspension();
-    let problem = Objective::of_builds(study.wheel(), assembled, variables, &layout, scatter, None);
+    let assembled = study.vehicle.assembled().unwrap();
+    let problem = Objective::of_builds(
+        &study.vehicle,
+        &assembled,
+        variables,
+        &layout,
+        scatter,
+        None,
+    );
     let mut found = Linearisation::new(layout.residuals(), x.len());
     problem.unwrap().evaluate(x, &mut found).unwrap();
     found

@@ -13,6 +13,7 @@ mod planted;
 mod rates;
 mod reference;
 mod refused;
+mod robust;
 mod set_up;
 mod steered;
 mod tolerance;

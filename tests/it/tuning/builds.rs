@@ -1,7 +1,6 @@
 //! Derivatives of builds, and definition of builds.
 
 use super::edited;
-use hardpoint::assembly::Assembler;
 use hardpoint::number::Width;
 use hardpoint::optimise::{LeastSquares, Linearisation, Objective, TargetLayout};
 use hardpoint::study::{Optimise, Study};
@@ -26,12 +25,18 @@ fn with_problem<R>(
     let optimise = study.optimise.as_ref().unwrap();
     let suspension = study.wheel();
     let layout = TargetLayout::of(optimise, &study.vehicle);
-    let assembler = Assembler::new(suspension).unwrap();
-    let assembled = assembler.suspension();
+    let assembled = study.vehicle.assembled().unwrap();
     let scatter = optimise.scatter.as_ref().unwrap();
     let variables = &optimise.variables;
-    let mut problem =
-        Objective::of_builds(suspension, assembled, variables, &layout, scatter, width).unwrap();
+    let mut problem = Objective::of_builds(
+        &study.vehicle,
+        &assembled,
+        variables,
+        &layout,
+        scatter,
+        width,
+    )
+    .unwrap();
     let count = layout.residuals();
     f(&mut |x| {
         let mut at = Linearisation::new(count, x.len());

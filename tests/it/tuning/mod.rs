@@ -6,6 +6,7 @@ mod constraints;
 mod intervals;
 mod minima;
 mod mixes;
+pub mod robust_axle;
 mod robust_yield;
 mod still;
 mod units;

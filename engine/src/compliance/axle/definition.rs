@@ -1,7 +1,7 @@
 //! Elastic parts of both wheels of an axle.
 
 use crate::compliance::definition::{Compliance, Relaxed, Subframe};
-use crate::compliance::inputs::{AxleParameter, Parameter};
+use crate::compliance::inputs::{AxleParameter, Parameter, scatter_rate};
 use crate::compliance::law::Shape;
 use crate::number::Scalar;
 
@@ -62,6 +62,21 @@ impl AxleCompliance {
             None => of
                 .of_sides(&mut self.wheels)
                 .for_each(|wheel| wheel.set_rate(of.parameter, value)),
+        }
+    }
+
+    /// Changes the rate of a part, by a fraction of itself if `is_relative` is true. Returns false if it is not above 0 then.
+    pub(crate) fn change_rate(
+        &mut self,
+        of: AxleParameter,
+        change: f64,
+        is_relative: bool,
+    ) -> bool {
+        match self.shared_number(of.parameter) {
+            Some(number) => scatter_rate(number, change, is_relative),
+            None => of
+                .of_sides(&mut self.wheels)
+                .all(|wheel| wheel.change_rate(of.parameter, change, is_relative)),
         }
     }
 

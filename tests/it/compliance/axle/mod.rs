@@ -3,6 +3,7 @@
 mod command;
 mod mechanics;
 mod names;
+mod robust;
 mod sheets;
 mod studies;
 mod world;

@@ -52,6 +52,10 @@ impl Drawing {
         let rigid = suspension.mechanism.rigid_axle.as_ref();
         // The mechanism of a solid axle has both halves. Each wheel draws its own half, and the left wheel the single parts.
         let prefix_of = |points: &[PointId]| match rigid {
+            // A rod from one half to the other.
+            Some(rigid) if matches!(points, [a, b] if rigid.far_of(*a) == Some(*b) || rigid.far_of(*b) == Some(*a)) => {
+                (side == Side::Left).then_some("")
+            }
             Some(rigid) if points.iter().any(|id| rigid.is_far(*id)) => None,
             Some(rigid) if points.iter().all(|id| rigid.singles.contains(id)) => {
                 (side == Side::Left).then_some("")
@@ -64,7 +68,8 @@ impl Drawing {
                     let ends = [PointId(ends[0]), PointId(ends[1])];
                     if let Some(prefix) = prefix_of(&ends) {
                         let [from, to] = ends.map(|id| outgoing.position(side, id));
-                        self.line(&format!("{prefix}{}", body.name), from, to);
+                        let name = body.name.trim_start_matches(&format!("{} ", side.name()));
+                        self.line(&format!("{prefix}{name}"), from, to);
                     }
                 }
             }

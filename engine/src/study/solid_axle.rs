@@ -7,6 +7,7 @@ use super::suspension::{position, three};
 use super::value::{RightWheel, Text};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, Drive, Frame, Mechanism, RigidAxle, Suspension};
+use crate::number::Each;
 use crate::solve::Solver;
 use std::ops::Range as Span;
 use toml::Spanned;
@@ -296,6 +297,18 @@ pub(super) fn wheels(
                 return problems.refuse(place, message);
             }
             differences(own, rigid, &mut left, problems)?;
+        }
+    }
+    if rigid.steering.is_some() {
+        // The pose of such an axle next to its design position differs from that position: its knuckles turn.
+        let [near, far] =
+            [left.mechanism.wheel_centre, rigid.far_centre].each(|id| left.design[id.0]);
+        if (near.z - far.z).abs() > 1e-9 * left.size() {
+            let message =
+                "the right wheel_centre of a steered axle needs the height of the left one";
+            let error = problems.add(place, message);
+            error.help("other heights are not available for an axle with a drag link");
+            return None;
         }
     }
 

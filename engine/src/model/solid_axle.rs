@@ -10,7 +10,7 @@ use super::topology::{
     Given, Group, NO_LINK, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional,
     required,
 };
-use super::{Body, Constraint, Mechanism, Point, PointId, RockerId, Topology};
+use super::{Body, Constraint, Mechanism, RockerId, Topology};
 
 /// Panhard rod. A study gives both ends or neither.
 static PANHARD: Group = Group {
@@ -155,8 +155,13 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
                 .any(|of| name.starts_with(of))
         }
     };
-    let (singles, pairs) =
-        add_far_points(&mut given, is_single, is_steered.then_some(left_knuckle));
+    // Each wheel moves its own lever of the anti-roll bar.
+    let far_body = |_, body| match body {
+        Body::Rocker(id) if is_steered && id == left_knuckle => Body::Rocker(RockerId(id.0 + 1)),
+        Body::Rocker(_) => Body::Chassis,
+        body => body,
+    };
+    let (singles, pairs) = given.add_far_half(is_single, far_body);
     let steering = is_steered.then(|| steered_axle::add(&mut given, left_knuckle));
     let id = |name: &str| given.id(name);
     let link = |chassis: &str, axle: &str| Constraint::Link {
@@ -199,33 +204,4 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         steered_axle::steer(&mut mechanism, steering);
     }
     mechanism
-}
-
-/// Adds the points of the right half, each with the name of its left point. Returns the points that both halves share, and
-/// the pairs. A steered axle has a `left_knuckle`.
-fn add_far_points(
-    given: &mut Given,
-    is_single: impl Fn(&str) -> bool,
-    left_knuckle: Option<RockerId>,
-) -> (Vec<PointId>, Vec<[PointId; 2]>) {
-    let near: Vec<PointId> = (0..given.0.len()).map(PointId).collect();
-    let (singles, near): (Vec<_>, Vec<_>) = near
-        .into_iter()
-        .partition(|id| is_single(&given.0[id.0].name));
-    let mut pairs = Vec::with_capacity(near.len());
-    for id in near {
-        let Point { name, body } = &given.0[id.0];
-        let far = Point {
-            name: format!("right_{name}"),
-            // Each wheel moves its own lever of the anti-roll bar.
-            body: match body {
-                Body::Rocker(id) if Some(*id) == left_knuckle => Body::Rocker(RockerId(id.0 + 1)),
-                Body::Rocker(_) => Body::Chassis,
-                body => *body,
-            },
-        };
-        pairs.push([id, PointId(given.0.len())]);
-        given.0.push(far);
-    }
-    (singles, pairs)
 }

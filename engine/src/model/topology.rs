@@ -144,6 +144,28 @@ impl Given {
         self.0.iter().position(|p| p.name == name).map(PointId)
     }
 
+    /// Adds the points of the far half of an axle, each with `right_` before the name of its near point. `far_body` gives the
+    /// body of a far point from its near point and that point's body. Returns the points that both halves share, and the pairs.
+    pub(super) fn add_far_half(
+        &mut self,
+        is_single: impl Fn(&str) -> bool,
+        far_body: impl Fn(PointId, Body) -> Body,
+    ) -> (Vec<PointId>, Vec<[PointId; 2]>) {
+        let given = (0..self.0.len()).map(PointId);
+        let (singles, near): (Vec<_>, Vec<_>) = given.partition(|id| is_single(&self.0[id.0].name));
+        let mut pairs = Vec::with_capacity(near.len());
+        for id in near {
+            let Point { name, body } = &self.0[id.0];
+            let far = Point {
+                name: format!("right_{name}"),
+                body: far_body(id, *body),
+            };
+            pairs.push([id, PointId(self.0.len())]);
+            self.0.push(far);
+        }
+        (singles, pairs)
+    }
+
     /// Required point with this name.
     pub(super) fn id(&self, name: &str) -> PointId {
         self.find(name).expect("a required hardpoint is given")

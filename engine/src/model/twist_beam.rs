@@ -86,24 +86,13 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
     let on_arm = Carriers::all(Body::Knuckle);
     let mut given = Given::of(topology, given, on_arm, |_| Body::Knuckle);
     let beam = RockerId(0);
-    let near = (0..given.0.len()).map(PointId);
-    let (singles, near): (Vec<_>, Vec<_>) =
-        near.partition(|id| given.0[id.0].name == "shear_centre");
     let mount = given.id("mount");
-    let mut pairs = Vec::with_capacity(near.len());
-    for id in near {
-        let Point { name, body } = &given.0[id.0];
-        let far = Point {
-            name: format!("right_{name}"),
-            body: match body {
-                _ if id == mount => Body::Opposite(mount),
-                Body::Knuckle => Body::Rocker(beam),
-                body => *body,
-            },
-        };
-        pairs.push([id, PointId(given.0.len())]);
-        given.0.push(far);
-    }
+    let far_body = |id, body| match body {
+        _ if id == mount => Body::Opposite(mount),
+        Body::Knuckle => Body::Rocker(beam),
+        body => body,
+    };
+    let (singles, pairs) = given.add_far_half(|name| name == "shear_centre", far_body);
     let mut add = |name: &str, body: Body| {
         let name = name.to_owned();
         given.0.push(Point { name, body });

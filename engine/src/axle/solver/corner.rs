@@ -1,7 +1,6 @@
 //! One wheel of the axle during the solution.
 
 use super::*;
-use crate::number::Each;
 
 /// Solver for one corner of the axle.
 #[derive(Clone, Debug)]

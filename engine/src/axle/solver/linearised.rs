@@ -1,7 +1,6 @@
 //! Wheels of a position, prepared for gradients by the hardpoints.
 
 use super::*;
-use crate::number::Each;
 
 /// Both wheels of a position, prepared for gradients of formulas by the hardpoints.
 pub(crate) struct LinearisedAxle<'s, const N: usize> {

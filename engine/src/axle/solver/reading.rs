@@ -2,7 +2,6 @@
 
 use super::linearised::derivative_by_heave;
 use super::*;
-use crate::number::Each;
 
 /// Receives the index of a requested quantity, and its gradients by every point of the left and of the right wheel.
 pub(in crate::axle) type ReceiveOwnGradients<'r> = dyn FnMut(usize, [&mut [Vector3<f64>]; 2]) + 'r;

@@ -100,23 +100,17 @@ struct LimitRanges {
 }
 
 impl LimitRanges {
-    /// Limits of a vehicle: that of the study, or a build of it. An error says why it has none.
+    /// Limits of a vehicle, which is the study's or a build. An error says why the vehicle has no limits.
     fn of_vehicle(study: &Study, vehicle: &Vehicle) -> Result<Self, String> {
         match vehicle {
             Vehicle::Wheel(own) => {
-                let found = match &own.compliance {
-                    None => LimitRanges::of(study, own),
-                    Some(elastic) => {
-                        let found = rows_of_wheel(own, elastic);
-                        return found
-                            .map_err(|fault| fault.describe(&own.suspension.mechanism))
-                            .and_then(|(rows, margin)| {
-                                let is_short = margin.is_some_and(|margin| margin < 0.0);
-                                LimitRanges::of_equilibria(rows, margin, is_short)
-                            });
-                    }
+                let fault = |fault: DesignFault| fault.describe(&own.suspension.mechanism);
+                let Some(elastic) = &own.compliance else {
+                    return LimitRanges::of(study, own).map_err(fault);
                 };
-                found.map_err(|fault| fault.describe(&own.suspension.mechanism))
+                let (rows, margin) = rows_of_wheel(own, elastic).map_err(fault)?;
+                let is_short = margin.is_some_and(|margin| margin < 0.0);
+                LimitRanges::of_equilibria(rows, margin, is_short)
             }
             Vehicle::Axle(both) => {
                 let axle = &both.axle;

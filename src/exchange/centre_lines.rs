@@ -5,7 +5,7 @@
 //! their names (`TEXT`) on `NAMES`.
 
 use super::outgoing::Outgoing;
-use crate::model::{FrameConvention, LengthUnit, PointId, Side};
+use crate::model::{FrameConvention, LengthUnit, PointId, RigidAxle, Side};
 use crate::number::Vector3;
 use crate::report::Scene;
 use std::fmt::Write;
@@ -38,6 +38,24 @@ fn text_height(outgoing: &Outgoing<'_>) -> f64 {
     outgoing.unit.convert(6.0, LengthUnit::Millimetre)
 }
 
+/// Prefix of a part of a solid axle through these points. `None` if the other wheel draws it. The mechanism of each wheel has
+/// both halves: each wheel draws its own half, and the left wheel draws what the axle has once.
+fn prefix_on_solid_axle<'p>(
+    rigid: &RigidAxle,
+    side: Side,
+    points: &[PointId],
+    prefix: &'p str,
+) -> Option<&'p str> {
+    let is_pair = |a, b| rigid.far_of(a) == Some(b) || rigid.far_of(b) == Some(a);
+    let joins_halves = matches!(*points, [a, b] if is_pair(a, b));
+    if joins_halves || points.iter().all(|id| rigid.singles.contains(id)) {
+        (side == Side::Left).then_some("")
+    } else {
+        let is_far = points.iter().any(|id| rigid.is_far(*id));
+        (!is_far).then_some(prefix)
+    }
+}
+
 /// Entities of the drawing, with their layers.
 #[derive(Default)]
 struct Drawing {
@@ -50,25 +68,18 @@ impl Drawing {
         let height = text_height(outgoing);
         let suspension = outgoing.suspension(side);
         let rigid = suspension.mechanism.rigid_axle.as_ref();
-        // The mechanism of a solid axle has both halves. Each wheel draws its own half, and the left wheel the single parts.
         let prefix_of = |points: &[PointId]| match rigid {
-            // A rod from one half to the other.
-            Some(rigid) if matches!(points, [a, b] if rigid.far_of(*a) == Some(*b) || rigid.far_of(*b) == Some(*a)) => {
-                (side == Side::Left).then_some("")
-            }
-            Some(rigid) if points.iter().any(|id| rigid.is_far(*id)) => None,
-            Some(rigid) if points.iter().all(|id| rigid.singles.contains(id)) => {
-                (side == Side::Left).then_some("")
-            }
-            _ => Some(prefix),
+            None => Some(prefix),
+            Some(rigid) => prefix_on_solid_axle(rigid, side, points, prefix),
         };
+        let own_side = format!("{} ", side.name());
         for body in Scene::of(suspension).bodies {
+            let name = body.name.strip_prefix(&own_side).unwrap_or(&body.name);
             for line in &body.lines {
                 for ends in line.windows(2) {
                     let ends = [PointId(ends[0]), PointId(ends[1])];
                     if let Some(prefix) = prefix_of(&ends) {
                         let [from, to] = ends.map(|id| outgoing.position(side, id));
-                        let name = body.name.trim_start_matches(&format!("{} ", side.name()));
                         self.line(&format!("{prefix}{name}"), from, to);
                     }
                 }

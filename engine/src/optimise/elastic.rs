@@ -230,8 +230,8 @@ pub(super) fn add_points(ways: &[PointRate], by: impl Fn(Parameter) -> f64, slop
     }
 }
 
-/// Adds the slopes along the variables that come from rates: those of both wheels together, and those of each wheel. `by` gives
-/// the derivative of the value by a rate, 0 for a rate that is no input.
+/// Adds the slopes along the variables that move rates. A rate may belong to both wheels or to one wheel. `by` gives the
+/// derivative of the value by a rate, and 0 for a rate on which the value does not depend.
 pub(super) fn add_rates(moved: &Moved<'_>, by: impl Fn(AxleParameter) -> f64, slopes: &mut [f64]) {
     for (column, parameter, [_, slope]) in moved.rates() {
         for side in [None, Some(Side::Left), Some(Side::Right)] {

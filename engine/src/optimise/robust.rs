@@ -1,4 +1,4 @@
-//! Residuals of the builds of a robust tuning, in place of those of the nominal design.
+//! Residuals of a robust tuning: those of its builds replace those of the nominal design.
 
 use super::builds::Builds;
 use super::lane_builds::LaneBuilds;
@@ -71,7 +71,7 @@ impl<'a> Robust<'a> {
     }
 }
 
-/// Writes the residuals of a build, whose design is that of the problem.
+/// Writes the residuals of a build. The problem must have the design of this build.
 fn evaluate_build<'a>(
     builds: &Builds<'a>,
     number: usize,
@@ -87,7 +87,7 @@ fn evaluate_build<'a>(
     problem.evaluate_beside(x, Some(&scattered), Some((into, first)), None)
 }
 
-/// Exchanges the designs of the latest build with those of the problem.
+/// Swaps the designs of the latest build and of the problem.
 fn exchange(builds: &mut Builds<'_>, problem: &mut Objective<'_>) {
     let wheels = [Some(&mut problem.wheel), problem.right.as_mut()];
     for (nominal, built) in wheels.into_iter().flatten().zip(&mut builds.wheels) {

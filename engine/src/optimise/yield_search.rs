@@ -52,11 +52,11 @@ const FEW: f64 = 0.5;
 const JUDGED: usize = 1 << 16;
 /// Number of further builds that judge a design with elastic parts, whose equilibria take longer than poses.
 const JUDGED_ELASTIC: usize = 1 << 10;
-/// Number of further builds that judge an axle. They are solved one by one.
+/// Number of further builds on which the yield of an axle is counted. They are solved one after another.
 const JUDGED_AXLE: usize = 1 << 12;
 /// Number of parts of an axle's further builds, which threads share.
 const AXLE_PARTS: usize = 8;
-/// Number of builds whose designs are in memory at once.
+/// Largest number of builds whose designs a thread has in memory at once.
 const AT_ONCE: usize = 1 << 12;
 
 /// Expected yield of a robust tuning.

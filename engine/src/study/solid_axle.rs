@@ -300,7 +300,8 @@ pub(super) fn wheels(
         }
     }
     if rigid.steering.is_some() {
-        // The pose of such an axle next to its design position differs from that position: its knuckles turn.
+        // The solver would turn the knuckles by the slope of the line between the wheel centres: a fault. So poses beside the
+        // design position would not continue it.
         let [near, far] =
             [left.mechanism.wheel_centre, rigid.far_centre].each(|id| left.design[id.0]);
         if (near.z - far.z).abs() > 1e-9 * left.size() {

@@ -14,8 +14,8 @@ const STRIP = 26;
 let charts = [];
 let clips = 0;
 
-// What is worked out once for an answer, though many charts draw it: stations of each group by rising place, ends of the
-// places, and curves of each column.
+// Data that all charts of an answer share, computed once: the stations of each group in rising order, the range of the
+// places, and the curves of each column.
 const known = new WeakMap();
 const knownOf = (answer) => {
   if (known.has(answer)) return known.get(answer);

@@ -37,7 +37,7 @@ fn a_later_request_stops_an_earlier_one() {
     });
 }
 
-/// Each move is asked for once. Tables out of sight are of the present design when they are opened.
+/// The page sends one request for each move. A table that was hidden shows the present design when it is opened.
 #[test]
 fn a_move_is_asked_for_once() {
     let Some(browser) = Browser::start() else {

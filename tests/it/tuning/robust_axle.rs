@@ -53,8 +53,8 @@ fn nominal(study: &Study, optimise: &Optimise) -> DVector<f64> {
     found.residuals
 }
 
-/// The derivatives of the builds are their slopes: differences of fourth order with these steps and with half of them, of which
-/// Richardson's extrapolation makes one of sixth order.
+/// The derivatives of the builds equal their difference quotients. Richardson's extrapolation makes a quotient of sixth order
+/// from two of fourth order, with these steps and with half of them.
 pub fn assert_derivatives_are_slopes(study: &Study, x: &[f64], steps: &[f64], bound: f64) {
     let x = DVector::from_column_slice(x);
     let here = builds_at(study, &x);
@@ -81,8 +81,8 @@ pub fn assert_derivatives_are_slopes(study: &Study, x: &[f64], steps: &[f64], bo
     }
 }
 
-/// The residuals of builds with known deviations are those of the build that `tolerance` writes as a study, whose axle is
-/// solved without any build.
+/// `tolerance` writes a build with known deviations as a study. The nominal residuals of that study equal the residuals of the
+/// build in the tuning.
 pub fn assert_builds_are_written_builds(study: &Study, x: &[f64], read: impl Fn(&str) -> Study) {
     let optimise = study.optimise.as_ref().unwrap();
     let found = builds_at(study, &DVector::from_column_slice(x)).residuals;
@@ -148,7 +148,7 @@ const ROLLED: &str =
     "roll = [-2.0, 0.0, 2.0]\nheave = [0.0, 20.0]\nsteering_wheel_angle = [0.0, 300.0]";
 const ON_PADS: &str = "travel_left = [-30.0, 0.0, 30.0]\ntravel_right = 0.0";
 
-/// Of wheels that are mirror images and of wheels that are not, as assembled and with toe set again.
+/// The wheels are mirror images or not, and their builds are aligned or not.
 #[test]
 fn derivatives_of_builds_of_axles_are_exact() {
     let x = [1.5, -2.0, 0.5, -1.0, 0.7, 0.3, -0.4, 0.2];
@@ -188,7 +188,7 @@ fn builds_of_an_axle_are_those_of_tolerance() {
     }
 }
 
-/// If the left wheel alone scatters, and targets ask for it alone, the builds are those of the wheel without `[axle]`.
+/// If only the left wheel scatters, and targets only ask for this wheel, its builds are those of the study without `[axle]`.
 /// If both wheels scatter as mirror images, both have the residuals of that wheel.
 #[test]
 fn wheels_of_an_axle_scatter_like_a_single_wheel() {
@@ -255,8 +255,8 @@ const TUNED: &str = r#"
   { characteristic = "mean_steer", over = "roll", at = 2.0, value = 0.0, tolerance = 0.02 },
 "#;
 
-/// Bits of a tuning do not depend on the number of threads. The builds of the tuned axle are no worse than those of the optimum
-/// without scatter, and better than those of the given axle.
+/// One thread and two threads give the same bits. The misfit of the builds is at most that of the optimum without scatter, and
+/// below that of the given axle.
 #[test]
 fn a_tuned_axle_is_the_same_on_any_number_of_threads() {
     let motion = "roll = [-2.0, 0.0, 2.0]\nheave = [-30.0, 0.0, 30.0]";

@@ -89,6 +89,15 @@ impl RigidAxle {
         pair.map(|[_, far]| *far)
     }
 
+    /// Puts a point of the far half at another place. Points that follow it keep their offsets from it.
+    pub(crate) fn put_far(&self, far: PointId, place: Vector3<f64>, design: &mut [Vector3<f64>]) {
+        let way = place - design[far.0];
+        design[far.0] = place;
+        for [point, _] in self.followers().filter(|[_, beside]| *beside == far) {
+            design[point.0] = design[point.0] + way;
+        }
+    }
+
     /// Moves the far half with the near half. `own` is a design with both halves. Differences between its far half and a
     /// mirror image stay.
     #[inline(always)]

@@ -7,7 +7,6 @@ use super::suspension::{position, three};
 use super::value::{RightWheel, Text};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, Drive, Frame, Mechanism, RigidAxle, Suspension};
-use crate::number::Each;
 use crate::solve::Solver;
 use std::ops::Range as Span;
 use toml::Spanned;
@@ -299,20 +298,6 @@ pub(super) fn wheels(
             differences(own, rigid, &mut left, problems)?;
         }
     }
-    if rigid.steering.is_some() {
-        // The solver would turn the knuckles by the slope of the line between the wheel centres: a fault. So poses beside the
-        // design position would not continue it.
-        let [near, far] =
-            [left.mechanism.wheel_centre, rigid.far_centre].each(|id| left.design[id.0]);
-        if (near.z - far.z).abs() > 1e-9 * left.size() {
-            let message =
-                "the right wheel_centre of a steered axle needs the height of the left one";
-            let error = problems.add(place, message);
-            error.help("other heights are not available for an axle with a drag link");
-            return None;
-        }
-    }
-
     let solver = Solver::new(&left.mechanism, &left.design);
     if let Err(fault) = solver.and_then(|solver| solver.check_start(Drive::Travel)) {
         let message = match fault {
@@ -361,7 +346,7 @@ fn differences(
             sound = false;
             continue;
         };
-        left.design[far.0] = left.frame.vector(position);
+        rigid.put_far(*far, left.frame.vector(position), &mut left.design);
         if left.design[far.0].y > 0.0 {
             let message = format!(
                 "{} is on the left side: the right half has its true y",

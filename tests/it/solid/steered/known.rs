@@ -41,6 +41,7 @@ fn level(above: f64, inboard: f64) -> World {
             ("drag_link_knuckle", at(x + ARM, y, HEIGHT + above)),
             ("tie_rod_end", at(x - ARM, y - inboard, 330.0)),
         ],
+        apart: Vec::new(),
         single: true,
         radius: 375.0,
         direction: [0.0, 1.0, 0.0],

@@ -126,27 +126,3 @@ fn arms_without_a_length_are_refused() {
     let found = refusal(&study(&inline, STILL));
     assert!(found.contains("left knuckle"), "{found}");
 }
-
-/// The right wheel centre may lie forward or outboard of the mirror image, but not above it.
-#[test]
-fn wheel_centres_at_different_heights_are_refused() {
-    let world = random(&mut Random(467), true, 10.0);
-    let centre = world
-        .points
-        .iter()
-        .find(|(name, _)| *name == "wheel_centre");
-    let [x, y, z] = centre.unwrap().1.map(|c| c.value);
-    let with = |[dx, dy, dz]: [f64; 3]| {
-        let right = [x + dx, -y + dy, z + dz];
-        let axle = format!("[axle]\nright = {{ hardpoints = {{ wheel_centre = {right:?} }} }}\n");
-        study(&world, &format!("{axle}{STILL}"))
-    };
-    for moved in [[3.0, 0.0, 0.0], [0.0, -4.0, 0.0]] {
-        assert!(Study::from_text("steered.toml", &with(moved), Path::new("")).is_ok());
-    }
-    let found = refusal(&with([0.0, 0.0, -4.0]));
-    assert!(
-        found.contains("needs the height of the left one"),
-        "{found}"
-    );
-}

@@ -32,6 +32,8 @@ pub struct At {
 #[derive(Clone, Debug)]
 pub struct World {
     pub points: Vec<(&'static str, Point)>,
+    /// Points of the right half that are not mirror images, each with its offset from the mirror image.
+    pub apart: Vec<(&'static str, [f64; 3])>,
     pub single: bool,
     pub radius: f64,
     /// Unit vector along which the steering gear moves.
@@ -93,9 +95,14 @@ impl World {
     }
 
     /// A point of a side.
-    fn of(&self, side: usize, name: &str) -> Point {
+    pub fn of(&self, side: usize, name: &str) -> Point {
         let point = self.at(name);
-        if side == 0 { point } else { mirror(point) }
+        if side == 0 {
+            return point;
+        }
+        let own = self.apart.iter().find(|(n, _)| *n == name);
+        let offset = own.map_or([0.0; 3], |(_, offset)| *offset);
+        plus(mirror(point), offset.map(Hyper::constant))
     }
 
     fn spin_axis(&self, side: usize) -> Point {

@@ -1,13 +1,16 @@
 //! Space that a tyre needs over travel and steer, as solids for CAD.
 //!
+//! The wheels of a solid axle or a twist beam take all combinations of both travels. Other wheels move by themselves.
+//!
 //! Each pose of the wheel gives one closed solid: the tyre as a cylinder about the spin axis. Its rings are polygons
 //! circumscribed about the circle, so the tyre lies inside. The file is binary STL: an 80-byte text, the number of triangles, and
 //! then the triangles. Each triangle has its outward normal and its corners as 32-bit floats, and two unused bytes.
 
 use super::outgoing::Outgoing;
+use crate::axle::{Axle, AxleMotion, AxlePlan, Quantity, WheelMotion, axle_curves};
 use crate::characteristics::Characteristic;
-use crate::curves::Status;
-use crate::model::{Axis, Body, Side, SpinAxis};
+use crate::curves::{Station, Status};
+use crate::model::{Axis, Frame, LengthUnit, Side, SpinAxis};
 use crate::number::Vector3;
 use crate::study::{Motion, Order, Study};
 use std::f64::consts::PI;
@@ -51,8 +54,9 @@ impl Span {
 pub struct Envelope {
     /// One solid per pose and wheel, as triangles. Seen from outside, the corners are counter-clockwise.
     pub solids: Vec<Vec<[[f32; 3]; 3]>>,
-    /// Largest distance between a corner of a solid and the same corner at the next travel, and at the next rack displacement.
-    pub widest_steps: [f64; 2],
+    /// Largest distance between a corner of a solid and the same corner at the next value: of the travel, of the left wheel's travel
+    /// where both travels move each wheel, and of the rack.
+    pub widest_steps: [f64; 3],
     title: String,
 }
 
@@ -68,33 +72,41 @@ impl Envelope {
         travel: Span,
         rack: Span,
     ) -> Result<Self, String> {
-        let points = &outgoing.study.wheel().mechanism.points;
-        if rack.ends != [0.0; 2] && !points.iter().any(|point| point.body == Body::Rack) {
-            return Err("--rack: this suspension has no point on the rack".to_owned());
+        if rack.ends != [0.0; 2] && !outgoing.study.wheel().mechanism.is_steered() {
+            return Err("--rack: nothing steers this suspension".to_owned());
         }
         let mut envelope = Envelope {
             solids: Vec::new(),
-            widest_steps: [0.0; 2],
+            widest_steps: [0.0; 3],
             title: format!(
                 "tyre envelope by hardpoint; unit {}; frame {}",
                 outgoing.unit.symbol(),
                 outgoing.convention.name()
             ),
         };
-        for side in outgoing.wheels() {
-            let poses = poses(outgoing, side, &travel.all(), &rack.all())?;
-            let travels = travel.all().len();
+        let (travels, racks) = (travel.all(), rack.all());
+        let is_rigid = outgoing.study.wheel().mechanism.rigid_axle.is_some();
+        let both = if is_rigid { travels.len() } else { 1 };
+        // Numbers of values: the first varies fastest.
+        let values = [travels.len(), both, racks.len()];
+        let of_wheels = match outgoing.study.axle() {
+            Some(study) if is_rigid => poses_of_axle(outgoing, &study.axle, &travels, &racks)?,
+            _ => {
+                let wheels = outgoing.wheels().into_iter();
+                let poses = wheels.map(|side| poses(outgoing, side, &travels, &racks));
+                poses.collect::<Result<_, _>>()?
+            }
+        };
+        for poses in of_wheels {
             for (number, pose) in poses.iter().enumerate() {
                 let corners = corners(*pose, tyre);
-                let before = [
-                    (!number.is_multiple_of(travels)).then(|| number - 1),
-                    number.checked_sub(travels),
-                ];
-                for (other, widest) in before.into_iter().zip(&mut envelope.widest_steps) {
-                    if let Some(other) = other {
-                        let step = farthest(&corners, &self::corners(poses[other], tyre));
-                        *widest = widest.max(step);
+                let mut stride = 1;
+                for (values, widest) in values.into_iter().zip(&mut envelope.widest_steps) {
+                    if !(number / stride).is_multiple_of(values) {
+                        let before = self::corners(poses[number - stride], tyre);
+                        *widest = widest.max(farthest(&corners, &before));
                     }
+                    stride *= values;
                 }
                 envelope.solids.push(solid(&corners));
             }
@@ -102,10 +114,10 @@ impl Envelope {
         Ok(envelope)
     }
 
-    /// Bound on the distance by which a tyre point between two poses can be outside of all solids: half of a step along travel
-    /// plus half of a step along the rack.
+    /// Bound on the distance by which a tyre point between two poses can be outside of all solids: half of a step along every
+    /// motion.
     pub fn gap(&self) -> f64 {
-        0.5 * (self.widest_steps[0] + self.widest_steps[1])
+        0.5 * self.widest_steps.iter().sum::<f64>()
     }
 
     /// Number of triangles.
@@ -145,8 +157,8 @@ fn poses(
         suspension.frame = both.axle.frame(side);
     }
     let own = suspension.length_unit;
-    let (frame, file) = (suspension.frame, outgoing.frame(side));
-    let along_rack = frame.sign(Axis::Y) * file.sign(Axis::Y);
+    let frame = suspension.frame;
+    let along_rack = frame.sign(Axis::Y) * outgoing.frame(side).sign(Axis::Y);
     let of_study = |length: &f64| own.convert(*length, outgoing.unit);
     let motion = Motion {
         values: travels.iter().map(of_study).collect(),
@@ -172,24 +184,79 @@ fn poses(
                 side.name()
             )
         };
-        if let Status::Failed(failure) = station.status {
-            return Err(format!("{}: {}", at(), failure.describe(own, frame)));
-        }
-        let values: Result<Vec<f64>, _> = station.values.iter().copied().collect();
-        let values = values.map_err(|_| format!("{}: the wheel has no angles", at()))?;
-        let [camber, toe, x, y, z] = values[..] else {
-            return Err(format!("{}: expected angles and a point", at()));
-        };
-        let SpinAxis::Along(axis) = SpinAxis::standing(camber.to_radians(), toe.to_radians())
-        else {
-            unreachable!("angles give a direction")
-        };
-        let centre = frame
-            .vector(Vector3::new(x, y, z))
-            .map(|x| outgoing.length(x));
-        poses.push([file.vector(centre), file.vector(axis)]);
+        let values =
+            values_of(station, own, frame).map_err(|reason| format!("{}: {reason}", at()))?;
+        poses.push(pose(outgoing, side, frame, &values));
     }
     Ok(poses)
+}
+
+/// Poses of both wheels of a solid axle or a twist beam, in all combinations of their travels. The right one varies fastest.
+fn poses_of_axle(
+    outgoing: &Outgoing<'_>,
+    axle: &Axle,
+    travels: &[f64],
+    racks: &[f64],
+) -> Result<Vec<Vec<WheelPose>>, String> {
+    let left = &axle.left;
+    let own = left.length_unit;
+    let of_study = |length: &f64| own.convert(*length, outgoing.unit);
+    let travels: Vec<f64> = travels.iter().map(of_study).collect();
+    // A positive rack moves to the left.
+    let along_rack = outgoing.frame(Side::Left).sign(Axis::Y);
+    let racks = racks.iter().map(|rack| along_rack * of_study(rack));
+    let motion = AxleMotion {
+        wheels: WheelMotion::Travels {
+            left: travels.clone(),
+            right: travels,
+            on_plane: false,
+        },
+        racks: racks.collect(),
+        shows_rack: left.mechanism.is_steered(),
+        steering_wheel: None,
+        time: None,
+    };
+    let angles = [Characteristic::Camber, Characteristic::Toe];
+    let quantities = Side::ALL.map(|side| angles.map(|angle| Quantity::Corner(side, angle)));
+    let plan = AxlePlan {
+        points: vec![left.mechanism.wheel_centre],
+        ..AxlePlan::of(motion, quantities.concat())
+    };
+    let found = axle_curves(axle, &plan).map_err(|fault| axle.describe_fault(fault))?;
+    let mut of_wheels = vec![Vec::new(); 2];
+    for (station, placement) in found.curves.stations.iter().zip(plan.motion.placements()) {
+        let values = values_of(station, own, left.frame)
+            .map_err(|reason| format!("{placement} ({}): {reason}", own.symbol()))?;
+        let (angles, places) = values.split_at(4);
+        for side in Side::ALL {
+            let number = side as usize;
+            let values = [&angles[2 * number..][..2], &places[3 * number..][..3]].concat();
+            of_wheels[number].push(pose(outgoing, side, axle.frame(side), &values));
+        }
+    }
+    Ok(of_wheels)
+}
+
+/// Values of a station. An error is the reason why there are none.
+fn values_of(station: &Station, unit: LengthUnit, frame: Frame) -> Result<Vec<f64>, String> {
+    if let Status::Failed(failure) = station.status {
+        return Err(failure.describe(unit, frame));
+    }
+    let values: Result<Vec<f64>, _> = station.values.iter().copied().collect();
+    values.map_err(|_| "the wheel has no angles".to_owned())
+}
+
+/// Pose of a wheel with this camber, toe, and place of its centre, all as printed by the study.
+fn pose(outgoing: &Outgoing<'_>, side: Side, frame: Frame, values: &[f64]) -> WheelPose {
+    let [camber, toe, x, y, z] = values[..] else {
+        unreachable!("two angles and a point were asked for")
+    };
+    let SpinAxis::Along(axis) = SpinAxis::standing(camber.to_radians(), toe.to_radians()) else {
+        unreachable!("angles give a direction")
+    };
+    let centre = frame.vector(Vector3::new(x, y, z));
+    let file = outgoing.frame(side);
+    [centre.map(|x| outgoing.length(x)), axis].map(|v| file.vector(v))
 }
 
 /// Corners of the inboard and the outboard ring of a cylinder. The last entry of each ring is its centre.

@@ -114,6 +114,67 @@ fn closed(solid: &[[[f32; 3]; 3]]) {
     }
 }
 
+/// Both wheels of a solid axle and of a twist beam, at every combination of their travels. Each wheel centre is up by its own travel.
+/// A mirrored axle with exchanged travels is the mirror image. The wheel centres of an axle that is not steered keep their distance.
+#[test]
+fn tyres_of_solid_axles_take_all_combinations_of_travels() {
+    let steered = include_str!("../../../studies/off_road_car_front.toml");
+    for (text, racks) in [
+        (template("solid_axle"), 1),
+        (template("twist_beam"), 1),
+        (steered, 2),
+    ] {
+        let study = of_text(text);
+        let outgoing = Outgoing::of(&study, None, Some(FrameConvention::Iso8855));
+        let tyre = Tyre {
+            radius: 300.0,
+            width: 200.0,
+        };
+        let travel = Span {
+            ends: [-30.0, 30.0],
+            values: 3,
+        };
+        let rack = Span {
+            ends: [-10.0 * f64::from(racks - 1), 0.0],
+            values: racks as usize,
+        };
+        let envelope = Envelope::of(&outgoing, tyre, travel, rack).unwrap();
+        let [left, right] = [0, 1].map(|side| {
+            let each = envelope.solids.len() / 2;
+            let solids = &envelope.solids[side * each..][..each];
+            let centre = |solid: &Vec<[[f32; 3]; 3]>| {
+                closed(solid);
+                let [outer, inner] = [0, 1].map(|k| Vector3::from(solid[k][0].map(f64::from)));
+                (outer + inner) * 0.5
+            };
+            solids.iter().map(centre).collect::<Vec<_>>()
+        });
+        assert_eq!(left.len(), 9 * racks as usize);
+        let wheel_centre = study.wheel().mechanism.wheel_centre;
+        let design = Side::ALL.map(|side| Vector3::from(outgoing.position(side, wheel_centre)));
+        let apart = |a: Vector3<f64>, b: Vector3<f64>| (a - b).norm_squared().sqrt();
+        let travels = [-30.0, 0.0, 30.0];
+        // Coordinates are rounded to 32 bits.
+        for (number, (l, r)) in left.iter().zip(&right).enumerate() {
+            let own = [travels[number / 3 % 3], travels[number % 3]];
+            assert!((l.z - design[0].z - own[0]).abs() < 1e-3, "{number}: {l:?}");
+            assert!((r.z - design[1].z - own[1]).abs() < 1e-3, "{number}: {r:?}");
+            if racks == 1 {
+                let other = right[3 * (number % 3) + number / 3];
+                let mirrored = Vector3::new(other.x, -other.y, other.z);
+                assert!(apart(*l, mirrored) < 1e-3, "{number}: {l:?} {other:?}");
+            }
+            if text == template("solid_axle") {
+                assert!((apart(*l, *r) - apart(design[0], design[1])).abs() < 1e-3);
+            }
+        }
+        if racks == 2 {
+            // With the gear at rest the tyre is elsewhere than with the gear moved.
+            assert!(apart(left[4], left[13]) > 0.1);
+        }
+    }
+}
+
 /// The volume that triangles enclose, positive if they are seen from outside.
 fn volume(solid: &[[[f32; 3]; 3]]) -> f64 {
     let origin = Vector3::from(solid[0][0].map(f64::from));
@@ -140,7 +201,7 @@ fn envelopes_that_cannot_be_are_refused_by_name() {
     assert!(
         steered
             .unwrap_err()
-            .contains("this suspension has no point on the rack")
+            .contains("nothing steers this suspension")
     );
     let far = Envelope::of(&outgoing, tyre, span(-10.0, 4000.0), span(0.0, 0.0));
     let said = far.unwrap_err();
@@ -228,7 +289,12 @@ fn drawings_join_hardpoints() {
 /// bound is smaller.
 #[test]
 fn the_gap_between_poses_is_bounded() {
-    let study = of_text(template("double_wishbone"));
+    assert_gap_is_bounded("double_wishbone", 20.0);
+    assert_gap_is_bounded("solid_axle", 0.0);
+}
+
+fn assert_gap_is_bounded(topology: &str, rack: f64) {
+    let study = of_text(template(topology));
     let outgoing = Outgoing::of(&study, None, None);
     let tyre = Tyre {
         radius: 300.0,
@@ -239,7 +305,7 @@ fn the_gap_between_poses_is_bounded() {
             ends: [-end, end],
             values,
         };
-        Envelope::of(&outgoing, tyre, span(40.0), span(20.0)).unwrap()
+        Envelope::of(&outgoing, tyre, span(40.0), span(rack)).unwrap()
     };
     let (coarse, dense) = (envelope(3), envelope(9));
     assert!(dense.gap() < 0.3 * coarse.gap());

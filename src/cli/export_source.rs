@@ -81,23 +81,23 @@ impl Source {
         let only = |targets: &[Target], message: &'static str| {
             (!targets.contains(&arguments.to)).then_some(message)
         };
-        let points = [Target::Csv, Target::Xlsx, Target::Dxf];
+        let points = [Target::Csv, Target::Xlsx, Target::Dxf, Target::Stl];
         let refused = if mechanism.rigid_axle.is_none() {
             None
         } else if mechanism.topology.is_twist_beam() {
             only(
                 &points,
-                "a twist beam can be exported to CSV, to a workbook and to DXF",
+                "a twist beam can be exported to CSV, to a workbook, to DXF and to STL",
             )
         } else if mechanism.axle_steering().is_some() {
             only(
                 &points,
-                "a solid axle with a drag link can be exported to CSV, to a workbook and to DXF",
+                "a solid axle with a drag link can be exported to CSV, to a workbook, to DXF and to STL",
             )
         } else {
             only(
                 &[&points[..], &[Target::Assetto]].concat(),
-                "a solid axle can be exported to CSV, to a workbook, to DXF and to Assetto Corsa",
+                "a solid axle can be exported to CSV, to a workbook, to DXF, to STL and to Assetto Corsa",
             )
         };
         if let Some(message) = refused {

@@ -65,7 +65,7 @@ impl Envelope {
     ///
     /// # Errors
     ///
-    /// In words: a pose that the wheel cannot reach, or a rack that steers nothing.
+    /// In words: a pose that the wheel cannot reach, a rack that steers nothing, or a solid axle with elastic parts.
     pub fn of(
         outgoing: &Outgoing<'_>,
         tyre: Tyre,
@@ -198,6 +198,11 @@ fn poses_of_axle(
     travels: &[f64],
     racks: &[f64],
 ) -> Result<Vec<Vec<WheelPose>>, String> {
+    if axle.elastic.is_some() {
+        let message =
+            "the pose of a solid axle with elastic parts follows from its loads, so it has no STL";
+        return Err(message.to_owned());
+    }
     let left = &axle.left;
     let own = left.length_unit;
     let of_study = |length: &f64| own.convert(*length, outgoing.unit);

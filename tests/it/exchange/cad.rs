@@ -5,8 +5,10 @@ use super::round_trips::{changed, studies};
 use hardpoint::exchange::{Envelope, Outgoing, Span, Tyre, drawing};
 use hardpoint::model::{Axis, Frame, FrameConvention, LengthUnit, Side};
 use hardpoint::number::Vector3;
+use hardpoint::study::Study;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
+use std::path::Path;
 
 /// The envelope of a tyre: each solid closed, outward, of the volume of its prism, around the wheel of its pose.
 #[test]
@@ -203,6 +205,15 @@ fn envelopes_that_cannot_be_are_refused_by_name() {
             .unwrap_err()
             .contains("nothing steers this suspension")
     );
+    let path = Path::new("studies/solid_axle_five_links.toml");
+    let elastic = Study::read_elastic(path, &[]).unwrap();
+    let elastic = Envelope::of(
+        &Outgoing::of(&elastic, None, None),
+        tyre,
+        span(-10.0, 10.0),
+        span(0.0, 0.0),
+    );
+    assert!(elastic.unwrap_err().contains("elastic parts"));
     let far = Envelope::of(&outgoing, tyre, span(-10.0, 4000.0), span(0.0, 0.0));
     let said = far.unwrap_err();
     assert!(said.contains("left wheel at travel 1995 mm"), "{said}");

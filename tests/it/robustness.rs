@@ -471,7 +471,7 @@ fn apart(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
 #[test]
 fn any_design_is_solved_or_refused_with_a_reason() {
     let config = ProptestConfig {
-        cases: 1000,
+        cases: 400,
         failure_persistence: None,
         ..ProptestConfig::default()
     };

@@ -186,14 +186,24 @@ pub(super) fn own(points: &[(&str, Point)], single: bool) -> Axle {
     }
 }
 
-/// A thousand axles of each kind, at random travels.
 #[test]
 fn positions_are_those_of_another_formulation() {
+    compare_positions(300);
+}
+
+#[test]
+#[ignore = "ten thousand axles of each kind"]
+fn positions_of_ten_thousand_axles_are_those_of_another_formulation() {
+    compare_positions(10_000);
+}
+
+/// Compares this number of axles of each kind, at random travels.
+fn compare_positions(axles: usize) {
     use hardpoint::axle::WheelParts as _;
     let mut generator = Random(46);
     for single in [false, true] {
         let mut worst = 0.0_f64;
-        for _ in 0..1000 {
+        for _ in 0..axles {
             let points = random(&mut generator, single);
             let study = axle(&text(&points, single, STILL));
             let wanted = [Quantity::Axle(A::AxleLateral)];

@@ -47,9 +47,19 @@ fn fitting(links: [[Flat; 2]; 2], angle: f64, near: Flat) -> Option<Flat> {
 
 #[test]
 fn planted_folds_of_heave_are_found_and_named() {
+    find_planted(60);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn two_thousand_planted_folds_of_heave_are_found_and_named() {
+    find_planted(2000);
+}
+
+fn find_planted(folds: usize) {
     let mut random = Random(200);
     let mut planted = 0;
-    while planted < 200 {
+    while planted < folds {
         let mut near = |centre: f64, by: f64| centre + by * random.signed();
         // The fold: both links point to a place above or below the wheel centre.
         let centre = [near(0.0, 20.0), near(335.0, 20.0)];

@@ -194,7 +194,7 @@ fn second_order_is_that_of_builds() {
 #[test]
 fn first_order_is_the_monte_carlo_where_scatter_is_small() {
     for kind in KINDS {
-        let study = kind.study_of((&kind.scatter(0.05), "builds = 600\n"), ROLL, OUTPUTS);
+        let study = kind.study_of((&kind.scatter(0.05), "builds = 200\n"), ROLL, OUTPUTS);
         let problem = problem(&study);
         let expansion = Expansion::of(&problem).unwrap();
         let drawn = problem.drawn().unwrap();
@@ -214,7 +214,8 @@ fn first_order_is_the_monte_carlo_where_scatter_is_small() {
                 "{}, {column}: {spread:?} {linear}",
                 kind.name
             );
-            assert!((spread.mean - drawn[cell]).abs() < 0.2 * linear);
+            // Five standard errors of the mean of 200 builds.
+            assert!((spread.mean - drawn[cell]).abs() < 0.36 * linear);
         }
     }
 }

@@ -138,9 +138,19 @@ fn at_rest(axle: &Axle, rack: f64) -> [Linkage; 2] {
 /// lost up to 1e-4 of the range before its end.
 #[test]
 fn every_end_names_the_part_that_binds() {
+    name_ends(4);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn every_end_of_forty_axles_names_the_part_that_binds() {
+    name_ends(40);
+}
+
+fn name_ends(axles: usize) {
     let mut generator = Random(519);
     let (mut kinds, mut lost) = ([0; 3], 0);
-    for number in 0..10 {
+    for number in 0..axles {
         let by = [10.0, 20.0][number % 2];
         let world = random(&mut generator, number % 2 == 0, by);
         let own = axle(&study(&world, "[motion]\nheave = [0.0]\n")).axle;
@@ -175,7 +185,7 @@ fn every_end_names_the_part_that_binds() {
         }
     }
     assert!(
-        kinds.iter().all(|kind| *kind >= 4) && lost <= 2,
+        kinds.iter().all(|kind| 3 * *kind >= axles) && 5 * lost <= axles,
         "{kinds:?} {lost}"
     );
 }

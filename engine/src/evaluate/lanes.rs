@@ -7,7 +7,7 @@ use super::lane_gradients::Differentiating;
 use crate::characteristics::{Constants, LaneInputs, LaneReader, LaneWheels, Quantity};
 use crate::model::Suspension;
 use crate::number::{MOST_LANES, SimdReal, SimdTask, Vector3, Width};
-use crate::solve::{Acceptance, CornerTracker, LanePose, Visit};
+use crate::solve::{Acceptance, AdjointPose, CornerTracker, Visit};
 use crate::threads::Interrupt;
 
 /// Reason why no design of a sweep is solved in SIMD lanes.
@@ -236,7 +236,7 @@ pub(super) enum Visitor<'v, 'r, 't, B: SimdReal> {
 
 impl<B: SimdReal> Visit<B> for Visitor<'_, '_, '_, B> {
     #[inline(always)]
-    fn pose(&mut self, station: usize, at: &impl LanePose<B>, _: Acceptance<B>) {
+    fn pose(&mut self, station: usize, at: &impl AdjointPose<B>, _: Acceptance<B>) {
         match self {
             Visitor::Values(reading) => reading.read(station, at),
             Visitor::Gradients(differentiating) => differentiating.differentiate(station, at),
@@ -263,7 +263,7 @@ pub(super) struct Reading<'r, B: SimdReal> {
 
 impl<B: SimdReal> Reading<'_, B> {
     #[inline(always)]
-    fn read(&mut self, station: usize, at: &impl LanePose<B>) {
+    fn read(&mut self, station: usize, at: &impl AdjointPose<B>) {
         let station = self.first + station;
         let in_design = station == self.design_station;
         let rates = in_design || self.reader.reads_rates();

@@ -18,7 +18,7 @@ const LARGEST_CORRECTION: f64 = 0.02;
 const LONGEST: f64 = 0.1;
 
 /// Newton steps in the six unknowns.
-pub(super) struct NewtonSteps<'w, 'd, B> {
+pub(in crate::solve::tracker) struct NewtonSteps<'w, 'd, B> {
     pub(super) method: &'w ByLinkage,
     linkage: &'w LinkageDesign<'d, B>,
     tolerance: f64,
@@ -30,7 +30,7 @@ pub(super) struct NewtonSteps<'w, 'd, B> {
 
 impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
     #[inline(always)]
-    pub(super) fn of(
+    pub(in crate::solve::tracker) fn of(
         method: &'w ByLinkage,
         linkage: &'w LinkageDesign<'d, B>,
         tolerance: f64,
@@ -70,6 +70,21 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         ];
         let step = -linear.blocks.solve(linear.residuals);
         (at, step)
+    }
+
+    /// Derivative of the pose by the travel, in the latest linearisation.
+    #[inline(always)]
+    pub(super) fn by_travel(&mut self) -> Twist<B> {
+        let blocks = &self.linear.get_mut().blocks;
+        let mut driven = [self.determinants[0].zero(); 6];
+        driven[5] = driven[5].one();
+        blocks.solve(driven)
+    }
+
+    /// Design of the lanes.
+    #[inline(always)]
+    pub(super) fn linkage(&self) -> &'w LinkageDesign<'d, B> {
+        self.linkage
     }
 
     /// Lanes in which a step is within the permitted error of a prediction.

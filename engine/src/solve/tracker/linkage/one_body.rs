@@ -1,0 +1,320 @@
+//! Equations of an axle whose wheels share one mechanism: a solid axle or a twist beam.
+//!
+//! The unknowns are the pose of the mechanism as the left wheel sees it, and half the difference of the travels, s. Both wheels
+//! are on bodies of this mechanism, so their contact points follow from the same pose. With the mean travel z held, the drive of
+//! the closure equations is s, and (1) and (2) of [`pair`](super::super::pair) are
+//!
+//! ```text
+//! f(s) = h_l(z, s) - h_r(z, s) = 0,    f_s = h_l,s - h_r,s
+//! ```
+//!
+//! The right wheel sees the mirror image of the pose (see `mirrored.rs`), so its equations need no solution of their own.
+//!
+//! A steering gear moves the places from which the equations count both travels: (4) and (5) of `model/steered_axle.rs`. On the
+//! first steps of a route, from the design pose to the mean travel, this shift grows in proportion to the mean travel's steps.
+
+use super::super::pair::{AxleTracker, LEAST_RISE, Linear, PairDrive, VisitPair, height};
+use super::super::pair::{GroundContact, MOST_ROUNDS};
+use super::super::route::RouteStep;
+use super::super::track::{PlaceEquations, kept, predicted};
+use super::super::{Acceptance, Rejection};
+use super::mirrored::{MirroredPose, mirrored_turn};
+use super::newton::{BranchGuard, NewtonSteps};
+use super::{LinkageDesign, UNKNOWNS, moved};
+use crate::mechanism::{BodyPlace, Configuration, Ground, Twist};
+use crate::model::{Body, Mechanism, PointId, RockerId, mirrored};
+use crate::number::{SimdReal, Vector3, outlined};
+
+/// Unknowns of the pose, and half the difference of the travels.
+pub(in crate::solve::tracker) const ALL: usize = UNKNOWNS + 1;
+
+/// Equations of an axle whose wheels share one mechanism.
+pub(in crate::solve::tracker) struct OneBody<'w, 'd, B: SimdReal, V> {
+    tracker: &'w AxleTracker<'w>,
+    steps: NewtonSteps<'w, 'd, B>,
+    right: &'w LinkageDesign<'d, B>,
+    /// Left and right wheel in the left wheel's frame.
+    wheels: [WheelOnBody<B>; 2],
+    /// Mean travel and half the difference of travels at which the closure equations have the value 0.
+    rest: [B; 2],
+    /// Largest difference of the heights of both contact points.
+    level: B,
+    visitor: &'w mut V,
+    /// Ground at this place, in the left wheel's frame.
+    ground: Ground<B>,
+    /// Lanes in which the prediction of this place was within its permitted error.
+    is_near: B::Mask,
+    /// Lanes in which both contact points rise fast enough with their wheels.
+    rises: B::Mask,
+}
+
+/// A wheel of the axle in the design position, in the left wheel's frame.
+#[derive(Clone, Copy)]
+struct WheelOnBody<B> {
+    /// Rocker that carries the wheel; `None` if the knuckle does.
+    body: Option<RockerId>,
+    centre: Vector3<B>,
+    /// Unit vector along the spin axis.
+    axis: Vector3<B>,
+}
+
+/// Rocker that carries a point; `None` for another body.
+pub(super) fn rocker_of(mechanism: &Mechanism, id: PointId) -> Option<RockerId> {
+    match mechanism.body(id) {
+        Body::Rocker(rocker) => Some(rocker),
+        _ => None,
+    }
+}
+
+impl<B: SimdReal> WheelOnBody<B> {
+    /// Wheel centre and spin axis on a body in this place.
+    #[inline(always)]
+    fn placed(&self, place: &BodyPlace<B>) -> [Vector3<B>; 2] {
+        [place.point(self.centre), place.rotation.apply(self.axis)]
+    }
+}
+
+impl<'w, 'd, B: SimdReal, V> OneBody<'w, 'd, B, V> {
+    /// Equations of designs of a tracker. `axes` are the spin axes of both wheels in the design position, each in its own frame.
+    #[inline(always)]
+    pub(in crate::solve::tracker) fn new(
+        tracker: &'w AxleTracker<'w>,
+        steps: NewtonSteps<'w, 'd, B>,
+        right: &'w LinkageDesign<'d, B>,
+        [left_axis, right_axis]: [Vector3<B>; 2],
+        rest: [B; 2],
+        level: B,
+        visitor: &'w mut V,
+    ) -> Self {
+        let LinkageDesign {
+            mechanism, design, ..
+        } = *steps.linkage();
+        let far = (mechanism.rigid_axle.as_ref()).map_or(mechanism.wheel_centre, |r| r.far_centre);
+        let wheel = |id: PointId, axis: Vector3<B>| WheelOnBody {
+            body: rocker_of(mechanism, id),
+            centre: design[id.0],
+            axis,
+        };
+        let wheels = [
+            wheel(mechanism.wheel_centre, left_axis),
+            wheel(far, mirrored(right_axis)),
+        ];
+        OneBody {
+            tracker,
+            right,
+            wheels,
+            rest,
+            level,
+            visitor,
+            ground: Ground::level(level),
+            is_near: level.everywhere(),
+            rises: level.everywhere(),
+            steps,
+        }
+    }
+
+    /// Mean travel at a place.
+    #[inline(always)]
+    fn mean(&self, place: &RouteStep) -> f64 {
+        match self.tracker.drive {
+            PairDrive::Heave => place.value,
+            PairDrive::Roll { .. } => place.rack,
+        }
+    }
+
+    /// Values that the closure equations hold and drive at a place. `half` is half the difference of the travels.
+    #[inline(always)]
+    fn motion(&self, place: &RouteStep, half: B) -> [B; 2] {
+        let [mean, difference] = self.rest;
+        let lead = half.constant(place.lead);
+        [
+            half.constant(self.mean(place)).minus_product(mean, lead),
+            half.minus_product(difference, lead),
+        ]
+    }
+
+    /// Both wheels linearised about a configuration, each in its own frame and by its own travel.
+    #[inline(always)]
+    fn linear(
+        &self,
+        at: &Configuration<'d, B>,
+        rest: &Twist<B>,
+        by_travel: &Twist<B>,
+    ) -> [Linear<B>; 2] {
+        outlined!(
+            [B: SimdReal] self.level;
+            wheels: &'p [WheelOnBody<B>; 2] = &self.wheels, at: &'p Configuration<'p, B> = at,
+            rest: &'p Twist<B> = rest, by_travel: &'p Twist<B> = by_travel
+                => [Linear<B>; 2] {
+                let [left, right] = wheels;
+                let one = linear_wheel(left, at, rest, by_travel);
+                let two = linear_wheel(right, at, rest, by_travel);
+                let ([rest, rest_turn], [rate, rate_turn]) = (two.rest, two.rate);
+                let two = Linear {
+                    centre: mirrored(two.centre),
+                    axis: mirrored(two.axis),
+                    rest: [mirrored(rest), mirrored_turn(rest_turn)],
+                    // The right wheel's own share of the difference has the opposite sign.
+                    rate: [-mirrored(rate), -mirrored_turn(rate_turn)],
+                    is_near: two.is_near,
+                };
+                [one, two]
+            }
+        )
+    }
+
+    /// Height of the left contact point over the right one.
+    #[inline(always)]
+    fn apart(&self, at: &Configuration<'d, B>, radius: f64) -> B {
+        let [left, right] = &self.wheels;
+        let [left_centre, left_axis] = left.placed(&at.body_place(left.body));
+        let [right_centre, right_axis] = right.placed(&at.body_place(right.body));
+        let ground = self.ground;
+        let opposite = ground.mirrored();
+        let left_contact = left_centre + ground.contact_lever(left_axis, radius);
+        let lever = opposite.contact_lever(mirrored(right_axis), radius);
+        let right_contact = mirrored(right_centre) + lever;
+        ground.normal().dot(left_contact) - opposite.normal().dot(right_contact)
+    }
+}
+
+/// A wheel linearised about a configuration, in the left wheel's frame and by the left wheel's travel.
+#[inline(always)]
+fn linear_wheel<B: SimdReal>(
+    wheel: &WheelOnBody<B>,
+    at: &Configuration<'_, B>,
+    rest: &Twist<B>,
+    by_travel: &Twist<B>,
+) -> Linear<B> {
+    let resting = at.moving_body(wheel.body, rest);
+    let moving = at.moving_body(wheel.body, by_travel);
+    let [centre, axis] = wheel.placed(&moving.place);
+    Linear {
+        centre,
+        axis,
+        rest: [resting.velocity(centre), resting.motion.turn],
+        rate: [moving.velocity(centre), moving.motion.turn],
+        is_near: centre.x.everywhere(),
+    }
+}
+
+/// Splits the unknowns into those of the pose and half the difference of the travels.
+#[inline(always)]
+fn parted<B: Copy>(&[a, b, c, d, e, f, half]: &[B; ALL]) -> ([B; UNKNOWNS], B) {
+    ([a, b, c, d, e, f], half)
+}
+
+/// Inverse of [`parted`].
+#[inline(always)]
+fn joined<B: Copy>([a, b, c, d, e, f]: [B; UNKNOWNS], half: B) -> [B; ALL] {
+    [a, b, c, d, e, f, half]
+}
+
+impl<B: SimdReal, V: VisitPair<B>> PlaceEquations<B, ALL> for OneBody<'_, '_, B, V> {
+    const MOST_ROUNDS: usize = MOST_ROUNDS;
+    type Guard = BranchGuard<B>;
+
+    #[inline(always)]
+    fn predict(&mut self, place: &RouteStep, history: &[B]) -> [B; ALL] {
+        let (_, roll) = self.tracker.at(place);
+        self.ground = Ground {
+            sine: history[0].constant(roll.sin()),
+            cosine: history[0].constant(roll.cos()),
+        };
+        // The first steps use the slopes of the base design.
+        let (along_mean, along_half) = match self.tracker.drive {
+            PairDrive::Heave => (place.along_slope, 0.0),
+            PairDrive::Roll { half_track, .. } => {
+                (place.along_rack, -half_track * place.along_slope)
+            }
+        };
+        let method = self.steps.method;
+        let mut along = [along_half; ALL];
+        for k in 0..UNKNOWNS {
+            along[k] = method.by_travel[k] * along_half + method.by_rack[k] * along_mean;
+        }
+        predicted(place, history, along)
+    }
+
+    #[inline(always)]
+    fn correct(
+        &mut self,
+        place: &RouteStep,
+        unknowns: &mut [B; ALL],
+        settled: B::Mask,
+        round: usize,
+    ) -> B::Mask {
+        let (pose, half) = parted(unknowns);
+        let motion = self.motion(place, half);
+        let (at, rest) = self.steps.linearise(&pose, motion, settled);
+        if round == 1 {
+            self.is_near = self.steps.is_near(&rest);
+        }
+        let mut by_travel = rest;
+        let mut step = half.zero();
+        let radius = self.tracker.radius();
+        if let Some(radius) = radius {
+            by_travel = self.steps.by_travel();
+            let [one, two] = self.linear(&at, &rest, &by_travel);
+            let [left_height, left_rise] = height(self.ground, radius, &one);
+            let [right_height, right_rise] = height(self.ground.mirrored(), radius, &two);
+            step = (right_height - left_height) / (left_rise + right_rise);
+            let least_rise = half.constant(LEAST_RISE);
+            let upward = least_rise.less(left_rise) & least_rise.less(right_rise);
+            self.rises = match round {
+                1 => upward,
+                _ => (self.rises & settled) | (upward & !settled),
+            };
+        }
+        let twist = Twist {
+            shift: rest.shift.plus_scaled(by_travel.shift, step),
+            turn: rest.turn.plus_scaled(by_travel.turn, step),
+        };
+        // A settled lane does not change.
+        let half = B::select(settled, half, half + step);
+        let pose = kept(settled, pose, moved(pose, &twist));
+        let motion = self.motion(place, half);
+        let (at, mut is_settled, corrected) = self.steps.check_residual(&pose, motion);
+        if let Some(radius) = radius {
+            is_settled = is_settled & self.apart(&at, radius).abs().less(self.level);
+        }
+        let stays = !is_settled | settled;
+        *unknowns = joined(kept(stays, pose, corrected), half);
+        is_settled
+    }
+
+    #[inline(always)]
+    fn check(
+        &mut self,
+        _: &RouteStep,
+        unknowns: &[B; ALL],
+        before: &Option<Self::Guard>,
+        accepted: &mut Acceptance<B>,
+    ) -> Self::Guard {
+        accepted.require(self.is_near, Rejection::ChangedTooMuch);
+        accepted.require(self.rises, Rejection::FoldNear);
+        let (pose, _) = parted(unknowns);
+        self.steps.guard(&pose, before, accepted)
+    }
+
+    #[inline(always)]
+    fn visit(
+        &mut self,
+        place: &RouteStep,
+        station: usize,
+        unknowns: &[B; ALL],
+        accepted: Acceptance<B>,
+    ) {
+        let (pose, half) = parted(unknowns);
+        let mean = half.constant(self.mean(place));
+        let (_, roll) = self.tracker.at(place);
+        let stand = GroundContact {
+            travels: [mean + half, mean - half],
+            ground: self.ground,
+            roll: half.constant(roll),
+        };
+        let left = self.steps.pose(&pose, self.motion(place, half));
+        let right = MirroredPose::of(&left, self.right);
+        self.visitor.pair(station, &left, &right, stand, accepted);
+    }
+}

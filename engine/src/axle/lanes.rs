@@ -162,8 +162,8 @@ impl Quantity {
         let value = match self {
             Quantity::Corner(side, characteristic) => outlined!(
                 [B: SimdReal] like;
-                c: Characteristic = characteristic, constants: Constants = state.setup.constants,
-                wheel: LaneWheel<'p, B> = state.readings[side as usize] => B { c.evaluate(&wheel.inputs(constants)) }
+                c: Characteristic = characteristic,
+                inputs: &'p Inputs<B> = state.readings[side as usize].inputs => B { c.evaluate(inputs) }
             ),
             _ => like.outlined(OfAxle {
                 quantity: self,

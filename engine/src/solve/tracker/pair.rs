@@ -176,7 +176,7 @@ impl<B: SimdReal> WheelOnKnuckle<B> {
 /// Height of the contact point above the ground's origin at the required travel, and its derivative by travel, both to first
 /// order.
 #[inline(always)]
-pub(super) fn height<B: SimdReal>(ground: Ground<B>, radius: f64, wheel: &Linear<B>) -> [B; 2] {
+fn height<B: SimdReal>(ground: Ground<B>, radius: f64, wheel: &Linear<B>) -> [B; 2] {
     let lever = ground.contact_lever(wheel.axis, radius);
     let normal = ground.normal();
     let [rest, rest_turn] = wheel.rest;

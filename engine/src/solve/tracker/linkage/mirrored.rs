@@ -14,7 +14,7 @@ use crate::number::{Matrix3, Real, SimdReal, Vector3};
 
 /// Mirror image of an angular velocity.
 #[inline(always)]
-pub(super) fn mirrored_turn<T: Real>(turn: Vector3<T>) -> Vector3<T> {
+fn mirrored_turn<T: Real>(turn: Vector3<T>) -> Vector3<T> {
     Vector3::new(-turn.x, turn.y, -turn.z)
 }
 

@@ -102,8 +102,19 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
     pub(super) fn check_residual(
         &mut self,
         unknowns: &[B; UNKNOWNS],
-        [rack, travel]: [B; 2],
+        motion: [B; 2],
     ) -> (Configuration<'d, B>, B::Mask, [B; UNKNOWNS]) {
+        let (at, is_settled, rest) = self.remaining(unknowns, motion);
+        (at, is_settled, moved(*unknowns, &rest))
+    }
+
+    /// The same, with the correction itself.
+    #[inline(always)]
+    pub(super) fn remaining(
+        &mut self,
+        unknowns: &[B; UNKNOWNS],
+        [rack, travel]: [B; 2],
+    ) -> (Configuration<'d, B>, B::Mask, Twist<B>) {
         let at = self.linkage.configuration(*unknowns, rack);
         let driver = Driver::Travel(travel);
         let missed = self.linkage.closure.residuals_inlined(&at, driver);
@@ -112,7 +123,7 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         let is_settled =
             is_less(Vector3::new(a, b, c), tolerance) & is_less(Vector3::new(d, e, g), tolerance);
         let rest = -self.linear.get_mut().blocks.solve(missed);
-        (at, is_settled, moved(*unknowns, &rest))
+        (at, is_settled, rest)
     }
 
     /// Accepts lanes that are well conditioned and on their branch.

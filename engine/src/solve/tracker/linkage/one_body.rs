@@ -13,20 +13,25 @@
 //! A steering gear moves the places from which the equations count both travels: (4) and (5) of `model/steered_axle.rs`. On the
 //! first steps of a route, from the design pose to the mean travel, this shift grows in proportion to the mean travel's steps.
 
-use super::super::pair::{AxleTracker, LEAST_RISE, Linear, PairDrive, VisitPair, height};
-use super::super::pair::{GroundContact, MOST_ROUNDS};
+use super::super::pair::{
+    AxleTracker, GroundContact, LEAST_RISE, MOST_ROUNDS, PairDrive, VisitPair,
+};
 use super::super::route::RouteStep;
 use super::super::track::{PlaceEquations, kept, predicted};
 use super::super::{Acceptance, Rejection};
-use super::mirrored::{MirroredPose, mirrored_turn};
+use super::mirrored::MirroredPose;
 use super::newton::{BranchGuard, NewtonSteps};
 use super::{LinkageDesign, UNKNOWNS, moved};
-use crate::mechanism::{BodyPlace, Configuration, Ground, Twist};
+use crate::mechanism::{BodyPlace, Configuration, Ground, MovingBody, Twist};
 use crate::model::{Body, Mechanism, PointId, RockerId, mirrored};
-use crate::number::{SimdReal, Vector3, outlined};
+use crate::number::{SimdReal, Vector3};
 
 /// Unknowns of the pose, and half the difference of the travels.
 pub(in crate::solve::tracker) const ALL: usize = UNKNOWNS + 1;
+
+/// Largest number of further corrections with the same linearised equations. Each reduces the error by as much as the prediction
+/// was near, and costs a third of a new linearisation.
+const CHORDS: usize = 3;
 
 /// Equations of an axle whose wheels share one mechanism.
 pub(in crate::solve::tracker) struct OneBody<'w, 'd, B: SimdReal, V> {
@@ -133,68 +138,82 @@ impl<'w, 'd, B: SimdReal, V> OneBody<'w, 'd, B, V> {
         ]
     }
 
-    /// Both wheels linearised about a configuration, each in its own frame and by its own travel.
+    /// Both wheels in a configuration, in the left wheel's frame.
     #[inline(always)]
-    fn linear(
-        &self,
-        at: &Configuration<'d, B>,
-        rest: &Twist<B>,
-        by_travel: &Twist<B>,
-    ) -> [Linear<B>; 2] {
-        outlined!(
-            [B: SimdReal] self.level;
-            wheels: &'p [WheelOnBody<B>; 2] = &self.wheels, at: &'p Configuration<'p, B> = at,
-            rest: &'p Twist<B> = rest, by_travel: &'p Twist<B> = by_travel
-                => [Linear<B>; 2] {
-                let [left, right] = wheels;
-                let one = linear_wheel(left, at, rest, by_travel);
-                let two = linear_wheel(right, at, rest, by_travel);
-                let ([rest, rest_turn], [rate, rate_turn]) = (two.rest, two.rate);
-                let two = Linear {
-                    centre: mirrored(two.centre),
-                    axis: mirrored(two.axis),
-                    rest: [mirrored(rest), mirrored_turn(rest_turn)],
-                    // The right wheel's own share of the difference has the opposite sign.
-                    rate: [-mirrored(rate), -mirrored_turn(rate_turn)],
-                    is_near: two.is_near,
-                };
-                [one, two]
-            }
-        )
+    fn contacts(&self, at: &Configuration<'d, B>, radius: f64) -> [Contact<B>; 2] {
+        let [left, right] = &self.wheels;
+        let (ground, opposite) = (self.ground, self.ground.mirrored());
+        let [left_centre, left_axis] = left.placed(&at.body_place(left.body));
+        let [right_centre, right_axis] = right.placed(&at.body_place(right.body));
+        [
+            Contact {
+                centre: left_centre,
+                lever: ground.contact_lever(left_axis, radius),
+            },
+            Contact {
+                centre: right_centre,
+                lever: mirrored(opposite.contact_lever(mirrored(right_axis), radius)),
+            },
+        ]
     }
 
     /// Height of the left contact point over the right one.
     #[inline(always)]
-    fn apart(&self, at: &Configuration<'d, B>, radius: f64) -> B {
-        let [left, right] = &self.wheels;
-        let [left_centre, left_axis] = left.placed(&at.body_place(left.body));
-        let [right_centre, right_axis] = right.placed(&at.body_place(right.body));
-        let ground = self.ground;
-        let opposite = ground.mirrored();
-        let left_contact = left_centre + ground.contact_lever(left_axis, radius);
-        let lever = opposite.contact_lever(mirrored(right_axis), radius);
-        let right_contact = mirrored(right_centre) + lever;
-        ground.normal().dot(left_contact) - opposite.normal().dot(right_contact)
+    fn apart(&self, [left, right]: &[Contact<B>; 2]) -> B {
+        let normal = self.ground.normal();
+        normal.dot(left.centre + left.lever) - normal.dot(right.centre + right.lever)
+    }
+
+    /// Rises of both contact points in a motion of the knuckle.
+    #[inline(always)]
+    fn rises_in(
+        &self,
+        at: &Configuration<'d, B>,
+        [left, right]: &[Contact<B>; 2],
+        motion: &Twist<B>,
+    ) -> [B; 2] {
+        let normal = self.ground.normal();
+        let [on_left, on_right] = &self.wheels;
+        [
+            normal.dot(left.velocity(&at.moving_body(on_left.body, motion))),
+            normal.dot(right.velocity(&at.moving_body(on_right.body, motion))),
+        ]
     }
 }
 
-/// A wheel linearised about a configuration, in the left wheel's frame and by the left wheel's travel.
-#[inline(always)]
-fn linear_wheel<B: SimdReal>(
-    wheel: &WheelOnBody<B>,
-    at: &Configuration<'_, B>,
-    rest: &Twist<B>,
-    by_travel: &Twist<B>,
-) -> Linear<B> {
-    let resting = at.moving_body(wheel.body, rest);
-    let moving = at.moving_body(wheel.body, by_travel);
-    let [centre, axis] = wheel.placed(&moving.place);
-    Linear {
-        centre,
-        axis,
-        rest: [resting.velocity(centre), resting.motion.turn],
-        rate: [moving.velocity(centre), moving.motion.turn],
-        is_near: centre.x.everywhere(),
+/// A wheel on the ground, in the left wheel's frame.
+#[derive(Clone, Copy)]
+struct Contact<B> {
+    centre: Vector3<B>,
+    /// Vector from the wheel centre to the contact point.
+    lever: Vector3<B>,
+}
+
+impl<B: SimdReal> Contact<B> {
+    /// Velocity of the contact point, if the wheel does not rotate on its body.
+    #[inline(always)]
+    fn velocity(&self, body: &MovingBody<B>) -> Vector3<B> {
+        body.velocity(self.centre + self.lever)
+    }
+}
+
+/// Equations of a place on one ground, linearised about a prediction.
+struct OnGround<'d, B> {
+    at: Configuration<'d, B>,
+    contacts: [Contact<B>; 2],
+    /// Derivative of the pose by half the difference of the travels.
+    by_travel: Twist<B>,
+    /// Inverse of the derivative of the height of the left contact point over the right one.
+    inverse: B,
+}
+
+impl<B: SimdReal, V> OneBody<'_, '_, B, V> {
+    /// Change of half the difference of the travels that levels both contact points. They are `apart`, and the pose changes by
+    /// `twist` besides.
+    #[inline(always)]
+    fn levelling(&self, on: &OnGround<'_, B>, apart: B, twist: &Twist<B>) -> B {
+        let [left, right] = self.rises_in(&on.at, &on.contacts, twist);
+        -((apart + (left - right)) * on.inverse)
     }
 }
 
@@ -244,43 +263,67 @@ impl<B: SimdReal, V: VisitPair<B>> PlaceEquations<B, ALL> for OneBody<'_, '_, B,
         settled: B::Mask,
         round: usize,
     ) -> B::Mask {
-        let (pose, half) = parted(unknowns);
-        let motion = self.motion(place, half);
-        let (at, rest) = self.steps.linearise(&pose, motion, settled);
+        let (mut pose, mut half) = parted(unknowns);
+        let (at, rest) = (self.steps).linearise(&pose, self.motion(place, half), settled);
         if round == 1 {
             self.is_near = self.steps.is_near(&rest);
         }
-        let mut by_travel = rest;
-        let mut step = half.zero();
-        let radius = self.tracker.radius();
-        if let Some(radius) = radius {
-            by_travel = self.steps.by_travel();
-            let [one, two] = self.linear(&at, &rest, &by_travel);
-            let [left_height, left_rise] = height(self.ground, radius, &one);
-            let [right_height, right_rise] = height(self.ground.mirrored(), radius, &two);
-            step = (right_height - left_height) / (left_rise + right_rise);
-            let least_rise = half.constant(LEAST_RISE);
-            let upward = least_rise.less(left_rise) & least_rise.less(right_rise);
-            self.rises = match round {
-                1 => upward,
-                _ => (self.rises & settled) | (upward & !settled),
-            };
-        }
-        let twist = Twist {
-            shift: rest.shift.plus_scaled(by_travel.shift, step),
-            turn: rest.turn.plus_scaled(by_travel.turn, step),
+        let on_ground = match self.tracker.radius() {
+            None => None,
+            Some(radius) => {
+                let by_travel = self.steps.by_travel();
+                let contacts = self.contacts(&at, radius);
+                let [left, right] = self.rises_in(&at, &contacts, &by_travel);
+                // The right wheel's own share of the difference has the opposite sign.
+                let least = half.constant(LEAST_RISE);
+                let upward = least.less(left) & least.less(-right);
+                self.rises = match round {
+                    1 => upward,
+                    _ => (self.rises & settled) | (upward & !settled),
+                };
+                Some(OnGround {
+                    at,
+                    contacts,
+                    by_travel,
+                    inverse: half.one() / (left - right),
+                })
+            }
         };
-        // A settled lane does not change.
-        let half = B::select(settled, half, half + step);
-        let pose = kept(settled, pose, moved(pose, &twist));
-        let motion = self.motion(place, half);
-        let (at, mut is_settled, corrected) = self.steps.check_residual(&pose, motion);
-        if let Some(radius) = radius {
-            is_settled = is_settled & self.apart(&at, radius).abs().less(self.level);
+        let (mut twist, mut step) = (rest, half.zero());
+        if let Some(on) = &on_ground {
+            step = self.levelling(on, self.apart(&on.contacts), &twist);
         }
-        let stays = !is_settled | settled;
-        *unknowns = joined(kept(stays, pose, corrected), half);
-        is_settled
+        let mut settled = settled;
+        let mut chord = 0;
+        loop {
+            // A settled lane does not change.
+            if let Some(on) = &on_ground {
+                twist = Twist {
+                    shift: twist.shift.plus_scaled(on.by_travel.shift, step),
+                    turn: twist.turn.plus_scaled(on.by_travel.turn, step),
+                };
+                half = B::select(settled, half, half + step);
+            }
+            pose = kept(settled, pose, moved(pose, &twist));
+            let motion = self.motion(place, half);
+            let (at, mut is_settled, remaining) = self.steps.remaining(&pose, motion);
+            twist = remaining;
+            if let (Some(on), Some(radius)) = (&on_ground, self.tracker.radius()) {
+                let apart = self.apart(&self.contacts(&at, radius));
+                is_settled = is_settled & apart.abs().less(self.level);
+                step = self.levelling(on, apart, &twist);
+            }
+            // Rates need the last correction, too.
+            let last = is_settled & !settled;
+            pose = kept(last, moved(pose, &twist), pose);
+            settled = settled | is_settled;
+            if chord == CHORDS || B::all(settled) {
+                break;
+            }
+            chord += 1;
+        }
+        *unknowns = joined(pose, half);
+        settled
     }
 
     #[inline(always)]

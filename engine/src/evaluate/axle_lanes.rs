@@ -336,16 +336,6 @@ impl SimdTask for AxleBlockTask<'_, '_> {
                         &mut history,
                         &mut reading,
                     );
-                    if std::env::var_os("HP_DEBUG").is_some() {
-                        for lane in 0..lanes {
-                            for leg in &solved.legs {
-                                if let Some(r) = leg.reason(lane) {
-                                    eprintln!("REJECT {r:?}");
-                                }
-                            }
-                        }
-                        eprintln!("ROUNDS {}", solved.rounds);
-                    }
                     reading.accepted = reading.accepted & solved.everywhere();
                 }
                 accepted = reading.accepted;

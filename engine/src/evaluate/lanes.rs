@@ -25,8 +25,6 @@ pub enum NotInLanes {
     Travels,
     /// The solver of equilibria of elastic parts solves one design after the other.
     Elastic,
-    /// The steering gear of a solid axle changes the design from station to station.
-    SteeringGear,
 }
 
 impl NotInLanes {
@@ -38,7 +36,6 @@ impl NotInLanes {
                 "the tracker does not support this drive or this design (a linkage driven by its arm's angle, a design \
                  close to a singularity or far from the origin)"
             }
-            NotInLanes::SteeringGear => "lanes do not support an axle that a drag link steers",
             NotInLanes::Elastic => "equilibria of elastic parts are found one by one",
             NotInLanes::Stations => "two stations coincide, or one is far out of reach",
             NotInLanes::Reading => "lanes do not support a requested output",

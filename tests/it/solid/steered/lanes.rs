@@ -143,10 +143,15 @@ fn toggles_of_knuckles_are_found_as_one_by_one() {
     for number in 0..8 {
         let world = axle(&mut generator, number, 25.0);
         let gear = 40.0 * number as f64 - 150.0;
-        let motion = format!("roll = [-5.0, 0.0, 5.0]\nheave = [0.0, 40.0]\nrack = [{gear:?}, -135.0]");
+        let motion =
+            format!("roll = [-5.0, 0.0, 5.0]\nheave = [0.0, 40.0]\nrack = [{gear:?}, -135.0]");
         let [failed, rejected] = compare(&world, &motion, 20.0);
         assert!(failed <= rejected);
-        counts = [counts[0] + DESIGNS, counts[1] + failed, counts[2] + rejected];
+        counts = [
+            counts[0] + DESIGNS,
+            counts[1] + failed,
+            counts[2] + rejected,
+        ];
     }
     let [designs, failed, rejected] = counts;
     println!("{failed} of {designs} without a pose, {rejected} one by one");

@@ -61,6 +61,8 @@ pub(crate) struct RouteStep {
     pub along_rack: f64,
     /// Step of the heave, to be multiplied by the slope by the travel.
     pub along_heave: f64,
+    /// Step of the lead, in parts of it. Only the first step uses it.
+    pub along_lead: f64,
     /// Stencil that predicts the slope by the drive here. `None` if there is only one earlier place.
     pub slope: Option<Stencil<NEIGHBOURS_OF_SLOPE>>,
 }
@@ -101,6 +103,7 @@ impl Route {
             slope: None,
             along_rack: if number == 1 { rack * part } else { 0.0 },
             along_heave: if number == 1 { heave * part } else { 0.0 },
+            along_lead: if number == 1 { part } else { 0.0 },
         };
         let mut places = vec![at_zero(0.0, 0)];
         // The longest of the distances.
@@ -143,6 +146,7 @@ impl Route {
                 slope: (!is_first).then_some(slope),
                 along_rack: 0.0,
                 along_heave: 0.0,
+                along_lead: 0.0,
             });
             visited.add(value);
         }

@@ -81,6 +81,17 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         blocks.solve(driven)
     }
 
+    /// Motion by these steps of the rack and of the travel, in the latest linearisation.
+    #[inline(always)]
+    pub(super) fn along(&mut self, rack: B, travel: B) -> Twist<B> {
+        let by_travel = self.by_travel();
+        let by_rack = self.linear.get_mut().steering();
+        Twist {
+            shift: (by_rack.shift * rack).plus_scaled(by_travel.shift, travel),
+            turn: (by_rack.turn * rack).plus_scaled(by_travel.turn, travel),
+        }
+    }
+
     /// Design of the lanes.
     #[inline(always)]
     pub(super) fn linkage(&self) -> &'w LinkageDesign<'d, B> {

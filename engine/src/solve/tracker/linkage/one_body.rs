@@ -240,19 +240,26 @@ impl<B: SimdReal, V: VisitPair<B>> PlaceEquations<B, ALL> for OneBody<'_, '_, B,
             sine: history[0].constant(roll.sin()),
             cosine: history[0].constant(roll.cos()),
         };
-        // The first steps use the slopes of the base design.
+        let unknowns = predicted(place, history, [0.0; ALL]);
         let (along_mean, along_half) = match self.tracker.drive {
             PairDrive::Heave => (place.along_slope, 0.0),
             PairDrive::Roll { half_track, .. } => {
                 (place.along_rack, -half_track * place.along_slope)
             }
         };
-        let method = self.steps.method;
-        let mut along = [along_half; ALL];
-        for k in 0..UNKNOWNS {
-            along[k] = method.by_travel[k] * along_half + method.by_rack[k] * along_mean;
+        if [along_mean, along_half, place.along_lead] == [0.0; 3] {
+            return unknowns;
         }
-        predicted(place, history, along)
+        // The first steps use the slopes of the previous place, which was linearised last.
+        let (pose, half) = parted(&unknowns);
+        let [mean, difference] = self.rest;
+        let lead = half.constant(place.along_lead);
+        let by_mean = half.constant(along_mean).minus_product(mean, lead);
+        let by_half = half.constant(along_half);
+        let along = self
+            .steps
+            .along(by_mean, by_half.minus_product(difference, lead));
+        joined(moved(pose, &along), half + by_half)
     }
 
     #[inline(always)]

@@ -250,15 +250,16 @@ impl<B: SimdReal, V: VisitPair<B>> PlaceEquations<B, ALL> for OneBody<'_, '_, B,
         if [along_mean, along_half, place.along_lead] == [0.0; 3] {
             return unknowns;
         }
-        // The first steps use the slopes of the previous place, which was linearised last.
+        // The first steps use the slopes of the lane's own design at the previous place. A linearisation left over from there would
+        // depend on how many corrections the neighbouring lanes needed.
         let (pose, half) = parted(&unknowns);
+        let everywhere = half.everywhere();
+        (self.steps).linearise(&pose, self.motion(place, half), everywhere);
         let [mean, difference] = self.rest;
         let lead = half.constant(place.along_lead);
         let by_mean = half.constant(along_mean).minus_product(mean, lead);
         let by_half = half.constant(along_half);
-        let along = self
-            .steps
-            .along(by_mean, by_half.minus_product(difference, lead));
+        let along = (self.steps).along(by_mean, by_half.minus_product(difference, lead));
         joined(moved(pose, &along), half + by_half)
     }
 

@@ -6,18 +6,19 @@ use super::reading::{ALWAYS, WheelParts};
 use super::state::{AxleState, Hold};
 use crate::ask::NoValue;
 use crate::characteristics::{
-    Characteristic, Constants, DesignWheel, Inputs, LaneInputs, NumberPart, Slots, VectorPart,
-    Wheel,
+    Characteristic, Constants, DesignWheel, Inputs, LaneAxle, LaneInputs, NumberPart, Slots,
+    VectorPart, Wheel,
 };
 use crate::model::Side;
 use crate::number::{Outlined, SimdReal, Vector3, outlined};
 
 /// A wheel read in lanes: its parts and their first derivatives by travel. Derivatives by the rack are available only for
-/// the carrier.
+/// the carrier and, if the axle is rigid, for the axle itself.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneWheel<'i, B> {
     inputs: &'i Inputs<B>,
     by_rack: &'i [Vector3<B>; 2],
+    axle: &'i LaneAxle<B>,
 }
 
 impl<'i, B> LaneWheel<'i, B> {
@@ -27,6 +28,7 @@ impl<'i, B> LaneWheel<'i, B> {
         LaneWheel {
             inputs: read.inputs(),
             by_rack: read.by_rack(),
+            axle: read.axle(),
         }
     }
 }
@@ -57,16 +59,22 @@ impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
         }
     }
 
-    /// Lanes have the angular velocities of the carrier, but not its rotation.
+    /// Lanes have the angular velocities of the carrier. They have its rotation, along x and y, if it is a rigid axle.
     #[inline(always)]
-    fn column(&self, _: usize, _: [usize; 2]) -> Vector3<B> {
-        self.unknown()
+    fn column(&self, i: usize, powers: [usize; 2]) -> Vector3<B> {
+        if self.axle.is_steered {
+            self.unknown()
+        } else {
+            self.axle_column(i, powers)
+        }
     }
 
-    /// Steered axles are not solved in lanes.
     #[inline(always)]
-    fn axle_column(&self, _: usize, _: [usize; 2]) -> Vector3<B> {
-        self.unknown()
+    fn axle_column(&self, i: usize, powers: [usize; 2]) -> Vector3<B> {
+        match (self.axle.columns.get(i), powers) {
+            (Some(column), [0, 0]) => *column,
+            _ => self.unknown(),
+        }
     }
 
     #[inline(always)]
@@ -80,6 +88,20 @@ impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
         match powers {
             [1, 0] => [inputs.rate.centre, inputs.turn],
             [0, 1] => *self.by_rack,
+            _ => [self.unknown(); 2],
+        }
+    }
+
+    #[inline(always)]
+    fn axle_twist(&self, powers: [usize; 2]) -> [Vector3<B>; 2] {
+        let LaneAxle {
+            turns,
+            kingpin_by_held,
+            ..
+        } = *self.axle;
+        match powers {
+            [1, 0] => [self.inputs.rate.steering_point, turns[0]],
+            [0, 1] => [kingpin_by_held, turns[1]],
             _ => [self.unknown(); 2],
         }
     }
@@ -140,8 +162,8 @@ impl Quantity {
         let value = match self {
             Quantity::Corner(side, characteristic) => outlined!(
                 [B: SimdReal] like;
-                c: Characteristic = characteristic, constants: Constants = state.setup.constants,
-                wheel: LaneWheel<'p, B> = state.readings[side as usize] => B { c.evaluate(&wheel.inputs(constants)) }
+                c: Characteristic = characteristic,
+                inputs: &'p Inputs<B> = state.readings[side as usize].inputs => B { c.evaluate(inputs) }
             ),
             _ => like.outlined(OfAxle {
                 quantity: self,

@@ -31,7 +31,7 @@ pub use attia::{attia_camber, attia_kingpin};
 pub use carried::CarriedForce;
 pub use constants::Constants;
 pub use instant_centre::{InstantCentres, instant_centres_of};
-pub use lanes::{ByDirections, LaneInputs, LaneReader, LaneWheels};
+pub use lanes::{ByDirections, LaneAxle, LaneInputs, LaneReader, LaneWheels};
 pub(crate) use measure::{Input, Vectors};
 pub use measure::{Measure, Stud};
 pub use quantity::Quantity;

@@ -36,7 +36,7 @@ impl<V> Moving<V> {
 
 impl<T: Real> Moving<Vector3<T>> {
     #[inline(always)]
-    fn minus(self, other: Self) -> Self {
+    pub(super) fn minus(self, other: Self) -> Self {
         Moving {
             now: self.now - other.now,
             rate: match (self.rate, other.rate) {

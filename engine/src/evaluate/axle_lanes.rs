@@ -4,22 +4,28 @@ use super::axle::AxleStations;
 use super::block::{Block, SIDE_BY_SIDE};
 use super::evaluator::{Pairs, SolvesInLanes};
 use super::lanes::{NotInLanes, gather};
-use crate::axle::{Axle, AxleState, Carriers, Hold, LaneWheel, Placement, Quantity, Setup};
-use crate::characteristics::{LaneInputs, LaneReader, LaneWheels, Slots};
-use crate::model::Side;
-use crate::number::{Each, SimdReal, SimdTask, Vector3, Width};
+use crate::axle::{
+    Axle, AxleState, Carriers, Hold, LaneWheel, Placement, Quantity, Setup, displace,
+};
+use crate::characteristics::{LaneInputs, LaneReader, LaneWheels, Slot, Slots};
+use crate::mechanism::{Configuration, Pose, RodReach};
+use crate::model::{Mechanism, RockerId, Side, Suspension};
+use crate::number::{Each, Matrix3, SimdReal, SimdTask, Vector3, Width, outlined};
 use crate::solve::{
     Acceptance, AxleTracker, GroundContact, LanePose, PairDrive, PairStations, StationOrder,
     VisitPair,
 };
 use crate::threads::Interrupt;
 
+/// Longest step of a steering gear, as a share of the axle's size.
+const GEAR_STEP: f64 = 0.02;
+
 /// Solves as many axles at a time as the processor has lanes.
 pub(super) struct AxleLanes<'a> {
     width: Width,
     batch: AxleTracker<'a>,
     readers: [LaneReader<'a>; 2],
-    groups: Vec<Group>,
+    gears: Vec<Gear>,
     rates: bool,
     hold: Hold,
     quantities: &'a [Quantity],
@@ -27,37 +33,116 @@ pub(super) struct AxleLanes<'a> {
     stations: &'a AxleStations<'a>,
 }
 
-/// Stations that the batch visits together: those with the same heave and rack displacement.
+/// Displacement of the steering gear of a steered axle, with the groups of its stations. Other axles have a single one, 0.
+struct Gear {
+    displacement: f64,
+    /// Number of steps to the displacement. Between two steps, the rods of the knuckles must keep their leverage.
+    steps: usize,
+    groups: Vec<Group>,
+}
+
+/// Stations that the batch visits together: those with the same heave, rack displacement and steering gear.
 struct Group {
     rack: f64,
+    /// Index of the group in the batch.
+    index: usize,
     /// Indices of the stations, in the order of the batch.
     numbers: Vec<usize>,
 }
 
-/// Heave, rack displacement and moving coordinate (roll angle, or travel of both wheels) of a placement. `None` for a
-/// placement that lanes cannot solve. For a rigid axle, the mean travel takes the place of the rack, and half the difference
-/// of its travels that of the travel.
-fn parts(placement: &Placement, is_rigid: bool) -> Option<[f64; 3]> {
-    let [heave, rack, value] = match *placement {
-        Placement::Roll { heave, roll, rack } => [heave, rack, roll],
-        Placement::Travels {
-            travels: [left, right],
-            rack,
-            on_plane: false,
-        } if left == right => {
-            if is_rigid {
-                [left, 0.0, 0.0]
-            } else {
-                [0.0, rack, left]
+/// Place of a station for the tracker.
+struct Spot {
+    /// Displacement of the steering gear of a steered axle, else 0.
+    gear: f64,
+    heave: f64,
+    /// Displacement of the rack. For a rigid axle in roll, the mean travel.
+    rack: f64,
+    /// Moving coordinate: the roll angle, or the travel of both wheels.
+    value: f64,
+}
+
+impl Spot {
+    /// Spot of a placement. `None` for a placement that lanes cannot solve.
+    fn of(placement: &Placement, carriers: Carriers) -> Option<Spot> {
+        let gear = match carriers {
+            Carriers::Steered(_) => placement.rack(),
+            Carriers::Independent | Carriers::Rigid(_) => 0.0,
+        };
+        match *placement {
+            Placement::Roll { heave, roll, rack } => {
+                let [heave, rack] = if carriers.is_rigid() {
+                    [0.0, heave]
+                } else {
+                    [heave, rack]
+                };
+                Some(Spot {
+                    gear,
+                    heave,
+                    rack,
+                    value: roll,
+                })
             }
+            Placement::Travels {
+                travels: [left, right],
+                rack,
+                on_plane: false,
+            } if left == right => Some(Spot {
+                gear,
+                heave: 0.0,
+                rack: if carriers.is_rigid() { 0.0 } else { rack },
+                value: left,
+            }),
+            Placement::AtLoad { .. } | Placement::Travels { .. } => None,
         }
-        Placement::AtLoad { .. } | Placement::Travels { .. } => return None,
-    };
-    Some(if is_rigid {
-        [0.0, heave, value]
-    } else {
-        [heave, rack, value]
-    })
+    }
+}
+
+/// Spots with the same heave, rack displacement and steering gear.
+struct Together {
+    gear: f64,
+    heave: f64,
+    rack: f64,
+    values: Vec<f64>,
+    numbers: Vec<usize>,
+}
+
+/// Groups the placements for the tracker. `None` if lanes cannot solve one of them.
+fn grouped(placements: &[Placement], carriers: Carriers) -> Option<Vec<Together>> {
+    let mut groups: Vec<Together> = Vec::new();
+    for (number, placement) in placements.iter().enumerate() {
+        let Spot {
+            gear,
+            heave,
+            rack,
+            value,
+        } = Spot::of(placement, carriers)?;
+        let known = groups
+            .iter_mut()
+            .find(|g| [g.gear, g.heave, g.rack] == [gear, heave, rack]);
+        if let Some(group) = known {
+            group.values.push(value);
+            group.numbers.push(number);
+        } else {
+            groups.push(Together {
+                gear,
+                heave,
+                rack,
+                values: vec![value],
+                numbers: vec![number],
+            });
+        }
+    }
+    Some(groups)
+}
+
+/// Largest lift of a wheel centre of an axle's own design by its steering gear, while the axle rests. At most the displacement
+/// of the gear.
+fn lift(suspension: &Suspension, gear: f64) -> f64 {
+    let mut design = suspension.design.clone();
+    let [difference, mean] = displace(&suspension.mechanism, &mut design, gear);
+    let lift = difference.abs() + mean.abs();
+    // Beyond a toggle the lift is NaN.
+    if lift < gear.abs() { lift } else { gear.abs() }
 }
 
 impl<'a> AxleLanes<'a> {
@@ -68,23 +153,8 @@ impl<'a> AxleLanes<'a> {
         if !quantities.iter().all(|q| q.is_for_lanes()) {
             return Err(NotInLanes::Reading);
         }
-        // The steering gear changes the design from station to station.
-        if axle.left.mechanism.axle_steering().is_some() {
-            return Err(NotInLanes::SteeringGear);
-        }
-        let mut grouped: Vec<([f64; 2], Vec<f64>, Vec<usize>)> = Vec::new();
-        for (number, placement) in stations.placements.iter().enumerate() {
-            let found = parts(placement, axle.is_rigid());
-            let [heave, rack, value] = found.ok_or(NotInLanes::Travels)?;
-            let known = grouped.iter_mut().find(|g| g.0 == [heave, rack]);
-            match known {
-                Some((_, values, numbers)) => {
-                    values.push(value);
-                    numbers.push(number);
-                }
-                None => grouped.push(([heave, rack], vec![value], vec![number])),
-            }
-        }
+        let carriers = Carriers::of(axle);
+        let grouped = grouped(&stations.placements, carriers).ok_or(NotInLanes::Travels)?;
         let hold = stations.placements[0].hold();
         let suspensions = Side::ALL.each(|side| axle.suspension(side));
         let half_track = suspensions
@@ -98,10 +168,11 @@ impl<'a> AxleLanes<'a> {
         };
         let visits: Vec<_> = grouped
             .iter()
-            .map(|([heave, rack], values, _)| PairStations {
-                heave: *heave,
-                rack: *rack,
-                order: StationOrder::through(values),
+            .map(|group| PairStations {
+                heave: group.heave,
+                rack: group.rack,
+                lift: lift(&axle.left, group.gear),
+                order: StationOrder::through(&group.values),
             })
             .collect();
         let mechanisms = suspensions.each(|s| &s.mechanism);
@@ -116,20 +187,41 @@ impl<'a> AxleLanes<'a> {
         let by_rack = axle.is_rigid() || quantities.iter().any(|q| q.info().by_rack);
         let reader = |side: Side| {
             let slots = quantities.iter().map(|q| q.lane_slots(side));
-            let slots = slots.fold(Slots::default(), Slots::and);
+            let mut slots = slots.fold(Slots::default(), Slots::and);
+            if let Carriers::Steered(_) = carriers {
+                // The kingpin is a line of the axle.
+                slots = slots.with(&[Slot::SteeringPoint]);
+            }
             let mechanism = &axle.suspension(side).mechanism;
             let wheel = batch.wheel(side as usize);
             LaneReader::of_slots(mechanism, wheel, axle.setup.constants, slots, rates)
                 .map(|reader| reader.with_derivatives_by_rack(by_rack))
+                .map(|reader| reader.with_axle(axle.is_rigid()))
                 .ok_or(NotInLanes::Reading)
         };
-        let groups = grouped.into_iter();
+        let mut gears: Vec<Gear> = Vec::new();
+        for (index, group) in grouped.into_iter().enumerate() {
+            let found = gears.iter_mut().find(|g| g.displacement == group.gear);
+            let own = Group {
+                rack: group.rack,
+                index,
+                numbers: group.numbers,
+            };
+            if let Some(gear) = found {
+                gear.groups.push(own);
+            } else {
+                let share = group.gear.abs() / (GEAR_STEP * axle.left.size());
+                gears.push(Gear {
+                    displacement: group.gear,
+                    steps: share.ceil() as usize,
+                    groups: vec![own],
+                });
+            }
+        }
         Ok(AxleLanes {
             width,
             readers: [reader(Side::Left)?, reader(Side::Right)?],
-            groups: groups
-                .map(|([_, rack], _, numbers)| Group { rack, numbers })
-                .collect(),
+            gears,
             batch,
             rates,
             hold,
@@ -179,11 +271,15 @@ impl SimdTask for AxleBlockTask<'_, '_> {
             fallback,
         } = self;
         let AxleLanes { batch, readers, .. } = solver;
-        let points = solver.stations.axle.left.design.len();
+        let axle = &solver.stations.axle;
+        let [left, right] = Side::ALL.each(|side| &axle.suspension(side).mechanism);
+        let points = axle.left.design.len();
         let rights = if rights.is_empty() { designs } else { rights };
         let mut history = batch.history(like);
         let mut group_left = vec![Vector3::new(like, like, like); points];
         let mut group_right = group_left.clone();
+        let mut moved_left = group_left.clone();
+        let mut moved_right = group_left.clone();
         let mut left_inputs = readers[0].inputs(like);
         let mut right_inputs = readers[1].inputs(like);
         let count = designs.len() / points;
@@ -191,57 +287,130 @@ impl SimdTask for AxleBlockTask<'_, '_> {
         while first < count && !interrupt.is_raised() {
             let lanes = (count - first).min(B::LANES);
             gather(designs, points, first, lanes, &mut group_left);
-            let rigid = solver.stations.axle.left.mechanism.rigid_axle.as_ref();
+            let rigid = left.rigid_axle.as_ref();
             match rigid.filter(|_| !solver.stations.of_builds) {
                 None => gather(rights, points, first, lanes, &mut group_right),
                 Some(rigid) => {
-                    rigid.complete(&solver.stations.axle.left.design, &mut group_left);
+                    rigid.complete(&axle.left.design, &mut group_left);
                     rigid.turn_over(&group_left, &mut group_right);
                 }
             }
-            let left_design = batch.wheel(0).design(&group_left);
-            let right_design = batch.wheel(1).design(&group_right);
-            let left_wheels = readers[0].wheels(&left_design, &group_left);
-            let right_wheels = readers[1].wheels(&right_design, &group_right);
-            readers[0].read_designs(&group_left, &mut left_inputs);
-            readers[1].read_designs(&group_right, &mut right_inputs);
             let (values, _) = block.from(first);
-            let mut reading = Reading {
-                solver,
-                left_inputs: &mut left_inputs,
-                right_inputs: &mut right_inputs,
-                wheels: [&left_wheels, &right_wheels],
-                numbers: &[],
-                rack: like,
-                accepted: like.everywhere(),
-                values,
-            };
-            let mut number = 0;
-            while number < solver.groups.len() {
-                let group = &solver.groups[number];
-                reading.numbers = &group.numbers;
-                reading.rack = like.constant(group.rack);
-                reading.left_inputs.begin();
-                reading.right_inputs.begin();
-                let solved = batch.solve(
-                    [&left_design, &right_design],
-                    [&group_left, &group_right],
-                    number,
-                    &mut history,
-                    &mut reading,
-                );
-                reading.accepted = reading.accepted & solved.everywhere();
-                number += 1;
+            let mut accepted = like.everywhere();
+            for gear in &solver.gears {
+                moved_left.copy_from_slice(&group_left);
+                moved_right.copy_from_slice(&group_right);
+                let mut rest = [like.zero(); 2];
+                if gear.displacement != 0.0 {
+                    let displacement = like.constant(gear.displacement);
+                    accepted = accepted & keeps_leverage(left, gear, &mut moved_left);
+                    rest = displace_in_lanes(left, displacement, &mut moved_left);
+                    displace_in_lanes(right, displacement, &mut moved_right);
+                }
+                let left_design = batch.wheel(0).design(&moved_left);
+                let right_design = batch.wheel(1).design(&moved_right);
+                let left_wheels = readers[0].wheels(&left_design, &moved_left);
+                let right_wheels = readers[1].wheels(&right_design, &moved_right);
+                readers[0].read_designs(&moved_left, &mut left_inputs);
+                readers[1].read_designs(&moved_right, &mut right_inputs);
+                let mut reading = Reading {
+                    solver,
+                    left_inputs: &mut left_inputs,
+                    right_inputs: &mut right_inputs,
+                    wheels: [&left_wheels, &right_wheels],
+                    numbers: &[],
+                    rack: like,
+                    accepted,
+                    values,
+                };
+                for group in &gear.groups {
+                    reading.numbers = &group.numbers;
+                    reading.rack = like.constant(group.rack);
+                    reading.left_inputs.begin();
+                    reading.right_inputs.begin();
+                    let solved = batch.solve(
+                        [&left_design, &right_design],
+                        [&moved_left, &moved_right],
+                        rest,
+                        group.index,
+                        &mut history,
+                        &mut reading,
+                    );
+                    reading.accepted = reading.accepted & solved.everywhere();
+                }
+                accepted = reading.accepted;
             }
-            let solved = reading.accepted;
             for lane in 0..lanes {
-                if !B::lane(solved, lane) {
+                if !B::lane(accepted, lane) {
                     fallback.push(first + lane);
                 }
             }
             first += lanes;
         }
     }
+}
+
+/// Moves the steering gear of designs. Returns the lift of the mean travel and of half the difference of the travels.
+#[inline(always)]
+fn displace_in_lanes<B: SimdReal>(
+    mechanism: &Mechanism,
+    displacement: B,
+    design: &mut [Vector3<B>],
+) -> [B; 2] {
+    outlined!(
+        [B: SimdReal] displacement;
+        mechanism: &'p Mechanism = mechanism, displacement: B = displacement, design: &'p mut [Vector3<B>] = design
+            => [B; 2] {
+            let [difference, mean] = displace(mechanism, design, displacement);
+            [mean, difference]
+        }
+    )
+}
+
+/// Lanes in which the rods of both knuckles keep their leverage while the steering gear moves and the axle rests.
+#[inline(always)]
+fn keeps_leverage<B: SimdReal>(
+    mechanism: &Mechanism,
+    gear: &Gear,
+    design: &mut [Vector3<B>],
+) -> B::Mask {
+    let like = design[0].x;
+    let mut keeps = like.everywhere();
+    let Some(steering) = mechanism.axle_steering() else {
+        return keeps;
+    };
+    let knuckles = [steering.near_knuckle, steering.far_knuckle];
+    let mut before = rods_at_rest(mechanism, knuckles, design);
+    for step in 1..=gear.steps {
+        let part = step as f64 / gear.steps as f64;
+        displace_in_lanes(mechanism, like.constant(part * gear.displacement), design);
+        let now = rods_at_rest(mechanism, knuckles, design);
+        keeps = keeps & before[0].keeps_leverage_to(&now[0]) & before[1].keeps_leverage_to(&now[1]);
+        before = now;
+    }
+    keeps
+}
+
+/// Rods of two knuckles while the axle rests, as seen from the knuckles.
+#[inline(always)]
+fn rods_at_rest<B: SimdReal>(
+    mechanism: &Mechanism,
+    knuckles: [RockerId; 2],
+    design: &[Vector3<B>],
+) -> [RodReach<B>; 2] {
+    outlined!(
+        [B: SimdReal] design[0].x;
+        mechanism: &'p Mechanism = mechanism, knuckles: [RockerId; 2] = knuckles, design: &'p [Vector3<B>] = design
+            => [RodReach<B>; 2] {
+            let zero = design[0].x.zero();
+            let pose = Pose {
+                origin: design[mechanism.origin.0],
+                rotation: Matrix3::identity(zero),
+            };
+            let at = Configuration::new(mechanism, design, pose, zero);
+            [at.rod_at_rest(knuckles[0]), at.rod_at_rest(knuckles[1])]
+        }
+    )
 }
 
 /// Reads the quantities from the poses of a group.
@@ -261,16 +430,16 @@ struct Reading<'r, 'a, B: SimdReal> {
 
 impl<B: SimdReal> VisitPair<B> for Reading<'_, '_, B> {
     #[inline(always)]
-    fn pair<P: LanePose<B>>(
+    fn pair<P: LanePose<B>, Q: LanePose<B>>(
         &mut self,
         station: usize,
-        [left, right]: [&P; 2],
+        left: &P,
+        right: &Q,
         stand: GroundContact<B>,
         _: Acceptance<B>,
     ) {
         let AxleLanes {
             readers,
-            batch,
             rates,
             hold,
             quantities,
@@ -282,8 +451,7 @@ impl<B: SimdReal> VisitPair<B> for Reading<'_, '_, B> {
         let (rack, inputs) = (self.rack, &mut *self.left_inputs);
         let left_known = readers[0].read(left_wheels, left, rack, *rates, inputs);
         let inputs = &mut *self.right_inputs;
-        let right_rack = rack.scaled(batch.right_rack());
-        let right_known = readers[1].read(right_wheels, right, right_rack, *rates, inputs);
+        let right_known = readers[1].read(right_wheels, right, -rack, *rates, inputs);
         self.accepted = self.accepted & left_known & right_known;
         let state = AxleState {
             readings: [

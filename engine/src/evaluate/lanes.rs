@@ -7,7 +7,7 @@ use super::lane_gradients::Differentiating;
 use crate::characteristics::{Constants, LaneInputs, LaneReader, LaneWheels, Quantity};
 use crate::model::Suspension;
 use crate::number::{MOST_LANES, SimdReal, SimdTask, Vector3, Width};
-use crate::solve::{Acceptance, CornerTracker, LanePose, Visit};
+use crate::solve::{Acceptance, AdjointPose, CornerTracker, Visit};
 use crate::threads::Interrupt;
 
 /// Reason why no design of a sweep is solved in SIMD lanes.
@@ -25,8 +25,6 @@ pub enum NotInLanes {
     Travels,
     /// The solver of equilibria of elastic parts solves one design after the other.
     Elastic,
-    /// The steering gear of a solid axle changes the design from station to station.
-    SteeringGear,
 }
 
 impl NotInLanes {
@@ -38,7 +36,6 @@ impl NotInLanes {
                 "the tracker does not support this drive or this design (a linkage driven by its arm's angle, a design \
                  close to a singularity or far from the origin)"
             }
-            NotInLanes::SteeringGear => "lanes do not support an axle that a drag link steers",
             NotInLanes::Elastic => "equilibria of elastic parts are found one by one",
             NotInLanes::Stations => "two stations coincide, or one is far out of reach",
             NotInLanes::Reading => "lanes do not support a requested output",
@@ -236,7 +233,7 @@ pub(super) enum Visitor<'v, 'r, 't, B: SimdReal> {
 
 impl<B: SimdReal> Visit<B> for Visitor<'_, '_, '_, B> {
     #[inline(always)]
-    fn pose(&mut self, station: usize, at: &impl LanePose<B>, _: Acceptance<B>) {
+    fn pose(&mut self, station: usize, at: &impl AdjointPose<B>, _: Acceptance<B>) {
         match self {
             Visitor::Values(reading) => reading.read(station, at),
             Visitor::Gradients(differentiating) => differentiating.differentiate(station, at),
@@ -263,7 +260,7 @@ pub(super) struct Reading<'r, B: SimdReal> {
 
 impl<B: SimdReal> Reading<'_, B> {
     #[inline(always)]
-    fn read(&mut self, station: usize, at: &impl LanePose<B>) {
+    fn read(&mut self, station: usize, at: &impl AdjointPose<B>) {
         let station = self.first + station;
         let in_design = station == self.design_station;
         let rates = in_design || self.reader.reads_rates();

@@ -29,7 +29,7 @@ pub use failure::{
 pub use ground::Ground;
 pub use no_pose::NoPose;
 pub use pose::{Configuration, Pose, Twist, Wrench};
-pub use rocker::{MovingAngle, MovingPoint, has_leverage};
+pub use rocker::{BodyPlace, MovingAngle, MovingBody, MovingPoint, has_leverage};
 pub(crate) use rocker::{Turn, is_effective};
 pub use rod_reach::RodReach;
 pub(crate) use tolerances::{DEGENERATE, GOOD_PREDICTION, ROUNDING};

@@ -54,7 +54,7 @@
 
 mod moving;
 
-pub use moving::{MovingAngle, MovingPoint};
+pub use moving::{BodyPlace, MovingAngle, MovingBody, MovingPoint};
 
 use super::pose::{Configuration, Sink};
 use crate::mechanism::DEGENERATE;

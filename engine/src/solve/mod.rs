@@ -21,9 +21,9 @@ pub(crate) use path::Station;
 pub use path::{Solver, StationOrder};
 pub use toggles::Toggles;
 pub use tracker::{
-    Acceptance, AdjointConstants, AxleTracker, CornerTracker, GroundContact, KnucklePoint,
-    KnuckleVector, LaneAdjoint, LaneDesign, LanePose, LaneRates, PairDrive, PairStations,
-    Rejection, Tracked, Visit, VisitPair,
+    Acceptance, AdjointConstants, AdjointPose, AxleTracker, CornerTracker, GroundContact,
+    KnucklePoint, KnuckleVector, LaneAdjoint, LaneDesign, LanePose, LaneRates, PairDrive,
+    PairStations, Rejection, Tracked, Visit, VisitPair,
 };
 pub(crate) use tracker::{AlongTravel, SeriesDesign};
 

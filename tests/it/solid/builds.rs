@@ -232,7 +232,7 @@ fn results_are_the_same_however_they_are_found() {
     for kind in KINDS {
         let study = kind.study(&kind.scatter(0.3), "builds = 150\n");
         let problem = problem(&study);
-        assert_eq!(problem.not_in_lanes().is_none(), !kind.is_steered());
+        assert_eq!(problem.not_in_lanes(), None);
         let drawn = problem.drawn().unwrap();
         let on_threads = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();

@@ -290,25 +290,25 @@ pub(crate) fn beam_torque<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) 
 
 /// Direction of the axle's line, seen from above.
 #[inline(always)]
-pub(crate) fn axle_steer<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+pub(crate) fn axle_steer<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     steer_of(axle_column(state, 1))
 }
 
 /// Angle to the left of an axle's line, seen from above.
 #[inline(always)]
-pub(crate) fn steer_of<T: Scalar>(line: Vector3<T>) -> T {
+pub(crate) fn steer_of<T: Real>(line: Vector3<T>) -> T {
     (-line.x).atan2(line.y)
 }
 
 /// Pitch of the axle from the design position.
 #[inline(always)]
-pub(crate) fn pinion_angle<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+pub(crate) fn pinion_angle<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     pitch_of(axle_column(state, 0))
 }
 
 /// Angle, nose up, of a direction that is forward in the design position.
 #[inline(always)]
-pub(crate) fn pitch_of<T: Scalar>(forward: Vector3<T>) -> T {
+pub(crate) fn pitch_of<T: Real>(forward: Vector3<T>) -> T {
     forward.z.atan2(forward.x)
 }
 

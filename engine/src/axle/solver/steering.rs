@@ -4,11 +4,12 @@ use super::AxleSolver;
 use crate::analyse::{Limit, Range, RangeEnd};
 use crate::mechanism::{Configuration, Pose};
 use crate::model::{AxleTravel, Drive, Mechanism};
-use crate::number::{Dual, Each, Matrix3, Real, Vector3};
+use crate::number::{Dual, Matrix3, Real, Vector3};
 
 /// Moves the drag link's end in a design, and the wheel centres at rest with it: (1) of `model/steered_axle.rs`. Returns the lift of
 /// both wheel centres by (4) and (5): of the travel that drives the axle, then of the one that is held. Both are 0 if no drag link
 /// steers the axle.
+#[inline(always)]
 pub(crate) fn displace<T: Real>(
     mechanism: &Mechanism,
     design: &mut [Vector3<T>],
@@ -21,23 +22,23 @@ pub(crate) fn displace<T: Real>(
     if rigid.steering.is_none() {
         return [zero; 2];
     }
-    let centres = rigid.displace(displacement, design);
-    let turned = {
-        let pose = Pose {
-            origin: design[mechanism.origin.0],
-            rotation: Matrix3::identity(zero.one()),
-        };
-        let at = Configuration::new(mechanism, design, pose, zero);
-        centres.each(|[_, centre]| at.point(centre))
+    let [[near_point, near], [far_point, far]] = rigid.displace(displacement, design);
+    let pose = Pose {
+        origin: design[mechanism.origin.0],
+        rotation: Matrix3::identity(zero.one()),
     };
-    let mut rises = [zero; 2];
-    for ((rise, [point, centre]), turned) in rises.iter_mut().zip(centres).zip(turned) {
-        *rise = turned.z - design[centre.0].z;
-        design[point.0] = turned;
+    let at = Configuration::new(mechanism, design, pose, zero);
+    let (turned_near, turned_far) = (at.point(near), at.point(far));
+    let near_rise = turned_near.z - design[near.0].z;
+    let far_rise = turned_far.z - design[far.0].z;
+    design[near_point.0] = turned_near;
+    design[far_point.0] = turned_far;
+    let mean = (near_rise + far_rise).scaled(0.5);
+    let difference = (near_rise - far_rise).scaled(0.5);
+    match rigid.held {
+        AxleTravel::Mean => [difference, mean],
+        AxleTravel::Difference => [mean, difference],
     }
-    let [near, far] = rises;
-    let travel = |travel: AxleTravel| (near + far.scaled(travel.far_sign())).scaled(0.5);
-    [travel(rigid.held.other()), travel(rigid.held)]
 }
 
 impl<const N: usize> AxleSolver<'_, N> {

@@ -14,7 +14,7 @@ use super::gains::angle_of_gain;
 use super::reading::ReadSet;
 use super::{Characteristic, Constants, Inputs, Quantity, Slot, Slots};
 use crate::derive::DesignedSpinAxis;
-use crate::model::{Axis, Body, Drive, Mechanism, PointId, RockerId};
+use crate::model::{Axis, Body, Drive, Mechanism, PointId, RockerId, SteeringAxis};
 use crate::number::{SimdReal, Vector3};
 use crate::solve::{CornerTracker, KnucklePoint, KnuckleVector, LaneDesign};
 use watching::ToggleWatch;
@@ -43,6 +43,12 @@ pub struct LaneReader<'a> {
     rates: bool,
     /// True if the reader also reads derivatives by the rack.
     by_rack: bool,
+    /// Knuckle that carries the wheel of a steered axle.
+    steered: Option<RockerId>,
+    /// Lower and upper end of the kingpin of a steered axle, if its steering axis is read.
+    kingpin: Option<[PointId; 2]>,
+    /// True if the reader also reads the body of a rigid axle.
+    of_axle: bool,
 }
 
 /// Evaluation rule of a quantity.
@@ -58,6 +64,19 @@ enum EvaluationRule {
     AngularVelocity(Axis),
 }
 
+/// The body of a rigid axle, read from poses in lanes.
+#[derive(Clone, Copy, Debug)]
+pub struct LaneAxle<B> {
+    /// Columns of its rotation from the design position along x and y.
+    pub columns: [Vector3<B>; 2],
+    /// Angular velocities by the drive and by the held travel.
+    pub turns: [Vector3<B>; 2],
+    /// Velocity of the steering axis's point by the held travel.
+    pub kingpin_by_held: Vector3<B>,
+    /// True if the wheel is on a knuckle that turns in the axle.
+    pub is_steered: bool,
+}
+
 /// Inputs of formulas, read from poses in lanes.
 #[derive(Clone, Debug)]
 pub struct LaneInputs<B> {
@@ -66,6 +85,7 @@ pub struct LaneInputs<B> {
     points: Vec<[Vector3<B>; 2]>,
     /// Velocity of the wheel centre and angular velocity by the rack, at constant travel.
     by_rack: [Vector3<B>; 2],
+    axle: LaneAxle<B>,
     rods: ToggleWatch<B>,
 }
 
@@ -86,6 +106,12 @@ impl<B> LaneInputs<B> {
     #[inline(always)]
     pub fn by_rack(&self) -> &[Vector3<B>; 2] {
         &self.by_rack
+    }
+
+    /// The body of a rigid axle. NaN if not requested.
+    #[inline(always)]
+    pub fn axle(&self) -> &LaneAxle<B> {
+        &self.axle
     }
 }
 
@@ -158,12 +184,21 @@ impl<'a> LaneReader<'a> {
         rates: bool,
     ) -> Option<Self> {
         let mut asked = ReadSet::by(mechanism, slots);
-        if asked.steering_axis && !batch.steers_about(mechanism.steering_axis) {
-            return None;
-        }
+        let steered = mechanism
+            .axle_steering()
+            .map(|steering| steering.near_knuckle);
+        let kingpin = match mechanism.steering_axis {
+            Some(SteeringAxis::Through { lower, upper }) if steered.is_some() => {
+                asked.steering_axis.then_some([lower, upper])
+            }
+            axis if asked.steering_axis && !batch.steers_about(axis) => return None,
+            _ => None,
+        };
         asked.points.extend(&points);
+        asked.points.extend(kingpin.iter().flatten());
         let mut rockers: Vec<RockerId> = asked
             .rockers(mechanism)
+            .chain(steered)
             .flat_map(|id| mechanism.rockers_moving(mechanism.rocker(id).inner))
             .collect();
         rockers.sort_unstable_by_key(|id| id.0);
@@ -191,7 +226,18 @@ impl<'a> LaneReader<'a> {
             rockers,
             rates,
             by_rack: false,
+            steered,
+            kingpin,
+            of_axle: false,
         })
+    }
+
+    /// If `is_wanted`, the reader also reads the body of a rigid axle. It reads its motion only if it reads velocities by the
+    /// rack.
+    #[must_use]
+    pub fn with_axle(mut self, is_wanted: bool) -> Self {
+        self.of_axle = is_wanted;
+        self
     }
 
     /// If `is_wanted`, the reader also reads velocities by the rack. It does so only if it reads velocities by the drive and
@@ -258,6 +304,12 @@ impl<'a> LaneReader<'a> {
             inputs,
             points: vec![[nothing; 2]; self.points.len()],
             by_rack: [nothing; 2],
+            axle: LaneAxle {
+                columns: [nothing; 2],
+                turns: [nothing; 2],
+                kingpin_by_held: nothing,
+                is_steered: self.steered.is_some(),
+            },
             rods: ToggleWatch::of(self.rockers.len(), unknown),
         }
     }

@@ -2,7 +2,7 @@
 
 use super::{LaneInputs, LaneReader, LaneWheels};
 use crate::characteristics::reading::{Moving, PoseReader};
-use crate::mechanism::{Configuration, Twist};
+use crate::mechanism::{Configuration, MovingBody, Twist};
 use crate::model::{PointId, RockerId};
 use crate::number::{Outlined, SimdReal, Vector3};
 use crate::solve::{LanePose, LaneRates};
@@ -60,6 +60,7 @@ impl<B: SimdReal, P: LanePose<B>> Outlined for ReadingPose<'_, '_, B, P> {
             inputs,
             points,
             by_rack,
+            axle,
             rods,
         } = self.into;
         let mut accepted = self.rack.everywhere();
@@ -68,7 +69,7 @@ impl<B: SimdReal, P: LanePose<B>> Outlined for ReadingPose<'_, '_, B, P> {
         } else {
             None
         };
-        let configuration = if reader.reads_others {
+        let configuration = if reader.reads_others || reader.of_axle {
             Some(at.configuration(self.rack))
         } else {
             None
@@ -80,12 +81,21 @@ impl<B: SimdReal, P: LanePose<B>> Outlined for ReadingPose<'_, '_, B, P> {
                 accepted = accepted & rods.watch(&reader.rockers, at, &rates.twist());
             }
         }
+        let carrier = match (reader.steered, &rates, &configuration) {
+            (Some(knuckle), Some(rates), Some(at)) => {
+                let carrier = at.moving_body(Some(knuckle), &rates.twist());
+                inputs.turn = carrier.motion.turn;
+                Some(carrier)
+            }
+            _ => None,
+        };
         let mut pose = PoseInLanes {
             reader,
             wheels,
             at,
             rates: rates.as_ref(),
             configuration: configuration.as_ref(),
+            carrier: carrier.as_ref(),
             accepted,
         };
         inputs.read(&mut pose, reader.mechanism, reader.slots);
@@ -93,9 +103,24 @@ impl<B: SimdReal, P: LanePose<B>> Outlined for ReadingPose<'_, '_, B, P> {
             pose.point(*id).put(now, rate);
         }
         let accepted = pose.accepted;
+        if let (true, Some(at)) = (reader.of_axle, &configuration) {
+            let [x, y, _] = at.pose.rotation.columns;
+            axle.columns = [x, y];
+        }
         if let (true, Some(rates)) = (reader.by_rack, &rates) {
-            let Twist { shift, turn } = at.by_rack(rates);
-            *by_rack = [shift + turn.cross(inputs.now.centre - at.origin()), turn];
+            let motion = at.by_rack(rates);
+            let Twist { shift, turn } = motion;
+            *by_rack = match (reader.steered, &configuration) {
+                (Some(knuckle), Some(at)) => {
+                    let carrier = at.moving_body(Some(knuckle), &motion);
+                    [carrier.velocity(inputs.now.centre), carrier.motion.turn]
+                }
+                _ => [shift + turn.cross(inputs.now.centre - at.origin()), turn],
+            };
+            if reader.of_axle {
+                axle.turns = [rates.turn(), turn];
+                axle.kingpin_by_held = shift + turn.cross(inputs.now.steering_point - at.origin());
+            }
         }
         accepted
     }
@@ -110,6 +135,8 @@ struct PoseInLanes<'r, 'm, 'c, B: SimdReal, P> {
     rates: Option<&'r LaneRates<B>>,
     /// Configuration. Needed if a part is read that is not on the knuckle.
     configuration: Option<&'r Configuration<'c, B>>,
+    /// Knuckle that carries the wheel of a steered axle.
+    carrier: Option<&'r MovingBody<B>>,
     /// Lanes in which everything read so far is accurate.
     accepted: B::Mask,
 }
@@ -133,11 +160,21 @@ impl<B: SimdReal, P: LanePose<B>> PoseInLanes<'_, '_, '_, B, P> {
 impl<B: SimdReal, P: LanePose<B>> PoseReader<B> for PoseInLanes<'_, '_, '_, B, P> {
     #[inline(always)]
     fn spin_axis(&mut self) -> Moving<Vector3<B>> {
-        let now = self.at.vector(&self.wheels.spin_axis);
+        let now = match self.carrier {
+            None => self.at.vector(&self.wheels.spin_axis),
+            Some(carrier) => {
+                self.require_leverage(carrier.leverage_squared);
+                let designed = self.wheels.designed_spin_axis.direction;
+                carrier.place.rotation.apply(designed)
+            }
+        };
         self.accepted = self.accepted & now.z.abs().less(now.z.constant(STEEPEST_SPIN_AXIS));
         let mut axis = Moving::without_rate(now);
         if let Some(rates) = self.rates {
-            axis.rate = Some(rates.vector(now));
+            axis.rate = Some(match self.carrier {
+                None => rates.vector(now),
+                Some(carrier) => carrier.motion.turn.cross(now),
+            });
         }
         axis
     }
@@ -168,6 +205,10 @@ impl<B: SimdReal, P: LanePose<B>> PoseReader<B> for PoseInLanes<'_, '_, '_, B, P
 
     #[inline(always)]
     fn steering_axis(&mut self) -> Option<[Moving<Vector3<B>>; 2]> {
+        if let Some([lower, upper]) = self.reader.kingpin {
+            let point = self.point(lower);
+            return Some([point, self.point(upper).minus(point)]);
+        }
         let (point, along, is_known) = self.at.steering_axis();
         self.accepted = self.accepted & is_known;
         let mut axis = [Moving::without_rate(point), Moving::without_rate(along)];

@@ -72,7 +72,12 @@ impl<B: SimdReal> Outlined for Watching<'_, B> {
                 // At the start, the rack has moved since the design position, so the path begins with the rod in that
                 // position.
                 *first = rod;
-                self.at.designed_rod(*id)
+                if self.at.mechanism.axle_steering().is_some() {
+                    // The steering gear has moved before.
+                    self.at.rod_at_rest(*id)
+                } else {
+                    self.at.designed_rod(*id)
+                }
             };
             right = right & before.keeps_leverage_to(&rod);
             *last = rod;

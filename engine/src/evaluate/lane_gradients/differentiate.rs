@@ -7,7 +7,9 @@ use crate::derive::{Gradient, Seeds};
 use crate::mechanism::{Configuration, Wrench};
 use crate::model::PointId;
 use crate::number::{Jet, Outlined, SimdReal, Vector3};
-use crate::solve::{AdjointConstants, AlongTravel, LaneAdjoint, LanePose, LaneRates, SeriesDesign};
+use crate::solve::{
+    AdjointConstants, AdjointPose, AlongTravel, LaneAdjoint, LaneRates, SeriesDesign,
+};
 use std::ops::Range;
 
 /// Derivatives by the hardpoints, `[point][axis][lane]`.
@@ -103,7 +105,7 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
 
 impl<B: SimdReal> Differentiating<'_, '_, B> {
     #[inline(always)]
-    pub(in crate::evaluate) fn differentiate(&mut self, station: usize, at: &impl LanePose<B>) {
+    pub(in crate::evaluate) fn differentiate(&mut self, station: usize, at: &impl AdjointPose<B>) {
         let rack = self.rack;
         rack.outlined(AtPose {
             station: self.first + station,
@@ -120,7 +122,7 @@ struct AtPose<'v, 'r, 't, B: SimdReal, P> {
     at: &'v P,
 }
 
-impl<B: SimdReal, P: LanePose<B>> Outlined for AtPose<'_, '_, '_, B, P> {
+impl<B: SimdReal, P: AdjointPose<B>> Outlined for AtPose<'_, '_, '_, B, P> {
     type Output = ();
     #[inline(always)]
     fn work(self) {
@@ -131,7 +133,7 @@ impl<B: SimdReal, P: LanePose<B>> Outlined for AtPose<'_, '_, '_, B, P> {
 
 impl<B: SimdReal> Differentiating<'_, '_, B> {
     #[inline(always)]
-    fn differentiate_inline(&mut self, station: usize, at: &impl LanePose<B>) {
+    fn differentiate_inline(&mut self, station: usize, at: &impl AdjointPose<B>) {
         let reads_rates = self.reader.reads_rates();
         let accepted = self
             .reader

@@ -1,10 +1,10 @@
 //! Points and angles of rockers with their velocities, in SIMD lanes.
 
 use super::Turn;
-use crate::mechanism::pose::{Configuration, Twist};
+use crate::mechanism::pose::{Configuration, Pose, Twist};
 use crate::mechanism::rod_reach::RodReach;
 use crate::model::{Body, PointId, Rocker, RockerId};
-use crate::number::{SimdReal, Vector3, outlined};
+use crate::number::{Matrix3, Real, SimdReal, Vector3, outlined};
 
 /// Rotation of a rocker and its rate.
 struct Turning<T> {
@@ -36,6 +36,44 @@ pub struct MovingAngle<T> {
     pub rate: T,
     /// Square of the smallest leverage among this rocker and the rockers that turn it.
     pub leverage_squared: T,
+}
+
+/// Place of a body: its rotation, and one of its points.
+#[derive(Clone, Copy, Debug)]
+pub struct BodyPlace<T> {
+    /// Rotation from the design position.
+    pub rotation: Matrix3<T>,
+    /// Design position of the point.
+    pub designed: Vector3<T>,
+    /// Present position of the point.
+    pub now: Vector3<T>,
+}
+
+impl<T: Real> BodyPlace<T> {
+    /// Present position of a point of the body, from its design position.
+    #[inline(always)]
+    pub fn point(&self, designed: Vector3<T>) -> Vector3<T> {
+        self.now + self.rotation.apply(designed - self.designed)
+    }
+}
+
+/// Place of a body with its motion.
+#[derive(Clone, Copy, Debug)]
+pub struct MovingBody<T> {
+    /// Place of the body.
+    pub place: BodyPlace<T>,
+    /// Velocity of the point of the place, and angular velocity.
+    pub motion: Twist<T>,
+    /// Square of the smallest leverage among the rockers that move the body; 1 for the knuckle.
+    pub leverage_squared: T,
+}
+
+impl<T: Real> MovingBody<T> {
+    /// Velocity of a point of the body, from its present position.
+    #[inline(always)]
+    pub fn velocity(&self, now: Vector3<T>) -> Vector3<T> {
+        self.motion.shift + self.motion.turn.cross(now - self.place.now)
+    }
 }
 
 /// Rockers and their points in SIMD lanes. Their velocities follow from the velocity of the knuckle, without recursion.
@@ -128,6 +166,92 @@ impl<B: SimdReal> Configuration<'_, B> {
         }
     }
 
+    /// Place of the knuckle, or of a rocker.
+    #[inline(always)]
+    pub fn body_place(&self, body: Option<RockerId>) -> BodyPlace<B> {
+        match body {
+            None => self.knuckle_place(),
+            Some(id) => outlined!(
+                [B: SimdReal] self.rack;
+                at: &'p Configuration<'p, B> = self, id: RockerId = id => BodyPlace<B> {
+                    let rocker = at.mechanism.rocker(id);
+                    at.rocker_place(rocker, &Turn::of(at.ends(rocker)))
+                }
+            ),
+        }
+    }
+
+    /// The same, with its motion.
+    #[inline(always)]
+    pub fn moving_body(&self, body: Option<RockerId>, motion: &Twist<B>) -> MovingBody<B> {
+        match body {
+            None => MovingBody {
+                place: self.knuckle_place(),
+                motion: *motion,
+                leverage_squared: self.rack.one(),
+            },
+            Some(id) => outlined!(
+                [B: SimdReal] self.rack;
+                at: &'p Configuration<'p, B> = self, id: RockerId = id, motion: &'p Twist<B> = motion
+                    => MovingBody<B> { at.moving_rocker_body(id, motion) }
+            ),
+        }
+    }
+
+    #[inline(always)]
+    fn knuckle_place(&self) -> BodyPlace<B> {
+        BodyPlace {
+            rotation: self.pose.rotation,
+            designed: self.designed(self.mechanism.origin),
+            now: self.pose.origin,
+        }
+    }
+
+    #[inline(always)]
+    fn rocker_place(&self, rocker: Rocker, turn: &Turn<B>) -> BodyPlace<B> {
+        let [x, y, z] = Matrix3::identity(self.rack).columns;
+        let mut columns = [turn.turned(x), turn.turned(y), turn.turned(z)];
+        if self.is_on_axle(rocker) {
+            for column in &mut columns {
+                *column = self.pose.rotation.apply(*column);
+            }
+        }
+        let designed = self.designed(rocker.first);
+        BodyPlace {
+            rotation: Matrix3 { columns },
+            designed,
+            now: self.out_of_base(rocker, designed),
+        }
+    }
+
+    #[inline(always)]
+    fn moving_rocker_body(&self, id: RockerId, motion: &Twist<B>) -> MovingBody<B> {
+        let Turning {
+            rocker,
+            turn,
+            speed,
+            leverage_squared,
+        } = self.turning_inline(id, motion);
+        let place = self.rocker_place(rocker, &turn);
+        let own = turn.axis * speed;
+        let motion = if self.is_on_axle(rocker) {
+            Twist {
+                shift: motion.shift + motion.turn.cross(place.now - self.pose.origin),
+                turn: motion.turn + self.pose.rotation.apply(own),
+            }
+        } else {
+            Twist {
+                shift: own.zero(),
+                turn: own,
+            }
+        };
+        MovingBody {
+            place,
+            motion,
+            leverage_squared,
+        }
+    }
+
     /// Rod of a rocker in this pose, as seen from the rocker.
     #[inline(always)]
     pub fn moving_rod(&self, id: RockerId, motion: &Twist<B>) -> RodReach<B> {
@@ -141,6 +265,18 @@ impl<B: SimdReal> Configuration<'_, B> {
     pub fn designed_rod(&self, id: RockerId) -> RodReach<B> {
         let rocker = self.mechanism.rocker(id);
         RodReach::of(self.ends_in_base(rocker, self.designed(rocker.outer)))
+    }
+
+    /// Rod of a rocker while the knuckle is in its design position, as seen from the rocker. A steering gear may have moved it.
+    #[inline(always)]
+    pub fn rod_at_rest(&self, id: RockerId) -> RodReach<B> {
+        let pose = Pose {
+            origin: self.designed(self.mechanism.origin),
+            rotation: Matrix3::identity(self.rack),
+        };
+        let at_rest = Configuration { pose, ..*self };
+        let rocker = self.mechanism.rocker(id);
+        RodReach::of(at_rest.ends(rocker))
     }
 
     /// Position and velocity of a point in the base of a rocker.

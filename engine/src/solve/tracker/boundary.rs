@@ -4,7 +4,7 @@
 //! the inputs of a guard differ only by rounding. A guard that accepts the first design with some slack also accepts
 //! the second one. So only the guard without slack rejects the second design.
 
-use super::{Acceptance, CornerTracker, LanePose, Rejection, Visit};
+use super::{Acceptance, AdjointPose, CornerTracker, Rejection, Visit};
 use crate::model::{Drive, Suspension, Topology};
 use crate::number::Vector3;
 use crate::solve::StationOrder;
@@ -15,7 +15,7 @@ use std::path::Path;
 struct Nothing;
 
 impl Visit<f64> for Nothing {
-    fn pose(&mut self, _: usize, _: &impl LanePose<f64>, _: Acceptance<f64>) {}
+    fn pose(&mut self, _: usize, _: &impl AdjointPose<f64>, _: Acceptance<f64>) {}
 }
 
 /// Follows a design. Returns the reason why a leg ends early, if one does. `history` receives the unknowns.

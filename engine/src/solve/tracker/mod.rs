@@ -77,7 +77,7 @@ enum Method {
 pub trait Visit<B: SimdReal> {
     /// Receives a pose. Lanes that are not accepted may hold any numbers, including NaN. A station is left out if no lane
     /// was accepted at the previous place of its leg.
-    fn pose(&mut self, station: usize, at: &impl LanePose<B>, accepted: Acceptance<B>);
+    fn pose(&mut self, station: usize, at: &impl AdjointPose<B>, accepted: Acceptance<B>);
 }
 
 /// Constants of a design in each lane.
@@ -151,6 +151,16 @@ pub trait LanePose<B: SimdReal> {
 
     /// The pose as a configuration with this rack displacement.
     fn configuration(&self, rack: B) -> Configuration<'_, B>;
+
+    /// Position of a point of the knuckle.
+    #[inline(always)]
+    fn point(&self, point: &KnucklePoint<B>) -> Vector3<B> {
+        self.origin() + self.vector(&point.0)
+    }
+}
+
+/// A pose of a single wheel, which also yields gradients by the hardpoints.
+pub trait AdjointPose<B: SimdReal>: LanePose<B> {
     /// Prepares gradients in this pose, driven by the travel, from its configuration and rates.
     fn adjoint<'p>(
         &'p self,
@@ -158,12 +168,6 @@ pub trait LanePose<B: SimdReal> {
         at: &'p Configuration<'p, B>,
         rates: &LaneRates<B>,
     ) -> impl LaneAdjoint<B> + 'p;
-
-    /// Position of a point of the knuckle.
-    #[inline(always)]
-    fn point(&self, point: &KnucklePoint<B>) -> Vector3<B> {
-        self.origin() + self.vector(&point.0)
-    }
 }
 
 /// Makes gradients by the hardpoints in a pose (see [`Seeds`](crate::derive::Seeds)).
@@ -182,7 +186,28 @@ pub struct LaneRates<B> {
     steering_axis: Vector3<B>,
 }
 
+impl<B: Copy> KnuckleVector<B> {
+    /// The vector in the design position, if the mechanism is a linkage.
+    #[inline(always)]
+    fn designed(&self) -> Vector3<B> {
+        match self.0 {
+            InKnuckle::Designed(vector) => vector,
+            InKnuckle::Carried(_) => unreachable!("a vector of a linkage"),
+        }
+    }
+}
+
 impl<B: SimdReal> LaneRates<B> {
+    /// Rates without a steering axis through two joints.
+    #[inline(always)]
+    fn of(twist: Twist<B>) -> Self {
+        LaneRates {
+            origin: twist.shift,
+            turn: twist.turn,
+            steering_axis: twist.turn.zero(),
+        }
+    }
+
     /// Rate of a vector fixed to the knuckle, from the vector in this pose.
     #[inline(always)]
     pub fn vector(&self, now: Vector3<B>) -> Vector3<B> {
@@ -248,7 +273,12 @@ impl<'a> CornerTracker<'a> {
             routes: racks
                 .iter()
                 .map(|rack| {
-                    Route::through(station_order, [*rack, 0.0], longest, LONGEST_STEP * size)
+                    Route::through(
+                        station_order,
+                        [*rack, 0.0, 0.0],
+                        longest,
+                        LONGEST_STEP * size,
+                    )
                 })
                 .collect(),
             distinct: mechanism.lengths().collect(),

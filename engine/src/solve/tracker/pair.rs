@@ -13,6 +13,8 @@
 //! always reaches rounding. C is the lowest point of the wheel, so h' is n.C' for a wheel that does not rotate in its
 //! carrier.
 //!
+//! Wheels that share one mechanism have their own equations (see `linkage/one_body.rs`).
+//!
 //! In addition to the conditions for each wheel, a lane is rejected if a contact point rises less than half as fast as its
 //! wheel.
 
@@ -20,7 +22,7 @@ mod both_wheels;
 #[cfg(test)]
 mod guards;
 
-use super::linkage::UNKNOWNS;
+use super::linkage::{NewtonSteps, OneBody, UNKNOWNS, UNKNOWNS_OF_AXLE};
 use super::route::{Route, RouteStep};
 use super::track::{Tracked, track};
 use super::{
@@ -29,15 +31,15 @@ use super::{
 };
 use crate::derive::DesignedSpinAxis;
 use crate::mechanism::Ground;
-use crate::model::{AxleTravel, Drive, Mechanism};
+use crate::model::{Drive, Mechanism};
 use crate::number::{SimdReal, Vector3};
 use crate::solve::StationOrder;
 use both_wheels::BothWheels;
 
 /// Largest number of corrections for a lane to settle.
-const MOST_ROUNDS: usize = 5;
+pub(super) const MOST_ROUNDS: usize = 5;
 /// Smallest rise of a contact point per travel of its wheel.
-const LEAST_RISE: f64 = 0.5;
+pub(super) const LEAST_RISE: f64 = 0.5;
 /// Largest difference of the heights of both contact points, in tolerances of a length. A height contains more roundings
 /// than a length.
 const OF_HEIGHTS: f64 = 4.0;
@@ -56,14 +58,15 @@ pub enum PairDrive {
     },
 }
 
-/// Stations that are visited together. For a rigid axle, the mean travel takes the place of the rack, and the difference of
-/// its travels the place of travel.
+/// Stations that are visited together. For a rigid axle in roll, the mean travel takes the place of the rack.
 #[derive(Clone, Debug)]
 pub struct PairStations {
     /// Mean travel in roll. 0 in heave.
     pub heave: f64,
-    /// Displacement of the rack towards the left wheel's outside. For a rigid axle, the mean travel.
+    /// Displacement of the rack towards the left wheel's outside. For a rigid axle, the mean travel in roll and 0 in heave.
     pub rack: f64,
+    /// Largest lift of a wheel centre of the base design by a steering gear, while the axle rests.
+    pub lift: f64,
     /// Travels or roll angles.
     pub order: StationOrder,
 }
@@ -72,11 +75,10 @@ pub struct PairStations {
 #[derive(Clone, Debug)]
 pub struct AxleTracker<'a> {
     wheels: [CornerTracker<'a>; 2],
-    drive: PairDrive,
+    pub(super) drive: PairDrive,
     routes: Vec<Route>,
-    /// Ratio of the right wheel's rack displacement to the left one's, each in its own frame: -1, or 1 if both are the mean
-    /// travel of a rigid axle.
-    right_rack: f64,
+    /// True if the wheels share one mechanism.
+    is_one_body: bool,
 }
 
 /// Travels, ground and roll angle of an axle, in each lane.
@@ -93,10 +95,11 @@ pub struct GroundContact<B> {
 /// Receives the poses of both wheels.
 pub trait VisitPair<B: SimdReal> {
     /// Receives the poses of the left and right wheel, each in its own frame, like [`Visit::pose`](super::Visit::pose).
-    fn pair<P: LanePose<B>>(
+    fn pair<P: LanePose<B>, Q: LanePose<B>>(
         &mut self,
         station: usize,
-        at: [&P; 2],
+        left: &P,
+        right: &Q,
         stand: GroundContact<B>,
         accepted: Acceptance<B>,
     );
@@ -204,22 +207,16 @@ impl<'a> AxleTracker<'a> {
             PairDrive::Heave => longest_travel,
             PairDrive::Roll { half_track, .. } => longest_travel / half_track,
         };
-        let route =
-            |s: &PairStations| Route::through(&s.order, [s.rack, s.heave], longest, longest_travel);
+        let route = |s: &PairStations| {
+            let lead = [s.rack, s.heave, s.lift];
+            Route::through(&s.order, lead, longest, longest_travel)
+        };
         Some(AxleTracker {
             routes: stations.iter().map(route).collect(),
             wheels,
             drive,
-            right_rack: match &mechanisms[0].rigid_axle {
-                Some(rigid) if rigid.held == AxleTravel::Mean => 1.0,
-                _ => -1.0,
-            },
+            is_one_body: mechanisms[0].rigid_axle.is_some(),
         })
-    }
-
-    /// Ratio of the right wheel's rack displacement to the left one's, each in its own frame.
-    pub fn right_rack(&self) -> f64 {
-        self.right_rack
     }
 
     /// Returns true if the tracker visits every station. It leaves out stations that coincide or are far out of reach.
@@ -235,17 +232,23 @@ impl<'a> AxleTracker<'a> {
     /// Allocates the history for [`AxleTracker::solve`].
     pub fn history<B: SimdReal>(&self, like: B) -> Vec<B> {
         let places = self.routes.iter().map(|route| route.places.len());
-        let unknowns = self.wheels[0].unknowns();
-        vec![like.zero(); (2 * unknowns + 1) * places.max().unwrap_or(0)]
+        let unknowns = if self.is_one_body {
+            UNKNOWNS_OF_AXLE
+        } else {
+            2 * self.wheels[0].unknowns() + 1
+        };
+        vec![like.zero(); unknowns * places.max().unwrap_or(0)]
     }
 
     /// Visits the stations of entry `stations` in the list given to [`AxleTracker::new`]. The designs, left and right, must
-    /// be made by [`AxleTracker::wheel`], and `points` must be their points.
+    /// be made by [`AxleTracker::wheel`], and `points` must be their points. `rest` is the lift of the wheel centres by a
+    /// steering gear: of their mean travel, and of half the difference of their travels.
     #[inline(always)]
     pub fn solve<B: SimdReal>(
         &self,
         designs: [&LaneDesign<'_, B>; 2],
         points: [&[Vector3<B>]; 2],
+        rest: [B; 2],
         stations: usize,
         history: &mut [B],
         visit: &mut impl VisitPair<B>,
@@ -270,6 +273,21 @@ impl<'a> AxleTracker<'a> {
                 Method::Linkage(two),
                 Form::Linkage(left),
                 Form::Linkage(right),
+            ) if self.is_one_body => {
+                let axes = [
+                    DesignedSpinAxis::of(first.mechanism, points[0]).direction,
+                    DesignedSpinAxis::of(second.mechanism, points[1]).direction,
+                ];
+                let steps = NewtonSteps::of(one, left, first.tolerance);
+                let level = self.level(like);
+                let mut pair = OneBody::new(self, steps, right, axes, rest, level, visit);
+                track::<B, UNKNOWNS_OF_AXLE, _>(&mut pair, places, accepted, history)
+            }
+            (
+                Method::Linkage(one),
+                Method::Linkage(two),
+                Form::Linkage(left),
+                Form::Linkage(right),
             ) => {
                 let left = one.wheel(left, on_left, first.tolerance);
                 let right = two.wheel(right, on_right, second.tolerance);
@@ -282,11 +300,27 @@ impl<'a> AxleTracker<'a> {
 
     /// Mean travel and roll angle at a place.
     #[inline(always)]
-    fn at(&self, place: &RouteStep) -> (f64, f64) {
+    pub(super) fn at(&self, place: &RouteStep) -> (f64, f64) {
         match self.drive {
             PairDrive::Heave => (place.value, 0.0),
             PairDrive::Roll { .. } => (place.heave, place.value),
         }
+    }
+
+    /// Loaded radius of the wheels, if both stand on one ground.
+    #[inline(always)]
+    pub(super) fn radius(&self) -> Option<f64> {
+        match self.drive {
+            PairDrive::Heave => None,
+            PairDrive::Roll { radius, .. } => Some(radius),
+        }
+    }
+
+    /// Largest difference of the heights of both contact points.
+    #[inline(always)]
+    fn level<B: SimdReal>(&self, like: B) -> B {
+        let coarser = self.wheels[0].tolerance.max(self.wheels[1].tolerance);
+        like.constant(OF_HEIGHTS * coarser)
     }
 
     /// Equations of both wheels, for designs of this tracker.
@@ -301,15 +335,11 @@ impl<'a> AxleTracker<'a> {
         B: SimdReal,
         W: Wheel<B, N>,
     {
-        let coarser = self.wheels[0].tolerance.max(self.wheels[1].tolerance);
         BothWheels {
             tracker: self,
             wheels,
-            level: like.constant(OF_HEIGHTS * coarser),
-            radius: match self.drive {
-                PairDrive::Heave => None,
-                PairDrive::Roll { radius, .. } => Some(radius),
-            },
+            level: self.level(like),
+            radius: self.radius(),
             visitor,
             ground: Ground::level(like),
             is_near: like.everywhere(),

@@ -1,6 +1,6 @@
 //! Tracks a single design, one number at a time. Lanes that all hold the same number would be no faster.
 
-use super::{Acceptance, CornerTracker, LanePose, Rejection, Visit};
+use super::{Acceptance, AdjointPose, CornerTracker, Rejection, Visit};
 use crate::mechanism::Pose;
 use crate::model::{Drive, Mechanism};
 use crate::number::{Each, Matrix3, SimdReal, SimdTask, Vector3, Width};
@@ -193,7 +193,7 @@ struct Collecting<'t, B> {
 
 impl<B: SimdReal> Visit<B> for Collecting<'_, B> {
     #[inline(always)]
-    fn pose(&mut self, station: usize, at: &impl LanePose<B>, accepted: Acceptance<B>) {
+    fn pose(&mut self, station: usize, at: &impl AdjointPose<B>, accepted: Acceptance<B>) {
         if self.poses.is_empty() || !B::any(accepted.lanes()) {
             return;
         }

@@ -49,6 +49,8 @@ pub(crate) struct RouteStep {
     /// Station at this place. `None` for a place that divides a long step.
     pub station: Option<usize>,
     pub leg: Leg,
+    /// Part of the lead that is done here, from 0 in the design position to 1 at all stations.
+    pub lead: f64,
     /// Change of the drive since the previous place on this leg.
     pub step: f64,
     /// Stencil that predicts the unknowns here, together with the three following steps along slopes of the base design.
@@ -59,6 +61,8 @@ pub(crate) struct RouteStep {
     pub along_rack: f64,
     /// Step of the heave, to be multiplied by the slope by the travel.
     pub along_heave: f64,
+    /// Step of the lead, in parts of it. Only the first step uses it.
+    pub along_lead: f64,
     /// Stencil that predicts the slope by the drive here. `None` if there is only one earlier place.
     pub slope: Option<Stencil<NEIGHBOURS_OF_SLOPE>>,
 }
@@ -72,11 +76,11 @@ pub(crate) struct Route {
 }
 
 impl Route {
-    /// The route through the stations in steps of the drive of at most `longest`. Before it, rack and heave move to their
-    /// values in steps of at most `longest_of_lead`.
+    /// The route through the stations in steps of the drive of at most `longest`. Before it, in the lead, rack and heave move to
+    /// their values in steps of at most `longest_of_lead`. A lift of wheel centres by a steering gear takes part in the lead.
     pub(crate) fn through(
         station_order: &StationOrder,
-        [rack, heave]: [f64; 2],
+        [rack, heave, lift]: [f64; 3],
         longest: f64,
         longest_of_lead: f64,
     ) -> Route {
@@ -86,24 +90,28 @@ impl Route {
             is_complete,
         } = Legs::of(station_order, longest);
 
-        let at_zero = |rack: f64, heave: f64, number: usize| RouteStep {
+        let at_zero = |part: f64, number: usize| RouteStep {
             value: 0.0,
-            rack,
-            heave,
+            rack: rack * part,
+            heave: heave * part,
             station: None,
             leg: Leg::Rack,
+            lead: part,
             step: 0.0,
             prediction: straight_on(number),
             along_slope: 0.0,
             slope: None,
-            along_rack: if number == 1 { rack } else { 0.0 },
-            along_heave: if number == 1 { heave } else { 0.0 },
+            along_rack: if number == 1 { rack * part } else { 0.0 },
+            along_heave: if number == 1 { heave * part } else { 0.0 },
+            along_lead: if number == 1 { part } else { 0.0 },
         };
-        let mut places = vec![at_zero(0.0, 0.0, 0)];
-        if rack != 0.0 || heave != 0.0 {
-            // Uses the larger of both distances.
-            let method = rack.abs().max(heave.abs());
-            let Some(steps) = steps(0.0, method, longest_of_lead) else {
+        let mut places = vec![at_zero(0.0, 0)];
+        // The longest of the distances.
+        let length = rack.abs().max(heave.abs()).max(lift.abs());
+        if length == 0.0 {
+            places[0].lead = 1.0;
+        } else {
+            let Some(steps) = steps(0.0, length, longest_of_lead) else {
                 return Route {
                     places,
                     is_complete: false,
@@ -111,10 +119,9 @@ impl Route {
             };
             let last = steps.len();
             for k in 1..last {
-                let part = k as f64 / last as f64;
-                places.push(at_zero(rack * part, heave * part, k));
+                places.push(at_zero(k as f64 / last as f64, k));
             }
-            places.push(at_zero(rack, heave, last));
+            places.push(at_zero(1.0, last));
         }
         let first = places.len() - 1;
         places[first].station = design_station;
@@ -132,12 +139,14 @@ impl Route {
                 heave,
                 station,
                 leg,
+                lead: 1.0,
                 step,
                 prediction,
                 along_slope: if is_first { value } else { 0.0 },
                 slope: (!is_first).then_some(slope),
                 along_rack: 0.0,
                 along_heave: 0.0,
+                along_lead: 0.0,
             });
             visited.add(value);
         }
@@ -286,7 +295,7 @@ mod tests {
     #[test]
     fn stencils_reproduce_polynomials() {
         let station_order = StationOrder::through(&from_fn::<f64, 9, _>(|k| 0.5 * k as f64 - 2.0));
-        let route = Route::through(&station_order, [0.0; 2], 0.3, 1.0);
+        let route = Route::through(&station_order, [0.0; 3], 0.3, 1.0);
         let visited: Vec<f64> = route.places.iter().map(|p| p.value).collect();
         for (number, place) in route.places.iter().enumerate() {
             for degree in 0..number.min(NEIGHBOURS) as i32 {
@@ -317,7 +326,7 @@ mod tests {
     #[test]
     fn every_station_is_visited_once_and_long_steps_are_broken_up() {
         let station_order = StationOrder::through(&[-2.0, 0.0, 1.0, 0.1]);
-        let route = Route::through(&station_order, [0.25, 0.0], 0.5, 0.1);
+        let route = Route::through(&station_order, [0.25, 0.0, 0.0], 0.5, 0.1);
         let mut stations: Vec<usize> = route.places.iter().filter_map(|p| p.station).collect();
         stations.sort_unstable();
         assert_eq!(stations, [0, 1, 2, 3]);
@@ -329,7 +338,7 @@ mod tests {
         assert!(route.is_complete);
         let incomplete = |values: &[f64], rack: f64| {
             let order = StationOrder::through(values);
-            !Route::through(&order, [rack, 0.0], 0.5, 1.0).is_complete
+            !Route::through(&order, [rack, 0.0, 0.0], 0.5, 1.0).is_complete
         };
         assert!(incomplete(&[1.0, 1.0], 0.0));
         // A value takes up to a thousand steps. Values beyond are out of reach.

@@ -86,12 +86,13 @@ pub(super) fn track<B: SimdReal, const N: usize, E: PlaceEquations<B, N>>(
             continue;
         }
         let mut unknowns = predicted;
-        let mut settled = zero.less(zero);
+        // Rejected lanes need no corrections.
+        let mut settled = !accepted.lanes();
         let mut round = 1;
         loop {
             settled = settled | equations.correct(place, &mut unknowns, settled, round);
             tracked.rounds += 1;
-            if round == E::MOST_ROUNDS || B::all(settled | !accepted.lanes()) {
+            if round == E::MOST_ROUNDS || B::all(settled) {
                 break;
             }
             round += 1;

@@ -2,6 +2,7 @@
 
 mod hyper;
 mod known;
+mod lanes;
 mod limits;
 mod loads;
 mod refused;

@@ -1,6 +1,8 @@
 //! A pose of a mechanism with a closed form, in lanes.
 
-use super::super::{AdjointConstants, InKnuckle, KnuckleVector, LaneAdjoint, LanePose, LaneRates};
+use super::super::{
+    AdjointConstants, AdjointPose, InKnuckle, KnuckleVector, LaneAdjoint, LanePose, LaneRates,
+};
 use super::ArmDesign;
 use crate::derive::Gradient;
 use crate::mechanism::{Configuration, Twist, Wrench};
@@ -86,7 +88,9 @@ impl<B: SimdReal> LanePose<B> for ArmPose<'_, B> {
             steering: None,
         }
     }
+}
 
+impl<B: SimdReal> AdjointPose<B> for ArmPose<'_, B> {
     #[inline(always)]
     fn adjoint<'p>(
         &'p self,

@@ -3,7 +3,7 @@
 use super::super::boundary::{Judgement, above, below, boundaries, steady, template};
 use super::super::route::Leg;
 use super::super::track::PlaceEquations;
-use super::super::{Acceptance, LanePose, Rejection, Visit};
+use super::super::{Acceptance, AdjointPose, Rejection, Visit};
 use super::super::{CornerTracker, Form, Method};
 use super::corner::at_place;
 use super::newton::BranchGuard;
@@ -30,7 +30,7 @@ fn largest(vector: Vector3<f64>) -> f64 {
 struct Nothing;
 
 impl Visit<f64> for Nothing {
-    fn pose(&mut self, _: usize, _: &impl LanePose<f64>, _: Acceptance<f64>) {}
+    fn pose(&mut self, _: usize, _: &impl AdjointPose<f64>, _: Acceptance<f64>) {}
 }
 
 /// Judgements of the guards at all places of an accepted design, by their formulas and published thresholds. Each place is

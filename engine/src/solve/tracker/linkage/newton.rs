@@ -18,7 +18,7 @@ const LARGEST_CORRECTION: f64 = 0.02;
 const LONGEST: f64 = 0.1;
 
 /// Newton steps in the six unknowns.
-pub(super) struct NewtonSteps<'w, 'd, B> {
+pub(in crate::solve::tracker) struct NewtonSteps<'w, 'd, B> {
     pub(super) method: &'w ByLinkage,
     linkage: &'w LinkageDesign<'d, B>,
     tolerance: f64,
@@ -30,7 +30,7 @@ pub(super) struct NewtonSteps<'w, 'd, B> {
 
 impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
     #[inline(always)]
-    pub(super) fn of(
+    pub(in crate::solve::tracker) fn of(
         method: &'w ByLinkage,
         linkage: &'w LinkageDesign<'d, B>,
         tolerance: f64,
@@ -72,6 +72,32 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         (at, step)
     }
 
+    /// Derivative of the pose by the travel, in the latest linearisation.
+    #[inline(always)]
+    pub(super) fn by_travel(&mut self) -> Twist<B> {
+        let blocks = &self.linear.get_mut().blocks;
+        let mut driven = [self.determinants[0].zero(); 6];
+        driven[5] = driven[5].one();
+        blocks.solve(driven)
+    }
+
+    /// Motion by these steps of the rack and of the travel, in the latest linearisation.
+    #[inline(always)]
+    pub(super) fn along(&mut self, rack: B, travel: B) -> Twist<B> {
+        let by_travel = self.by_travel();
+        let by_rack = self.linear.get_mut().steering();
+        Twist {
+            shift: (by_rack.shift * rack).plus_scaled(by_travel.shift, travel),
+            turn: (by_rack.turn * rack).plus_scaled(by_travel.turn, travel),
+        }
+    }
+
+    /// Design of the lanes.
+    #[inline(always)]
+    pub(super) fn linkage(&self) -> &'w LinkageDesign<'d, B> {
+        self.linkage
+    }
+
     /// Lanes in which a step is within the permitted error of a prediction.
     #[inline(always)]
     pub(super) fn is_near(&self, step: &Twist<B>) -> B::Mask {
@@ -87,8 +113,19 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
     pub(super) fn check_residual(
         &mut self,
         unknowns: &[B; UNKNOWNS],
-        [rack, travel]: [B; 2],
+        motion: [B; 2],
     ) -> (Configuration<'d, B>, B::Mask, [B; UNKNOWNS]) {
+        let (at, is_settled, rest) = self.remaining(unknowns, motion);
+        (at, is_settled, moved(*unknowns, &rest))
+    }
+
+    /// The same, with the correction itself.
+    #[inline(always)]
+    pub(super) fn remaining(
+        &mut self,
+        unknowns: &[B; UNKNOWNS],
+        [rack, travel]: [B; 2],
+    ) -> (Configuration<'d, B>, B::Mask, Twist<B>) {
         let at = self.linkage.configuration(*unknowns, rack);
         let driver = Driver::Travel(travel);
         let missed = self.linkage.closure.residuals_inlined(&at, driver);
@@ -97,7 +134,7 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         let is_settled =
             is_less(Vector3::new(a, b, c), tolerance) & is_less(Vector3::new(d, e, g), tolerance);
         let rest = -self.linear.get_mut().blocks.solve(missed);
-        (at, is_settled, moved(*unknowns, &rest))
+        (at, is_settled, rest)
     }
 
     /// Accepts lanes that are well conditioned and on their branch.

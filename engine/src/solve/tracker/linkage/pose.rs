@@ -1,6 +1,8 @@
 //! A pose of a linkage in lanes: its rates, steering axis and adjoint.
 
-use super::super::{AdjointConstants, InKnuckle, KnuckleVector, LaneAdjoint, LanePose, LaneRates};
+use super::super::{
+    AdjointConstants, AdjointPose, KnuckleVector, LaneAdjoint, LanePose, LaneRates,
+};
 use super::LinkageDesign;
 use super::linear::{Linear, Linearising};
 use crate::derive::Gradient;
@@ -47,10 +49,7 @@ impl<B: SimdReal> LinkagePose<'_, '_, B> {
 impl<B: SimdReal> LanePose<B> for LinkagePose<'_, '_, B> {
     #[inline(always)]
     fn vector(&self, vector: &KnuckleVector<B>) -> Vector3<B> {
-        match vector.0 {
-            InKnuckle::Designed(vector) => self.at.pose.rotation.apply(vector),
-            InKnuckle::Carried(_) => unreachable!("a vector of a linkage"),
-        }
+        self.at.pose.rotation.apply(vector.designed())
     }
 
     #[inline(always)]
@@ -73,12 +72,7 @@ impl<B: SimdReal> LanePose<B> for LinkagePose<'_, '_, B> {
     fn rates(&self) -> LaneRates<B> {
         let mut by_travel = [self.travel.zero(); 6];
         by_travel[5] = self.travel.one();
-        let twist = self.linear().blocks.solve(by_travel);
-        LaneRates {
-            origin: twist.shift,
-            turn: twist.turn,
-            steering_axis: twist.turn.zero(),
-        }
+        LaneRates::of(self.linear().blocks.solve(by_travel))
     }
 
     #[inline(always)]
@@ -123,7 +117,9 @@ impl<B: SimdReal> LanePose<B> for LinkagePose<'_, '_, B> {
     fn configuration(&self, _: B) -> Configuration<'_, B> {
         self.at
     }
+}
 
+impl<B: SimdReal> AdjointPose<B> for LinkagePose<'_, '_, B> {
     #[inline(always)]
     fn adjoint<'p>(
         &'p self,

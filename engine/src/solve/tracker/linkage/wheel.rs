@@ -1,7 +1,7 @@
 //! Equations of one wheel of a pair in six unknowns.
 
 use super::super::pair::{Corrected, Linear as Motion, Wheel, WheelOnKnuckle};
-use super::super::{Acceptance, InKnuckle, LanePose};
+use super::super::{Acceptance, LanePose};
 use super::newton::{BranchGuard, NewtonSteps};
 use super::{UNKNOWNS, moved};
 use crate::mechanism::Twist;
@@ -22,11 +22,10 @@ impl<B: SimdReal> LinkageWheel<'_, '_, B> {
     #[inline(always)]
     fn carried(&self, rotation: &Matrix3<B>) -> (Vector3<B>, Vector3<B>) {
         let WheelOnKnuckle { centre, axis } = &self.on_knuckle;
-        let (InKnuckle::Designed(centre), InKnuckle::Designed(axis)) = (&centre.0.0, &axis.0)
-        else {
-            unreachable!("a wheel of a linkage")
-        };
-        (rotation.apply(*centre), rotation.apply(*axis))
+        (
+            rotation.apply(centre.0.designed()),
+            rotation.apply(axis.designed()),
+        )
     }
 }
 
@@ -47,9 +46,7 @@ impl<B: SimdReal> Wheel<B, UNKNOWNS> for LinkageWheel<'_, '_, B> {
         settled: B::Mask,
     ) -> Motion<B> {
         let (at, rest) = self.steps.linearise(unknowns, [rack, travel], settled);
-        let mut driven = [travel.zero(); 6];
-        driven[5] = travel.one();
-        let by_travel = self.steps.linear.get_mut().blocks.solve(driven);
+        let by_travel = self.steps.by_travel();
         let (lever, axis) = self.carried(&at.pose.rotation);
         (self.rest, self.by_travel) = (rest, by_travel);
         Motion {

@@ -34,8 +34,7 @@ impl<B: SimdReal, W, V, const N: usize> BothWheels<'_, B, W, V, N> {
     fn motions(&self, place: &RouteStep, half: B) -> [[B; 2]; 2] {
         let (mean, _) = self.tracker.at(place);
         let (mean, rack) = (half.constant(mean), half.constant(place.rack));
-        let right = rack.scaled(self.tracker.right_rack);
-        [[rack, mean + half], [right, mean - half]]
+        [[rack, mean + half], [-rack, mean - half]]
     }
 }
 
@@ -88,7 +87,7 @@ where
         let mut along = [[0.0; N]; 2];
         let ways = [
             [along_left, place.along_rack],
-            [along_right, self.tracker.right_rack * place.along_rack],
+            [along_right, -place.along_rack],
         ];
         for wheel in 0..2 {
             let [by_travel, by_rack] = self.wheels[wheel].slopes();
@@ -206,7 +205,7 @@ where
         let [left, right] = &self.wheels;
         let one = left.pose(&left_unknowns, left_rack, left_travel);
         let two = right.pose(&right_unknowns, right_rack, right_travel);
-        self.visitor.pair(station, [&one, &two], stand, accepted);
+        self.visitor.pair(station, &one, &two, stand, accepted);
     }
 }
 

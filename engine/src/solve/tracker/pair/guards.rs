@@ -3,6 +3,7 @@
 use super::super::boundary::{Noise, template};
 use super::super::{Acceptance, LanePose, Rejection};
 use super::{AxleTracker, GroundContact, PairDrive, PairStations, VisitPair, WheelOnKnuckle};
+use crate::mechanism::Ground;
 use crate::number::Vector3;
 use crate::solve::StationOrder;
 
@@ -14,24 +15,27 @@ struct Rises {
 }
 
 impl VisitPair<f64> for Rises {
-    fn pair<P: LanePose<f64>>(
+    fn pair<P: LanePose<f64>, Q: LanePose<f64>>(
         &mut self,
         _: usize,
-        at: [&P; 2],
+        left: &P,
+        right: &Q,
         stand: GroundContact<f64>,
         _: Acceptance<f64>,
     ) {
-        for (side, ground) in [stand.ground, stand.ground.mirrored()]
-            .into_iter()
-            .enumerate()
-        {
-            let rates = at[side].rates();
-            let axis = at[side].vector(&self.on[side].axis);
-            let lever = ground.contact_lever(axis, self.radius);
-            let centre = at[side].point(&self.on[side].centre);
-            let velocity = rates.point(at[side], centre) + rates.turn().cross(lever);
-            self.least = self.least.min(ground.normal().dot(velocity));
-        }
+        self.see(left, 0, stand.ground);
+        self.see(right, 1, stand.ground.mirrored());
+    }
+}
+
+impl Rises {
+    fn see(&mut self, at: &impl LanePose<f64>, side: usize, ground: Ground<f64>) {
+        let rates = at.rates();
+        let axis = at.vector(&self.on[side].axis);
+        let lever = ground.contact_lever(axis, self.radius);
+        let centre = at.point(&self.on[side].centre);
+        let velocity = rates.point(at, centre) + rates.turn().cross(lever);
+        self.least = self.least.min(ground.normal().dot(velocity));
     }
 }
 
@@ -52,6 +56,7 @@ fn contact_points_rise_half_as_fast_as_their_wheels() {
     let stations = PairStations {
         heave: 0.0,
         rack: 0.0,
+        lift: 0.0,
         order: StationOrder::through(&stations),
     };
     let tracker = AxleTracker::new([mechanism; 2], [base; 2], drive, &[stations]).unwrap();
@@ -61,7 +66,14 @@ fn contact_points_rise_half_as_fast_as_their_wheels() {
         let on = [(), ()].map(|()| WheelOnKnuckle::of(mechanism, &design, points));
         let least = f64::INFINITY;
         let mut rises = Rises { on, radius, least };
-        let tracked = tracker.solve([&design; 2], [points; 2], 0, &mut history, &mut rises);
+        let tracked = tracker.solve(
+            [&design; 2],
+            [points; 2],
+            [0.0; 2],
+            0,
+            &mut history,
+            &mut rises,
+        );
         let reason = tracked.legs.iter().find_map(|leg| leg.reason(0));
         (reason, rises.least)
     };

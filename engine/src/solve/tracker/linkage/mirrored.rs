@@ -1,0 +1,109 @@
+//! The pose of an axle whose wheels share one mechanism, as the right wheel sees it.
+//!
+//! With M the reflection in the middle plane, a body with the rotation R and the angular velocity w has the rotation M R M and the
+//! angular velocity -M w in the right wheel's frame. Points and velocities have M as their factor. The right wheel's own share of the
+//! difference of travels is the negative of the left one's, and the mean travel is the same.
+
+use super::super::{KnuckleVector, LanePose, LaneRates};
+use super::LinkageDesign;
+use super::one_body::rocker_of;
+use super::pose::LinkagePose;
+use crate::mechanism::{Configuration, Pose, Twist};
+use crate::model::{RockerId, mirrored};
+use crate::number::{Matrix3, Real, SimdReal, Vector3};
+
+/// Mirror image of an angular velocity.
+#[inline(always)]
+fn mirrored_turn<T: Real>(turn: Vector3<T>) -> Vector3<T> {
+    Vector3::new(-turn.x, turn.y, -turn.z)
+}
+
+/// A pose as the right wheel sees it.
+pub(crate) struct MirroredPose<'p, 'd, B> {
+    left: &'p LinkagePose<'p, 'd, B>,
+    /// Rocker of the left wheel's mechanism that is the knuckle of the right wheel's; `None` if both have the same knuckle.
+    body: Option<RockerId>,
+    at: Configuration<'d, B>,
+}
+
+impl<'p, 'd, B: SimdReal> MirroredPose<'p, 'd, B> {
+    /// Mirrors a pose of the left wheel for this design of the right wheel.
+    #[inline(always)]
+    pub(super) fn of(left: &'p LinkagePose<'p, 'd, B>, right: &LinkageDesign<'d, B>) -> Self {
+        let mechanism = left.at.mechanism;
+        let own = right.mechanism.origin;
+        let origin = (mechanism.rigid_axle.as_ref()).map_or(own, |rigid| rigid.partner(own));
+        let body = rocker_of(mechanism, origin);
+        let place = left.at.body_place(body);
+        let [x, y, z] = place.rotation.columns;
+        let pose = Pose {
+            origin: mirrored(place.point(mirrored(right.design[own.0]))),
+            rotation: Matrix3 {
+                columns: [mirrored(x), -mirrored(y), mirrored(z)],
+            },
+        };
+        MirroredPose {
+            left,
+            body,
+            at: Configuration {
+                mechanism: right.mechanism,
+                design: right.design,
+                pose,
+                rack: left.at.rack,
+                steering: None,
+            },
+        }
+    }
+
+    /// Motion of the right wheel's knuckle in its own frame, from a motion of the left wheel's.
+    #[inline(always)]
+    fn mirrored_motion(&self, motion: &Twist<B>) -> Twist<B> {
+        let body = self.left.at.moving_body(self.body, motion);
+        Twist {
+            shift: mirrored(body.velocity(mirrored(self.at.pose.origin))),
+            turn: mirrored_turn(body.motion.turn),
+        }
+    }
+}
+
+impl<B: SimdReal> LanePose<B> for MirroredPose<'_, '_, B> {
+    #[inline(always)]
+    fn vector(&self, vector: &KnuckleVector<B>) -> Vector3<B> {
+        self.at.pose.rotation.apply(vector.designed())
+    }
+
+    #[inline(always)]
+    fn origin(&self) -> Vector3<B> {
+        self.at.pose.origin
+    }
+
+    #[inline(always)]
+    fn steering_axis(&self) -> (Vector3<B>, Vector3<B>, B::Mask) {
+        unreachable!("the axle has no instantaneous steering axis")
+    }
+
+    #[inline(always)]
+    fn rates(&self) -> LaneRates<B> {
+        LaneRates::of(-self.mirrored_motion(&self.left.rates().twist()))
+    }
+
+    #[inline(always)]
+    fn by_rack(&self, rates: &LaneRates<B>) -> Twist<B> {
+        self.mirrored_motion(&self.left.by_rack(rates))
+    }
+
+    #[inline(always)]
+    fn velocity_is_reliable(&self, rates: &LaneRates<B>) -> B::Mask {
+        self.left.velocity_is_reliable(rates)
+    }
+
+    #[inline(always)]
+    fn steering_axis_rates(&self, _: &LaneRates<B>) -> (Vector3<B>, Vector3<B>) {
+        unreachable!("the axle has no instantaneous steering axis")
+    }
+
+    #[inline(always)]
+    fn configuration(&self, _: B) -> Configuration<'_, B> {
+        self.at
+    }
+}

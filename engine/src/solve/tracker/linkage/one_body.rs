@@ -1,0 +1,371 @@
+//! Equations of an axle whose wheels share one mechanism: a solid axle or a twist beam.
+//!
+//! The unknowns are the pose of the mechanism as the left wheel sees it, and half the difference of the travels, s. Both wheels
+//! are on bodies of this mechanism, so their contact points follow from the same pose. With the mean travel z held, the drive of
+//! the closure equations is s, and (1) and (2) of [`pair`](super::super::pair) are
+//!
+//! ```text
+//! f(s) = h_l(z, s) - h_r(z, s) = 0,    f_s = h_l,s - h_r,s
+//! ```
+//!
+//! The right wheel sees the mirror image of the pose (see `mirrored.rs`), so its equations need no solution of their own.
+//!
+//! A steering gear moves the places from which the equations count both travels: (4) and (5) of `model/steered_axle.rs`. On the
+//! first steps of a route, from the design pose to the mean travel, this shift grows in proportion to the mean travel's steps.
+
+use super::super::pair::{
+    AxleTracker, GroundContact, LEAST_RISE, MOST_ROUNDS, PairDrive, VisitPair,
+};
+use super::super::route::RouteStep;
+use super::super::track::{PlaceEquations, kept, predicted};
+use super::super::{Acceptance, Rejection};
+use super::mirrored::MirroredPose;
+use super::newton::{BranchGuard, NewtonSteps};
+use super::{LinkageDesign, UNKNOWNS, moved};
+use crate::mechanism::{BodyPlace, Configuration, Ground, MovingBody, Twist};
+use crate::model::{Body, Mechanism, PointId, RockerId, mirrored};
+use crate::number::{SimdReal, Vector3};
+
+/// Unknowns of the pose, and half the difference of the travels.
+pub(in crate::solve::tracker) const ALL: usize = UNKNOWNS + 1;
+
+/// Largest number of further corrections with the same linearised equations. Each reduces the error by as much as the prediction
+/// was near, and costs a third of a new linearisation.
+const CHORDS: usize = 3;
+
+/// Equations of an axle whose wheels share one mechanism.
+pub(in crate::solve::tracker) struct OneBody<'w, 'd, B: SimdReal, V> {
+    tracker: &'w AxleTracker<'w>,
+    steps: NewtonSteps<'w, 'd, B>,
+    right: &'w LinkageDesign<'d, B>,
+    /// Left and right wheel in the left wheel's frame.
+    wheels: [WheelOnBody<B>; 2],
+    /// Mean travel and half the difference of travels at which the closure equations have the value 0.
+    rest: [B; 2],
+    /// Largest difference of the heights of both contact points.
+    level: B,
+    visitor: &'w mut V,
+    /// Ground at this place, in the left wheel's frame.
+    ground: Ground<B>,
+    /// Lanes in which the prediction of this place was within its permitted error.
+    is_near: B::Mask,
+    /// Lanes in which both contact points rise fast enough with their wheels.
+    rises: B::Mask,
+}
+
+/// A wheel of the axle in the design position, in the left wheel's frame.
+#[derive(Clone, Copy)]
+struct WheelOnBody<B> {
+    /// Rocker that carries the wheel; `None` if the knuckle does.
+    body: Option<RockerId>,
+    centre: Vector3<B>,
+    /// Unit vector along the spin axis.
+    axis: Vector3<B>,
+}
+
+/// Rocker that carries a point; `None` for another body.
+pub(super) fn rocker_of(mechanism: &Mechanism, id: PointId) -> Option<RockerId> {
+    match mechanism.body(id) {
+        Body::Rocker(rocker) => Some(rocker),
+        _ => None,
+    }
+}
+
+impl<B: SimdReal> WheelOnBody<B> {
+    /// Wheel centre and spin axis on a body in this place.
+    #[inline(always)]
+    fn placed(&self, place: &BodyPlace<B>) -> [Vector3<B>; 2] {
+        [place.point(self.centre), place.rotation.apply(self.axis)]
+    }
+}
+
+impl<'w, 'd, B: SimdReal, V> OneBody<'w, 'd, B, V> {
+    /// Equations of designs of a tracker. `axes` are the spin axes of both wheels in the design position, each in its own frame.
+    #[inline(always)]
+    pub(in crate::solve::tracker) fn new(
+        tracker: &'w AxleTracker<'w>,
+        steps: NewtonSteps<'w, 'd, B>,
+        right: &'w LinkageDesign<'d, B>,
+        [left_axis, right_axis]: [Vector3<B>; 2],
+        rest: [B; 2],
+        level: B,
+        visitor: &'w mut V,
+    ) -> Self {
+        let LinkageDesign {
+            mechanism, design, ..
+        } = *steps.linkage();
+        let far = (mechanism.rigid_axle.as_ref()).map_or(mechanism.wheel_centre, |r| r.far_centre);
+        let wheel = |id: PointId, axis: Vector3<B>| WheelOnBody {
+            body: rocker_of(mechanism, id),
+            centre: design[id.0],
+            axis,
+        };
+        let wheels = [
+            wheel(mechanism.wheel_centre, left_axis),
+            wheel(far, mirrored(right_axis)),
+        ];
+        OneBody {
+            tracker,
+            right,
+            wheels,
+            rest,
+            level,
+            visitor,
+            ground: Ground::level(level),
+            is_near: level.everywhere(),
+            rises: level.everywhere(),
+            steps,
+        }
+    }
+
+    /// Mean travel at a place.
+    #[inline(always)]
+    fn mean(&self, place: &RouteStep) -> f64 {
+        match self.tracker.drive {
+            PairDrive::Heave => place.value,
+            PairDrive::Roll { .. } => place.rack,
+        }
+    }
+
+    /// Values that the closure equations hold and drive at a place. `half` is half the difference of the travels.
+    #[inline(always)]
+    fn motion(&self, place: &RouteStep, half: B) -> [B; 2] {
+        let [mean, difference] = self.rest;
+        let lead = half.constant(place.lead);
+        [
+            half.constant(self.mean(place)).minus_product(mean, lead),
+            half.minus_product(difference, lead),
+        ]
+    }
+
+    /// Both wheels in a configuration, in the left wheel's frame.
+    #[inline(always)]
+    fn contacts(&self, at: &Configuration<'d, B>, radius: f64) -> [Contact<B>; 2] {
+        let [left, right] = &self.wheels;
+        let (ground, opposite) = (self.ground, self.ground.mirrored());
+        let [left_centre, left_axis] = left.placed(&at.body_place(left.body));
+        let [right_centre, right_axis] = right.placed(&at.body_place(right.body));
+        [
+            Contact {
+                centre: left_centre,
+                lever: ground.contact_lever(left_axis, radius),
+            },
+            Contact {
+                centre: right_centre,
+                lever: mirrored(opposite.contact_lever(mirrored(right_axis), radius)),
+            },
+        ]
+    }
+
+    /// Height of the left contact point over the right one.
+    #[inline(always)]
+    fn apart(&self, [left, right]: &[Contact<B>; 2]) -> B {
+        let normal = self.ground.normal();
+        normal.dot(left.centre + left.lever) - normal.dot(right.centre + right.lever)
+    }
+
+    /// Rises of both contact points in a motion of the knuckle.
+    #[inline(always)]
+    fn rises_in(
+        &self,
+        at: &Configuration<'d, B>,
+        [left, right]: &[Contact<B>; 2],
+        motion: &Twist<B>,
+    ) -> [B; 2] {
+        let normal = self.ground.normal();
+        let [on_left, on_right] = &self.wheels;
+        [
+            normal.dot(left.velocity(&at.moving_body(on_left.body, motion))),
+            normal.dot(right.velocity(&at.moving_body(on_right.body, motion))),
+        ]
+    }
+}
+
+/// A wheel on the ground, in the left wheel's frame.
+#[derive(Clone, Copy)]
+struct Contact<B> {
+    centre: Vector3<B>,
+    /// Vector from the wheel centre to the contact point.
+    lever: Vector3<B>,
+}
+
+impl<B: SimdReal> Contact<B> {
+    /// Velocity of the contact point, if the wheel does not rotate on its body.
+    #[inline(always)]
+    fn velocity(&self, body: &MovingBody<B>) -> Vector3<B> {
+        body.velocity(self.centre + self.lever)
+    }
+}
+
+/// Equations of a place on one ground, linearised about a prediction.
+struct OnGround<'d, B> {
+    at: Configuration<'d, B>,
+    contacts: [Contact<B>; 2],
+    /// Derivative of the pose by half the difference of the travels.
+    by_travel: Twist<B>,
+    /// Inverse of the derivative of the height of the left contact point over the right one.
+    inverse: B,
+}
+
+impl<B: SimdReal, V> OneBody<'_, '_, B, V> {
+    /// Change of half the difference of the travels that levels both contact points. They are `apart`, and the pose changes by
+    /// `twist` besides.
+    #[inline(always)]
+    fn levelling(&self, on: &OnGround<'_, B>, apart: B, twist: &Twist<B>) -> B {
+        let [left, right] = self.rises_in(&on.at, &on.contacts, twist);
+        -((apart + (left - right)) * on.inverse)
+    }
+}
+
+/// Splits the unknowns into those of the pose and half the difference of the travels.
+#[inline(always)]
+fn parted<B: Copy>(&[a, b, c, d, e, f, half]: &[B; ALL]) -> ([B; UNKNOWNS], B) {
+    ([a, b, c, d, e, f], half)
+}
+
+/// Inverse of [`parted`].
+#[inline(always)]
+fn joined<B: Copy>([a, b, c, d, e, f]: [B; UNKNOWNS], half: B) -> [B; ALL] {
+    [a, b, c, d, e, f, half]
+}
+
+impl<B: SimdReal, V: VisitPair<B>> PlaceEquations<B, ALL> for OneBody<'_, '_, B, V> {
+    const MOST_ROUNDS: usize = MOST_ROUNDS;
+    type Guard = BranchGuard<B>;
+
+    #[inline(always)]
+    fn predict(&mut self, place: &RouteStep, history: &[B]) -> [B; ALL] {
+        let (_, roll) = self.tracker.at(place);
+        self.ground = Ground {
+            sine: history[0].constant(roll.sin()),
+            cosine: history[0].constant(roll.cos()),
+        };
+        let unknowns = predicted(place, history, [0.0; ALL]);
+        let (along_mean, along_half) = match self.tracker.drive {
+            PairDrive::Heave => (place.along_slope, 0.0),
+            PairDrive::Roll { half_track, .. } => {
+                (place.along_rack, -half_track * place.along_slope)
+            }
+        };
+        if [along_mean, along_half, place.along_lead] == [0.0; 3] {
+            return unknowns;
+        }
+        // The first steps use the slopes of the lane's own design at the previous place. A linearisation left over from there would
+        // depend on how many corrections the neighbouring lanes needed.
+        let (pose, half) = parted(&unknowns);
+        let everywhere = half.everywhere();
+        (self.steps).linearise(&pose, self.motion(place, half), everywhere);
+        let [mean, difference] = self.rest;
+        let lead = half.constant(place.along_lead);
+        let by_mean = half.constant(along_mean).minus_product(mean, lead);
+        let by_half = half.constant(along_half);
+        let along = (self.steps).along(by_mean, by_half.minus_product(difference, lead));
+        joined(moved(pose, &along), half + by_half)
+    }
+
+    #[inline(always)]
+    fn correct(
+        &mut self,
+        place: &RouteStep,
+        unknowns: &mut [B; ALL],
+        settled: B::Mask,
+        round: usize,
+    ) -> B::Mask {
+        let (mut pose, mut half) = parted(unknowns);
+        let (at, rest) = (self.steps).linearise(&pose, self.motion(place, half), settled);
+        if round == 1 {
+            self.is_near = self.steps.is_near(&rest);
+        }
+        let on_ground = match self.tracker.radius() {
+            None => None,
+            Some(radius) => {
+                let by_travel = self.steps.by_travel();
+                let contacts = self.contacts(&at, radius);
+                let [left, right] = self.rises_in(&at, &contacts, &by_travel);
+                // The right wheel's own share of the difference has the opposite sign.
+                let least = half.constant(LEAST_RISE);
+                let upward = least.less(left) & least.less(-right);
+                self.rises = match round {
+                    1 => upward,
+                    _ => (self.rises & settled) | (upward & !settled),
+                };
+                Some(OnGround {
+                    at,
+                    contacts,
+                    by_travel,
+                    inverse: half.one() / (left - right),
+                })
+            }
+        };
+        let (mut twist, mut step) = (rest, half.zero());
+        if let Some(on) = &on_ground {
+            step = self.levelling(on, self.apart(&on.contacts), &twist);
+        }
+        let mut settled = settled;
+        let mut chord = 0;
+        loop {
+            // A settled lane does not change.
+            if let Some(on) = &on_ground {
+                twist = Twist {
+                    shift: twist.shift.plus_scaled(on.by_travel.shift, step),
+                    turn: twist.turn.plus_scaled(on.by_travel.turn, step),
+                };
+                half = B::select(settled, half, half + step);
+            }
+            pose = kept(settled, pose, moved(pose, &twist));
+            let motion = self.motion(place, half);
+            let (at, mut is_settled, remaining) = self.steps.remaining(&pose, motion);
+            twist = remaining;
+            if let (Some(on), Some(radius)) = (&on_ground, self.tracker.radius()) {
+                let apart = self.apart(&self.contacts(&at, radius));
+                is_settled = is_settled & apart.abs().less(self.level);
+                step = self.levelling(on, apart, &twist);
+            }
+            // Rates need the last correction, too.
+            let last = is_settled & !settled;
+            pose = kept(last, moved(pose, &twist), pose);
+            settled = settled | is_settled;
+            if chord == CHORDS || B::all(settled) {
+                break;
+            }
+            chord += 1;
+        }
+        *unknowns = joined(pose, half);
+        settled
+    }
+
+    #[inline(always)]
+    fn check(
+        &mut self,
+        _: &RouteStep,
+        unknowns: &[B; ALL],
+        before: &Option<Self::Guard>,
+        accepted: &mut Acceptance<B>,
+    ) -> Self::Guard {
+        accepted.require(self.is_near, Rejection::ChangedTooMuch);
+        accepted.require(self.rises, Rejection::FoldNear);
+        let (pose, _) = parted(unknowns);
+        self.steps.guard(&pose, before, accepted)
+    }
+
+    #[inline(always)]
+    fn visit(
+        &mut self,
+        place: &RouteStep,
+        station: usize,
+        unknowns: &[B; ALL],
+        accepted: Acceptance<B>,
+    ) {
+        let (pose, half) = parted(unknowns);
+        let mean = half.constant(self.mean(place));
+        let (_, roll) = self.tracker.at(place);
+        let stand = GroundContact {
+            travels: [mean + half, mean - half],
+            ground: self.ground,
+            roll: half.constant(roll),
+        };
+        let left = self.steps.pose(&pose, self.motion(place, half));
+        let right = MirroredPose::of(&left, self.right);
+        self.visitor.pair(station, &left, &right, stand, accepted);
+    }
+}

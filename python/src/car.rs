@@ -238,7 +238,9 @@ pub(crate) fn car_optimise<'py>(
             interrupt: Some(flag),
             ..Control::default()
         };
-        let TunedCar { fit, study: tuned } = study.tuned(wanted, control)?;
+        let TunedCar {
+            fit, study: tuned, ..
+        } = study.tuned(wanted, control)?;
         let records = [study, &tuned].map(|of| {
             let solver = CarSolver::new(&of.car).map_err(|fault| of.car.describe_fault(&fault));
             Ok::<_, String>(CarResults::solve(of, &mut solver?, of.cases.len()))

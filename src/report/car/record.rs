@@ -279,8 +279,9 @@ impl CarMap {
         }
     }
 
-    /// Adds the states of another map.
+    /// Adds the rows of another map with the same values of ay.
     pub(super) fn append(&mut self, other: CarMap) {
+        self.ax.extend(other.ax);
         self.friction.extend(other.friction);
         self.lifted.extend(other.lifted);
     }

@@ -128,8 +128,10 @@ pub enum NoEquilibrium {
         /// Axle: 0 front, 1 rear.
         axle: usize,
     },
-    /// The solver found the state, but it is unstable: the body would leave it.
+    /// The car rolls or pitches over: beyond this state, its weight turns it further than springs turn it back.
     Tips,
+    /// The body sinks: beyond this state, the springs' forces at the wheels grow less than the load.
+    Sinks,
     /// No part carries the body.
     Unsupported,
 }
@@ -140,7 +142,7 @@ impl NoEquilibrium {
         match self {
             NoEquilibrium::NoPose { failure, .. } => crate::curves::Status::Failed(*failure).word(),
             NoEquilibrium::Singular => "singular",
-            NoEquilibrium::Tips => "unstable",
+            NoEquilibrium::Tips | NoEquilibrium::Sinks => "unstable",
             NoEquilibrium::Unsupported => "unsupported",
             _ => "no_equilibrium",
         }
@@ -166,6 +168,7 @@ impl fmt::Display for NoEquilibrium {
             NoEquilibrium::AllLifted => f.write_str("all wheels lift: no weight presses them to the ground"),
             NoEquilibrium::AxleLifted { axle } => write!(f, "both wheels of the {} axle lift, and it should carry a force", end(*axle)),
             NoEquilibrium::Tips => f.write_str("the car tips: beyond this state its weight turns it further than springs turn it back"),
+            NoEquilibrium::Sinks => f.write_str("the body sinks: beyond this state the springs' forces at the wheels grow less than the load"),
             NoEquilibrium::Unsupported => f.write_str("nothing carries the body: the axles have no springs"),
         }
     }

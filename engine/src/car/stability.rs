@@ -23,7 +23,7 @@
 //! G_x x' = -G_s.                                                                                                  (3)
 //! ```
 //!
-//! The path turns back where det G_x = 0 (a fold), and there the car tips. At a change of contact, the row of wheel b passes
+//! The path turns back where det G_x = 0 (a fold), and there the car tips or its body sinks. At a change of contact, the row of wheel b passes
 //! from gap_b = 0 to N_b = 0. The other rows leave one direction v free; x' adds a multiple of it on either side, and
 //!
 //! ```text
@@ -37,6 +37,17 @@
 //! ```text
 //! (2) holds there, or (2) holds at rest and det G_x keeps its sign on the whole path from rest.                   (5)
 //! ```
+//!
+//! The motion at the end of stability has a name. With the heights of four points of the body, one over each wheel, let h be
+//! their mean, r half the difference of left and right, and p half that of front and rear:
+//!
+//! ```text
+//! (h, r, p) = T q,      S = T C T^T.                                                                              (6)
+//! ```
+//!
+//! Towards a fold, one motion grows without bound, and all columns of S approach its direction. The body sinks if h is the
+//! largest part of that motion. Otherwise the car tips. At rest it sinks if S_hh is negative. Where the path turns back at a
+//! lift, S stays bounded, and the car tips.
 
 use super::equations::{GROUND, LOADS, PITCH, PITCH_MOMENT, ROLL, ROLL_MOMENT, UNKNOWNS, VERTICAL};
 use super::solver::{CarSolver, Equilibrium, LONGEST_TRAVEL, LONGEST_TURN, Start};
@@ -47,6 +58,8 @@ use crate::number::Each;
 const LONGEST: f64 = 1.0 / 16.0;
 /// Shortest step, as a fraction of the whole load. If a shorter step is needed, the path has turned back.
 const SHORTEST: f64 = LONGEST / 1024.0;
+/// Growth of the flexibility in heave since rest that shows a fold.
+const GROWTH: f64 = 4.0;
 /// Largest number of steps. Steps back count as well.
 const MOST_STEPS: usize = 400;
 
@@ -73,6 +86,48 @@ impl Equilibrium {
         c(0, 0) > 0.0 && minor > 0.0 && determinant > 0.0
     }
 
+    /// Flexibility S by (6).
+    fn flexibility_of_heights(&self, car: &Car) -> [[f64; 3]; 3] {
+        let [[front_x, front_y], [rear_x, rear_y]] = [0, 1].each(|number| {
+            let wheel = &car.axles[number].left;
+            let offset = if number == 0 { 0.0 } else { car.rear_offset.x };
+            let centre = wheel.design[wheel.mechanism.wheel_centre.0];
+            [centre.x + offset, centre.y]
+        });
+        let rows = [
+            [-1.0, 0.0, -0.5 * (front_x + rear_x)],
+            [0.0, 0.5 * (front_y + rear_y), 0.0],
+            [0.0, 0.0, -0.5 * (front_x - rear_x)],
+        ];
+        let flexibility = self.flexibility();
+        let sum = |f: &dyn Fn(usize) -> f64| (0..3).map(f).sum::<f64>();
+        rows.each(|row| {
+            rows.each(|column| sum(&|i| sum(&|j| row[i] * flexibility[i][j] * column[j])))
+        })
+    }
+
+    /// Describes the end of stability at a state just before the path from rest turns back, by (6).
+    fn fold(&self, rest: &Equilibrium, car: &Car) -> NoEquilibrium {
+        let heave_at_rest = rest.flexibility_of_heights(car)[0][0].abs();
+        let flexibility = self.flexibility_of_heights(car);
+        let columns = [0, 1, 2].each(|j| [0, 1, 2].each(|i| flexibility[i][j].abs()));
+        let length = |column: &[f64; 3]| column.iter().fold(0.0, |sum: f64, part| sum.max(*part));
+        let [first, rest @ ..] = columns;
+        let longest = rest.into_iter().fold(first, |longest, column| {
+            if length(&column) > length(&longest) {
+                column
+            } else {
+                longest
+            }
+        });
+        let is_heave = longest[0] >= longest[1].max(longest[2]);
+        if is_heave && longest[0] > GROWTH * heave_at_rest {
+            NoEquilibrium::Sinks
+        } else {
+            NoEquilibrium::Tips
+        }
+    }
+
     /// Returns true if the path from an accepted state leads to this one. det G_x must keep its sign, and body and wheels
     /// must move by no more than a Newton step allows.
     pub(super) fn follows(&self, from: &Equilibrium, car: &Car) -> bool {
@@ -94,8 +149,14 @@ impl CarSolver<'_> {
         let start = self.start(&rest);
         let mut at = self.with_contact(&rest, Start::of(start))?;
         if !at.is_stiff() {
-            return Err(NoEquilibrium::Tips);
+            let sinks = at.flexibility_of_heights(self.car)[0][0] < 0.0;
+            return Err(if sinks {
+                NoEquilibrium::Sinks
+            } else {
+                NoEquilibrium::Tips
+            });
         }
+        let at_rest = at.clone();
         let (mut part, mut step) = (0.0, LONGEST);
         let mut evaluations = at.evaluations;
         for _ in 0..MOST_STEPS {
@@ -121,7 +182,7 @@ impl CarSolver<'_> {
                         equal_shares: false,
                         ..
                     },
-                ) => NoEquilibrium::Tips,
+                ) => at.fold(&at_rest, self.car),
                 Err(why) => why,
             };
             step *= 0.5;

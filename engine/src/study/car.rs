@@ -181,7 +181,7 @@ const ENDS: [(&str, usize); 2] = [("front", 0), ("rear", 1)];
 const RESERVED: [&str; 5] = ["front", "rear", "left", "right", "static"];
 
 /// Largest number of states in a map.
-const MOST_STATES: i64 = 100_000;
+const MOST_STATES: usize = 100_000;
 
 impl CarStudy {
     /// Texts of the car, of its front and of its rear axle.

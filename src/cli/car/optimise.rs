@@ -12,7 +12,7 @@ use crate::report::{
     side_effects_table,
 };
 use crate::side_effects::{SideEffect, side_effects_of_car};
-use crate::study::{CarOptimise, CarStudy, TunedCar};
+use crate::study::{CarStudy, TunedCar};
 use serde_json::json;
 
 /// Names of the tuned studies: the car, its front axle and its rear axle.
@@ -53,7 +53,6 @@ pub(in crate::cli) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
     let x = tuned.fit.x.as_slice();
     let results = TuningResults {
         study: &study,
-        wanted,
         tuned: &tuned,
         before: &before,
         after: &after,
@@ -79,7 +78,6 @@ pub(in crate::cli) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
 /// Results of a tuning.
 struct TuningResults<'a> {
     study: &'a CarStudy,
-    wanted: &'a CarOptimise,
     tuned: &'a TunedCar,
     before: &'a CarResults<'a>,
     after: &'a CarResults<'a>,

@@ -5,6 +5,11 @@ use crate::report::table::{Cell, Column, Table};
 use crate::report::{brief, figure};
 use crate::study::CarStudy;
 
+/// Decimal places to which the acceleration of a lift is known.
+const LIFT_PLACES: i32 = 9;
+/// Decimal places to which the end of equilibrium is known.
+const END_PLACES: i32 = 5;
+
 /// Limits along a direction or for a load case.
 pub struct CarLimits {
     /// Name of the load case. Empty for a direction.
@@ -84,6 +89,12 @@ pub fn car_limits(study: &CarStudy, solver: &mut CarSolver<'_>) -> Vec<CarLimits
     limits
 }
 
+/// Number with this many decimal places.
+fn rounded(value: f64, places: i32) -> f64 {
+    let power = 10_f64.powi(places);
+    (value * power).round() / power
+}
+
 /// Table of the limits, one row for each direction and case.
 pub fn lift_limits_table(limits: &[CarLimits]) -> Table {
     let columns = [
@@ -106,13 +117,14 @@ pub fn lift_limits_table(limits: &[CarLimits]) -> Table {
         let at = lift.map(|lift| lift.acceleration);
         let end = found
             .filter(|found| found.why.is_some())
-            .map(|found| found.end);
+            .map(|found| rounded(found.end, END_PLACES));
+        let along = |way: f64| at.map(|g| rounded(g * way, LIFT_PLACES) + 0.0);
         table.push_row([
             Cell::from(limit.case.as_str()),
             Cell::shown(limit.degrees, brief(limit.degrees)),
-            acceleration(at),
-            acceleration(at.map(|g| g * limit.way[0] + 0.0)),
-            acceleration(at.map(|g| g * limit.way[1] + 0.0)),
+            acceleration(along(1.0)),
+            acceleration(along(limit.way[0])),
+            acceleration(along(limit.way[1])),
             lift.map_or("", |lift| lift.wheel.name()).into(),
             match lift.map(|lift| lift.others_loaded) {
                 None => "",

@@ -20,9 +20,6 @@ use super::start::Start;
 use super::{CarSolver, LONGEST_TRAVEL, LONGEST_TURN};
 use crate::number::{Each, array_of};
 
-/// Largest number of Newton steps for one set of wheels in contact. Steps back count as well.
-const MOST_STEPS: usize = 60;
-
 /// A tangent is computed anew unless each step is at most this fraction of the one before.
 const CONTRACTION: f64 = 0.1;
 /// After a step below this, in sizes of the unknowns, the tangent serves for the next step.
@@ -68,6 +65,7 @@ impl<'a> CarSolver<'a> {
             lifted,
             factors: known,
             may_be_near,
+            most_steps,
         } = start;
         let held = Held {
             car: self.car,
@@ -78,7 +76,7 @@ impl<'a> CarSolver<'a> {
         let mut at = Iteration::at(start, self.car, known);
         let mut is_last = self.curves.is_none();
         let mut evaluations = 0;
-        for _ in 0..MOST_STEPS {
+        for _ in 0..most_steps {
             let travels: [f64; 4] = [0, 1, 2, 3].each(|k| at.x[TRAVELS + k]);
             let wheels = match self.wheels(travels, case.racks, is_last) {
                 Ok(wheels) => wheels,

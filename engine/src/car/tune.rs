@@ -193,7 +193,9 @@ impl Objective<'_> {
         if quantities.is_empty() {
             return Ok(());
         }
-        let fails = |why: NoEquilibrium| Infeasible::Refused(format!("case {}: {why}", case.name));
+        let fails = |why: NoEquilibrium| {
+            Infeasible::Refused(format!("case {}: {}", case.name, why.describe(car)))
+        };
         let found = solver.solve(case).map_err(fails)?;
         let gradients = solver.gradients(case, &found, &quantities).map_err(fails)?;
         for (used, gradient) in uses.iter().zip(&gradients) {

@@ -223,6 +223,12 @@ impl CarStudy {
         let directory = path.parent().unwrap_or(Path::new(""));
         let written = [&file.car.get_ref().front, &file.car.get_ref().rear];
         let paths = written.map(|written| directory.join(written.get_ref()));
+        for (written, path) in written.into_iter().zip(&paths) {
+            if CarStudy::is_at(path) {
+                let message = "expected the study of an axle, found the study of a car";
+                return Err(StudyError::new(source, Some(written.span()), message).into());
+            }
+        }
         let [front, rear] = [0, 1].map(|end| Study::read(&paths[end], &of_axles[end]));
         let axles = [front?, rear?];
         let stem = path

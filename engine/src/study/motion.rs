@@ -415,6 +415,23 @@ pub(super) fn evenly_spaced_at(from: f64, to: f64, count: u64, i: u64) -> f64 {
 mod tests {
     use super::*;
 
+    /// Each value is the number that its decimal reads as.
+    #[test]
+    fn values_between_decimals_are_nearest_to_decimals() {
+        let read = |text: &str| text.parse::<f64>().unwrap();
+        for tenths in 1..100_i32 {
+            let values = evenly_spaced(0.0, read(&format!("{tenths}e-1")), tenths as usize + 1);
+            for (k, value) in values.iter().enumerate() {
+                assert_eq!(*value, read(&format!("{k}e-1")), "{k} of {tenths}");
+            }
+        }
+        assert_eq!(
+            evenly_spaced(-0.8, 0.8, 6),
+            [-0.8, -0.48, -0.16, 0.16, 0.48, 0.8]
+        );
+        assert_eq!(evenly_spaced(1e-3, 4e-3, 4), [1e-3, 2e-3, 3e-3, 4e-3]);
+    }
+
     #[test]
     fn ranges_hit_their_ends_and_are_symmetric() {
         for (end, count) in [

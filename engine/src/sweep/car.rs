@@ -157,7 +157,7 @@ impl<'s> CarSweepPlan<'s> {
         }
         Ok(failed.map(|failed| {
             let case = &self.study.cases[failed.first].name;
-            Failing::case(case, &failed)
+            Failing::case(case, &failed, car)
         }))
     }
 }

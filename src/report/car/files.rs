@@ -59,10 +59,13 @@ impl<'s> CarResults<'s> {
     }
 
     /// Reason and status of a state, as the last two cells of its row.
-    pub(super) fn end(state: &CarState<'_>) -> [String; 2] {
+    pub(super) fn end(&self, state: &CarState<'_>) -> [String; 2] {
         match state {
             CarState::Solved { .. } => [String::new(), "ok".to_owned()],
-            CarState::Failed(why) => [why.to_string(), why.status().to_owned()],
+            CarState::Failed(why) => {
+                let reason = why.describe(&self.study.car);
+                [reason, why.status().to_owned()]
+            }
         }
     }
 
@@ -130,7 +133,7 @@ impl<'s> CarResults<'s> {
                 let force =
                     |number: usize| optional(forces.get(number).map(|f| f / unit.newtons()));
                 row.extend((0..members.len()).map(force));
-                row.extend(Self::end(state));
+                row.extend(self.end(state));
                 row
             });
         csv(&header, rows)
@@ -202,7 +205,7 @@ impl<'s> CarResults<'s> {
                 }
             }
             cells.extend(self.values(&state, &case));
-            cells.extend(Self::end(&state));
+            cells.extend(self.end(&state));
             row.cells.push(cells);
             if let CarState::Solved { found, .. } = state {
                 before = Some(found);

@@ -1,6 +1,6 @@
 //! Lift limits of a car, as a table and as `lift_limits.csv`.
 
-use crate::car::{CarSolver, Case, Longitudinal, RayLimits};
+use crate::car::{Car, CarSolver, Case, Longitudinal, RayLimits};
 use crate::report::table::{Cell, Column, Table};
 use crate::report::{brief, figure};
 use crate::study::CarStudy;
@@ -38,13 +38,13 @@ impl CarLimits {
         }
     }
 
-    fn reason(&self) -> String {
+    fn reason(&self, car: &Car) -> String {
         match &self.found {
             Err(key) => format!("needs {key} in [car]"),
             Ok(found) => found
                 .why
                 .as_ref()
-                .map_or_else(String::new, ToString::to_string),
+                .map_or_else(String::new, |why| why.describe(car)),
         }
     }
 }
@@ -96,7 +96,7 @@ fn rounded(value: f64, places: i32) -> f64 {
 }
 
 /// Table of the limits, one row for each direction and case.
-pub fn lift_limits_table(limits: &[CarLimits]) -> Table {
+pub fn lift_limits_table(limits: &[CarLimits], car: &Car) -> Table {
     let columns = [
         Column::from("case"),
         Column::named("direction deg", "direction_deg"),
@@ -133,7 +133,7 @@ pub fn lift_limits_table(limits: &[CarLimits]) -> Table {
             }
             .into(),
             acceleration(end),
-            limit.reason().as_str().into(),
+            limit.reason(car).as_str().into(),
             limit.status().into(),
         ]);
     }

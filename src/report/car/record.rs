@@ -169,7 +169,7 @@ impl<'s> CarResults<'s> {
         let cases = study.cases.iter().zip(&self.states);
         let cases = cases.map(|(case, state)| {
             let (reason, state) = match state {
-                CarState::Failed(why) => (Some(why.to_string()), None),
+                CarState::Failed(why) => (Some(why.describe(&study.car)), None),
                 CarState::Solved { found, .. } => {
                     (None, self.state_record(case, found, state, solver))
                 }

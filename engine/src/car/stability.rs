@@ -159,6 +159,8 @@ impl CarSolver<'_> {
         let at_rest = at.clone();
         let (mut part, mut step) = (0.0, LONGEST);
         let mut evaluations = at.evaluations;
+        // Nearest part of the load at which the last search failed.
+        let mut failed = f64::INFINITY;
         for _ in 0..MOST_STEPS {
             let next = f64::min(part + step, 1.0);
             let found = self.with_contact(&case.scaled(next), Start::at(&at));
@@ -170,7 +172,13 @@ impl CarSolver<'_> {
                         at.evaluations = evaluations;
                         return Ok(at);
                     }
-                    step = f64::min(2.0 * step, LONGEST);
+                    if part >= failed {
+                        failed = f64::INFINITY;
+                    }
+                    let longer = f64::min(2.0 * step, LONGEST);
+                    if part + longer < failed {
+                        step = longer;
+                    }
                     continue;
                 }
                 // If no set of contacts fits, both branches of (4) lie on the side from which the path came.
@@ -185,6 +193,7 @@ impl CarSolver<'_> {
                 ) => at.fold(&at_rest, self.car),
                 Err(why) => why,
             };
+            failed = next;
             step *= 0.5;
             if step < SHORTEST {
                 return Err(why);

@@ -29,6 +29,9 @@ const NEAR: f64 = 2e-3;
 const BESIDE: f64 = 2e-2;
 /// A step below this, in sizes of the unknowns, is rounding error.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// Newton's method finds no solution if more than one step in this number has a fresh tangent and is longer than the shortest
+/// step before.
+const MOST_LONGER: usize = 5;
 /// Relative change of the tangent per size of the unknowns that (1) assumes at least.
 const CURVATURE: f64 = 100.0;
 
@@ -93,6 +96,9 @@ impl<'a> CarSolver<'a> {
             let is_end = at.is_end(&step);
             if !(is_end && step.distance <= NEAR) {
                 at.advance(step, is_end);
+                if at.longer > most_steps / MOST_LONGER {
+                    break;
+                }
                 continue;
             }
             moved(&mut at.x, &step.change, 1.0);
@@ -142,6 +148,8 @@ struct Iteration {
     reached: Option<[f64; UNKNOWNS]>,
     /// Shortest step so far.
     smallest: f64,
+    /// Number of steps with a fresh tangent that were longer than the shortest step before.
+    longer: usize,
     curvature: Curvature,
     /// Factors for the next step. `None` if it needs a tangent.
     linear: Option<Linear>,
@@ -166,6 +174,7 @@ impl Iteration {
             sizes: Sizes::of(&start, car),
             reached: None,
             smallest: f64::INFINITY,
+            longer: 0,
             curvature: Curvature::default(),
             linear: known.map(|factors| Linear {
                 factors: Box::new(factors.clone()),
@@ -225,6 +234,9 @@ impl Iteration {
         if !step.is_fresh && (is_end || longest > CONTRACTION * self.smallest) {
             self.smallest = longest.max(self.smallest);
             return;
+        }
+        if longest > self.smallest {
+            self.longer += 1;
         }
         self.smallest = self.smallest.min(longest);
         self.curvature.observe(step.distance, longest);

@@ -206,7 +206,8 @@ pub(super) fn solve(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.json("summary.json", &summary)?;
     files.push("summary.json");
     files.extend(keep(&output, &study)?);
-    let record = results.record("solve", &mut solver, map, &warnings);
+    let remarks: Vec<String> = warnings.iter().chain(&unfinished).cloned().collect();
+    let record = results.record("solve", &mut solver, map, &remarks);
     let with_page = arguments.report && unfinished.is_none();
     files.extend(page(&output, record, &files, with_page)?);
     output.finish()?;

@@ -64,7 +64,9 @@ pub(in crate::cli) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
     };
     let mut files = results.write(&output)?;
     files.extend(keep(&output, &study)?);
-    let mut record = after.record("optimise", &mut tuned_solver, None, &after.warnings());
+    let mut remarks = after.warnings();
+    remarks.extend(results.interruption());
+    let mut record = after.record("optimise", &mut tuned_solver, None, &remarks);
     record.targets.clone_from(&results.targets);
     record.side_effects.clone_from(&results.effects);
     let with_page = arguments.report && !is_interrupted;
@@ -121,6 +123,12 @@ impl TuningResults<'_> {
         Ok(files)
     }
 
+    /// Describes the completed part of an interrupted tuning. `None` for a complete tuning.
+    fn interruption(&self) -> Option<String> {
+        self.is_interrupted
+            .then(|| interrupted_in_words(self.tuned.interrupted))
+    }
+
     fn say(&self, output: &Output) -> Result<Exit, Stop> {
         let (study, fit) = (self.study, &self.tuned.fit);
         let words = side_effects_in_words(&self.effects).map(|words| format!("; {words}"));
@@ -140,8 +148,7 @@ impl TuningResults<'_> {
         let x = fit.x.as_slice();
         output.table("variables", &self.after.variables_table(study, x))?;
         say_side_effects(output, &self.effects)?;
-        if self.is_interrupted {
-            let words = interrupted_in_words(self.tuned.interrupted);
+        if let Some(words) = self.interruption() {
             output.say_failure(&format!("\n{words}\n"))?;
             return Ok(Exit::Interrupted);
         }

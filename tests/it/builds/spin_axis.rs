@@ -74,7 +74,7 @@ fn angles_of_builds_do_not_depend_on_the_radius() {
             .stations
             .into_iter()
             .flat_map(|station| station.values);
-        angles.map(Option::unwrap).collect::<Vec<f64>>()
+        angles.map(Result::unwrap).collect::<Vec<f64>>()
     };
     for build in 0..4 {
         let usual = values("wheel.radius=300.0", build);

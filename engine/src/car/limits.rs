@@ -14,6 +14,7 @@
 
 use super::catalogue::{CarQuantity, WheelPlace, WheelResult};
 use super::parameters::{BodyParameter, Parameter};
+use super::solver::Start;
 use super::{CarSolver, Case, Equilibrium, Longitudinal, NoEquilibrium};
 use crate::number::Each;
 
@@ -223,7 +224,8 @@ impl CarSolver<'_> {
         step.is_finite().then_some(at.g + step)
     }
 
-    /// Describes the lift at a state, if its smallest load is zero. A last step by (1) leaves rounding error.
+    /// Describes the lift at a state, if its smallest load is zero. A last step by (1), from poses instead of curves, leaves
+    /// rounding error.
     fn lift(&mut self, ray: &Ray<'_>, at: &At) -> Option<Lift> {
         let (part, wheel) = at.least();
         let none = 1e3 * NO_LOAD;
@@ -233,9 +235,13 @@ impl CarSolver<'_> {
         let loads = at.loads();
         let most = loads.iter().fold(0.0, |most: f64, load| most.max(*load));
         let others = (0..4).filter(|other| *other != wheel);
-        let last = self.next(ray, at).unwrap_or(at.g);
+        let exact = self.with_contact(&ray.at(at.g), Start::at(&at.found));
+        let exact = exact.ok().map(|found| At { g: at.g, found });
+        let exact = exact.filter(At::is_down);
+        let last = exact.and_then(|exact| self.next(ray, &exact));
+        let last = last.unwrap_or(at.g);
         Some(Lift {
-            acceleration: if (last - at.g).abs() <= SAME {
+            acceleration: if (last - at.g).abs() <= 10.0 * SAME {
                 last
             } else {
                 at.g

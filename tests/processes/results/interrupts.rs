@@ -153,7 +153,9 @@ fn interrupted_car(bench: &Bench, call: &[&str], begun: &str, seconds: f64) -> (
     for name in ["car.toml", "car_front.toml", "car_rear.toml"] {
         sample(bench, name);
     }
-    let process = bench.start(call);
+    let mut command = bench.command(call);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let process = command.spawn().unwrap();
     wait_for(bench, begun);
     std::thread::sleep(Duration::from_secs_f64(seconds));
     signal(&process, "-INT");

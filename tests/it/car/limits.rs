@@ -43,7 +43,9 @@ fn limits_are_where_loads_vanish() {
             let (found, lifted) = loads(&mut solver, &at(&case, lift.acceleration));
             let most = found.iter().copied().fold(0.0, f64::max);
             let wheel = lift.wheel.0;
-            assert!(found[wheel].abs() < 1e-10 * most, "{found:?}");
+            // Where both wheels of an axle lift at once, their loads fall steeply.
+            let bound = if lift.others_loaded { 1e-10 } else { 1e-7 };
+            assert!(found[wheel].abs() < bound * most, "{found:?}");
             let (below, down) = loads(&mut solver, &at(&case, lift.acceleration - 1e-5));
             assert_eq!(down, [false; 4], "{lifted:?}");
             assert!(below[wheel] > 0.0);

@@ -204,8 +204,7 @@ impl Resolver<'_> {
             return self.problems.refuse(section.span(), message);
         }
         let mut case = Case::at_rest("gg");
-        let figure = |number: &Option<Number>| number.as_ref().map_or(0.0, |n| n.value);
-        case.az = figure(&written.az);
+        case.az = written.az.as_ref().map_or(0.0, |az| az.value);
         case.speed = self.speed(&written.speed)?;
         case.racks = self.racks(car, [&written.rack, &None])?;
         case.setting.elastic_tyres = car.tyres.is_some();

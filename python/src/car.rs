@@ -169,7 +169,7 @@ pub(crate) fn car_solve<'py>(py: Python<'py>, car: &Car) -> PyResult<Bound<'py, 
     }
     columns.finish(solved.states.iter().map(|state| match state {
         CarState::Solved { .. } => ("ok", None),
-        CarState::Failed(why) => (why.status(), Some(why.to_string())),
+        CarState::Failed(why) => (why.status(), Some(why.describe(&study.car))),
     }))
 }
 
@@ -238,7 +238,9 @@ pub(crate) fn car_optimise<'py>(
             interrupt: Some(flag),
             ..Control::default()
         };
-        let TunedCar { fit, study: tuned } = study.tuned(wanted, control)?;
+        let TunedCar {
+            fit, study: tuned, ..
+        } = study.tuned(wanted, control)?;
         let records = [study, &tuned].map(|of| {
             let solver = CarSolver::new(&of.car).map_err(|fault| of.car.describe_fault(&fault));
             Ok::<_, String>(CarResults::solve(of, &mut solver?, of.cases.len()))
@@ -284,7 +286,10 @@ pub(crate) fn car_limits<'py>(py: Python<'py>, car: &Car) -> PyResult<Bound<'py,
     let study = &car.study;
     let found = on_threads(py, Some(1), |_| {
         let mut solver = CarSolver::new(&study.car)?;
-        Ok(lift_limits_table(&limits_of(study, &mut solver)))
+        Ok(lift_limits_table(
+            &limits_of(study, &mut solver),
+            &study.car,
+        ))
     })?;
     let table = found.map_err(|fault| car.fault(&fault))?;
     Ok(PyBytes::new(py, table.csv(None).as_bytes()))

@@ -273,7 +273,7 @@ fn solve_block(
     (rows, curves)
 }
 
-/// Number of parts of a study's sweep. A part has 131,072 designs or slightly fewer.
+/// Number of parts of a study's sweep. A part has 131,072 designs (1,024 of a car) or slightly fewer.
 #[pyfunction]
 pub(crate) fn sweep_parts(study: &Study) -> PyResult<u64> {
     let sweep = own_sweep(study)?;

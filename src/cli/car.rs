@@ -3,6 +3,7 @@
 mod compare;
 mod export;
 mod limits;
+mod optimise;
 mod source;
 mod sweep;
 mod tolerance;
@@ -10,25 +11,20 @@ mod tolerance;
 pub(super) use compare::{are_cars, compare};
 pub(super) use export::export;
 pub(super) use limits::limits;
+pub(super) use optimise::optimise;
 pub(super) use source::file_of;
 pub(super) use sweep::sweep;
 pub(super) use tolerance::tolerance;
 
 use super::exit::{Exit, Stop};
 use super::interrupt;
-use super::optimise::say_side_effects;
 use super::output::{Destination, Output, pool};
 use super::printer::Printer;
 use super::terminal;
 use super::{RunArguments, StudyArguments};
 use crate::car::CarSolver;
-use crate::optimise::Control;
-use crate::report::{
-    CarRecord, CarResults, car_constraints_table, car_page, car_targets_json, car_targets_table,
-    counted, misfit_in_words, optimised_car, side_effects_in_words, side_effects_table,
-};
+use crate::report::{CarRecord, CarResults, car_page, counted};
 use crate::results::{Claim, digest_of_texts};
-use crate::side_effects::side_effects_of_car;
 use crate::study::CarStudy;
 use serde_json::json;
 use std::path::Path;
@@ -180,16 +176,20 @@ pub(super) fn solve(arguments: &RunArguments) -> Result<Exit, Stop> {
     let results = CarResults::solve(&study, &mut solver, study.cases.len());
     let mut files = vec!["cases.csv"];
     output.main_csv("cases.csv", &results.cases_csv())?;
-    let map = match &study.gg_map {
-        Some(map) => {
-            let pool = pool(arguments.threads, map.ax.len() as u64)?;
-            let own = solver.clone();
-            Some(pool.install(|| results.gg(own, map)))
-        }
-        None => None,
-    };
+    interrupt::stops_by_itself();
+    let map = study.gg_map.as_ref().map(|map| {
+        let pool = pool(arguments.threads, map.ax.len() as u64)?;
+        let own = solver.clone();
+        Ok::<_, Stop>(pool.install(|| results.gg(own, map, interrupt::flag())))
+    });
+    let map = map.transpose()?;
+    let unfinished = map.as_ref().and_then(|map| map.unfinished_in_words());
+    if unfinished.is_some() {
+        output.mark_interrupted();
+    }
     let map_failures = map.as_ref().map_or(0, |map| map.failures);
     let (gg_csv, map) = map.map(|map| (map.csv, map.map)).unzip();
+    let map = map.filter(|map| !map.ax.is_empty());
     files.extend(output.file_if_any("gg.csv", gg_csv)?);
     let sensitivities = results.sensitivities_csv(&mut solver);
     files.extend(output.file_if_any("sensitivities.csv", sensitivities)?);
@@ -206,8 +206,10 @@ pub(super) fn solve(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.json("summary.json", &summary)?;
     files.push("summary.json");
     files.extend(keep(&output, &study)?);
-    let record = results.record("solve", &mut solver, map, &warnings);
-    files.extend(page(&output, record, &files, arguments.report)?);
+    let remarks: Vec<String> = warnings.iter().chain(&unfinished).cloned().collect();
+    let record = results.record("solve", &mut solver, map, &remarks);
+    let with_page = arguments.report && unfinished.is_none();
+    files.extend(page(&output, record, &files, with_page)?);
     output.finish()?;
     output.say(&format!("{}\n\n", headline(&study)))?;
     output.table("cases", &results.summary_table())?;
@@ -221,88 +223,12 @@ pub(super) fn solve(arguments: &RunArguments) -> Result<Exit, Stop> {
             "\n{states} of gg_map have no equilibrium: see status in gg.csv\n"
         ))?;
     }
-    output.print_files(&files)?;
-    Ok(Exit::of(results.is_complete()))
-}
-
-/// `hardpoint optimise` of a car.
-pub(super) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
-    let path = &arguments.study.study;
-    let study = CarStudy::read(path, &arguments.study.set)?;
-    let Some(wanted) = &study.optimise else {
-        return Err(Stop::no_section(path, "optimise", "variables and targets"));
-    };
-    let mut solver = solver(&study, path)?;
-    let output = open(arguments, &study, "optimise")?;
-    let before = CarResults::solve(&study, &mut solver, study.cases.len());
-    let interrupt = interrupt::flag();
-    let control = Control {
-        interrupt: Some(interrupt),
-        ..Control::default()
-    };
-    let tuned = study.tuned(wanted, control);
-    let tuned = tuned.map_err(|why| Stop::unsolved(path, why))?;
-    let (after_study, tuned) = (tuned.study, tuned.fit);
-    let x = tuned.x.as_slice();
-    let texts = optimised_car(&study, &after_study.car, x);
-    let mut after_solver = self::solver(&after_study, path)?;
-    let after = CarResults::solve(&after_study, &mut after_solver, after_study.cases.len());
-    let mut files = vec!["optimised.toml"];
-    output.main_csv("optimised.toml", texts[0].as_bytes())?;
-    for (name, text) in ["optimised_front.toml", "optimised_rear.toml"]
-        .into_iter()
-        .zip(&texts[1..])
-    {
-        output.file(name, text.as_bytes())?;
-        files.push(name);
+    if let Some(words) = &unfinished {
+        output.say_failure(&format!("\n{words}\n"))?;
     }
-    output.file("cases.csv", &after.cases_csv())?;
-    output.file("cases_before.csv", &before.cases_csv())?;
-    let targets = after.target_records(wanted, &before, x);
-    let constraints = after.constraint_records(wanted, &before, x);
-    let effects = side_effects_of_car(&study, &after_study);
-    let effects = effects.map_err(|why| Stop::unsolved(path, why))?;
-    let met = tuned.misfit();
-    let summary = json!({
-        "command": "optimise",
-        "study": study.name,
-        "misfit": met,
-        "ended": tuned.ended(),
-        "iterations": tuned.history.len().saturating_sub(1),
-        "evaluations": tuned.evaluations(),
-        "variables": after.variables_json(&study, x),
-        "targets": car_targets_json(&targets),
-        "constraints": constraints,
-        "side_effects": effects,
-    });
-    output.json("summary.json", &summary)?;
-    files.extend(["cases.csv", "cases_before.csv", "summary.json"]);
-    let csv = (!effects.is_empty()).then(|| side_effects_table(&effects).csv(None).into_bytes());
-    files.extend(output.file_if_any("side_effects.csv", csv)?);
-    files.extend(keep(&output, &study)?);
-    let mut record = after.record("optimise", &mut after_solver, None, &after.warnings());
-    record.targets.clone_from(&targets);
-    record.side_effects.clone_from(&effects);
-    files.extend(page(&output, record, &files, arguments.report)?);
-    output.finish()?;
-    let words = side_effects_in_words(&effects).map(|words| format!("; {words}"));
-    output.say(&format!(
-        "{}\nmisfit {} (root mean square, in tolerances){}; {}\n\n",
-        headline(&study),
-        misfit_in_words(met),
-        words.unwrap_or_default(),
-        tuned.ended()
-    ))?;
-    output.table("targets", &car_targets_table(&targets))?;
-    output.text_only("\n")?;
-    if let Some(table) = car_constraints_table(&constraints) {
-        output.table("constraints", &table)?;
-        output.text_only("\n")?;
-    }
-    output.table("variables", &after.variables_table(&study, x))?;
-    say_side_effects(&output, &effects)?;
     output.print_files(&files)?;
-    Ok(Exit::of(
-        tuned.termination.at_minimum() && tuned.is_feasible(),
-    ))
+    Ok(match unfinished {
+        Some(_) => Exit::Interrupted,
+        None => Exit::of(results.is_complete()),
+    })
 }

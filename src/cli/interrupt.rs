@@ -23,7 +23,7 @@ const LOOK: Duration = Duration::from_millis(5);
 /// Time limit for the last line on standard error.
 const LAST_WORDS: Duration = Duration::from_millis(20);
 
-static FLAG: AtomicBool = AtomicBool::new(false);
+static FLAG: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 /// Number of the first signal. 0 before a signal arrives.
 static SIGNAL: AtomicI32 = AtomicI32::new(0);
 /// True if this module handles signals. False inside another program, which handles them itself.
@@ -35,7 +35,7 @@ static STOPS_BY_ITSELF: AtomicBool = AtomicBool::new(false);
 static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 
 /// True from the first signal on.
-pub(super) fn flag() -> &'static AtomicBool {
+pub(super) fn flag() -> &'static Arc<AtomicBool> {
     &FLAG
 }
 

@@ -300,12 +300,12 @@ fn sweep_parts(
     line.set_position(designs(&all) - designs(&left));
     line.reset_eta();
     interrupt::stops_by_itself();
-    let go_on = || !interrupt::is_raised();
+    let flag = interrupt::flag();
     let result = 'rounds: loop {
         let before = left.len();
         let mut busy = Vec::new();
         for part in left {
-            match write_part(swept, text, directory, part, go_on, |designs| {
+            match write_part(swept, text, directory, part, flag, |designs| {
                 line.inc(designs)
             }) {
                 Ok(PartOutcome::Whole) => {}
@@ -317,7 +317,7 @@ fn sweep_parts(
         if busy.is_empty() {
             break Ok(true);
         }
-        if !go_on() {
+        if interrupt::is_raised() {
             break Ok(false);
         }
         if busy.len() == before {

@@ -5,7 +5,7 @@ use super::table::{Cell, Column, Table};
 use super::text::counted;
 use crate::ask::with_unit;
 use crate::assembly::{
-    Aim, BuildParameter, MissedTarget, PARTS_OF_A_TURN, SetUp, SetUpError, Static,
+    Aim, AssemblyError, BuildParameter, MissedTarget, PARTS_OF_A_TURN, SetUp, SetUpError, Static,
 };
 use crate::model::{Axis, LengthUnit, Suspension};
 use crate::study::{Adjustment, Increment, Setup, Study};
@@ -448,6 +448,10 @@ pub fn set_up_refusal(study: &Study, setup: &Setup, none: &SetUpError) -> String
     let length = study.wheel().length_unit;
     match none {
         SetUpError::Fault(reason) => reason.describe(&study.wheel().mechanism),
+        SetUpError::AssemblyError(AssemblyError::OutOfReach { share }) => format!(
+            "the links cannot reach: they allow {:.0} % of the way from the design to the wanted height and the adjusted parts",
+            100.0 * share
+        ),
         SetUpError::AssemblyError(reject) => reject.to_string(),
         SetUpError::Absurd { adjustment, amount } => format!(
             "the wanted values need {} {} of {}, more than a tenth of the suspension's size",

@@ -119,6 +119,9 @@ fn key_in_value(value: &Spanned<DeValue>, at: usize, path: &str) -> Option<Strin
     inner.or_else(|| value.span().contains(&at).then(|| path.to_owned()))
 }
 
+/// Sections that only the study of a car has.
+const CAR_SECTIONS: [&str; 2] = ["cases", "gg_map"];
+
 /// Turns a serde message about a place into plain words. Adds help if possible.
 fn in_plain_words(message: &str, place: &str) -> (String, Option<String>) {
     // The parser presents dates as tables with a key of this kind.
@@ -129,7 +132,14 @@ fn in_plain_words(message: &str, place: &str) -> (String, Option<String>) {
         let (name, candidates) = rest.split_once("`, ").unwrap_or((rest, ""));
         let known: Vec<&str> = candidates.split('`').skip(1).step_by(2).collect();
         let message = format!("unknown key \"{name}\"; known here: {}", known.join(", "));
-        let help = nearest(name, known).map(|near| format!("did you mean \"{near}\"?"));
+        let is_of_car = CAR_SECTIONS.contains(&name) && known.contains(&"suspension");
+        let help = if is_of_car {
+            Some(format!(
+                "{name} belongs to the study of a car, which has a section [car]: `hardpoint new car` prints one"
+            ))
+        } else {
+            nearest(name, known).map(|near| format!("did you mean \"{near}\"?"))
+        };
         return (message, help);
     }
     if let Some(rest) = message.strip_prefix("missing field `") {

@@ -746,6 +746,11 @@ fn a_set_up_out_of_reach_names_the_wish() {
         hardpoint(&["setup", study, "--set", &set, "--out", out, "--force"])
     };
     call("{ camber = -1.5 }").success();
+    // Wanted values are those that were written.
+    let summary = fs::read_to_string(out.join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    assert_eq!(summary["statics"][0]["column"], "camber_deg");
+    assert_eq!(summary["statics"][0]["wanted"].to_string(), "-1.5");
     let assert = call("{ camber = -90.3, toe = -5.0 }").code(1);
     let output = assert.get_output();
     let (said, error) = (text(&output.stdout), text(&output.stderr));

@@ -209,8 +209,8 @@ impl<T: Real> Tilt<T> {
     }
 }
 
-/// The suspension with a point of the carrier on its spin axis. In a built carrier the point keeps its position. A solid axle
-/// has such a point at both wheels.
+/// The suspension with a point of the carrier on its spin axis. In a built carrier the point keeps its position relative to the
+/// wheel centre, so its distance from the centre has no effect. A solid axle has such a point at both wheels.
 pub(super) fn with_spindle(suspension: &Suspension) -> Suspension {
     let mut suspension = suspension.clone();
     if let SpinAxis::Along(direction) = suspension.mechanism.spin_axis {
@@ -233,8 +233,10 @@ pub(super) fn with_spindle(suspension: &Suspension) -> Suspension {
         let far = far_centre
             .map(|centre| add(centre, format!("right_{SPINDLE_INNER}"), mirrored(inward)));
         let mechanism = &mut suspension.mechanism;
+        mechanism.parallel_axes = vec![[near_centre, near]];
         if let (Some(rigid), Some(far)) = (&mut mechanism.rigid_axle, far) {
             rigid.pairs.push([near, far]);
+            mechanism.parallel_axes.push([rigid.far_centre, far]);
         }
         mechanism.spin_axis = SpinAxis::From(near);
     }

@@ -181,22 +181,31 @@ impl<T: Real> Parts<T> {
         }
     }
 
-    /// Changes a dimension.
+    /// Changes a dimension. If angles give the spin axis, it moves with the wheel centre, in parallel.
     #[inline(always)]
     pub fn change(&mut self, mechanism: &Mechanism, parameter: BuildParameter, by: T) {
         match parameter {
             BuildParameter::Coordinate(point, axis) => {
-                let point = &mut self.points[point.0];
-                match axis {
-                    Axis::X => point.x = point.x + by,
-                    Axis::Y => point.y = point.y + by,
-                    Axis::Z => point.z = point.z + by,
+                self.shift(point, axis, by);
+                if let Some(beside) = mechanism.moves_with(point) {
+                    self.shift(beside, axis, by);
                 }
             }
             BuildParameter::Length(member) => {
                 let length = &mut self.lengths[member.place(mechanism)];
                 *length = *length + by;
             }
+        }
+    }
+
+    /// Moves a point in its part.
+    #[inline(always)]
+    fn shift(&mut self, point: PointId, axis: Axis, by: T) {
+        let point = &mut self.points[point.0];
+        match axis {
+            Axis::X => point.x = point.x + by,
+            Axis::Y => point.y = point.y + by,
+            Axis::Z => point.z = point.z + by,
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Load cases, and reasons why one has no equilibrium.
 
 use super::catalogue::WheelPlace;
+use super::{AXLE_NAMES, Car};
 use crate::mechanism::NoPose;
-use std::fmt;
 
 /// A load case. Accelerations are in units of g, in the axes of the ground.
 #[derive(Clone, Debug, PartialEq)]
@@ -128,8 +128,10 @@ pub enum NoEquilibrium {
         /// Axle: 0 front, 1 rear.
         axle: usize,
     },
-    /// The solver found the state, but it is unstable: the body would leave it.
+    /// The car rolls or pitches over: beyond this state, its weight turns it further than springs turn it back.
     Tips,
+    /// The body sinks: beyond this state, the springs' forces at the wheels grow less than the load.
+    Sinks,
     /// No part carries the body.
     Unsupported,
 }
@@ -140,33 +142,62 @@ impl NoEquilibrium {
         match self {
             NoEquilibrium::NoPose { failure, .. } => crate::curves::Status::Failed(*failure).word(),
             NoEquilibrium::Singular => "singular",
-            NoEquilibrium::Tips => "unstable",
+            NoEquilibrium::Tips | NoEquilibrium::Sinks => "unstable",
             NoEquilibrium::Unsupported => "unsupported",
             _ => "no_equilibrium",
         }
     }
 }
 
-impl fmt::Display for NoEquilibrium {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let end = |axle: usize| crate::car::AXLE_NAMES[axle];
+impl NoEquilibrium {
+    /// Describes the reason in words, with lengths in the car's unit and racks in the axes of the axle's study.
+    pub fn describe(&self, car: &Car) -> String {
+        let end = |axle: usize| AXLE_NAMES[axle];
         match self {
-            NoEquilibrium::NoPose { axle, failure } => write!(f, "{} axle, {failure}", end(*axle)),
-            NoEquilibrium::NotFound => f.write_str("no equilibrium was found"),
-            NoEquilibrium::Singular => {
-                f.write_str("the equations of equilibrium are singular: a wheel's travel does not change its height, or nothing takes a force")
+            NoEquilibrium::NoPose { axle, failure } => {
+                let wheel = &car.axles[*axle].left;
+                let reason = failure.describe(wheel.length_unit, wheel.frame);
+                format!("{} axle, {reason}", end(*axle))
             }
-            NoEquilibrium::NoContactSet { wheel, equal_shares } => {
-                write!(f, "no set of wheels in contact fits: {} pulls on the ground where it stands, and is below the ground where it is lifted", wheel.words())?;
-                match equal_shares {
-                    true => f.write_str("; a wheel without load cannot take an equal share of a force, use shares \"by_load\""),
-                    false => Ok(()),
+            NoEquilibrium::NotFound => "no equilibrium was found".to_owned(),
+            NoEquilibrium::Singular => "the equations of equilibrium are singular: a wheel's travel does not change its height, or \
+                 nothing takes a force"
+                .to_owned(),
+            NoEquilibrium::NoContactSet {
+                wheel,
+                equal_shares,
+            } => {
+                let reason = format!(
+                    "no set of wheels in contact fits: {} pulls on the ground where it stands, and is below the ground where it \
+                     is lifted",
+                    wheel.words()
+                );
+                if *equal_shares {
+                    format!(
+                        "{reason}; a wheel without load cannot take an equal share of a force, use shares \"by_load\""
+                    )
+                } else {
+                    reason
                 }
             }
-            NoEquilibrium::AllLifted => f.write_str("all wheels lift: no weight presses them to the ground"),
-            NoEquilibrium::AxleLifted { axle } => write!(f, "both wheels of the {} axle lift, and it should carry a force", end(*axle)),
-            NoEquilibrium::Tips => f.write_str("the car tips: beyond this state its weight turns it further than springs turn it back"),
-            NoEquilibrium::Unsupported => f.write_str("nothing carries the body: the axles have no springs"),
+            NoEquilibrium::AllLifted => {
+                "all wheels lift: no weight presses them to the ground".to_owned()
+            }
+            NoEquilibrium::AxleLifted { axle } => format!(
+                "both wheels of the {} axle lift, and it should carry a force",
+                end(*axle)
+            ),
+            NoEquilibrium::Tips => {
+                "the car tips: beyond this state its weight turns it further than springs turn it back"
+                    .to_owned()
+            }
+            NoEquilibrium::Sinks => {
+                "the body sinks: beyond this state the springs' forces at the wheels grow less than the load"
+                    .to_owned()
+            }
+            NoEquilibrium::Unsupported => {
+                "nothing carries the body: the axles have no springs".to_owned()
+            }
         }
     }
 }

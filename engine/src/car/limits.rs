@@ -14,6 +14,7 @@
 
 use super::catalogue::{CarQuantity, WheelPlace, WheelResult};
 use super::parameters::{BodyParameter, Parameter};
+use super::solver::Start;
 use super::{CarSolver, Case, Equilibrium, Longitudinal, NoEquilibrium};
 use crate::number::Each;
 
@@ -33,7 +34,7 @@ const MOST_STATES: usize = 80;
 pub struct RayLimits {
     /// Lift of the first wheel, if one lifts.
     pub lift: Option<Lift>,
-    /// Largest acceleration with an equilibrium, g.
+    /// Largest acceleration with an equilibrium, g, exact up to 2e-6.
     pub end: f64,
     /// Reason for no equilibrium beyond this acceleration; `None` if equilibrium exists up to 5 g.
     pub why: Option<NoEquilibrium>,
@@ -42,7 +43,7 @@ pub struct RayLimits {
 /// State at which the first wheel lifts.
 #[derive(Clone, Copy, Debug)]
 pub struct Lift {
-    /// Acceleration, g.
+    /// Acceleration, g, exact up to 1e-9.
     pub acceleration: f64,
     /// Wheel that lifts.
     pub wheel: WheelPlace,
@@ -161,7 +162,7 @@ impl CarSolver<'_> {
             let leaves = !matches!(&next, Ok(found) if found.lifted == [false; 4]);
             if leaves && at.is_down() {
                 at = self.last_down(&ray, at, g);
-                lift = self.lift(&at);
+                lift = self.lift(&ray, &at);
             }
             match next {
                 Ok(found) => at = At { g, found },
@@ -223,8 +224,9 @@ impl CarSolver<'_> {
         step.is_finite().then_some(at.g + step)
     }
 
-    /// Describes the lift at a state, if its smallest load is zero.
-    fn lift(&mut self, at: &At) -> Option<Lift> {
+    /// Describes the lift at a state, if its smallest load is zero. A last step by (1), from poses instead of curves, leaves
+    /// rounding error.
+    fn lift(&mut self, ray: &Ray<'_>, at: &At) -> Option<Lift> {
         let (part, wheel) = at.least();
         let none = 1e3 * NO_LOAD;
         if part > none {
@@ -233,8 +235,17 @@ impl CarSolver<'_> {
         let loads = at.loads();
         let most = loads.iter().fold(0.0, |most: f64, load| most.max(*load));
         let others = (0..4).filter(|other| *other != wheel);
+        let exact = self.with_contact(&ray.at(at.g), Start::at(&at.found));
+        let exact = exact.ok().map(|found| At { g: at.g, found });
+        let exact = exact.filter(At::is_down);
+        let last = exact.and_then(|exact| self.next(ray, &exact));
+        let last = last.unwrap_or(at.g);
         Some(Lift {
-            acceleration: at.g,
+            acceleration: if (last - at.g).abs() <= 10.0 * SAME {
+                last
+            } else {
+                at.g
+            },
             wheel: WheelPlace(wheel),
             others_loaded: others.into_iter().all(|other| loads[other] > none * most),
         })

@@ -246,6 +246,7 @@ impl<'a> CarSolver<'a> {
             mut lifted,
             mut factors,
             may_be_near,
+            most_steps,
         } = start;
         let mut evaluations = 0;
         for _ in 0..MOST_SETS {
@@ -257,6 +258,7 @@ impl<'a> CarSolver<'a> {
                 lifted,
                 factors: factors.take(),
                 may_be_near,
+                most_steps,
             };
             let mut found = self.newton(case, start)?;
             evaluations += found.evaluations;

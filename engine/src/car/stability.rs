@@ -23,7 +23,7 @@
 //! G_x x' = -G_s.                                                                                                  (3)
 //! ```
 //!
-//! The path turns back where det G_x = 0 (a fold), and there the car tips. At a change of contact, the row of wheel b passes
+//! The path turns back where det G_x = 0 (a fold), and there the car tips or its body sinks. At a change of contact, the row of wheel b passes
 //! from gap_b = 0 to N_b = 0. The other rows leave one direction v free; x' adds a multiple of it on either side, and
 //!
 //! ```text
@@ -37,6 +37,18 @@
 //! ```text
 //! (2) holds there, or (2) holds at rest and det G_x keeps its sign on the whole path from rest.                   (5)
 //! ```
+//!
+//! The motion at the end of stability has a name. Let f and e be the heights of the body over the middle of the front and the
+//! rear axle, and r half the difference of its heights over the left and the right wheels:
+//!
+//! ```text
+//! (f, e, r) = T q,      S = T C T^T.                                                                              (6)
+//! ```
+//!
+//! Towards a fold, one motion grows without bound, and all columns of S approach its direction. The car tips if r is the largest
+//! part of that motion, or if f and e have opposite signs and similar sizes. Otherwise the body sinks at an axle. At rest, a
+//! column whose diagonal element is negative has the direction. Where the path turns back at a lift, S stays bounded, and the car
+//! tips.
 
 use super::equations::{GROUND, LOADS, PITCH, PITCH_MOMENT, ROLL, ROLL_MOMENT, UNKNOWNS, VERTICAL};
 use super::solver::{CarSolver, Equilibrium, LONGEST_TRAVEL, LONGEST_TURN, Start};
@@ -47,6 +59,8 @@ use crate::number::Each;
 const LONGEST: f64 = 1.0 / 16.0;
 /// Shortest step, as a fraction of the whole load. If a shorter step is needed, the path has turned back.
 const SHORTEST: f64 = LONGEST / 1024.0;
+/// Growth of the flexibility since rest that shows a fold.
+const GROWTH: f64 = 4.0;
 /// Largest number of steps. Steps back count as well.
 const MOST_STEPS: usize = 400;
 
@@ -73,6 +87,52 @@ impl Equilibrium {
         c(0, 0) > 0.0 && minor > 0.0 && determinant > 0.0
     }
 
+    /// Flexibility S by (6), column by column.
+    fn flexibility_of_heights(&self, car: &Car) -> [[f64; 3]; 3] {
+        let [[front, half_track], [rear, other]] = [0, 1].each(|number| {
+            let wheel = &car.axles[number].left;
+            let offset = if number == 0 { 0.0 } else { car.rear_offset.x };
+            let centre = wheel.design[wheel.mechanism.wheel_centre.0];
+            [centre.x + offset, centre.y]
+        });
+        // A ground that rises by gamma lowers the body.
+        let rows = [
+            [-1.0, 0.0, -front],
+            [-1.0, 0.0, -rear],
+            [0.0, 0.5 * (half_track + other), 0.0],
+        ];
+        let flexibility = self.flexibility();
+        let sum = |f: &dyn Fn(usize) -> f64| (0..3).map(f).sum::<f64>();
+        rows.each(|column| {
+            rows.each(|row| sum(&|i| sum(&|j| row[i] * flexibility[i][j] * column[j])))
+        })
+    }
+
+    /// Describes the end of stability at a state just before the path from rest turns back, by (6).
+    fn fold(&self, rest: &Equilibrium, car: &Car) -> NoEquilibrium {
+        let [columns, at_rest] = [self, rest].map(|state| state.flexibility_of_heights(car));
+        let size = |k: &usize| {
+            columns[*k]
+                .iter()
+                .fold(0.0, |most: f64, part| most.max(part.abs()))
+        };
+        let largest = (1..3).fold(0, |most, k| if size(&k) > size(&most) { k } else { most });
+        let [now, before] = [columns, at_rest].map(|columns| columns[largest][largest].abs());
+        if now > GROWTH * before {
+            motion(columns[largest])
+        } else {
+            NoEquilibrium::Tips
+        }
+    }
+
+    /// Describes the instability of a state at rest, by (6).
+    fn instability_at_rest(&self, car: &Car) -> NoEquilibrium {
+        let columns = self.flexibility_of_heights(car);
+        let unstable = (0..3).filter(|k| columns[*k][*k] < 0.0);
+        let softest = unstable.min_by(|a, b| columns[*a][*a].total_cmp(&columns[*b][*b]));
+        softest.map_or(NoEquilibrium::Tips, |k| motion(columns[k]))
+    }
+
     /// Returns true if the path from an accepted state leads to this one. det G_x must keep its sign, and body and wheels
     /// must move by no more than a Newton step allows.
     pub(super) fn follows(&self, from: &Equilibrium, car: &Car) -> bool {
@@ -87,6 +147,17 @@ impl Equilibrium {
     }
 }
 
+/// Name of a motion (f, e, r) of the body, by (6).
+fn motion([front, rear, roll]: [f64; 3]) -> NoEquilibrium {
+    let (most, least) = (front.abs().max(rear.abs()), front.abs().min(rear.abs()));
+    let pitches = front * rear < 0.0 && least > 0.5 * most;
+    if roll.abs() > most || pitches {
+        NoEquilibrium::Tips
+    } else {
+        NoEquilibrium::Sinks
+    }
+}
+
 impl CarSolver<'_> {
     /// Follows the load from rest to a case, by (3) to (5).
     pub(super) fn along_load(&mut self, case: &Case) -> Result<Equilibrium, NoEquilibrium> {
@@ -94,10 +165,13 @@ impl CarSolver<'_> {
         let start = self.start(&rest);
         let mut at = self.with_contact(&rest, Start::of(start))?;
         if !at.is_stiff() {
-            return Err(NoEquilibrium::Tips);
+            return Err(at.instability_at_rest(self.car));
         }
+        let at_rest = at.clone();
         let (mut part, mut step) = (0.0, LONGEST);
         let mut evaluations = at.evaluations;
+        // Nearest part of the load at which the last search failed.
+        let mut failed = f64::INFINITY;
         for _ in 0..MOST_STEPS {
             let next = f64::min(part + step, 1.0);
             let found = self.with_contact(&case.scaled(next), Start::at(&at));
@@ -109,7 +183,13 @@ impl CarSolver<'_> {
                         at.evaluations = evaluations;
                         return Ok(at);
                     }
-                    step = f64::min(2.0 * step, LONGEST);
+                    if part >= failed {
+                        failed = f64::INFINITY;
+                    }
+                    let longer = f64::min(2.0 * step, LONGEST);
+                    if part + longer < failed {
+                        step = longer;
+                    }
                     continue;
                 }
                 // If no set of contacts fits, both branches of (4) lie on the side from which the path came.
@@ -121,9 +201,10 @@ impl CarSolver<'_> {
                         equal_shares: false,
                         ..
                     },
-                ) => NoEquilibrium::Tips,
+                ) => at.fold(&at_rest, self.car),
                 Err(why) => why,
             };
+            failed = next;
             step *= 0.5;
             if step < SHORTEST {
                 return Err(why);

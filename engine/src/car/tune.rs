@@ -13,7 +13,7 @@ use super::moves::{CarVariable, moved};
 use super::rig::RigRows;
 use super::{Car, CarQuantity, CarSolver, Case, NoEquilibrium};
 use crate::optimise::{
-    Assessment, Bounds, Constrained, Control, Fit, Infeasible, LeastSquares, Linearisation,
+    Assessment, Bounds, Constrained, Control, Infeasible, LeastSquares, Linearisation, Multistart,
     Options, Shape, TargetLayout, constrained_multistart, multistart,
 };
 use crate::study::{Optimise, Vehicle};
@@ -193,7 +193,9 @@ impl Objective<'_> {
         if quantities.is_empty() {
             return Ok(());
         }
-        let fails = |why: NoEquilibrium| Infeasible::Refused(format!("case {}: {why}", case.name));
+        let fails = |why: NoEquilibrium| {
+            Infeasible::Refused(format!("case {}: {}", case.name, why.describe(car)))
+        };
         let found = solver.solve(case).map_err(fails)?;
         let gradients = solver.gradients(case, &found, &quantities).map_err(fails)?;
         for (used, gradient) in uses.iter().zip(&gradients) {
@@ -303,14 +305,14 @@ impl Constrained for Objective<'_> {
     }
 }
 
-/// Tunes a car and returns the best of several starts. It fails if the cases have no solution in the study's design, or if a
-/// range is empty.
+/// Tunes a car from several starts. At least one of them has a fit, which is the best. It fails if the cases have no solution in
+/// any start, or if a range is empty.
 pub fn tune(
     car: &Car,
     goals: CarGoals<'_>,
     run: CarRun,
     control: Control<'_>,
-) -> Result<Fit, String> {
+) -> Result<Multistart, String> {
     let ranges: Vec<[f64; 2]> = goals.variables.iter().map(|v| v.range).collect();
     let bounds = Bounds::new(&ranges).map_err(|fault| fault.to_string())?;
     let start = goals.variables.iter();
@@ -351,8 +353,9 @@ pub fn tune(
             objective, &bounds, &start, starts, run.seed, &options, control,
         ),
     };
-    let mut starts = found.starts;
     // If no start succeeds, the error is that of the design.
-    let best = starts.swap_remove(found.best.unwrap_or(0));
-    best.outcome.map_err(|fault| fault.to_string())
+    match (found.best, &found.starts[0].outcome) {
+        (None, Err(fault)) => Err(fault.to_string()),
+        _ => Ok(found),
+    }
 }

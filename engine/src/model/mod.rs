@@ -249,6 +249,9 @@ pub struct Mechanism {
     pub wheel_centre: PointId,
     /// The wheel's spin axis.
     pub spin_axis: SpinAxis,
+    /// Wheel centres of a built carrier whose study gives the spin axis by angles: [centre, added point of the axis]. A deviation of the
+    /// centre moves the axis in parallel. Empty for other mechanisms.
+    pub parallel_axes: Vec<[PointId; 2]>,
     /// The steering axis; `None` for a wheel that cannot be steered.
     pub steering_axis: Option<SteeringAxis>,
     /// Spring, if the topology has one.
@@ -276,6 +279,15 @@ impl Mechanism {
     /// Returns true if a rack or a drag link steers the wheel.
     pub fn is_steered(&self) -> bool {
         self.has_rack() || self.axle_steering().is_some()
+    }
+
+    /// Point that moves with a point of a part: the added point of the spin axis moves with its wheel centre.
+    #[inline(always)]
+    pub(crate) fn moves_with(&self, leader: PointId) -> Option<PointId> {
+        let mut pairs = self.parallel_axes.iter();
+        pairs
+            .find(|[centre, _]| *centre == leader)
+            .map(|[_, beside]| *beside)
     }
 
     /// Name of a point. A built wheel has an additional point if the study gives camber and toe as angles. Errors of builds

@@ -197,6 +197,7 @@ impl Given {
             origin: wheel_centre,
             wheel_centre,
             spin_axis: self.find("spindle_inner").map_or(outboard, SpinAxis::From),
+            parallel_axes: Vec::new(),
             steering_axis: None,
             spring: ends.map(|(upper, lower)| Spring { upper, lower }),
             closed_form: None,

@@ -40,13 +40,13 @@ impl<'a> MovedWheel<'a> {
         }
     }
 
-    /// The wheel of a suspension that [`crate::assembly::Assembler::suspension`] has extended from `study`. The added point
-    /// keeps its direction from the wheel centre, wherever that moves.
-    pub(super) fn assembled(study: &Suspension, suspension: &'a Suspension, frame: Frame) -> Self {
-        let added = suspension.design.len() > study.design.len();
-        let leader = study.mechanism.wheel_centre;
+    /// The wheel of an assembled suspension ([`crate::assembly::Assembler::suspension`]). An added point of the spin axis keeps
+    /// its direction from the wheel centre, wherever that moves.
+    pub(super) fn assembled(suspension: &'a Suspension, frame: Frame) -> Self {
+        let leader = suspension.mechanism.wheel_centre;
+        let follower = suspension.mechanism.moves_with(leader);
         MovedWheel {
-            follower: added.then_some((PointId(study.design.len()), leader)),
+            follower: follower.map(|follower| (follower, leader)),
             ..MovedWheel::new(suspension, frame)
         }
     }

@@ -2,7 +2,8 @@
 
 use super::fit::fit;
 use super::{
-    Bounds, Constrained, Control, Fit, Infeasible, LeastSquares, Options, constrained_fit,
+    Bounds, Constrained, Control, Fit, Infeasible, LeastSquares, Options, Termination,
+    constrained_fit,
 };
 use crate::sweep::sobol;
 use nalgebra::DVector;
@@ -35,6 +36,15 @@ impl Multistart {
     /// Fit of the best start.
     pub fn best_fit(&self) -> Option<&Fit> {
         self.starts[self.best?].outcome.as_ref().ok()
+    }
+
+    /// Number of starts that were interrupted.
+    pub fn interrupted(&self) -> usize {
+        let stopped = |start: &&Start| match &start.outcome {
+            Ok(fit) => fit.termination == Termination::Interrupted,
+            Err(reason) => *reason == Infeasible::Interrupted,
+        };
+        self.starts.iter().filter(stopped).count()
     }
 }
 

@@ -106,10 +106,9 @@ impl<'a> Objective<'a> {
     }
 
     /// Makes the problem of a robust tuning, whose residuals are those of builds. With `width` those of a rigid wheel are solved
-    /// in lanes, all others build by build. `assembled` is the vehicle of the `study` as [`Vehicle::assembled`] returns it: its
-    /// wheels may have additional spindle points.
+    /// in lanes, all others build by build. [`Vehicle::assembled`] returns `assembled`, whose wheels may have additional
+    /// spindle points.
     pub fn of_builds(
-        study: &Vehicle,
         assembled: &'a Vehicle,
         variables: &'a [Variable],
         layout: &'a TargetLayout,
@@ -122,16 +121,15 @@ impl<'a> Objective<'a> {
         let all: Vec<PointId> = (0..suspension.design.len()).map(PointId).collect();
         objective.reader = reader(suspension, layout, &all, variables.len());
         let frame = suspension.frame;
-        objective.wheel = MovedWheel::assembled(study.wheel(), suspension, frame);
+        objective.wheel = MovedWheel::assembled(suspension, frame);
         let moving = if variables.is_empty() {
             Vec::new()
         } else {
             all
         };
-        if let (Vehicle::Axle(own), Vehicle::Axle(both)) = (study, assembled) {
-            let own = own.axle.suspension(Side::Right);
+        if let Vehicle::Axle(both) = assembled {
             let right = both.axle.suspension(Side::Right);
-            objective.right = Some(MovedWheel::assembled(own, right, frame));
+            objective.right = Some(MovedWheel::assembled(right, frame));
             if let Some(Beside::Axle(layout)) = &layout.beside {
                 objective.beside = Some(axle_rows(layout, &both.axle, &moving, variables)?);
             }

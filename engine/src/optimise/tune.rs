@@ -207,8 +207,8 @@ impl<'a> Tuner<'a> {
         let variables = &optimise.variables;
         let made = match (&optimise.scatter, self.assembled) {
             (Some(scatter), Some(assembled)) => {
-                let (study, width) = (self.vehicle, Some(Width::widest()));
-                Objective::of_builds(study, assembled, variables, layout, scatter, width)
+                let width = Some(Width::widest());
+                Objective::of_builds(assembled, variables, layout, scatter, width)
             }
             _ => Objective::new(self.suspension, variables, layout),
         };

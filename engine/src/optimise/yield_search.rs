@@ -246,10 +246,10 @@ impl<'a> YieldSearch<'a> {
         layout: &'o TargetLayout,
         residual: Residual,
     ) -> SmoothYield<'o> {
-        let (study, width) = (self.vehicle, Some(Width::widest()));
+        let width = Some(Width::widest());
         let (assembled, variables) = (&self.assembled, &goals.variables);
         let scatter = self.scatter;
-        let builds = Objective::of_builds(study, assembled, variables, layout, scatter, width);
+        let builds = Objective::of_builds(assembled, variables, layout, scatter, width);
         let builds = builds.expect("the same design was accepted before");
         SmoothYield::new(builds, residual)
     }
@@ -334,7 +334,7 @@ impl<'a> YieldSearch<'a> {
         let refused = refused(&vehicle.wheel().mechanism);
         let assembled = vehicle.assembled().map_err(&refused)?;
         let width = Some(Width::widest());
-        let builds = Objective::of_builds(&vehicle, &assembled, &[], &layout, scatter, width);
+        let builds = Objective::of_builds(&assembled, &[], &layout, scatter, width);
         let mut builds = builds.map_err(&refused)?;
         let mut found = Linearisation::new(layout.residuals(), 0);
         LeastSquares::evaluate(&mut builds, &DVector::zeros(0), &mut found)?;

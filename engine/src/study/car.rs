@@ -18,8 +18,9 @@ use super::{
 use crate::ask::Need;
 use crate::axle::Axle;
 use crate::car::{
-    Air, AirForce, Car, CarConstraint, CarGoals, CarQuantity, CarRun, CarTarget, CarVariable, Case,
-    LateralShares, Longitudinal, LongitudinalShares, Masses, Moves, RigGoals, Tyre, TyreAxes,
+    AXLE_NAMES, Air, AirForce, Car, CarConstraint, CarGoals, CarQuantity, CarRun, CarTarget,
+    CarVariable, Case, LateralShares, Longitudinal, LongitudinalShares, Masses, Moves, RigGoals,
+    Tyre, TyreAxes,
 };
 use crate::model::{Axis, AxlePosition, Frame, LengthUnit, MassUnit, Side};
 use crate::number::Vector3;
@@ -181,7 +182,7 @@ const ENDS: [(&str, usize); 2] = [("front", 0), ("rear", 1)];
 const RESERVED: [&str; 5] = ["front", "rear", "left", "right", "static"];
 
 /// Largest number of states in a map.
-const MOST_STATES: i64 = 100_000;
+const MOST_STATES: usize = 100_000;
 
 impl CarStudy {
     /// Texts of the car, of its front and of its rear axle.
@@ -223,6 +224,14 @@ impl CarStudy {
         let directory = path.parent().unwrap_or(Path::new(""));
         let written = [&file.car.get_ref().front, &file.car.get_ref().rear];
         let paths = written.map(|written| directory.join(written.get_ref()));
+        for ((written, path), end) in written.into_iter().zip(&paths).zip(AXLE_NAMES) {
+            if CarStudy::is_at(path) {
+                let message = "expected the study of an axle, found the study of a car";
+                let mut error = StudyError::new(source, Some(written.span()), message);
+                error.key_named(Some(format!("car.{end}")));
+                return Err(error.into());
+            }
+        }
         let [front, rear] = [0, 1].map(|end| Study::read(&paths[end], &of_axles[end]));
         let axles = [front?, rear?];
         let stem = path

@@ -12,10 +12,16 @@ use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
 
 impl Study {
     /// Returns the study's text with the points of another design (kernel frame, indexed by
-    /// [`PointId`]). Only coordinates that differ from the study's design are rewritten. Reading the
+    /// [`PointId`]). Only coordinates that differ from those of the text are rewritten. Reading the
     /// text gives exactly the numbers of `design`.
     pub fn with_design(&self, design: &[Vector3<f64>]) -> String {
-        self.rewritten(&self.text, design, None)
+        self.as_written().rewritten(&self.text, design, None)
+    }
+
+    /// The study that its text describes. This study differs from it if its vehicle was moved in memory.
+    pub(crate) fn as_written(&self) -> Study {
+        let read = Study::elastic_from_text(&self.name, &self.text, Path::new(""));
+        read.unwrap_or_else(|_| self.clone())
     }
 
     /// Returns a built suspension ([`crate::assembly`]) as the text of a study. If angles give the spin axis of the study, a

@@ -243,7 +243,7 @@ pub(super) fn time_law(
     }
     Some(TimeLaw {
         polynomial: polynomial.iter().map(|c| resolved(c.value)).collect(),
-        times: range(&time.from, &time.to, &time.steps, problems)?,
+        times: range(&time.from, &time.to, &time.steps, MOST_STATIONS, problems)?,
     })
 }
 
@@ -251,7 +251,7 @@ pub(super) fn time_law(
 pub(super) fn values(written: &Spanned<Values>, problems: &mut Problems) -> Option<Vec<f64>> {
     match written.get_ref() {
         Values::One(value) => Some(vec![*value]),
-        Values::Range(r) => range(&r.from, &r.to, &r.steps, problems),
+        Values::Range(r) => range(&r.from, &r.to, &r.steps, MOST_STATIONS, problems),
         Values::List(list) => {
             if list.is_empty() {
                 return problems.refuse(
@@ -293,8 +293,15 @@ pub(super) fn check_sensitivities(
     }
 }
 
-fn range(from: &Number, to: &Number, steps: &Whole, problems: &mut Problems) -> Option<Vec<f64>> {
-    let count = within(steps, 1..=MOST_STATIONS as i64, problems)?;
+/// Reads a range with up to `most` evenly spaced values.
+pub(super) fn range(
+    from: &Number,
+    to: &Number,
+    steps: &Whole,
+    most: usize,
+    problems: &mut Problems,
+) -> Option<Vec<f64>> {
+    let count = within(steps, 1..=most as i64, problems)?;
     if from.value > to.value {
         let message = format!(
             "the range is reversed: from = {} is above to = {}",
@@ -337,11 +344,60 @@ pub(super) fn within(
     problems.refuse(number.span(), message)
 }
 
-/// Makes `count` evenly spaced values from `from` to `to`.
-pub(super) fn evenly_spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
-    (0..count)
-        .map(|i| evenly_spaced_at(from, to, count as u64, i as u64))
-        .collect()
+/// Makes `count` evenly spaced values from `from` to `to`. Both ends are exact, and symmetric ends give symmetric values. If
+/// the ends are short decimals, each value is the number nearest to its decimal: 0.1 between 0 and 0.6.
+fn evenly_spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
+    let decimals = Decimals::of(from, to);
+    let value = |i: usize| {
+        let between = decimals.and_then(|ends| ends.between(i as i64, count as i64 - 1));
+        between.unwrap_or_else(|| evenly_spaced_at(from, to, count as u64, i as u64))
+    };
+    (0..count).map(value).collect()
+}
+
+/// Two decimals as whole numbers of the same unit.
+#[derive(Clone, Copy)]
+struct Decimals {
+    from: i64,
+    to: i64,
+    /// Number of units in 1: a power of ten.
+    per_one: i64,
+}
+
+impl Decimals {
+    /// Shortest decimals that read back as these numbers. `None` if they are long.
+    fn of(from: f64, to: f64) -> Option<Self> {
+        let [(from, places), (to, other)] = [shortest_decimal(from)?, shortest_decimal(to)?];
+        let common = places.max(other);
+        let raised = |digits: i64, places: u32| {
+            let power = 10_i64.checked_pow(common - places)?;
+            digits.checked_mul(power)
+        };
+        Some(Decimals {
+            from: raised(from, places)?,
+            to: raised(to, other)?,
+            per_one: 10_i64.checked_pow(common)?,
+        })
+    }
+
+    /// Number nearest to `from + (to - from) i/last`. `None` if its numerator or denominator is not exact as a float.
+    fn between(self, i: i64, last: i64) -> Option<f64> {
+        const EXACT: i64 = 1 << f64::MANTISSA_DIGITS;
+        let is_exact = |whole: i64| whole.abs() <= EXACT;
+        let low = self.from.checked_mul(last - i)?;
+        let above = low.checked_add(self.to.checked_mul(i)?)?;
+        let below = self.per_one.checked_mul(last).filter(|below| *below > 0)?;
+        // Exact operands make the quotient correctly rounded.
+        (is_exact(above) && is_exact(below)).then(|| above as f64 / below as f64)
+    }
+}
+
+/// Digits of the shortest decimal that reads back as the number, and the number of its places after the point.
+fn shortest_decimal(value: f64) -> Option<(i64, u32)> {
+    let text = format!("{value}");
+    let (whole, fraction) = text.split_once('.').unwrap_or((&text, ""));
+    let digits = format!("{whole}{fraction}").parse().ok()?;
+    Some((digits, fraction.len() as u32))
 }
 
 /// Value number `i` of `count` values from `from` to `to`. Both ends are exact. The values between are correctly rounded if
@@ -358,6 +414,23 @@ pub(super) fn evenly_spaced_at(from: f64, to: f64, count: u64, i: u64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Each value is the number that its decimal reads as.
+    #[test]
+    fn values_between_decimals_are_nearest_to_decimals() {
+        let read = |text: &str| text.parse::<f64>().unwrap();
+        for tenths in 1..100_i32 {
+            let values = evenly_spaced(0.0, read(&format!("{tenths}e-1")), tenths as usize + 1);
+            for (k, value) in values.iter().enumerate() {
+                assert_eq!(*value, read(&format!("{k}e-1")), "{k} of {tenths}");
+            }
+        }
+        assert_eq!(
+            evenly_spaced(-0.8, 0.8, 6),
+            [-0.8, -0.48, -0.16, 0.16, 0.48, 0.8]
+        );
+        assert_eq!(evenly_spaced(1e-3, 4e-3, 4), [1e-3, 2e-3, 3e-3, 4e-3]);
+    }
 
     #[test]
     fn ranges_hit_their_ends_and_are_symmetric() {

@@ -58,12 +58,12 @@ pub enum Increment {
     Free,
 }
 
-/// A target static value, in radians or length units.
+/// A target static value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Want {
     /// Static value.
     pub of: Static,
-    /// Value.
+    /// Value in the printed unit, as written.
     pub value: f64,
 }
 

@@ -69,11 +69,7 @@ fn want_of_wheel(
     let mut want = Vec::new();
     for (name, number) in section.want.iter().flatten() {
         let found = characteristic(name, context.suspension, problems)?;
-        let unit = found.info().unit;
-        want.push((
-            found,
-            unit.from_printed(number.value, context.suspension.length_unit),
-        ));
+        want.push((found, number.value));
     }
     // Sorts by the order of the catalogue, whatever their order in the file.
     want.sort_by_key(|(characteristic, _)| *characteristic);

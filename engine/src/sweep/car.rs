@@ -1,8 +1,9 @@
 //! Sweeps of a car: results of load cases for each design.
 
+use super::record::CAR_BLOCKS_OF_PART;
 use super::record::{Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord};
 use super::rows::{Failing, Rows};
-use super::{BLOCKS_OF_PART, FORM, Samples, SweepRecord};
+use super::{FORM, Samples, SweepRecord};
 use crate::car::{Car, CarFault, CarQuantity, CarRequest, CarTarget, CaseResult, moved};
 use crate::study::{CarStudy, CarSweep, FileFormat, Sampled, Sampling};
 
@@ -156,7 +157,7 @@ impl<'s> CarSweepPlan<'s> {
         }
         Ok(failed.map(|failed| {
             let case = &self.study.cases[failed.first].name;
-            Failing::case(case, &failed)
+            Failing::case(case, &failed, car)
         }))
     }
 }
@@ -249,7 +250,7 @@ fn describe(study: &CarStudy, sweep: &CarSweep, targets: &[CarTarget]) -> SweepR
         method: method.name().to_owned(),
         seed: Some(seed),
         designs: sweep.sampled.designs(),
-        blocks_of_part: BLOCKS_OF_PART,
+        blocks_of_part: CAR_BLOCKS_OF_PART,
         drive: "case".to_owned(),
         stations: study.cases.len(),
         variables: variables.collect(),

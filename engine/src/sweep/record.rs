@@ -11,9 +11,16 @@ use std::ops::Range;
 /// Version of the file's format. A reader accepts no other.
 pub const FORM: u32 = 2;
 
-/// Number of blocks in a part. With 128 designs per block, a part is some tenths of a second of work for one core, and a row
-/// group of the usual size. It must not depend on the machine, because parts are the same wherever they are computed.
+/// Number of blocks in a part of a sweep of wheels or axles. With 128 designs per block, a part is some tenths of a second of
+/// work for one core, and a row group of the usual size. It must not depend on the machine, because parts are the same
+/// wherever they are computed.
 pub const BLOCKS_OF_PART: u64 = 1024;
+
+/// Number of blocks in a part of a sweep of cars. With 16 designs per block and some milliseconds per design, a part is a few
+/// seconds of work for one core.
+pub(super) const CAR_BLOCKS_OF_PART: u64 = 64;
+/// Number of designs in a block of cars, which have no SIMD lanes.
+const CAR_BLOCK: u64 = 16;
 
 /// Description of a sweep without its results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -133,11 +140,16 @@ pub struct TargetColumn {
 }
 
 impl SweepRecord {
-    /// Number of designs in a block: [`BLOCK`], or fewer so that no group of Saltelli's samples is divided.
+    /// Number of designs in a block: [`BLOCK`], or 16 cars. No block divides a group of Saltelli's samples.
     pub fn block(&self) -> u64 {
+        let most = if self.is_of_car() {
+            CAR_BLOCK
+        } else {
+            BLOCK as u64
+        };
         match self.group() {
-            Some(group) => BLOCK as u64 / group * group,
-            None => BLOCK as u64,
+            Some(group) => (most / group).max(1) * group,
+            None => most,
         }
     }
 

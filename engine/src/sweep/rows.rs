@@ -1,6 +1,6 @@
 //! Rows: results of each design of a block.
 
-use crate::car::{FailedCases, NoEquilibrium};
+use crate::car::{Car, FailedCases, NoEquilibrium};
 use crate::curves::Status;
 use crate::mechanism::{DesignFault, Failure, NoPose};
 use crate::model::{Drive, Mechanism};
@@ -64,7 +64,7 @@ impl Failing {
     }
 
     /// Describes a design of a car with cases without an equilibrium. `case` is the name of the first of them.
-    pub(super) fn case(case: &str, failed: &FailedCases) -> Self {
+    pub(super) fn case(case: &str, failed: &FailedCases, car: &Car) -> Self {
         let reason = match &failed.why {
             NoEquilibrium::NoPose { axle, failure } => {
                 format!(
@@ -73,7 +73,7 @@ impl Failing {
                     no_pose(failure)
                 )
             }
-            why => why.to_string(),
+            why => why.describe(car),
         };
         Failing {
             status: failed.why.status().to_owned(),

@@ -47,7 +47,7 @@ impl Problem<'_> {
         };
         let mut moved = self.study.clone();
         self.set_rates(number, &mut moved.vehicle);
-        Ok(self.study.with_rates_of(text, &moved))
+        Ok(self.study.as_written().with_rates_of(text, &moved))
     }
 
     /// The vehicle of the build with this number: its wheels at rest, and its rates. An error names the wheel that cannot be

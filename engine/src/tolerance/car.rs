@@ -302,7 +302,7 @@ impl<'a> CarProblem<'a> {
             Ok(None) => None,
             Ok(Some(failed)) => {
                 let case = &self.study.cases[failed.first].name;
-                Some(format!("case {case}: {}", failed.why))
+                Some(format!("case {case}: {}", failed.why.describe(&car)))
             }
             Err(fault) => Some(car.describe_fault(&fault)),
         }

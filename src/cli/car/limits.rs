@@ -24,7 +24,7 @@ pub(in crate::cli) fn limits(arguments: &LimitsArguments) -> Result<Exit, Stop> 
             "{name}: the first wheel that lifts and the end of equilibrium, by direction and by case, up to 5 g\n\n"
         ))?;
     }
-    out.table("lift_limits", lift_limits_table(&limits))?;
+    out.table("lift_limits", lift_limits_table(&limits, &study.car))?;
     out.finish()?;
     Ok(Exit::of(limits.iter().all(|limit| limit.has_start())))
 }

@@ -6,7 +6,10 @@ use crate::model::Axis;
 use crate::report::files::csv_of_rows;
 use crate::report::{optional, shortest};
 use crate::study::GgMap;
+use crate::threads::stoppable;
 use rayon::prelude::*;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// Makes a CSV file with a header.
 pub(super) fn csv(header: &[String], rows: impl IntoIterator<Item = Vec<String>>) -> Vec<u8> {
@@ -21,6 +24,18 @@ pub struct GgResults {
     pub map: CarMap,
     /// Number of states without equilibrium.
     pub failures: usize,
+    /// Number of finished rows, and total number of rows. An interrupted map lacks rows.
+    pub rows: [usize; 2],
+}
+
+impl GgResults {
+    /// Describes the lost rows of an interrupted map. `None` for a complete map.
+    pub fn unfinished_in_words(&self) -> Option<String> {
+        let [finished, all] = self.rows;
+        (finished < all).then(|| {
+            format!("interrupted: gg.csv has {finished} of {all} rows of gg_map (one ax each); run the study again for all of them")
+        })
+    }
 }
 
 impl<'s> CarResults<'s> {
@@ -44,10 +59,13 @@ impl<'s> CarResults<'s> {
     }
 
     /// Reason and status of a state, as the last two cells of its row.
-    pub(super) fn end(state: &CarState<'_>) -> [String; 2] {
+    pub(super) fn end(&self, state: &CarState<'_>) -> [String; 2] {
         match state {
             CarState::Solved { .. } => [String::new(), "ok".to_owned()],
-            CarState::Failed(why) => [why.to_string(), why.status().to_owned()],
+            CarState::Failed(why) => {
+                let reason = why.describe(&self.study.car);
+                [reason, why.status().to_owned()]
+            }
         }
     }
 
@@ -115,15 +133,16 @@ impl<'s> CarResults<'s> {
                 let force =
                     |number: usize| optional(forces.get(number).map(|f| f / unit.newtons()));
                 row.extend((0..members.len()).map(force));
-                row.extend(Self::end(state));
+                row.extend(self.end(state));
                 row
             });
         csv(&header, rows)
     }
 
     /// States of a g-g map, on the threads of the current rayon pool. Each row has one ax and its own copy of the solver, and
-    /// each state of a row starts from the one before. So the results do not depend on the number of threads.
-    pub fn gg(&self, solver: CarSolver<'s>, map: &GgMap) -> GgResults {
+    /// each state of a row starts from the one before. So the results do not depend on the number of threads. If the flag is
+    /// raised, rows that are not finished are left out.
+    pub fn gg(&self, solver: CarSolver<'s>, map: &GgMap, flag: &Arc<AtomicBool>) -> GgResults {
         let rack = format!("rack_{}", self.unit());
         let fixed = [
             "ax_g",
@@ -137,10 +156,14 @@ impl<'s> CarResults<'s> {
         header.extend(self.columns());
         header.extend(["reason".to_owned(), "status".to_owned()]);
         let rows = map.ax.par_iter();
-        let rows = rows.map_with(solver, |own, ax| self.gg_row(own.clone(), map, *ax));
-        let rows: Vec<GgRow> = rows.collect();
-        let mut shown = CarMap::of(&map.ax, &map.ay);
-        let mut cells = Vec::with_capacity(map.ax.len() * map.ay.len());
+        let rows = rows.map_with(solver, |own, ax| {
+            stoppable(flag, || self.gg_row(own.clone(), map, *ax))
+        });
+        let rows: Vec<Option<GgRow>> = rows.collect();
+        let rows: Vec<GgRow> = rows.into_iter().flatten().collect();
+        let finished = rows.len();
+        let mut shown = CarMap::of(&[], &map.ay);
+        let mut cells = Vec::with_capacity(finished * map.ay.len());
         let mut failures = 0;
         for row in rows {
             failures += row.failures;
@@ -151,6 +174,7 @@ impl<'s> CarResults<'s> {
             csv: csv(&header, cells),
             map: shown,
             failures,
+            rows: [finished, map.ax.len()],
         }
     }
 
@@ -181,7 +205,7 @@ impl<'s> CarResults<'s> {
                 }
             }
             cells.extend(self.values(&state, &case));
-            cells.extend(Self::end(&state));
+            cells.extend(self.end(&state));
             row.cells.push(cells);
             if let CarState::Solved { found, .. } = state {
                 before = Some(found);

@@ -1,9 +1,14 @@
 //! Lift limits of a car, as a table and as `lift_limits.csv`.
 
-use crate::car::{CarSolver, Case, Longitudinal, RayLimits};
+use crate::car::{Car, CarSolver, Case, Longitudinal, RayLimits};
 use crate::report::table::{Cell, Column, Table};
 use crate::report::{brief, figure};
 use crate::study::CarStudy;
+
+/// Decimal places to which the acceleration of a lift is known.
+const LIFT_PLACES: i32 = 9;
+/// Decimal places to which the end of equilibrium is known.
+const END_PLACES: i32 = 5;
 
 /// Limits along a direction or for a load case.
 pub struct CarLimits {
@@ -33,13 +38,13 @@ impl CarLimits {
         }
     }
 
-    fn reason(&self) -> String {
+    fn reason(&self, car: &Car) -> String {
         match &self.found {
             Err(key) => format!("needs {key} in [car]"),
             Ok(found) => found
                 .why
                 .as_ref()
-                .map_or_else(String::new, ToString::to_string),
+                .map_or_else(String::new, |why| why.describe(car)),
         }
     }
 }
@@ -84,8 +89,14 @@ pub fn car_limits(study: &CarStudy, solver: &mut CarSolver<'_>) -> Vec<CarLimits
     limits
 }
 
+/// Number with this many decimal places.
+fn rounded(value: f64, places: i32) -> f64 {
+    let power = 10_f64.powi(places);
+    (value * power).round() / power
+}
+
 /// Table of the limits, one row for each direction and case.
-pub fn lift_limits_table(limits: &[CarLimits]) -> Table {
+pub fn lift_limits_table(limits: &[CarLimits], car: &Car) -> Table {
     let columns = [
         Column::from("case"),
         Column::named("direction deg", "direction_deg"),
@@ -106,13 +117,14 @@ pub fn lift_limits_table(limits: &[CarLimits]) -> Table {
         let at = lift.map(|lift| lift.acceleration);
         let end = found
             .filter(|found| found.why.is_some())
-            .map(|found| found.end);
+            .map(|found| rounded(found.end, END_PLACES));
+        let along = |way: f64| at.map(|g| rounded(g * way, LIFT_PLACES) + 0.0);
         table.push_row([
             Cell::from(limit.case.as_str()),
             Cell::shown(limit.degrees, brief(limit.degrees)),
-            acceleration(at),
-            acceleration(at.map(|g| g * limit.way[0] + 0.0)),
-            acceleration(at.map(|g| g * limit.way[1] + 0.0)),
+            acceleration(along(1.0)),
+            acceleration(along(limit.way[0])),
+            acceleration(along(limit.way[1])),
             lift.map_or("", |lift| lift.wheel.name()).into(),
             match lift.map(|lift| lift.others_loaded) {
                 None => "",
@@ -121,7 +133,7 @@ pub fn lift_limits_table(limits: &[CarLimits]) -> Table {
             }
             .into(),
             acceleration(end),
-            limit.reason().as_str().into(),
+            limit.reason(car).as_str().into(),
             limit.status().into(),
         ]);
     }

@@ -155,7 +155,8 @@ impl<'s> CarResults<'s> {
         cases
             .filter_map(|(case, state)| match state {
                 CarState::Failed(why) => {
-                    Some(format!("case {}: {}: {why}", case.name, why.status()))
+                    let reason = why.describe(&self.study.car);
+                    Some(format!("case {}: {}: {reason}", case.name, why.status()))
                 }
                 CarState::Solved { .. } => None,
             })

@@ -169,7 +169,7 @@ impl<'s> CarResults<'s> {
         let cases = study.cases.iter().zip(&self.states);
         let cases = cases.map(|(case, state)| {
             let (reason, state) = match state {
-                CarState::Failed(why) => (Some(why.to_string()), None),
+                CarState::Failed(why) => (Some(why.describe(&study.car)), None),
                 CarState::Solved { found, .. } => {
                     (None, self.state_record(case, found, state, solver))
                 }
@@ -279,8 +279,9 @@ impl CarMap {
         }
     }
 
-    /// Adds the states of another map.
+    /// Adds the rows of another map with the same values of ay.
     pub(super) fn append(&mut self, other: CarMap) {
+        self.ax.extend(other.ax);
         self.friction.extend(other.friction);
         self.lifted.extend(other.lifted);
     }

@@ -32,7 +32,7 @@ impl CarResults<'_> {
                 case.name.as_str().into(),
                 Cell::shown(case.ax, figure(case.ax, "g")),
                 Cell::shown(case.ay, figure(case.ay, "g")),
-                Self::end(state)[1].as_str().into(),
+                self.end(state)[1].as_str().into(),
             ];
             let mut shown = vec![
                 (CarQuantity::Whole(WholeResult::Roll), "deg"),

@@ -10,9 +10,12 @@ use super::text::SweepText;
 use crate::results::{Lock, NotLocked, Owner, TEMPORARY, WriteError, temporary_of, unwritten};
 use crate::sweep::csv::rows_header;
 use crate::sweep::{SweepRecord, SweepStatistics, Swept, in_order};
+use crate::threads::stoppable;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use tempfile::NamedTempFile;
 
 /// Version of the format of the statistics file. A reader accepts no other version.
@@ -47,13 +50,13 @@ pub enum PartOutcome {
 }
 
 /// Computes a part on the threads of the current rayon pool. Does nothing if the part is complete or another process computes it.
-/// It calls `go_on` before every block, and `watch` with the number of designs in every block.
+/// A raised flag stops it within a block. It calls `watch` with the number of designs in every finished block.
 pub fn write_part(
     swept: Swept<'_>,
     text: &SweepText,
     directory: &SweepDirectory,
     part: u64,
-    go_on: impl Fn() -> bool + Sync,
+    flag: &Arc<AtomicBool>,
     mut watch: impl FnMut(u64) + Send,
 ) -> Result<PartOutcome, WriteError> {
     let record = swept.record();
@@ -84,7 +87,11 @@ pub fn write_part(
     in_order(
         blocks,
         || swept.worker(),
-        |worker, block| go_on().then(|| text.finish(record, worker, block)),
+        |worker, block| {
+            let is_raised = flag.load(Ordering::Relaxed);
+            let finish = || (!is_raised).then(|| text.finish(record, worker, block));
+            stoppable(flag, finish).flatten()
+        },
         |finished| {
             rows.table.append(&finished.designs)?;
             if let Some(curves) = &mut curves {

@@ -4,6 +4,8 @@ mod of_tuning;
 mod tables;
 mod words;
 
+pub use words::interrupted_in_words;
+
 use super::accuracy::{CertificateSummary, ConditionSummary};
 use super::choices::{FrontPoint, FrontRecord, PriceRecord};
 use super::figure::{as_written, brief, with_decimals};

@@ -93,18 +93,7 @@ impl TuningSummary {
 
     /// Completed fraction of an interrupted tuning, in words.
     pub fn interrupted_in_words(&self) -> String {
-        let [interrupted, all] = self.interrupted();
-        match interrupted {
-            0 => format!(
-                "interrupted: {} done, not all that was to be made of what they came to",
-                counted(all, "start")
-            ),
-            some => format!(
-                "interrupted: {} of {} done",
-                all - some,
-                counted(all, "start")
-            ),
-        }
+        interrupted_in_words(self.interrupted())
     }
 
     /// Sentences for a page that has no tables of targets and starts: why the search ended, which targets are missed, and which
@@ -225,5 +214,14 @@ impl TuningSummary {
             parts.join(", ")
         };
         self.unseen.iter().map(describe).collect()
+    }
+}
+
+/// Completed fraction of an interrupted tuning, in words, from the number of interrupted starts and the number of all starts.
+pub fn interrupted_in_words([interrupted, all]: [usize; 2]) -> String {
+    let starts = counted(all, "start");
+    match interrupted {
+        0 => format!("interrupted: {starts} done, later computations may be missing"),
+        some => format!("interrupted: {} of {starts} done", all - some),
     }
 }

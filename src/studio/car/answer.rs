@@ -65,7 +65,7 @@ pub(super) fn solved(
             first: case,
             last: case,
             status: why.status().to_owned(),
-            reason: why.to_string(),
+            reason: why.describe(&study.car),
             place: format!("case {}", study.cases[case].name),
         }),
     });
@@ -156,7 +156,8 @@ fn drawn<'s>(
             })
         }
         Err(why) => {
-            let pose = Err(format!("case {}: {why}", case.name));
+            let reason = why.describe(&study.car);
+            let pose = Err(format!("case {}: {reason}", case.name));
             [Some(Drawn::Side { pose }), None]
         }
     }

@@ -11,7 +11,8 @@
 
 use super::OpenedCar;
 use crate::car::{
-    AxleParameter, CarGradient, CarQuantity, CarSolver, CarTarget, Parameter, RigGoals,
+    AxleParameter, CarGradient, CarQuantity, CarSolver, CarTarget, Case, NoEquilibrium, Parameter,
+    RigGoals,
 };
 use crate::optimise::{TargetLayout, assessed};
 use crate::report::{CarResults, CarState};
@@ -113,6 +114,9 @@ fn of_cases<'s>(
     solver: &mut CarSolver<'s>,
     results: &CarResults<'s>,
 ) -> Result<Found, String> {
+    let failed = |case: &Case, why: &NoEquilibrium| {
+        format!("case {}: {}", case.name, why.describe(&study.car))
+    };
     let mut targets: Vec<Option<Weighed>> = optimise.targets.iter().map(|_| None).collect();
     for (number, case) in study.cases.iter().enumerate() {
         let own = (0..targets.len()).filter(|k| optimise.targets[*k].case == number);
@@ -122,12 +126,12 @@ fn of_cases<'s>(
         }
         let found = match &results.states[number] {
             CarState::Solved { found, .. } => found,
-            CarState::Failed(why) => return Err(format!("case {}: {why}", case.name)),
+            CarState::Failed(why) => return Err(failed(case, why)),
         };
         let quantities: Vec<CarQuantity> =
             own.iter().map(|k| optimise.targets[*k].quantity).collect();
         let gradients = solver.gradients(case, found, &quantities);
-        let gradients = gradients.map_err(|why| format!("case {}: {why}", case.name))?;
+        let gradients = gradients.map_err(|why| failed(case, &why))?;
         for (k, gradient) in own.into_iter().zip(&gradients) {
             let target = &optimise.targets[k];
             targets[k] = Some(of_target(target, study, gradient));
@@ -138,7 +142,7 @@ fn of_cases<'s>(
         let case = &study.cases[own.case];
         let value = match &results.states[own.case] {
             CarState::Solved { solved, .. } => own.quantity.printed(solved, case),
-            CarState::Failed(why) => return Err(format!("case {}: {why}", case.name)),
+            CarState::Failed(why) => return Err(failed(case, why)),
         };
         let value = value.ok_or_else(|| format!("{} has no value in {}", own.name, case.name))?;
         let [low, high] = own.between;

@@ -150,7 +150,7 @@ impl Reading for OpenedCar {
     fn limits(&self, of: &Designed) -> Result<LimitsAnswer, String> {
         let study = self.moved(&of.design)?;
         let limits = car_limits(&study, &mut solver(&study)?);
-        let table = lift_limits_table(&limits);
+        let table = lift_limits_table(&limits, &study.car);
         let is_shown = |column: &str| LIFT_COLUMNS.contains(&column);
         let note = "Accelerations up to 5 g, from forward (0 degrees) to the left (90 degrees).";
         let notes = vec![note.to_owned()];

@@ -107,7 +107,7 @@ struct Case {
     study: Study,
     assembler: Assembler,
     /// Every dimension of the parts, with where it is among the drawing's: a coordinate of a point, or a length.
-    dimensions: Vec<(Place, Vec<BuildParameter>)>,
+    dimensions: Vec<(Place, BuildParameter)>,
     stations: Vec<Motion>,
 }
 
@@ -140,17 +140,13 @@ impl Case {
         let mut dimensions = Vec::new();
         for (id, point) in drawing.names.iter().enumerate() {
             for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
-                let mut parameters = vec![parameter(&assembler, point, Some(axis))];
-                // Where angles give the spin axis it goes with the wheel's centre.
-                if drawing.spin.is_err() && point == "wheel_centre" {
-                    parameters.push(parameter(&assembler, "spindle_inner", Some(axis)));
-                }
-                dimensions.push((Place::Coordinate(id, k), parameters));
+                let of_point = parameter(&assembler, point, Some(axis));
+                dimensions.push((Place::Coordinate(id, k), of_point));
             }
         }
         for (number, (member, _)) in drawing.members.iter().enumerate() {
-            let parameters = vec![parameter(&assembler, member, None)];
-            dimensions.push((Place::Length(number), parameters));
+            let of_member = parameter(&assembler, member, None);
+            dimensions.push((Place::Length(number), of_member));
         }
         let of_rack = |rack: &f64| {
             TRAVELS.map(|travel| Motion {
@@ -174,11 +170,9 @@ impl Case {
     fn parts(&self, changes: &[f64]) -> (hardpoint::assembly::Parts<f64>, Parts<DoubleDouble>) {
         let mut theirs = self.assembler.drawn().clone();
         let mut ours = self.drawing.drawn();
-        for ((place, parameters), by) in self.dimensions.iter().zip(changes) {
-            for parameter in parameters {
-                let mechanism = &self.assembler.suspension().mechanism;
-                theirs.change(mechanism, *parameter, *by);
-            }
+        for ((place, parameter), by) in self.dimensions.iter().zip(changes) {
+            let mechanism = &self.assembler.suspension().mechanism;
+            theirs.change(mechanism, *parameter, *by);
             match *place {
                 // A point of the parts is given in doubles.
                 Place::Coordinate(id, axis) => {
@@ -260,7 +254,7 @@ fn compared(case: &Case, seed: u64) -> Errors {
     };
     let pairs = case.dimensions.iter().zip(&shares);
     let direction: Vec<_> = pairs
-        .flat_map(|((_, parameters), share)| parameters.iter().map(|p| (*p, *share)))
+        .map(|((_, parameter), share)| (*parameter, *share))
         .collect();
     let curves = built_curves(&case.assembler, &built, &plan(&case.study), &[&direction]).unwrap();
     let size = case.study.wheel().size();

@@ -7,6 +7,7 @@ mod other_equations;
 mod reference;
 mod same_as_design;
 mod set_up;
+mod spin_axis;
 mod tolerance;
 
 use hardpoint::assembly::{Assembler, BuildParameter, Member};

@@ -168,3 +168,27 @@ fn limits_of_builds_are_the_nearest_of_each() {
     assert_eq!(counts[1]["first"], first);
     assert_eq!(counts[0]["number"], 0);
 }
+
+/// A study that was moved in memory prints builds of the moved design: the text has every point of the build.
+#[test]
+fn a_build_of_a_moved_study_has_all_moved_points() {
+    let study = study(
+        "double_wishbone_tolerance",
+        &["tolerance.bands=[]", "tolerance.aligned=false"],
+    );
+    let shifted = study.wheel().design.iter().enumerate();
+    let shifted = shifted.map(|(number, place)| {
+        let mut place = *place;
+        place.z += 0.25 * (number % 3) as f64;
+        place
+    });
+    let moved = study.at_design(shifted.collect());
+    let problem = Problem::of(&moved, moved.tolerance.as_ref().unwrap()).unwrap();
+    let text = problem.built_text(0).unwrap();
+    let printed = Study::from_text("built.toml", &text, Path::new("")).unwrap();
+    let built = problem.built(0).unwrap();
+    for (point, place) in built.mechanism.points.iter().zip(&built.design) {
+        let id = printed.wheel().mechanism.point(&point.name).unwrap();
+        assert_eq!(printed.wheel().design[id.0], *place, "{}", point.name);
+    }
+}

@@ -268,3 +268,78 @@ fn starts_of_a_tuning_are_checked() {
     let said = check("0", 2);
     assert!(said.contains("expected 1 to 10000 starts"), "{said}");
 }
+
+/// Inputs without meaning are refused with the place and the reason.
+#[test]
+fn wrong_inputs_of_cars_are_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    hardpoint(directory.path(), &["new", "car"]).success();
+    let good = fs::read_to_string(directory.path().join("car.toml")).unwrap();
+    let axle = fs::read_to_string(directory.path().join("car_front.toml")).unwrap();
+    let case = "\n[[cases]]\nname = \"odd\"\n";
+    let with_case = |line: &str| format!("{good}{case}{line}\n");
+    let ay = "ay = { from = 0.0, to = 0.8, steps = 5 }";
+    let with_map = |line: &str| good.replace(ay, line);
+    for (text, place, reason) in [
+        (
+            with_case("speed = -50.0"),
+            "cases[4].speed",
+            "expected a speed of 0 or more, found -50",
+        ),
+        (
+            with_case("lateral_share_left = [0.5, 1.2]"),
+            "cases[4].lateral_share_left",
+            "expected shares from 0 to 1, found 1.2",
+        ),
+        (
+            with_map("ay = { from = 0.0, to = 0.8, steps = 1 }"),
+            "gg_map.ay.steps",
+            "one step cannot reach from 0 to 0.8",
+        ),
+        (
+            with_map("ay = { from = 0.8, to = 0.0, steps = 5 }"),
+            "gg_map.ay.from",
+            "the range is reversed",
+        ),
+        (
+            with_map(&format!("{ay}\nspeed = -1.0")),
+            "gg_map.speed",
+            "0 or more",
+        ),
+        (
+            good.replace("\"car_front.toml\"", "\"car.toml\""),
+            "car.front",
+            "expected the study of an axle, found the study of a car",
+        ),
+        (
+            format!("{axle}{case}"),
+            "cases[0]",
+            "cases belongs to the study of a car, which has a section [car]",
+        ),
+    ] {
+        fs::write(directory.path().join("odd.toml"), &text).unwrap();
+        let refused = hardpoint(directory.path(), &["check", "odd.toml"]).code(2);
+        let said = super::commands::text(&refused.get_output().stderr);
+        assert!(
+            said.contains(place) && said.contains(reason) && said.contains("odd.toml:"),
+            "{place}: {said}"
+        );
+    }
+}
+
+/// Values of a map are the numbers that their decimals read as.
+#[test]
+fn values_of_maps_are_decimals() {
+    let directory = tempfile::tempdir().unwrap();
+    hardpoint(directory.path(), &["new", "car"]).success();
+    let range = "gg_map.ay={from=0.0,to=0.6,steps=7}";
+    let one = "gg_map.ax={from=0.0,to=0.0,steps=1}";
+    let run = [
+        "solve", "car.toml", "--set", range, "--set", one, "--out", "run",
+    ];
+    hardpoint(directory.path(), &run).success();
+    let map = fs::read(directory.path().join("run/gg.csv")).unwrap();
+    let rows = crate::support::rows_by_column(&map);
+    let values: Vec<&str> = rows.iter().map(|row| row["ay_g"].as_str()).collect();
+    assert_eq!(values, ["0.0", "0.1", "0.2", "0.3", "0.4", "0.5", "0.6"]);
+}

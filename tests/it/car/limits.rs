@@ -1,6 +1,7 @@
 //! Limits of a car along directions of acceleration.
 
 use super::{car, reference};
+use crate::support::rows_by_column;
 use hardpoint::car::{Car, CarQuantity, CarSolver, Case, WheelPlace, WheelResult};
 use hardpoint::study::CarStudy;
 
@@ -42,7 +43,9 @@ fn limits_are_where_loads_vanish() {
             let (found, lifted) = loads(&mut solver, &at(&case, lift.acceleration));
             let most = found.iter().copied().fold(0.0, f64::max);
             let wheel = lift.wheel.0;
-            assert!(found[wheel].abs() < 1e-7 * most, "{found:?}");
+            // Where both wheels of an axle lift at once, their loads fall steeply.
+            let bound = if lift.others_loaded { 1e-10 } else { 1e-7 };
+            assert!(found[wheel].abs() < bound * most, "{found:?}");
             let (below, down) = loads(&mut solver, &at(&case, lift.acceleration - 1e-5));
             assert_eq!(down, [false; 4], "{lifted:?}");
             assert!(below[wheel] > 0.0);
@@ -122,6 +125,15 @@ fn the_command_prints_a_table() {
     let arguments = ["limits", study, "--format", "csv"];
     let said = super::commands::hardpoint(directory.path(), &arguments).success();
     let csv = super::commands::text(&said.get_output().stdout);
+    // Only digits that are known are printed.
+    let ends = rows_by_column(&said.get_output().stdout);
+    let ends = ends.iter().filter_map(|row| row.get("end_g"));
+    let places = |number: &String| number.split_once('.').map_or(0, |(_, places)| places.len());
+    let places: Vec<usize> = ends.filter(|end| !end.is_empty()).map(places).collect();
+    assert!(
+        !places.is_empty() && places.iter().all(|places| *places <= 5),
+        "{csv}"
+    );
     let header = "case,direction_deg,g,ax_g,ay_g,wheel,others_loaded,end_g,reason,status";
     assert!(csv.contains(header), "{csv}");
     for case in ["turn,90", "braking,180", "trail_braking,", "fast,90"] {

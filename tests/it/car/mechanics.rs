@@ -272,7 +272,7 @@ fn what_cannot_stand_is_said_so() {
     let thrown = at(&car, 2.5, 0.0).unwrap_err();
     assert!(
         ["no_equilibrium", "unstable", "unreachable", "singular"].contains(&thrown.status()),
-        "{thrown}"
+        "{thrown:?}"
     );
     car.axles[1].setup.springs = None;
     assert_eq!(at(&car, 0.0, 0.0), Err(NoEquilibrium::Unsupported));
@@ -457,7 +457,8 @@ fn plant(seed: u64, seeds: usize) -> Vec<f64> {
             rigs: [None, None],
         };
         let clock = std::time::Instant::now();
-        let tuned = tune(&car, goals, run, Default::default()).unwrap();
+        let tuning = tune(&car, goals, run, Default::default()).unwrap();
+        let tuned = tuning.best_fit().unwrap();
         times.push(clock.elapsed().as_secs_f64());
         println!(
             "{seed}: misfit {:e}, {} evaluations",

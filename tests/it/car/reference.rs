@@ -108,7 +108,7 @@ fn every_value_of_every_state_agrees() {
         let case = case(&state["case"]);
         let found = solver
             .solve(&case)
-            .unwrap_or_else(|e| panic!("{}: {e}", case.name));
+            .unwrap_or_else(|e| panic!("{}: {e:?}", case.name));
         let places = ["front_left", "front_right", "rear_left", "rear_right"];
         let lifted: Vec<&str> = (0..4)
             .filter(|k| found.lifted[*k])

@@ -147,7 +147,8 @@ fn planted_bump_steer_and_distribution_are_found() {
         constraints: &[],
         ..study.goals(wanted)
     };
-    let tuned = tune(&study.car, goals, wanted.run, Default::default()).unwrap();
+    let tuning = tune(&study.car, goals, wanted.run, Default::default()).unwrap();
+    let tuned = tuning.best_fit().unwrap();
     assert!(tuned.misfit() < 1e-6, "{:e}", tuned.misfit());
     for (found, planted) in tuned.x.iter().zip(planted) {
         assert!(

@@ -2,6 +2,8 @@
 
 use hardpoint::axle::{Preloaded, RockerSprings};
 use hardpoint::car::{Car, CarQuantity, CarSolver, Case, Longitudinal, NoEquilibrium};
+use hardpoint::mechanism::{Failure, LimitCause, NoPose};
+use hardpoint::model::Side;
 use hardpoint::study::CarStudy;
 use std::path::Path;
 
@@ -138,5 +140,49 @@ fn a_braking_car_is_solved_until_its_rear_wheels_lift() {
     let slopes: Vec<f64> = steps.windows(2).map(|pair| pair[0] - pair[1]).collect();
     for pair in slopes.windows(2) {
         assert!((pair[1] / pair[0] - 1.0).abs() < 0.1, "{slopes:?}");
+    }
+}
+
+/// Springs on links that fold carry a car up to a vertical acceleration. Up to there heave grows faster and faster, and roll hardly
+/// at all. So the reason for the end is that the body sinks, and the car does not tip.
+#[test]
+fn a_car_whose_links_fold_sinks() {
+    let path = super::commands::studies().join("off_road_car.toml");
+    let car = CarStudy::read(&path, &[]).unwrap().car;
+    let mut solver = CarSolver::new(&car).unwrap();
+    let at = |az: f64| Case { az, ..at_rest() };
+    let heave = [0.5, 0.6, 0.7].map(|az| value(&mut solver, &at(az), "heave"));
+    let [first, last] = [heave[1] - heave[0], heave[2] - heave[1]];
+    assert!(last > 1.2 * first && first > 0.0, "{heave:?}");
+    for az in [0.75, 0.9] {
+        let why = solver.solve(&at(az)).unwrap_err();
+        assert_eq!(why, NoEquilibrium::Sinks);
+        let words = why.describe(&car);
+        assert!(words.starts_with("the body sinks: "), "{words}");
+    }
+}
+
+/// A rack displacement that a car cannot reach ends on the side to which the rack was moved, whichever wheel is named. The limit
+/// has a unit.
+#[test]
+fn an_unreachable_rack_has_its_sign_and_unit() {
+    let path = super::commands::studies().join("car.toml");
+    let car = CarStudy::read(&path, &[]).unwrap().car;
+    let unreachable = |side: Side| {
+        let limit = 40.0;
+        let failure = Failure::RackUnreachable {
+            limit: side.sign() * limit,
+            cause: LimitCause::TieRodToggle,
+        };
+        let failure = NoPose::Wheel {
+            side,
+            travel: 0.0,
+            failure,
+        };
+        NoEquilibrium::NoPose { axle: 0, failure }.describe(&car)
+    };
+    for side in Side::ALL {
+        let words = unreachable(side);
+        assert!(words.contains("no further than 40.000000 mm"), "{words}");
     }
 }

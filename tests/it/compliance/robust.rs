@@ -15,14 +15,7 @@ fn builds_at(study: &Study, x: &DVector<f64>) -> Linearisation {
     let layout = TargetLayout::of(optimise, &study.vehicle);
     let (variables, scatter) = (&optimise.variables, optimise.scatter.as_ref().unwrap());
     let assembled = study.vehicle.assembled().unwrap();
-    let problem = Objective::of_builds(
-        &study.vehicle,
-        &assembled,
-        variables,
-        &layout,
-        scatter,
-        None,
-    );
+    let problem = Objective::of_builds(&assembled, variables, &layout, scatter, None);
     let mut found = Linearisation::new(layout.residuals(), x.len());
     problem.unwrap().evaluate(x, &mut found).unwrap();
     found

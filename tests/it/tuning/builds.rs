@@ -28,15 +28,7 @@ fn with_problem<R>(
     let assembled = study.vehicle.assembled().unwrap();
     let scatter = optimise.scatter.as_ref().unwrap();
     let variables = &optimise.variables;
-    let mut problem = Objective::of_builds(
-        &study.vehicle,
-        &assembled,
-        variables,
-        &layout,
-        scatter,
-        width,
-    )
-    .unwrap();
+    let mut problem = Objective::of_builds(&assembled, variables, &layout, scatter, width).unwrap();
     let count = layout.residuals();
     f(&mut |x| {
         let mut at = Linearisation::new(count, x.len());
@@ -244,5 +236,34 @@ fn assert_same_at_every_width(what: &str, find: impl Fn(Option<Width>) -> Linear
             }
         }
         assert_eq!(first.get_or_insert(found.clone()), &found);
+    }
+}
+
+/// A scattered wheel centre moves a spin axis that angles give in parallel. So the radius of the wheel has no effect on camber and
+/// toe of robust builds, also where the variables have moved the nominal design.
+#[test]
+fn the_radius_has_no_effect_on_robust_builds() {
+    let scatter = "tolerance.scatter=[{ hardpoint = \"wheel_centre\", sigma = 1.0 }]";
+    let residuals = |radius: &str| {
+        let study = edited(
+            "double_wishbone_tolerance.toml",
+            &[
+                TRAVEL,
+                VARIABLES,
+                TARGETS,
+                "optimise.scatter=3",
+                "tolerance.bands=[]",
+                "tolerance.aligned=false",
+                scatter,
+                radius,
+            ],
+        );
+        let x = DVector::from_fn(8, |j, _| ((j * 7 + 3) as f64).sin());
+        with_problem(&study, None, |at| at(&x).residuals)
+    };
+    let usual = residuals("wheel.radius=300.0");
+    for radius in ["wheel.radius=150.0", "wheel.radius=600.0"] {
+        let off = (residuals(radius) - &usual).amax();
+        assert!(off < 1e-9 * usual.amax(), "{radius}: {off}");
     }
 }

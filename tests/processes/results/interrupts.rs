@@ -141,3 +141,108 @@ fn signals_do_not_unmake_a_finished_run() {
     }
     bench.run(&["report", "run"]).success();
 }
+
+/// State of the only run of a directory: finished, interrupted.
+fn state(bench: &Bench) -> [Value; 2] {
+    let run = json(bench, "run/run.json");
+    ["finished", "interrupted"].map(|key| run["runs"][0][key].clone())
+}
+
+/// Interrupts a command on the road car after a file appeared and some time passed. Returns its exit code and output.
+fn interrupted_car(bench: &Bench, call: &[&str], begun: &str, seconds: f64) -> (i32, String) {
+    for name in ["car.toml", "car_front.toml", "car_rear.toml"] {
+        sample(bench, name);
+    }
+    let mut command = bench.command(call);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let process = command.spawn().unwrap();
+    wait_for(bench, begun);
+    std::thread::sleep(Duration::from_secs_f64(seconds));
+    signal(&process, "-INT");
+    let ended = process.wait_with_output().unwrap();
+    assert_eq!(state(bench), [Value::Bool(false), Value::Bool(true)]);
+    let said = [ended.stdout, ended.stderr].map(|text| String::from_utf8(text).unwrap());
+    (ended.status.code().unwrap(), said.concat())
+}
+
+/// The best design so far is kept: three studies that run, with tuned rates.
+#[test]
+fn an_interrupted_tuning_of_a_car_keeps_its_best_design() {
+    let bench = Bench::new();
+    let starts = "optimise.starts=1000";
+    let call = ["optimise", "car.toml", "--set", starts, "--out", "run"];
+    let (code, said) = interrupted_car(&bench, &call, "run/run.json", 1.5);
+    assert_eq!(code, 130, "{said}");
+    for name in [
+        "optimised.toml",
+        "optimised_front.toml",
+        "optimised_rear.toml",
+    ] {
+        bench.run(&["check", &format!("run/{name}")]).success();
+    }
+    let tuned = bench.read("run/optimised_front.toml");
+    assert!(tuned != bench.read("car_front.toml"));
+    assert!(said.contains("interrupted"), "{said}");
+    let summary = json(&bench, "run/summary.json");
+    // A slow machine has no time for more than the studies.
+    if let Some(interrupted) = summary["interrupted_starts"].as_u64() {
+        assert!((1..1000).contains(&interrupted) && said.contains(" of 1000 starts done"));
+        assert!(summary["misfit"].as_f64().unwrap() < 1.0);
+    }
+}
+
+/// Rows of a map that were finished are kept, and are those of an uninterrupted map.
+#[test]
+fn an_interrupted_map_keeps_its_finished_rows() {
+    let bench = Bench::new();
+    let map = "gg_map.ax={from=-0.5,to=0.5,steps=201}";
+    let call = ["solve", "car.toml", "--set", map, "--out", "run"];
+    let (code, said) = interrupted_car(&bench, &call, "run/cases.csv", 1.0);
+    assert_eq!(code, 130, "{said}");
+    let kept = bench.read("run/gg.csv");
+    let (header, rows) = kept.split_once('\n').unwrap();
+    let rows: Vec<&str> = rows.lines().collect();
+    // A row of the map has five values of ay.
+    assert!(rows.len().is_multiple_of(5) && (5..1005).contains(&rows.len()));
+    let words = format!("gg.csv has {} of 201 rows", rows.len() / 5);
+    assert!(said.contains(&words), "{said}");
+    for row in rows.chunks(5).take(2) {
+        let ax = row[0].split(',').next().unwrap();
+        let alone = format!("gg_map.ax={{from={ax},to={ax},steps=1}}");
+        let call = [
+            "solve", "car.toml", "--set", &alone, "--out", "alone", "--force",
+        ];
+        bench.run(&call);
+        assert_eq!(
+            bench.read("alone/gg.csv"),
+            format!("{header}\n{}\n", row.join("\n"))
+        );
+    }
+}
+
+/// A sweep of a car keeps its finished parts of a few seconds each.
+#[test]
+fn an_interrupted_sweep_of_a_car_keeps_its_parts() {
+    let bench = Bench::new();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/car.toml");
+    let text = fs::read_to_string(path).unwrap();
+    let part = |from: &str, to: &str| &text[text.find(from).unwrap()..text.find(to).unwrap()];
+    // The static position alone.
+    let few = "[outputs]\ncharacteristics = [\"roll\"]\n";
+    let text = [
+        part("[car]", "[[cases]]"),
+        few,
+        part("[sweep]", "[tolerance]"),
+    ]
+    .concat();
+    fs::write(bench.path("still.toml"), text).unwrap();
+    let samples = "sweep.samples=100000";
+    let call = ["sweep", "still.toml", "--set", samples, "--out", "run"];
+    let (code, said) = interrupted_car(&bench, &call, "run/part-000000000.csv", 0.1);
+    assert_eq!(code, 130, "{said}");
+    assert!(bench.read("run/part-000000000.csv").lines().count() == 1 + 1024);
+    let summary = json(&bench, "run/summary.json");
+    if let Some(designs) = summary["evaluated"].as_u64() {
+        assert!(designs >= 1024 && designs.is_multiple_of(1024), "{summary}");
+    }
+}

@@ -74,9 +74,7 @@ impl<'a> Problem<'a> {
         for value in &statics {
             let unit = value.unit();
             let want = setup.want.iter().find(|want| want.of == *value);
-            aims.push(want.map_or(Aim::Free, |want| {
-                Aim::Wanted(want.value * unit.printed_factor(length))
-            }));
+            aims.push(want.map_or(Aim::Free, |want| Aim::Wanted(want.value)));
             weights.push(match unit {
                 Unit::Angle => 10.0,
                 Unit::AnglePerLength => 10.0 / (0.01 / millimetre),

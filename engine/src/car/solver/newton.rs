@@ -20,9 +20,6 @@ use super::start::Start;
 use super::{CarSolver, LONGEST_TRAVEL, LONGEST_TURN};
 use crate::number::{Each, array_of};
 
-/// Largest number of Newton steps for one set of wheels in contact. Steps back count as well.
-const MOST_STEPS: usize = 60;
-
 /// A tangent is computed anew unless each step is at most this fraction of the one before.
 const CONTRACTION: f64 = 0.1;
 /// After a step below this, in sizes of the unknowns, the tangent serves for the next step.
@@ -32,6 +29,9 @@ const NEAR: f64 = 2e-3;
 const BESIDE: f64 = 2e-2;
 /// A step below this, in sizes of the unknowns, is rounding error.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// Newton's method finds no solution if more than one step in this number has a fresh tangent and is longer than the shortest
+/// step before.
+const MOST_LONGER: usize = 5;
 /// Relative change of the tangent per size of the unknowns that (1) assumes at least.
 const CURVATURE: f64 = 100.0;
 
@@ -68,6 +68,7 @@ impl<'a> CarSolver<'a> {
             lifted,
             factors: known,
             may_be_near,
+            most_steps,
         } = start;
         let held = Held {
             car: self.car,
@@ -78,7 +79,7 @@ impl<'a> CarSolver<'a> {
         let mut at = Iteration::at(start, self.car, known);
         let mut is_last = self.curves.is_none();
         let mut evaluations = 0;
-        for _ in 0..MOST_STEPS {
+        for _ in 0..most_steps {
             let travels: [f64; 4] = [0, 1, 2, 3].each(|k| at.x[TRAVELS + k]);
             let wheels = match self.wheels(travels, case.racks, is_last) {
                 Ok(wheels) => wheels,
@@ -95,6 +96,9 @@ impl<'a> CarSolver<'a> {
             let is_end = at.is_end(&step);
             if !(is_end && step.distance <= NEAR) {
                 at.advance(step, is_end);
+                if at.longer > most_steps / MOST_LONGER {
+                    break;
+                }
                 continue;
             }
             moved(&mut at.x, &step.change, 1.0);
@@ -144,6 +148,8 @@ struct Iteration {
     reached: Option<[f64; UNKNOWNS]>,
     /// Shortest step so far.
     smallest: f64,
+    /// Number of steps with a fresh tangent that were longer than the shortest step before.
+    longer: usize,
     curvature: Curvature,
     /// Factors for the next step. `None` if it needs a tangent.
     linear: Option<Linear>,
@@ -168,6 +174,7 @@ impl Iteration {
             sizes: Sizes::of(&start, car),
             reached: None,
             smallest: f64::INFINITY,
+            longer: 0,
             curvature: Curvature::default(),
             linear: known.map(|factors| Linear {
                 factors: Box::new(factors.clone()),
@@ -227,6 +234,9 @@ impl Iteration {
         if !step.is_fresh && (is_end || longest > CONTRACTION * self.smallest) {
             self.smallest = longest.max(self.smallest);
             return;
+        }
+        if longest > self.smallest {
+            self.longer += 1;
         }
         self.smallest = self.smallest.min(longest);
         self.curvature.observe(step.distance, longest);

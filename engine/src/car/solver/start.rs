@@ -4,6 +4,12 @@ use super::super::equations::UNKNOWNS;
 use super::super::tangent::Factors;
 use super::equilibrium::Equilibrium;
 
+/// Largest number of Newton steps from a start that is no state. Steps back count as well.
+const MOST_STEPS: usize = 60;
+/// Largest number of Newton steps from a neighbouring state. If these do not suffice, a shorter way costs less than further
+/// steps.
+const MOST_STEPS_BESIDE: usize = 20;
+
 /// Start of Newton's method: unknowns, lifted wheels and factors of a tangent.
 #[derive(Clone, Copy)]
 pub(in crate::car) struct Start<'f> {
@@ -12,6 +18,8 @@ pub(in crate::car) struct Start<'f> {
     pub(super) factors: Option<&'f Factors>,
     /// True if the wheels of the result may come from their curves.
     pub(super) may_be_near: bool,
+    /// Largest number of Newton steps for one set of wheels in contact.
+    pub(super) most_steps: usize,
 }
 
 impl<'f> Start<'f> {
@@ -22,6 +30,7 @@ impl<'f> Start<'f> {
             lifted: [false; 4],
             factors: None,
             may_be_near: false,
+            most_steps: MOST_STEPS,
         }
     }
 
@@ -32,6 +41,7 @@ impl<'f> Start<'f> {
             lifted: found.lifted,
             factors: Some(&found.factors),
             may_be_near: false,
+            most_steps: MOST_STEPS_BESIDE,
         }
     }
 

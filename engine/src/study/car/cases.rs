@@ -3,7 +3,7 @@
 use super::*;
 use crate::car::Setting;
 use crate::number::Each;
-use crate::study::motion::evenly_spaced;
+use crate::study::motion::range;
 
 impl Resolver<'_> {
     pub(super) fn cases(&mut self, car: &Car) -> Option<Vec<Case>> {
@@ -39,26 +39,13 @@ impl Resolver<'_> {
         let mut case = Case::at_rest(name);
         (case.ax, case.ay) = (figure(&written.ax), figure(&written.ay));
         case.az = figure(&written.az);
-        case.speed = figure(&written.speed);
+        case.speed = self.speed(&written.speed)?;
         case.yaw_acceleration = figure(&written.yaw_acceleration);
         if let (Some(number), None) = (&written.yaw_acceleration, car.yaw_inertia) {
             let message = "yaw_acceleration needs yaw_inertia in [car]";
             return self.problems.refuse(number.span.clone(), message);
         }
-        for (axle, rack) in [&written.rack, &written.rack_rear].into_iter().enumerate() {
-            let moved = rack.as_ref().filter(|rack| rack.value != 0.0);
-            if let Some(rack) = moved
-                && !car.axles[axle].left.mechanism.is_steered()
-            {
-                let message = format!("nothing steers the {} axle", crate::car::AXLE_NAMES[axle]);
-                return self.problems.refuse(rack.span.clone(), message);
-            }
-        }
-        let side = self.frame().sign(Axis::Y);
-        case.racks = [
-            side * figure(&written.rack),
-            side * figure(&written.rack_rear),
-        ];
+        case.racks = self.racks(car, [&written.rack, &written.rack_rear])?;
         if let Some(angle) = &written.steering_wheel_angle {
             if let Some(rack) = &written.rack {
                 let message = "steering_wheel_angle already gives the rack";
@@ -79,6 +66,33 @@ impl Resolver<'_> {
         let place = written.name.span();
         self.share_is_given(car, case.setting.longitudinal, place)?;
         Some(case)
+    }
+
+    /// Reads a speed in m/s; 0 if the study gives none.
+    fn speed(&mut self, written: &Option<Number>) -> Option<f64> {
+        let Some(number) = written else {
+            return Some(0.0);
+        };
+        if number.value < 0.0 {
+            let message = format!("expected a speed of 0 or more, found {}", number.value);
+            return self.problems.refuse(number.span.clone(), message);
+        }
+        Some(number.value)
+    }
+
+    /// Reads the displacements of the racks, [front, rear], in the kernel's frame. It refuses a rack that moves nothing.
+    fn racks(&mut self, car: &Car, written: [&Option<Number>; 2]) -> Option<[f64; 2]> {
+        for (axle, rack) in written.into_iter().enumerate() {
+            let moved = rack.as_ref().filter(|rack| rack.value != 0.0);
+            if let Some(rack) = moved
+                && !car.axles[axle].left.mechanism.is_steered()
+            {
+                let message = format!("nothing steers the {} axle", crate::car::AXLE_NAMES[axle]);
+                return self.problems.refuse(rack.span.clone(), message);
+            }
+        }
+        let side = self.frame().sign(Axis::Y);
+        Some(written.each(|rack| side * rack.as_ref().map_or(0.0, |rack| rack.value)))
     }
 
     /// Setting of a case with this longitudinal acceleration.
@@ -106,7 +120,13 @@ impl Resolver<'_> {
             self.problems,
         )?;
         if let Some(list) = &written.lateral_share_left {
-            let shares: Vec<f64> = list.get_ref().iter().map(|n| n.value).collect();
+            let numbers = list.get_ref();
+            let outside = |n: &&Number| !(0.0..=1.0).contains(&n.value);
+            if let Some(share) = numbers.iter().find(outside) {
+                let message = format!("expected shares from 0 to 1, found {}", share.value);
+                return self.problems.refuse(share.span.clone(), message);
+            }
+            let shares: Vec<f64> = numbers.iter().map(|n| n.value).collect();
             setting.lateral_shares = match (shares.as_slice(), &written.lateral_shares) {
                 ([front, rear], None) => LateralShares::Left([*front, *rear]),
                 _ => {
@@ -173,24 +193,20 @@ impl Resolver<'_> {
         };
         let written = section.get_ref();
         let (ax, ay) = (&written.ax, &written.ay);
-        let count = [ax, ay].each(|range| *range.get_ref().steps.get_ref());
-        for (range, steps) in [ax, ay].into_iter().zip(count) {
-            if !(1..=MOST_STATES).contains(&steps) {
-                let message = format!("expected 1 to {MOST_STATES} steps, found {steps}");
-                return self.problems.refuse(range.get_ref().steps.span(), message);
-            }
-        }
-        if count[0] * count[1] > MOST_STATES {
-            let message = format!(
-                "at most {MOST_STATES} states, found {}",
-                count[0] * count[1]
-            );
+        let mut values = |written: &toml::Spanned<car_file::Steps>| {
+            let car_file::Steps { from, to, steps } = written.get_ref();
+            range(from, to, steps, MOST_STATES, self.problems)
+        };
+        let (ax, ay) = values(ax).zip(values(ay))?;
+        let states = ax.len() * ay.len();
+        if states > MOST_STATES {
+            let message = format!("at most {MOST_STATES} states, found {states}");
             return self.problems.refuse(section.span(), message);
         }
         let mut case = Case::at_rest("gg");
-        let figure = |number: &Option<Number>| number.as_ref().map_or(0.0, |n| n.value);
-        (case.az, case.speed) = (figure(&written.az), figure(&written.speed));
-        case.racks[0] = self.frame().sign(Axis::Y) * figure(&written.rack);
+        case.az = written.az.as_ref().map_or(0.0, |az| az.value);
+        case.speed = self.speed(&written.speed)?;
+        case.racks = self.racks(car, [&written.rack, &None])?;
         case.setting.elastic_tyres = car.tyres.is_some();
         case.setting.lateral_shares = lateral_shares(
             &written.lateral_shares,
@@ -200,13 +216,6 @@ impl Resolver<'_> {
         let by_load = LongitudinalShares::ByLoad;
         case.setting.longitudinal_shares =
             longitudinal_shares(&written.longitudinal_shares, by_load, self.problems)?;
-        let values = |range: &car_file::Steps, steps: i64| {
-            evenly_spaced(range.from.value, range.to.value, steps as usize)
-        };
-        let (ax, ay) = (
-            values(ax.get_ref(), count[0]),
-            values(ay.get_ref(), count[1]),
-        );
         let place = section.span();
         if ax.iter().any(|ax| *ax < 0.0) {
             self.share_is_given(car, Longitudinal::Brake, place.clone())?;

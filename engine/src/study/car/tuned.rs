@@ -12,17 +12,26 @@ pub struct TunedCar {
     pub fit: Fit,
     /// Study with the tuned car.
     pub study: CarStudy,
+    /// Number of starts that were interrupted, and total number of starts.
+    pub interrupted: [usize; 2],
 }
 
 impl CarStudy {
-    /// Tunes the car. Errors say why its cases cannot be solved.
+    /// Tunes the car on the threads of the current rayon pool. Errors say why its cases cannot be solved.
     pub fn tuned(&self, wanted: &CarOptimise, control: Control<'_>) -> Result<TunedCar, String> {
-        let fit = tune(&self.car, self.goals(wanted), wanted.run, control)?;
+        let tuning = tune(&self.car, self.goals(wanted), wanted.run, control)?;
+        let interrupted = [tuning.interrupted(), tuning.starts.len()];
+        let fit = tuning.best_fit().cloned();
+        let fit = fit.ok_or("no start has a design")?;
         let study = CarStudy {
             car: moved(&self.car, &wanted.variables, fit.x.as_slice()),
             ..self.clone()
         };
-        Ok(TunedCar { fit, study })
+        Ok(TunedCar {
+            fit,
+            study,
+            interrupted,
+        })
     }
 
     /// Returns the study with other designs of the axles, [front, rear]. If the study gives the wheelbase, it does not

@@ -92,9 +92,7 @@ pub(super) fn want(
                 let message = format!("{} {reason}", name.get_ref());
                 return problems.refuse(name.span(), message);
             }
-            let unit = quantity.info().unit;
-            let of = Static::Axle(quantity);
-            let value = unit.from_printed(number.value, axle.left.length_unit);
+            let (of, value) = (Static::Axle(quantity), number.value);
             want.push((place, Want { of, value }));
         }
     }

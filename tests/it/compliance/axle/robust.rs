@@ -122,14 +122,7 @@ fn constraints_of_a_robust_tuning_are_those_of_the_nominal_design() {
     let layout = TargetLayout::of(optimise, &study.vehicle);
     let (variables, scatter) = (&optimise.variables, optimise.scatter.as_ref().unwrap());
     let assembled = study.vehicle.assembled().unwrap();
-    let problem = Objective::of_builds(
-        &study.vehicle,
-        &assembled,
-        variables,
-        &layout,
-        scatter,
-        None,
-    );
+    let problem = Objective::of_builds(&assembled, variables, &layout, scatter, None);
     let mut problem = problem.unwrap();
     let mut found = Assessment::new(&problem.shape());
     problem.assess(&x, &mut found).unwrap();

@@ -1,0 +1,165 @@
+//! `hardpoint optimise` of a car.
+
+use super::super::exit::{Exit, Stop};
+use super::super::optimise::say_side_effects;
+use super::super::output::{Output, pool};
+use super::super::{RunArguments, interrupt};
+use super::{headline, keep, open, page, solver};
+use crate::optimise::Control;
+use crate::report::{
+    CarConstraintRecord, CarResults, CarTargetRecord, car_constraints_table, car_targets_json,
+    car_targets_table, interrupted_in_words, misfit_in_words, optimised_car, side_effects_in_words,
+    side_effects_table,
+};
+use crate::side_effects::{SideEffect, side_effects_of_car};
+use crate::study::{CarStudy, TunedCar};
+use serde_json::json;
+
+/// Names of the tuned studies: the car, its front axle and its rear axle.
+const TUNED_NAMES: [&str; 3] = [
+    "optimised.toml",
+    "optimised_front.toml",
+    "optimised_rear.toml",
+];
+
+pub(in crate::cli) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
+    let path = &arguments.study.study;
+    let study = CarStudy::read(path, &arguments.study.set)?;
+    let Some(wanted) = &study.optimise else {
+        return Err(Stop::no_section(path, "optimise", "variables and targets"));
+    };
+    let pool = pool(arguments.threads, wanted.run.starts as u64)?;
+    let mut own_solver = solver(&study, path)?;
+    let output = open(arguments, &study, "optimise")?;
+    let before = CarResults::solve(&study, &mut own_solver, study.cases.len());
+    interrupt::stops_by_itself();
+    let control = Control {
+        interrupt: Some(interrupt::flag()),
+        ..Control::default()
+    };
+    let unsolved = |why| Stop::unsolved(path, why);
+    let tuned = pool.install(|| study.tuned(wanted, control));
+    let tuned = tuned.map_err(unsolved)?;
+    let texts = optimised_car(&study, &tuned.study.car, tuned.fit.x.as_slice());
+    let is_interrupted = interrupt::is_raised();
+    if is_interrupted {
+        // The design is written before any further computation with it.
+        output.mark_interrupted();
+        write_studies(&output, &texts)?;
+    }
+    let mut tuned_solver = solver(&tuned.study, path)?;
+    let after = CarResults::solve(&tuned.study, &mut tuned_solver, tuned.study.cases.len());
+    let effects = side_effects_of_car(&study, &tuned.study);
+    let x = tuned.fit.x.as_slice();
+    let results = TuningResults {
+        study: &study,
+        tuned: &tuned,
+        before: &before,
+        after: &after,
+        texts: &texts,
+        targets: after.target_records(wanted, &before, x),
+        constraints: after.constraint_records(wanted, &before, x),
+        effects: effects.map_err(unsolved)?,
+        is_interrupted,
+    };
+    let mut files = results.write(&output)?;
+    files.extend(keep(&output, &study)?);
+    let mut remarks = after.warnings();
+    remarks.extend(results.interruption());
+    let mut record = after.record("optimise", &mut tuned_solver, None, &remarks);
+    record.targets.clone_from(&results.targets);
+    record.side_effects.clone_from(&results.effects);
+    let with_page = arguments.report && !is_interrupted;
+    files.extend(page(&output, record, &files, with_page)?);
+    output.finish()?;
+    let exit = results.say(&output)?;
+    output.print_files(&files)?;
+    Ok(exit)
+}
+
+/// Results of a tuning.
+struct TuningResults<'a> {
+    study: &'a CarStudy,
+    tuned: &'a TunedCar,
+    before: &'a CarResults<'a>,
+    after: &'a CarResults<'a>,
+    /// Tuned studies.
+    texts: &'a [String; 3],
+    targets: Vec<CarTargetRecord>,
+    constraints: Vec<CarConstraintRecord>,
+    effects: Vec<SideEffect>,
+    is_interrupted: bool,
+}
+
+impl TuningResults<'_> {
+    /// Writes the files of the results and returns their names.
+    fn write(&self, output: &Output) -> Result<Vec<&'static str>, Stop> {
+        let fit = &self.tuned.fit;
+        output.main_csv(TUNED_NAMES[0], self.texts[0].as_bytes())?;
+        let mut files = write_studies(output, self.texts)?;
+        output.file("cases.csv", &self.after.cases_csv())?;
+        output.file("cases_before.csv", &self.before.cases_csv())?;
+        let variables = self.after.variables_json(self.study, fit.x.as_slice());
+        let [interrupted, starts] = self.tuned.interrupted;
+        let summary = json!({
+            "command": "optimise",
+            "study": self.study.name,
+            "misfit": fit.misfit(),
+            "ended": fit.ended(),
+            "iterations": fit.history.len().saturating_sub(1),
+            "evaluations": fit.evaluations(),
+            "starts": starts,
+            "interrupted_starts": interrupted,
+            "variables": variables,
+            "targets": car_targets_json(&self.targets),
+            "constraints": self.constraints,
+            "side_effects": self.effects,
+        });
+        output.json("summary.json", &summary)?;
+        files.extend(["cases.csv", "cases_before.csv", "summary.json"]);
+        let effects = &self.effects;
+        let csv = (!effects.is_empty()).then(|| side_effects_table(effects).csv(None).into_bytes());
+        files.extend(output.file_if_any("side_effects.csv", csv)?);
+        Ok(files)
+    }
+
+    /// Describes the completed part of an interrupted tuning. `None` for a complete tuning.
+    fn interruption(&self) -> Option<String> {
+        self.is_interrupted
+            .then(|| interrupted_in_words(self.tuned.interrupted))
+    }
+
+    fn say(&self, output: &Output) -> Result<Exit, Stop> {
+        let (study, fit) = (self.study, &self.tuned.fit);
+        let words = side_effects_in_words(&self.effects).map(|words| format!("; {words}"));
+        output.say(&format!(
+            "{}\nmisfit {} (root mean square, in tolerances){}; {}\n\n",
+            headline(study),
+            misfit_in_words(fit.misfit()),
+            words.unwrap_or_default(),
+            fit.ended()
+        ))?;
+        output.table("targets", &car_targets_table(&self.targets))?;
+        output.text_only("\n")?;
+        if let Some(table) = car_constraints_table(&self.constraints) {
+            output.table("constraints", &table)?;
+            output.text_only("\n")?;
+        }
+        let x = fit.x.as_slice();
+        output.table("variables", &self.after.variables_table(study, x))?;
+        say_side_effects(output, &self.effects)?;
+        if let Some(words) = self.interruption() {
+            output.say_failure(&format!("\n{words}\n"))?;
+            return Ok(Exit::Interrupted);
+        }
+        Ok(Exit::of(fit.termination.at_minimum() && fit.is_feasible()))
+    }
+}
+
+/// Writes the tuned studies and returns their names.
+fn write_studies(output: &Output, texts: &[String; 3]) -> Result<Vec<&'static str>, Stop> {
+    for (name, text) in TUNED_NAMES.into_iter().zip(texts) {
+        output.file(name, text.as_bytes())?;
+    }
+    Ok(TUNED_NAMES.to_vec())
+}

@@ -26,6 +26,9 @@ impl<B: SimdReal> Tracked<B> {
 pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
     /// Largest number of corrections for a lane to settle.
     const MOST_ROUNDS: usize;
+    /// True if rejected lanes count as settled, because a round corrects until all lanes are settled. With one correction a round,
+    /// loops are faster without.
+    const LEAVES_REJECTED: bool = false;
     /// Numbers whose change along the path is guarded.
     type Guard: Copy;
 
@@ -86,13 +89,16 @@ pub(super) fn track<B: SimdReal, const N: usize, E: PlaceEquations<B, N>>(
             continue;
         }
         let mut unknowns = predicted;
-        // Rejected lanes need no corrections.
-        let mut settled = !accepted.lanes();
+        let mut settled = if E::LEAVES_REJECTED {
+            !accepted.lanes()
+        } else {
+            zero.less(zero)
+        };
         let mut round = 1;
         loop {
             settled = settled | equations.correct(place, &mut unknowns, settled, round);
             tracked.rounds += 1;
-            if round == E::MOST_ROUNDS || B::all(settled) {
+            if round == E::MOST_ROUNDS || B::all(settled | !accepted.lanes()) {
                 break;
             }
             round += 1;

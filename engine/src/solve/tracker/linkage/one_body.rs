@@ -231,6 +231,7 @@ fn joined<B: Copy>([a, b, c, d, e, f]: [B; UNKNOWNS], half: B) -> [B; ALL] {
 
 impl<B: SimdReal, V: VisitPair<B>> PlaceEquations<B, ALL> for OneBody<'_, '_, B, V> {
     const MOST_ROUNDS: usize = MOST_ROUNDS;
+    const LEAVES_REJECTED: bool = true;
     type Guard = BranchGuard<B>;
 
     #[inline(always)]

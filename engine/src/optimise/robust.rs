@@ -1,4 +1,4 @@
-//! Residuals of a robust tuning: those of its builds replace those of the nominal design.
+//! Residuals of a robust tuning. The tuning minimises the residuals of its builds in place of those of the nominal design.
 
 use super::builds::Builds;
 use super::lane_builds::LaneBuilds;

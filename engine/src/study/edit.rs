@@ -12,7 +12,7 @@ use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
 
 impl Study {
     /// Returns the study's text with the points of another design (kernel frame, indexed by
-    /// [`PointId`]). Only coordinates that differ from those of the text are rewritten. Reading the
+    /// [`PointId`]). Rewrites only coordinates that differ from the text. Reading the
     /// text gives exactly the numbers of `design`.
     pub fn with_design(&self, design: &[Vector3<f64>]) -> String {
         self.as_written().rewritten(&self.text, design, None)

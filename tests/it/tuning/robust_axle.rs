@@ -181,7 +181,7 @@ fn builds_of_an_axle_are_those_of_tolerance() {
     }
 }
 
-/// If only the left wheel scatters, and targets only ask for this wheel, its builds are those of the study without `[axle]`.
+/// If only the left wheel scatters and only it has targets, the builds equal the builds of the study without `[axle]`.
 /// If both wheels scatter as mirror images, both have the residuals of that wheel.
 #[test]
 fn wheels_of_an_axle_scatter_like_a_single_wheel() {
@@ -248,8 +248,8 @@ const TUNED: &str = r#"
   { characteristic = "mean_steer", over = "roll", at = 2.0, value = 0.0, tolerance = 0.02 },
 "#;
 
-/// One thread and two threads give the same bits. The misfit of the builds is at most that of the optimum without scatter, and
-/// below that of the given axle.
+/// One thread and two threads give the same bits. The misfit over the builds is not above the one of the optimum without scatter, and
+/// it is below the one of the given axle.
 #[test]
 fn a_tuned_axle_is_the_same_on_any_number_of_threads() {
     let motion = "roll = [-2.0, 0.0, 2.0]\nheave = [-30.0, 0.0, 30.0]";

@@ -191,7 +191,7 @@ fn an_interrupted_tuning_of_a_car_keeps_its_best_design() {
     }
 }
 
-/// Rows of a map that were finished are kept, and are those of an uninterrupted map.
+/// An interrupted map keeps its finished rows. They equal the rows of a whole map.
 #[test]
 fn an_interrupted_map_keeps_its_finished_rows() {
     let bench = Bench::new();

@@ -307,7 +307,33 @@ impl<'a> AxleTracker<'a> {
         }
     }
 
-    /// Loaded radius of the wheels, if both stand on one ground.
+    /// Ground at a place, in the left wheel's frame.
+    #[inline(always)]
+    pub(super) fn ground<B: SimdReal>(&self, place: &RouteStep, like: B) -> Ground<B> {
+        let (_, roll) = self.at(place);
+        Ground {
+            sine: like.constant(roll.sin()),
+            cosine: like.constant(roll.cos()),
+        }
+    }
+
+    /// Travels of both wheels at a place, with the ground and the roll angle.
+    #[inline(always)]
+    pub(super) fn stand<B: SimdReal>(
+        &self,
+        place: &RouteStep,
+        ground: Ground<B>,
+        travels: [B; 2],
+    ) -> GroundContact<B> {
+        let (_, roll) = self.at(place);
+        GroundContact {
+            travels,
+            ground,
+            roll: travels[0].constant(roll),
+        }
+    }
+
+    /// Loaded radius of the wheels. `None` if each stands on its own pad.
     #[inline(always)]
     pub(super) fn radius(&self) -> Option<f64> {
         match self.drive {
@@ -339,7 +365,6 @@ impl<'a> AxleTracker<'a> {
             tracker: self,
             wheels,
             level: self.level(like),
-            radius: self.radius(),
             visitor,
             ground: Ground::level(like),
             is_near: like.everywhere(),

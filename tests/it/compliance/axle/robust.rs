@@ -102,7 +102,7 @@ fn rates_scatter_about_their_tuned_values() {
     assert!(off < 1e-7 * expected.residuals.amax(), "{off:e}");
 }
 
-/// Constraints on figures apply to the nominal design. Their rows equal those of the tuning without scatter.
+/// Constraints on figures apply to the nominal design. A robust tuning has the same rows for them as a tuning without scatter.
 #[test]
 fn constraints_of_a_robust_tuning_are_those_of_the_nominal_design() {
     let constraints =

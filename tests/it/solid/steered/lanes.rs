@@ -1,4 +1,4 @@
-//! Steered axles in SIMD lanes against the same one by one.
+//! Steered axles solved in SIMD lanes, compared with the same axles solved one by one.
 
 use super::world::World;
 use super::{RIGHT, random, study};
@@ -70,7 +70,7 @@ fn axle(generator: &mut Random, number: usize, by: f64) -> World {
     world
 }
 
-/// Compares a sweep in lanes with the same one by one: values, failures and faults. Returns the numbers of designs without all
+/// Compares values, failures and faults of a sweep in lanes with those of the same sweep one by one. Returns the numbers of designs without all
 /// poses and of designs that the lanes reject.
 fn compare(world: &World, motion: &str, scatter: f64) -> [usize; 2] {
     let study = swept(world, motion, scatter);
@@ -123,7 +123,7 @@ fn compare(world: &World, motion: &str, scatter: f64) -> [usize; 2] {
     [failed.len(), rejected]
 }
 
-/// In lanes, steered axles have the values that they have one by one, rolled, in heave and with the wheels steered to both sides.
+/// Lanes and the solver for single designs give equal values for steered axles: in roll, in heave, and steered to both sides.
 /// Hardly any design is left to the latter.
 #[test]
 fn lanes_have_the_values_of_designs_one_by_one() {
@@ -140,11 +140,11 @@ fn lanes_have_the_values_of_designs_one_by_one() {
             (designs, left) = (designs + DESIGNS, left + rejected);
         }
     }
-    println!("{left} of {designs} one by one");
+    println!("{left} of {designs} designs were solved one by one");
     assert!(20 * left < designs, "{left} of {designs}");
 }
 
-/// A rod that reaches its toggle has no pose beyond it, in lanes as one by one. No lane takes the other branch of a knuckle.
+/// Beyond the toggle of a rod there is no pose. Lanes find none there, and no lane takes the other branch of a knuckle.
 #[test]
 fn toggles_of_knuckles_are_found_as_one_by_one() {
     let mut generator = Random(7);
@@ -163,6 +163,6 @@ fn toggles_of_knuckles_are_found_as_one_by_one() {
         ];
     }
     let [designs, failed, rejected] = counts;
-    println!("{failed} of {designs} without a pose, {rejected} one by one");
+    println!("{failed} of {designs} designs have no pose, {rejected} were solved one by one");
     assert!(failed > designs / 20 && failed < designs, "{failed}");
 }

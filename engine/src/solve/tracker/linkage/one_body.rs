@@ -13,9 +13,7 @@
 //! A steering gear moves the places from which the equations count both travels: (4) and (5) of `model/steered_axle.rs`. On the
 //! first steps of a route, from the design pose to the mean travel, this shift grows in proportion to the mean travel's steps.
 
-use super::super::pair::{
-    AxleTracker, GroundContact, LEAST_RISE, MOST_ROUNDS, PairDrive, VisitPair,
-};
+use super::super::pair::{AxleTracker, LEAST_RISE, MOST_ROUNDS, PairDrive, VisitPair};
 use super::super::route::RouteStep;
 use super::super::track::{PlaceEquations, kept, predicted};
 use super::super::{Acceptance, Rejection};
@@ -217,7 +215,7 @@ impl<B: SimdReal, V> OneBody<'_, '_, B, V> {
     }
 }
 
-/// Splits the unknowns into those of the pose and half the difference of the travels.
+/// Returns the six unknowns of the pose, and half the difference of the travels.
 #[inline(always)]
 fn parted<B: Copy>(&[a, b, c, d, e, f, half]: &[B; ALL]) -> ([B; UNKNOWNS], B) {
     ([a, b, c, d, e, f], half)
@@ -236,11 +234,7 @@ impl<B: SimdReal, V: VisitPair<B>> PlaceEquations<B, ALL> for OneBody<'_, '_, B,
 
     #[inline(always)]
     fn predict(&mut self, place: &RouteStep, history: &[B]) -> [B; ALL] {
-        let (_, roll) = self.tracker.at(place);
-        self.ground = Ground {
-            sine: history[0].constant(roll.sin()),
-            cosine: history[0].constant(roll.cos()),
-        };
+        self.ground = self.tracker.ground(place, history[0]);
         let unknowns = predicted(place, history, [0.0; ALL]);
         let (along_mean, along_half) = match self.tracker.drive {
             PairDrive::Heave => (place.along_slope, 0.0),
@@ -359,12 +353,8 @@ impl<B: SimdReal, V: VisitPair<B>> PlaceEquations<B, ALL> for OneBody<'_, '_, B,
     ) {
         let (pose, half) = parted(unknowns);
         let mean = half.constant(self.mean(place));
-        let (_, roll) = self.tracker.at(place);
-        let stand = GroundContact {
-            travels: [mean + half, mean - half],
-            ground: self.ground,
-            roll: half.constant(roll),
-        };
+        let travels = [mean + half, mean - half];
+        let stand = self.tracker.stand(place, self.ground, travels);
         let left = self.steps.pose(&pose, self.motion(place, half));
         let right = MirroredPose::of(&left, self.right);
         self.visitor.pair(station, &left, &right, stand, accepted);

@@ -4,8 +4,7 @@ use super::super::route::{Leg, RouteStep};
 use super::super::track::{PlaceEquations, kept, predicted};
 use super::super::{Acceptance, Rejection};
 use super::{
-    AxleTracker, Corrected, GroundContact, LEAST_RISE, Linear, MOST_ROUNDS, PairDrive, VisitPair,
-    Wheel, height,
+    AxleTracker, Corrected, LEAST_RISE, Linear, MOST_ROUNDS, PairDrive, VisitPair, Wheel, height,
 };
 use crate::mechanism::Ground;
 use crate::number::{SimdReal, outlined};
@@ -17,8 +16,6 @@ pub(super) struct BothWheels<'w, B: SimdReal, W, V, const N: usize> {
     pub(super) wheels: [W; 2],
     /// Largest difference of the heights of both contact points.
     pub(super) level: B,
-    /// Loaded radius of the wheels, if both stand on one ground.
-    pub(super) radius: Option<f64>,
     pub(super) visitor: &'w mut V,
     /// Ground at this place, in the left wheel's frame.
     pub(super) ground: Ground<B>,
@@ -71,11 +68,7 @@ where
 
     #[inline(always)]
     fn predict(&mut self, place: &RouteStep, history: &[B]) -> [B; ALL] {
-        let (_, roll) = self.tracker.at(place);
-        self.ground = Ground {
-            sine: history[0].constant(roll.sin()),
-            cosine: history[0].constant(roll.cos()),
-        };
+        self.ground = self.tracker.ground(place, history[0]);
         // The first steps use the slopes of the base design.
         let (along_left, along_right) = match self.tracker.drive {
             PairDrive::Heave => (place.along_slope, place.along_slope),
@@ -116,7 +109,7 @@ where
         let one = linear(left, &left_unknowns, on_left, settled);
         let two = linear(right, &right_unknowns, on_right, settled);
         let mut step = half.zero();
-        if let Some(radius) = self.radius {
+        if let Some(radius) = self.tracker.radius() {
             let [left_height, left_rise] = height(ground, radius, &one);
             let [right_height, right_rise] = height(mirrored, radius, &two);
             step = (right_height - left_height) / (left_rise + right_rise);
@@ -139,7 +132,7 @@ where
         let one = corrected(left, &left_unknowns, on_left);
         let two = corrected(right, &right_unknowns, on_right);
         let mut is_settled = one.is_settled & two.is_settled;
-        if let Some(radius) = self.radius {
+        if let Some(radius) = self.tracker.radius() {
             let left_contact = one.centre + ground.contact_lever(one.axis, radius);
             let right_contact = two.centre + mirrored.contact_lever(two.axis, radius);
             let apart = ground.normal().dot(left_contact) - mirrored.normal().dot(right_contact);
@@ -196,12 +189,8 @@ where
     ) {
         let ([left_unknowns, right_unknowns], half) = parted::<B, N, ALL>(unknowns);
         let [[left_rack, left_travel], [right_rack, right_travel]] = self.motions(place, half);
-        let (_, roll) = self.tracker.at(place);
-        let stand = GroundContact {
-            travels: [left_travel, right_travel],
-            ground: self.ground,
-            roll: half.constant(roll),
-        };
+        let travels = [left_travel, right_travel];
+        let stand = self.tracker.stand(place, self.ground, travels);
         let [left, right] = &self.wheels;
         let one = left.pose(&left_unknowns, left_rack, left_travel);
         let two = right.pose(&right_unknowns, right_rack, right_travel);

@@ -195,7 +195,7 @@ fn an_interrupted_tuning_of_a_car_keeps_its_best_design() {
 #[test]
 fn an_interrupted_map_keeps_its_finished_rows() {
     let bench = Bench::new();
-    let map = "gg_map.ax={from=-0.5,to=0.5,steps=20001}";
+    let map = "gg_map.ax={from=-0.5,to=0.5,steps=4001}";
     let call = ["solve", "car.toml", "--set", map, "--out", "run"];
     let (code, said) = interrupted_car(&bench, &call, "run/cases.csv", 1.0);
     assert_eq!(code, 130, "{said}");
@@ -203,8 +203,8 @@ fn an_interrupted_map_keeps_its_finished_rows() {
     let (header, rows) = kept.split_once('\n').unwrap();
     let rows: Vec<&str> = rows.lines().collect();
     // A row of the map has five values of ay.
-    assert!(rows.len().is_multiple_of(5) && (5..100_005).contains(&rows.len()));
-    let words = format!("gg.csv has {} of 20001 rows", rows.len() / 5);
+    assert!(rows.len().is_multiple_of(5) && (5..20_005).contains(&rows.len()));
+    let words = format!("gg.csv has {} of 4001 rows", rows.len() / 5);
     assert!(said.contains(&words), "{said}");
     for row in rows.chunks(5).take(2) {
         let ax = row[0].split(',').next().unwrap();

@@ -30,8 +30,12 @@ thread_local! {
 struct Stopped;
 
 /// Runs work on this thread. If the flag is raised, the work stops at its next checkpoint: between stations, steps of a
-/// path, or equilibria. Returns `None` if it was stopped. Parallel parts of the work check their own flags.
+/// path, or equilibria. If the flag is raised before, the work does not begin. Returns `None` if it was stopped. Parallel
+/// parts of the work check their own flags.
 pub fn stoppable<T>(flag: &Arc<AtomicBool>, work: impl FnOnce() -> T) -> Option<T> {
+    if flag.load(Ordering::Relaxed) {
+        return None;
+    }
     let outer = STOP.replace(Some(flag.clone()));
     let found = catch_unwind(AssertUnwindSafe(work));
     STOP.set(outer);

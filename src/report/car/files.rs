@@ -163,15 +163,15 @@ impl<'s> CarResults<'s> {
         let rows: Vec<GgRow> = rows.into_iter().flatten().collect();
         let finished = rows.len();
         let mut shown = CarMap::of(&[], &map.ay);
-        let mut cells = Vec::with_capacity(finished * map.ay.len());
+        let mut csv = csv_of_rows(std::iter::once(header));
         let mut failures = 0;
         for row in rows {
             failures += row.failures;
             shown.append(row.shown);
-            cells.extend(row.cells);
+            csv.extend(row.csv);
         }
         GgResults {
-            csv: csv(&header, cells),
+            csv,
             map: shown,
             failures,
             rows: [finished, map.ax.len()],
@@ -180,8 +180,9 @@ impl<'s> CarResults<'s> {
 
     /// States of a g-g map with the same ax.
     fn gg_row(&self, mut solver: CarSolver<'s>, map: &GgMap, ax: f64) -> GgRow {
+        let mut rows = Vec::with_capacity(map.ay.len());
         let mut row = GgRow {
-            cells: Vec::with_capacity(map.ay.len()),
+            csv: Vec::new(),
             shown: CarMap::of(&[ax], &map.ay),
             failures: 0,
         };
@@ -206,19 +207,20 @@ impl<'s> CarResults<'s> {
             }
             cells.extend(self.values(&state, &case));
             cells.extend(self.end(&state));
-            row.cells.push(cells);
+            rows.push(cells);
             if let CarState::Solved { found, .. } = state {
                 before = Some(found);
             }
         }
+        row.csv = csv_of_rows(rows.into_iter());
         row
     }
 }
 
 /// States of a g-g map with the same ax.
 struct GgRow {
-    /// Cells of `gg.csv`, one list per state.
-    cells: Vec<Vec<String>>,
+    /// Lines of `gg.csv`, one per state.
+    csv: Vec<u8>,
     shown: CarMap,
     failures: usize,
 }

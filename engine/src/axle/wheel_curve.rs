@@ -20,7 +20,7 @@ use super::reading::{Reading, WheelParts};
 use super::solver::AxleSolver;
 use crate::characteristics::{DesignWheel, NumberPart, VectorPart};
 use crate::model::Side;
-use crate::number::{Each, Vector3, array_of};
+use crate::number::{Each, SimdReal, SimdTask, Vector3, Width, array_of};
 
 /// Number of pieces on each side of the design position.
 const MOST_PIECES: i32 = 48;
@@ -49,8 +49,11 @@ const SINGLE: [NumberPart; 3] = [
 const COLUMNS: usize = 3 * VECTORS.len();
 /// Index of the first number.
 const NUMBERS: usize = COLUMNS + 9;
-/// Count of all numbers, even for the sake of SIMD registers. The last one is unused.
-const COUNT: usize = NUMBERS + SINGLE.len() + 1;
+/// Count of all numbers, rounded up to whole bundles of [`LANES`]. The last ones are unused.
+const COUNT: usize = (NUMBERS + SINGLE.len()).next_multiple_of(LANES);
+/// Numbers that are evaluated at a time, on processors that can. Wider registers would leave a part of the last bundle empty.
+const LANES: usize = 8;
+const WIDTH: Width = Width::Avx2;
 
 /// All numbers of a wheel for each power of travel. Numbers that are not read are NaN.
 type Powers<const N: usize> = [[f64; COUNT]; N];
@@ -70,6 +73,14 @@ pub(crate) struct CurveWheel {
 }
 
 impl CurveWheel {
+    /// A wheel whose numbers are all NaN.
+    pub(crate) fn unknown() -> Self {
+        CurveWheel {
+            coefficients: [[f64::NAN; COUNT]; 4],
+            design: DesignWheel::filled(f64::NAN),
+        }
+    }
+
     /// Keeps the numbers of a reading that curves hold.
     fn of(reading: &Reading<f64>) -> Self {
         let mut coefficients = [[f64::NAN; COUNT]; 4];
@@ -206,13 +217,13 @@ impl WheelCurve {
         self.nodes.resize(pieces + 1, Known::NotYet);
     }
 
-    /// The wheel at a travel. `None` if the curve has no piece there that is exact to rounding.
+    /// Writes the wheel at a travel to `into`. `None` if the curve has no piece there that is exact to rounding.
     pub(crate) fn at<const N: usize>(
         &mut self,
         solver: &mut AxleSolver<'_, N>,
-        travel: f64,
-        rack: f64,
-    ) -> Option<CurveWheel> {
+        [travel, rack]: [f64; 2],
+        into: &mut CurveWheel,
+    ) -> Option<()> {
         if rack != self.rack {
             self.rack = rack;
             self.clear();
@@ -235,7 +246,8 @@ impl WheelCurve {
                 self.pieces[number] = Known::of(made);
             }
             let t = travel / self.length - place;
-            return Some(self.pieces[number].get()?.at(t, self.length));
+            self.pieces[number].get()?.write(t, self.length, into);
+            return Some(());
         }
     }
 
@@ -326,7 +338,9 @@ impl WheelCurve {
             return true;
         };
         let length = self.length;
-        let (found, read) = (piece.at(CHECK, length).scaled(length), read.scaled(length));
+        let mut found = CurveWheel::unknown();
+        piece.write(CHECK, length, &mut found);
+        let (found, read) = (found.scaled(length), read.scaled(length));
         // Numbers that are not read are NaN in both.
         (0..COUNT).any(|k| {
             let bound = TOLERANCE * (read[0][k].abs() + length);
@@ -336,29 +350,51 @@ impl WheelCurve {
 }
 
 impl Piece {
-    /// The wheel at a place in the piece.
+    /// Writes the wheel at a place in the piece to `into`.
     #[inline]
-    fn at(&self, t: f64, length: f64) -> CurveWheel {
-        let mut c = self.polynomials;
-        // Horner's scheme, four times. It gives the first four coefficients about t.
-        for first in 0..4 {
-            for k in (first..7).rev() {
-                let next = c[k + 1];
-                for (number, next) in c[k].iter_mut().zip(next) {
-                    *number += t * next;
+    fn write(&self, t: f64, length: f64, into: &mut CurveWheel) {
+        let polynomials = &self.polynomials;
+        let coefficients = &mut into.coefficients;
+        WIDTH.run(Evaluation {
+            polynomials,
+            at: [t, length],
+            coefficients,
+        });
+        into.design = self.design;
+    }
+}
+
+/// Evaluates all polynomials of a piece, with three derivatives.
+struct Evaluation<'p> {
+    polynomials: &'p Powers<8>,
+    /// Value of t, and length of the piece.
+    at: [f64; 2],
+    coefficients: &'p mut Powers<4>,
+}
+
+impl SimdTask for Evaluation<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<B: SimdReal>(self, like: B) {
+        let [t, length] = self.at;
+        let [t, inverse] = [t, 1.0 / length].map(|number| like.constant(number));
+        for first in (0..COUNT).step_by(B::LANES) {
+            let mut c: [B; 8] = array_of(|k| like.load(&self.polynomials[k][first..]));
+            // Horner's scheme, four times. It gives the first four coefficients about t.
+            for last in 0..4 {
+                for k in (last..7).rev() {
+                    c[k] = c[k] + t * c[k + 1];
                 }
             }
-        }
-        let inverse = 1.0 / length;
-        let mut power = 1.0;
-        let coefficients = [0, 1, 2, 3].each(|k: usize| {
-            let numbers = c[k].each(|c| c * power);
-            power *= inverse;
-            numbers
-        });
-        CurveWheel {
-            coefficients,
-            design: self.design,
+            let mut power = inverse;
+            for k in 1..4 {
+                c[k] = c[k] * power;
+                power = power * inverse;
+            }
+            for (numbers, c) in self.coefficients.iter_mut().zip(c) {
+                c.store(&mut numbers[first..]);
+            }
         }
     }
 }

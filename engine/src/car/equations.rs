@@ -9,7 +9,7 @@ use super::road::Road;
 use super::{Car, Case, GRAVITY};
 use crate::axle::RockerForces;
 use crate::number::{Each, Scalar, Vector3};
-use body::{air, bar_torque, energy, shares};
+use body::{CarMasses, air, bar_torque, energy, shares};
 pub(super) use body::{masses, static_loads};
 use wheel::{Forces, load_parts, travel_residuals};
 pub(super) use wheel::{Placed, Stance};
@@ -112,6 +112,57 @@ pub struct Balance<T> {
     pub lifted: [bool; 4],
 }
 
+/// Masses, ground, wheels and forces of a state.
+struct Assembled<T> {
+    masses: CarMasses<T>,
+    ground: Ground<T>,
+    placed: [Placed<T>; 4],
+    body: Body<T>,
+    loaded: Loaded<T>,
+}
+
+impl<T: Scalar> Assembled<T> {
+    /// Assembles a state. The corners belong to the travels among the unknowns.
+    fn of(
+        held: &Held<'_>,
+        parameters: &Parameters<T>,
+        corners: &[Corner<T>; 4],
+        x: &[T; UNKNOWNS],
+    ) -> Self {
+        let masses = masses(held.car, parameters, corners);
+        let static_loads = static_loads(held.car, parameters, corners, &masses);
+        let ground = Ground::of(parameters, [x[ROLL], x[PITCH], x[GROUND]]);
+        let placed = [0, 1, 2, 3].map(|number| {
+            let static_load = static_loads[number / 2];
+            let corner = corners[number];
+            Placed::of(held, parameters, number, corner, &ground, static_load)
+        });
+        let stances = placed.each_ref().each(|placed| &placed.stance);
+        let body = Body::of(held, parameters, &ground, masses.sprung);
+        let wheels = (stances, &body.resultant);
+        let loaded = Loaded::of(held, parameters, &ground.road, wheels, x);
+        Assembled {
+            masses,
+            ground,
+            placed,
+            body,
+            loaded,
+        }
+    }
+}
+
+/// Computes the residuals of the equations, as [`Balance::of`] does.
+pub(super) fn residuals<T: Scalar>(
+    held: &Held<'_>,
+    parameters: &Parameters<T>,
+    corners: [Corner<T>; 4],
+    x: &[T; UNKNOWNS],
+) -> [T; UNKNOWNS] {
+    Assembled::of(held, parameters, &corners, x)
+        .loaded
+        .residuals
+}
+
 impl<T: Scalar> Balance<T> {
     /// Computes forces and residuals of a state. The corners belong to the travels among the unknowns.
     pub(super) fn of(
@@ -120,30 +171,14 @@ impl<T: Scalar> Balance<T> {
         corners: [Corner<T>; 4],
         x: [T; UNKNOWNS],
     ) -> Self {
-        let car = held.car;
-        let masses = masses(car, parameters, &corners);
-        let static_loads = static_loads(car, parameters, &corners, &masses);
-        let ground = Ground::of(parameters, [x[ROLL], x[PITCH], x[GROUND]]);
-        let placed = [0, 1, 2, 3].map(|number| {
-            let static_load = static_loads[number / 2];
-            Placed::of(
-                held,
-                parameters,
-                number,
-                corners[number],
-                &ground,
-                static_load,
-            )
-        });
+        let Assembled {
+            masses,
+            ground,
+            placed,
+            body,
+            loaded,
+        } = Assembled::of(held, parameters, &corners, &x);
         let stances = placed.each_ref().each(|placed| &placed.stance);
-        let body = Body::of(held, parameters, &ground, masses.sprung);
-        let loaded = Loaded::of(
-            held,
-            parameters,
-            &ground.road,
-            (stances, &body.resultant),
-            &x,
-        );
         let axles = [0, 2].each(|left| {
             let right = left + 1;
             let forces = [&loaded.forces[left], &loaded.forces[right]];
@@ -164,7 +199,13 @@ impl<T: Scalar> Balance<T> {
             ride_heights: body.ride_heights,
             bars: loaded.bars,
             rockers: loaded.rockers,
-            energy: energy(car, parameters, &corners, &loaded.bars, &loaded.rockers),
+            energy: energy(
+                held.car,
+                parameters,
+                &corners,
+                &loaded.bars,
+                &loaded.rockers,
+            ),
             residuals: loaded.residuals,
             lifted: held.lifted,
         }

@@ -120,7 +120,7 @@ fn by_parameters<R: WheelParts<f64>>(
         moved.0[Parameter::Body(parameter).place()].partials[number] = 1.0;
     }
     let still = unknowns.each(Dual::constant);
-    let residuals = base.balance(&moved, still, Dual::constant).residuals;
+    let residuals = base.residuals(&moved, still, Dual::constant);
     array_of(|number| residuals.each(|row| row.partials[number]))
 }
 
@@ -170,7 +170,7 @@ pub(super) fn settle<T: Scalar, U: Real, R: WheelParts<U>>(
     lift: impl Fn(U) -> T + Copy,
 ) -> [T; UNKNOWNS] {
     let mut x = plain.unknowns.each(|c| parameters.0[0].constant(c));
-    let residuals = base.balance(parameters, x, lift).residuals;
+    let residuals = base.residuals(parameters, x, lift);
     for (unknown, step) in x.iter_mut().zip(times(&plain.inverse, residuals)) {
         *unknown = *unknown - step;
     }

@@ -42,6 +42,8 @@ pub struct CarSolver<'a> {
     pub(super) axles: [AxleSolver<'a, TERMS>; 2],
     /// Curves of the wheels along their travels. `None` if a wheel depends on more than its own travel.
     curves: Option<Box<[WheelCurve; 4]>>,
+    /// Memory for wheels from their curves.
+    spare: Option<Box<OnCurves>>,
 }
 
 /// Quantities with the inputs that the equations read.
@@ -90,19 +92,21 @@ impl<'a> CarSolver<'a> {
             rests: [None, None],
             curves: has_curves.then(|| Box::new([0, 1, 2, 3].map(curve))),
             axles,
+            spare: None,
         })
     }
 
     /// Reads the wheels at these travels from their curves; `None` if a wheel has no curve there.
-    fn near(&mut self, travels: [f64; 4], racks: [f64; 2]) -> Option<OnCurves> {
+    fn near(&mut self, travels: [f64; 4], racks: [f64; 2]) -> Option<Box<OnCurves>> {
         let curves = self.curves.as_mut()?;
-        let mut read = |number: usize| {
+        let mut near = self.spare.take().unwrap_or_default();
+        near.travels = travels;
+        for (number, curve) in curves.iter_mut().enumerate() {
             let axle = number / 2;
-            let solver = &mut self.axles[axle];
-            curves[number].at(solver, travels[number], racks[axle])
-        };
-        let wheels = [read(0)?, read(1)?, read(2)?, read(3)?];
-        Some(OnCurves { wheels, travels })
+            let at = [travels[number], racks[axle]];
+            curve.at(&mut self.axles[axle], at, &mut near.wheels[number])?;
+        }
+        Some(near)
     }
 
     /// Solves the poses of all wheels at these travels.
@@ -332,7 +336,7 @@ impl<'a> CarSolver<'a> {
         if found.placed.is_none()
             && let Some(near) = self.near(found.travels(), found.racks)
         {
-            return Ok(Wheels::Near(Box::new(near)));
+            return Ok(Wheels::Near(near));
         }
         Ok(Wheels::Exact(Box::new(self.readings(found)?)))
     }

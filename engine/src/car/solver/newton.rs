@@ -50,7 +50,7 @@ impl<'a> CarSolver<'a> {
         is_exact: bool,
     ) -> Result<Wheels<'a>, NoEquilibrium> {
         if !is_exact && let Some(near) = self.near(travels, racks) {
-            return Ok(Wheels::Near(Box::new(near)));
+            return Ok(Wheels::Near(near));
         }
         Ok(Wheels::Exact(Box::new(self.read(travels, racks)?)))
     }
@@ -90,7 +90,15 @@ impl<'a> CarSolver<'a> {
                 }
             };
             evaluations += 1;
-            let Some(step) = at.step(&wheels, held, &parameters)? else {
+            let step = at.step(&wheels, held, &parameters);
+            let placed = match wheels {
+                Wheels::Near(near) => {
+                    self.spare = Some(near);
+                    None
+                }
+                Wheels::Exact(readings) => Some(readings.placed),
+            };
+            let Some(step) = step? else {
                 continue;
             };
             let is_end = at.is_end(&step);
@@ -102,21 +110,17 @@ impl<'a> CarSolver<'a> {
                 continue;
             }
             moved(&mut at.x, &step.change, 1.0);
-            let placed = match wheels {
-                Wheels::Near(_) if !may_be_near => {
-                    is_last = true;
-                    at.begin_again(step.linear);
-                    continue;
-                }
-                Wheels::Near(_) => None,
-                Wheels::Exact(readings) => Some(Box::new(readings.placed)),
-            };
+            if placed.is_none() && !may_be_near {
+                is_last = true;
+                at.begin_again(step.linear);
+                continue;
+            }
             return Ok(Equilibrium {
                 unknowns: at.x,
                 lifted,
                 evaluations,
                 racks: case.racks,
-                placed,
+                placed: placed.map(Box::new),
                 factors: step.linear.factors,
             });
         }
@@ -192,7 +196,7 @@ impl Iteration {
     ) -> Result<Option<Step>, NoEquilibrium> {
         let is_fresh = self.linear.is_none();
         let (residuals, linear) = match self.linear.take() {
-            Some(linear) => (wheels.balance(held, parameters, self.x).residuals, linear),
+            Some(linear) => (wheels.residuals(held, parameters, self.x), linear),
             None => {
                 let (residuals, tangent) = wheels.tangent(held, parameters, &self.x);
                 (residuals, Linear::of(&tangent, self.x)?)

@@ -1,7 +1,7 @@
 //! Readings of the wheels in a state, from poses or from curves.
 
 use super::super::corner::{Corner, Steps};
-use super::super::equations::{Balance, Held, TRAVELS, UNKNOWNS};
+use super::super::equations::{Balance, Held, TRAVELS, UNKNOWNS, residuals};
 use super::super::parameters::{AxleParameter, Parameters};
 use super::super::tangent::{Matrix, tangent};
 use crate::axle::{AxlePose, Carriers, CurveWheel, Read, Reading, WheelParts};
@@ -17,9 +17,19 @@ pub(in crate::car) enum Wheels<'a> {
 }
 
 /// Wheels from their curves.
+#[derive(Clone, Debug)]
 pub(in crate::car) struct OnCurves {
     pub wheels: [CurveWheel; 4],
     pub travels: [f64; 4],
+}
+
+impl Default for OnCurves {
+    fn default() -> Self {
+        OnCurves {
+            wheels: [CurveWheel::unknown(); 4],
+            travels: [f64::NAN; 4],
+        }
+    }
 }
 
 impl OnCurves {
@@ -47,6 +57,19 @@ impl Wheels<'_> {
         match self {
             Wheels::Near(near) => near.base(held).balance(parameters, x, |c: f64| c),
             Wheels::Exact(exact) => exact.base(held).balance(parameters, x, |c: f64| c),
+        }
+    }
+
+    /// Residuals of the equations.
+    pub(in crate::car) fn residuals(
+        &self,
+        held: Held<'_>,
+        parameters: &Parameters<f64>,
+        x: [f64; UNKNOWNS],
+    ) -> [f64; UNKNOWNS] {
+        match self {
+            Wheels::Near(near) => near.base(held).residuals(parameters, x, |c: f64| c),
+            Wheels::Exact(exact) => exact.base(held).residuals(parameters, x, |c: f64| c),
         }
     }
 
@@ -124,11 +147,37 @@ impl<R> Base<'_, '_, R> {
     where
         R: WheelParts<U>,
     {
-        let corners = [0, 1, 2, 3].each(|number: usize| {
+        let corners = self.corners(parameters, &x, lift);
+        Balance::of(&self.held, parameters, corners, x)
+    }
+
+    /// Computes the residuals of the equations, without the rest of a state.
+    pub(in crate::car) fn residuals<T: Scalar, U: Real>(
+        &self,
+        parameters: &Parameters<T>,
+        x: [T; UNKNOWNS],
+        lift: impl Fn(U) -> T + Copy,
+    ) -> [T; UNKNOWNS]
+    where
+        R: WheelParts<U>,
+    {
+        let corners = self.corners(parameters, &x, lift);
+        residuals(&self.held, parameters, corners, &x)
+    }
+
+    fn corners<T: Scalar, U: Real>(
+        &self,
+        parameters: &Parameters<T>,
+        x: &[T; UNKNOWNS],
+        lift: impl Fn(U) -> T + Copy,
+    ) -> [Corner<T>; 4]
+    where
+        R: WheelParts<U>,
+    {
+        [0, 1, 2, 3].each(|number: usize| {
             let travels = [number, number ^ 1].each(|wheel| x[TRAVELS + wheel]);
             self.corner(parameters, number, travels, lift)
-        });
-        Balance::of(&self.held, parameters, corners, x)
+        })
     }
 
     /// Computes a wheel at its own travel and the other wheel's travel.

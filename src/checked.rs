@@ -90,8 +90,9 @@ impl NamedCurves {
     /// Ranges of stations that were not solved, one per line.
     pub fn failures(&self, wheel: &Suspension) -> Vec<String> {
         let failures = FailureRange::all(&self.curves, wheel);
-        let said = failures.iter();
-        said.map(|failure| format!("motion {}: not solved: {failure}", self.name))
+        failures
+            .iter()
+            .map(|failure| format!("motion {}: not solved: {failure}", self.name))
             .collect()
     }
 }

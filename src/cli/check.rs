@@ -151,34 +151,34 @@ fn motion(study: &Study, plan: &Plan) -> String {
 
 /// Sentences about requests that commands other than `solve` process.
 fn asked(study: &Study) -> Vec<String> {
-    let mut said = Vec::new();
+    let mut lines = Vec::new();
     if let Some(sweep) = &study.sweep {
-        said.push(swept(study, sweep));
+        lines.push(swept(study, sweep));
     }
     if let Some(optimise) = &study.optimise {
-        said.push(format!(
+        lines.push(format!(
             "Tuning (optimise only): {}, {}, {}.",
             counted(optimise.variables.len(), "variable"),
             counted(optimise.targets.len(), "target"),
             counted(optimise.starts, "start")
         ));
-        said.extend(optimise.scatter.as_ref().map(robust));
+        lines.extend(optimise.scatter.as_ref().map(robust));
         let effects = if optimise.side_effects {
             "changes that no target asks for are reported"
         } else {
             "off, by side_effects = false"
         };
-        said.push(format!("Side effects (optimise only): {effects}."));
+        lines.push(format!("Side effects (optimise only): {effects}."));
     }
     if let Some(setup) = &study.setup {
-        said.push(format!(
+        lines.push(format!(
             "Set-up (setup only): {}, {}.",
             counted(setup.adjust.len(), "adjustment"),
             counted(setup.want.len(), "wanted value")
         ));
     }
-    said.extend(study.tolerance.as_ref().map(|of| scattered(study, of)));
-    said
+    lines.extend(study.tolerance.as_ref().map(|of| scattered(study, of)));
+    lines
 }
 
 /// Sentence about a robust tuning.

@@ -43,9 +43,9 @@ impl From<Stop> for NotDone {
 fn embedded<T>(run: impl FnOnce() -> Result<T, Stop>) -> Result<(T, String), NotDone> {
     crate::attia::register();
     let run = || stoppable(interrupt::stop(), run);
-    let (ended, said) = terminal::capture(|| catch_unwind(AssertUnwindSafe(run)));
+    let (ended, output) = terminal::capture(|| catch_unwind(AssertUnwindSafe(run)));
     match ended {
-        Ok(Some(found)) => Ok((found?, said)),
+        Ok(Some(found)) => Ok((found?, output)),
         Ok(None) => Err(NotDone::Interrupted),
         Err(payload) if payload.is::<interrupt::Ended>() => Err(NotDone::Interrupted),
         Err(payload) => resume_unwind(payload),
@@ -65,7 +65,7 @@ pub fn export_study(study: &Study, arguments: &[String]) -> Result<String, NotDo
     let Command::Export(arguments) = parsed(arguments)? else {
         return Err(NotDone::WrongInput("expected an export".to_owned()));
     };
-    embedded(|| export::run_of(&arguments, Some(study))).map(|(_, said)| said)
+    embedded(|| export::run_of(&arguments, Some(study))).map(|(_, output)| output)
 }
 
 /// `hardpoint import` that writes no study file. Returns the text of the study, and the summary of the import. `points` is a JSON

@@ -128,7 +128,7 @@ fn body(text: &str) -> Result<(String, String), String> {
 
 /// Answers to the questions that a file leaves open.
 #[derive(Clone, Default)]
-pub(super) struct Said {
+pub(super) struct Answers {
     sheet: Option<String>,
     pub(super) axes: Option<Axes>,
     side: Option<Side>,
@@ -136,10 +136,10 @@ pub(super) struct Said {
     half_track: Option<f64>,
 }
 
-impl Said {
+impl Answers {
     fn of(arguments: &ImportArguments) -> Self {
         let corner = arguments.corner;
-        Said {
+        Answers {
             sheet: arguments.sheet.clone(),
             axes: arguments.axes,
             side: arguments.side.or(corner.map(|(_, side)| side)),
@@ -185,12 +185,12 @@ impl<'a> Questions<'a> {
     /// Otherwise the question becomes the reason of the refusal.
     pub(super) fn settle<T>(
         &mut self,
-        said: &mut Said,
-        mut read: impl FnMut(&Said) -> Result<T, Refusal>,
+        answers: &mut Answers,
+        mut read: impl FnMut(&Answers) -> Result<T, Refusal>,
     ) -> Result<T, Stop> {
         let refused = |reason: String| Stop::in_file(self.file, reason);
         loop {
-            let question = match read(said) {
+            let question = match read(answers) {
                 Ok(found) => return Ok(found),
                 Err(Refusal::Open(question)) if self.can_ask && self.asked < MOST_QUESTIONS => {
                     question
@@ -203,7 +203,7 @@ impl<'a> Questions<'a> {
             let Some((flag, value)) = answer else {
                 return Err(refused(Refusal::Open(question).to_string()));
             };
-            said.take(flag, &value).map_err(refused)?;
+            answers.take(flag, &value).map_err(refused)?;
             eprint(&format!("In a script: {flag} {}\n", for_shell(&value)));
         }
     }
@@ -214,16 +214,16 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
         Some(path) => names(path)?,
         None => BTreeMap::new(),
     };
-    let mut said = Said::of(arguments);
+    let mut answers = Answers::of(arguments);
     let can_ask = std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
     let mut questions = Questions::of(arguments, can_ask);
-    let table = questions.settle(&mut said, |said| {
-        read_points(&arguments.file, said.sheet.as_deref(), said.axle)
+    let table = questions.settle(&mut answers, |answers| {
+        read_points(&arguments.file, answers.sheet.as_deref(), answers.axle)
     })?;
     if arguments.car {
-        return import_car::run(arguments, &table, &mut questions, &mut said);
+        return import_car::run(arguments, &table, &mut questions, &mut answers);
     }
-    let imported = imported(arguments, &table, &names, &mut questions, &mut said)?;
+    let imported = imported(arguments, &table, &names, &mut questions, &mut answers)?;
     let study = study_text(arguments, &imported)?;
     let out = file_of_out(&arguments.out);
     match out {
@@ -256,13 +256,13 @@ pub(super) fn in_memory(
     points: Option<&str>,
     names: &BTreeMap<String, String>,
 ) -> Result<(String, String), Stop> {
-    let mut said = Said::of(arguments);
+    let mut answers = Answers::of(arguments);
     let mut questions = Questions::of(arguments, false);
-    let table = questions.settle(&mut said, |said| match points {
+    let table = questions.settle(&mut answers, |answers| match points {
         Some(json) => read_map(json),
-        None => read_points(&arguments.file, said.sheet.as_deref(), said.axle),
+        None => read_points(&arguments.file, answers.sheet.as_deref(), answers.axle),
     })?;
-    let imported = imported(arguments, &table, names, &mut questions, &mut said)?;
+    let imported = imported(arguments, &table, names, &mut questions, &mut answers)?;
     Ok((study_text(arguments, &imported)?, summary(&imported, None)))
 }
 
@@ -272,7 +272,7 @@ fn imported(
     table: &PointTable,
     names: &BTreeMap<String, String>,
     questions: &mut Questions<'_>,
-    said: &mut Said,
+    answers: &mut Answers,
 ) -> Result<Imported, Stop> {
     let only_one = |count: usize, flag: &str| match count {
         0 | 1 => Ok(()),
@@ -283,19 +283,19 @@ fn imported(
     only_one(arguments.topology.len(), "--topology")?;
     only_one(arguments.radius.len(), "--radius")?;
     let bodies: BTreeMap<String, String> = arguments.body.iter().cloned().collect();
-    questions.settle(said, |said| {
+    questions.settle(answers, |answers| {
         let topology = match arguments.topology.first() {
             Some(topology) => *topology,
-            None => table.topology(said.axle)?,
+            None => table.topology(answers.axle)?,
         };
         let options = ImportOptions {
             topology,
             unit: arguments.unit,
             frame: arguments.frame,
-            axes: said.axes,
-            side: said.side,
-            axle: said.axle,
-            half_track: said.half_track,
+            axes: answers.axes,
+            side: answers.side,
+            axle: answers.axle,
+            half_track: answers.half_track,
             radius: arguments.radius.first().copied(),
             bushings: arguments.bushings,
             names,
@@ -440,13 +440,13 @@ mod tests {
         assert_eq!(answer(&of_axle, ""), None);
         let track = Some(("--half-track", "610".to_owned()));
         assert_eq!(answer(&of_track, "610\n"), track);
-        let mut said = Said::default();
-        said.take("--axle", "rear").unwrap();
-        said.take("--half-track", "610").unwrap();
+        let mut answers = Answers::default();
+        answers.take("--axle", "rear").unwrap();
+        answers.take("--half-track", "610").unwrap();
         assert_eq!(
-            (said.axle, said.half_track),
+            (answers.axle, answers.half_track),
             (Some(AxlePosition::Rear), Some(610.0))
         );
-        assert!(said.take("--half-track", "wide").is_err());
+        assert!(answers.take("--half-track", "wide").is_err());
     }
 }

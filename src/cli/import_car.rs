@@ -1,7 +1,7 @@
 //! `hardpoint import --car`: imports both axles of a file, and writes a study of the car that names them.
 
 use super::exit::{Exit, Stop};
-use super::import::{ImportArguments, Questions, Said, listed, roles};
+use super::import::{Answers, ImportArguments, Questions, listed, roles};
 use super::terminal::note;
 use crate::exchange::{CAR_FILES, ImportOptions, ImportedCar, PointTable, import_car};
 use crate::model::{AxlePosition, Topology};
@@ -19,7 +19,7 @@ pub(super) fn run(
     arguments: &ImportArguments,
     table: &PointTable,
     questions: &mut Questions<'_>,
-    said: &mut Said,
+    answers: &mut Answers,
 ) -> Result<Exit, Stop> {
     let directory = arguments.out.as_deref().expect("--car requires --out");
     for (count, flag) in [
@@ -41,7 +41,7 @@ pub(super) fn run(
     let origin = arguments.file.file_name().unwrap_or_default();
     let origin = origin.to_string_lossy();
     let none = BTreeMap::new();
-    let car = questions.settle(said, |said| {
+    let car = questions.settle(answers, |answers| {
         let topology = |end: usize, axle: AxlePosition| -> Result<&'static Topology, _> {
             match of_axle(&arguments.topology, end) {
                 Some(topology) => Ok(topology),
@@ -53,7 +53,7 @@ pub(super) fn run(
                 topology: topology(end, axle)?,
                 unit: arguments.unit,
                 frame: arguments.frame,
-                axes: said.axes,
+                axes: answers.axes,
                 side: None,
                 axle: Some(axle),
                 half_track: None,

@@ -156,10 +156,10 @@ fn work_done() -> Duration {
 
 /// Prints a line, but does not wait long if nobody reads it.
 fn say(text: &'static str) {
-    let (said, done) = mpsc::channel();
+    let (printed, done) = mpsc::channel();
     let spawned = thread::Builder::new().spawn(move || {
         terminal::note(text);
-        let _ = said.send(());
+        let _ = printed.send(());
     });
     if spawned.is_ok() {
         let _ = done.recv_timeout(LAST_WORDS);

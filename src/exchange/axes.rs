@@ -221,10 +221,10 @@ impl Declared {
 
     /// True if these axes agree with the statement.
     pub(super) fn allows(self, axes: Axes) -> bool {
-        let agrees = |(said, way): (&Coordinate, Way)| match said {
+        let agrees = |(stated, way): (&Coordinate, Way)| match stated {
             Coordinate::Unknown => true,
             Coordinate::Along(axis) => way.axis() == *axis,
-            Coordinate::Grows(said) => *said == way,
+            Coordinate::Grows(stated) => *stated == way,
         };
         self.0.iter().zip(axes.0).all(agrees)
     }
@@ -339,17 +339,17 @@ mod tests {
 
     #[test]
     fn lines_of_text_say_axes() {
-        let said = |text: &str| Declared::in_text(text).axes().map(|axes| axes.to_string());
-        assert_eq!(said("SAE axes").as_deref(), Some("forward,right,down"));
+        let axes = |text: &str| Declared::in_text(text).axes().map(|axes| axes.to_string());
+        assert_eq!(axes("SAE axes").as_deref(), Some("forward,right,down"));
         assert_eq!(
-            said("x points rearward, y is positive right, z up").as_deref(),
+            axes("x points rearward, y is positive right, z up").as_deref(),
             Some("rearward,right,up")
         );
         for text in [
             "origin at the front, x and y in mm",
             "Formula SAE 2026, front",
         ] {
-            assert_eq!(said(text), None, "{text}");
+            assert_eq!(axes(text), None, "{text}");
         }
     }
 }

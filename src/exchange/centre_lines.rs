@@ -139,9 +139,9 @@ impl Drawing {
     fn file(mut self, outgoing: &Outgoing<'_>) -> String {
         let (unit, convention) = (outgoing.unit.symbol(), outgoing.convention);
         let (name, axes) = (convention.name(), axes(convention));
-        let said = format!("unit {unit}; frame {name}: {axes}");
+        let unit_and_frame = format!("unit {unit}; frame {name}: {axes}");
         let height = text_height(outgoing);
-        self.text("UNIT_AND_FRAME", &said, [0.0; 3], height);
+        self.text("UNIT_AND_FRAME", &unit_and_frame, [0.0; 3], height);
         // The header follows release 12, except for the unit. Readers that do not know the unit skip it.
         let code = match outgoing.unit {
             LengthUnit::Inch | LengthUnit::InchPound => 1,
@@ -149,7 +149,7 @@ impl Drawing {
             LengthUnit::Metre => 6,
         };
         let mut file = format!(
-            "999\npoints and centre lines by hardpoint; {said}\n0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n\
+            "999\npoints and centre lines by hardpoint; {unit_and_frame}\n0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n\
              9\n$INSUNITS\n70\n{code}\n0\nENDSEC\n0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLTYPE\n70\n1\n\
              0\nLTYPE\n2\nCONTINUOUS\n70\n0\n3\nSolid line\n72\n65\n73\n0\n40\n0.0\n0\nENDTAB\n\
              0\nTABLE\n2\nLAYER\n70\n{}\n",

@@ -406,7 +406,7 @@ mod tests {
             ("Location Upright".to_owned(), list(outer)),
         ];
         let root = Node::Table(vec![("Trailing Link".to_owned(), Node::Table(joints))]);
-        let said = |share: f64| {
+        let message = |share: f64| {
             let lower = std::array::from_fn(|k| inner[k] + share * (outer[k] - inner[k]));
             let upper = std::array::from_fn(|k| lower[k] + [0.0, 0.0, 0.5][k]);
             on_link(&root, "Spring", "five_link", upper, lower)
@@ -417,14 +417,14 @@ mod tests {
             (0.9995, true),
             (1.0005, false),
         ] {
-            let text = said(share);
+            let text = message(share);
             assert_eq!(
                 text.contains("add a parallel spring"),
                 is_between,
                 "{share}: {text}"
             );
         }
-        let text = said(0.75);
+        let text = message(0.75);
         assert!(text.contains("take 0.75 of its motion_ratio"), "{text}");
         assert!(
             text.contains("spring_lower = [3.0000, 0.5000, -0.7500]"),

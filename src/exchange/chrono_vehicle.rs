@@ -150,14 +150,14 @@ fn part(path: &Path, file: &str) -> Result<Node, String> {
     let is_plain = |part: Component<'_>| matches!(part, Component::Normal(_));
     if !relative.components().all(is_plain) {
         return Err(format!(
-            "the file {file:?} is named by a path that leaves the folder of vehicles"
+            "the path of the file {file:?} leaves the folder of the vehicle; expected a path without .. and drive"
         ));
     }
     let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let places = path.ancestors().skip(1).map(|folder| folder.join(relative));
     let found: Option<PathBuf> = places.into_iter().find(|place| place.is_file());
     let found = found.ok_or_else(|| {
-        format!("the file {file:?} is in no folder above the vehicle; copy it there, as Project Chrono has it")
+        format!("the file {file:?} is in no folder above the vehicle; keep the folders of Project Chrono, or copy the file there")
     })?;
     let shown = |reason: String| format!("{file}: {reason}");
     let bytes = bytes_of(&found).map_err(shown)?;

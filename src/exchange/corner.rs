@@ -51,8 +51,8 @@ pub(super) fn choose(
 ) -> Result<Corner, Refusal> {
     let axle = axle(table, named, options, notes)?;
     let of_axle = |named: &&Named<'_>| {
-        let said = named.marks().axle;
-        said.is_none() || axle.is_none() || said == axle
+        let own = named.marks().axle;
+        own.is_none() || axle.is_none() || own == axle
     };
     let has = |side: Side| {
         let mut known = named.iter().filter(of_axle);
@@ -71,12 +71,12 @@ fn axle(
     options: &ImportOptions<'_>,
     notes: &mut Vec<String>,
 ) -> Result<Option<AxlePosition>, Refusal> {
-    let said = named.iter().map(Named::marks);
+    let of_points = named.iter().map(Named::marks);
     let of_kinds = table.kinds.iter().map(|(axle, _)| Marks {
         side: None,
         axle: *axle,
     });
-    let there = roles::axles(said.chain(of_kinds));
+    let there = roles::axles(of_points.chain(of_kinds));
     let chosen = match (options.axle, there.as_slice()) {
         (Some(wanted), there) if there.is_empty() || there.contains(&wanted) => Some(wanted),
         (Some(wanted), there) => {

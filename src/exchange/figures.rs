@@ -54,7 +54,7 @@ pub(super) fn read(
             continue;
         };
         let marks = row.marks.or(named);
-        let is_of = |said: bool, same: bool| !said || same;
+        let is_of = |stated: bool, same: bool| !stated || same;
         if !is_of(
             marks.side.is_some() && corner.side.is_some(),
             marks.side == corner.side,

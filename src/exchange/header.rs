@@ -38,7 +38,7 @@ struct Coordinates {
     letter: Option<usize>,
     side: Option<Side>,
     unit: Option<LengthUnit>,
-    said: Coordinate,
+    direction: Coordinate,
 }
 
 /// Unit of length that a word names.
@@ -80,7 +80,7 @@ pub(super) fn header(
     let mut unit = None;
     let mut declared = Declared::default();
     for three in found.chunks(3) {
-        let Some((columns, said)) = coordinates(three) else {
+        let Some((columns, stated)) = coordinates(three) else {
             return Ok(None);
         };
         for (_, header) in three {
@@ -92,7 +92,7 @@ pub(super) fn header(
             }
             unit = unit.or(header.unit);
         }
-        declared = declared.and(said, &sheet.row_place(row))?;
+        declared = declared.and(stated, &sheet.row_place(row))?;
         // A title across three columns is in the first cell or in all of them.
         let [x, y, z] = columns;
         let title = above.and_then(|above| sheet.cell(above, x.min(y).min(z)));
@@ -138,16 +138,16 @@ fn coordinates(three: &[(u32, Coordinates)]) -> Option<([u32; 3], Declared)> {
     for (place, (column, header)) in three.iter().enumerate() {
         let letter = header.letter.unwrap_or(place);
         columns[letter] = Some(*column);
-        declared.0[letter] = match header.said {
+        declared.0[letter] = match header.direction {
             Coordinate::Grows(Way::Left | Way::Right) if names_side => Coordinate::Unknown,
-            said => said,
+            direction => direction,
         };
     }
     if three.iter().any(|(_, header)| header.letter.is_none()) {
         let mut axes: Vec<usize> = declared
             .0
             .iter()
-            .filter_map(|said| match said {
+            .filter_map(|direction| match direction {
                 Coordinate::Unknown => None,
                 Coordinate::Along(axis) => Some(*axis),
                 Coordinate::Grows(way) => Some(way.axis()),
@@ -238,7 +238,7 @@ const BESIDE_AXES: &str = "value coord coordinate coordinates pos position loc l
 fn coordinate_header(text: &str) -> Option<Coordinates> {
     let mut letter = None;
     let (mut side, mut unit) = (None, None);
-    let mut said = Coordinate::Unknown;
+    let mut direction = Coordinate::Unknown;
     let mut is_flipped = false;
     for word in cut(text) {
         let axis = ["x", "y", "z"].iter().position(|axis| *axis == word);
@@ -247,10 +247,10 @@ fn coordinate_header(text: &str) -> Option<Coordinates> {
         } else if let Some(found) = unit_of(&word) {
             unit = Some(found);
         } else if let Some(way) = Way::of(&word) {
-            said = said.and(Coordinate::Grows(way))?;
+            direction = direction.and(Coordinate::Grows(way))?;
             side = side.or(side_of(&word));
         } else if let Some(axis) = along(&word) {
-            said = said.and(Coordinate::Along(axis))?;
+            direction = direction.and(Coordinate::Along(axis))?;
         } else if let Some(found) = side_of(&word) {
             side = Some(found);
         } else if ["negative", "neg", "minus"].contains(&word.as_str()) {
@@ -269,17 +269,17 @@ fn coordinate_header(text: &str) -> Option<Coordinates> {
         "-\u{2212}".contains(chars[k]) && !(beside(k.checked_sub(1)) && beside(Some(k + 1)))
     };
     let has_minus = (0..chars.len()).any(is_minus) && !text.contains('+');
-    let said = match said {
+    let direction = match direction {
         // It is not certain if this minus is a sign or a dash, so only the axis is used.
         Coordinate::Grows(way) if has_minus => Coordinate::Along(way.axis()),
         Coordinate::Grows(way) if is_flipped => Coordinate::Grows(way.opposite()),
-        said => said,
+        direction => direction,
     };
-    (letter.is_some() || said != Coordinate::Unknown).then_some(Coordinates {
+    (letter.is_some() || direction != Coordinate::Unknown).then_some(Coordinates {
         letter,
         side,
         unit,
-        said,
+        direction,
     })
 }
 

@@ -339,7 +339,7 @@ impl Unused<'_> {
             more => format!(" and {more} more"),
         };
         left_out.push(format!(
-            "{}{more}: numbers that a study of kinematics has no key for",
+            "{}{more}: a study of kinematics has no keys for these numbers",
             shown.join(", ")
         ));
     }

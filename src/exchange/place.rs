@@ -52,14 +52,14 @@ pub(super) fn place(
     let directions = Directions::of(&points);
     let flag = options.axes.or(options.frame.map(Axes::of));
     if let Some(axes) = flag.or(table.declared.axes()) {
-        let is_said = flag.is_some();
-        return said(axes, is_said, side, &directions, options, notes);
+        let by_user = flag.is_some();
+        return stated(axes, by_user, side, &directions, options, notes);
     }
     found(table, side, &directions, notes)
 }
 
 /// Uses axes that the user or the file states.
-fn said(
+fn stated(
     axes: Axes,
     by_user: bool,
     side: Option<Side>,
@@ -82,8 +82,8 @@ fn said(
     } else {
         None
     };
-    if let (Some(said), Some(shown)) = (side, shown)
-        && said != shown
+    if let (Some(stated), Some(shown)) = (side, shown)
+        && stated != shown
     {
         let frame = axes
             .convention()
@@ -91,7 +91,7 @@ fn said(
         return Err(Refusal::Wrong(format!(
             "in these coordinates {}: that is not the {} wheel in {frame}; it would be --side {} with these axes",
             directions.describe(&reading_of(axes, shown)),
-            said.name(),
+            stated.name(),
             shown.name()
         )));
     }
@@ -119,7 +119,7 @@ fn said(
             ));
         }
         notes.push(format!(
-            "doubtful: in the points {shown}, and x, y and z are said to point {axes}"
+            "doubtful: in the points {shown}, and the stated axes x, y and z point {axes}"
         ));
     }
     Ok(placed)
@@ -373,13 +373,13 @@ mod tests {
             let points = [("lower_ball_joint", outer), ("lower_arm_front", [0.0; 3])];
             let mut notes = Vec::new();
             let directions = Directions::of(&points);
-            let placed = said(axes, true, None, &directions, &options, &mut notes).unwrap();
+            let placed = stated(axes, true, None, &directions, &options, &mut notes).unwrap();
             assert_eq!(placed.side, side, "{cosine}");
             let shown = notes[0].contains("on that side of the body");
             assert_eq!(shown, is_shown, "{cosine}: {notes:?}");
             // A stated side contradicts a different side that the points show, and nothing else.
             for wheel in Side::ALL {
-                let placed = said(axes, true, Some(wheel), &directions, &options, &mut notes);
+                let placed = stated(axes, true, Some(wheel), &directions, &options, &mut notes);
                 assert_eq!(placed.is_ok(), !is_shown || wheel == side, "{cosine}");
             }
         }

@@ -237,8 +237,8 @@ impl Rows<'_> {
         if !is_above {
             return Ok(());
         }
-        for said in texts {
-            let declared = Declared::in_text(said);
+        for line in texts {
+            let declared = Declared::in_text(line);
             let place = self.sheet.row_place(row);
             self.table.declared = self.table.declared.and(declared, &place)?;
         }
@@ -267,16 +267,16 @@ impl Rows<'_> {
         let Some(column) = columns.frame else {
             return Ok(());
         };
-        let Some(said) = self.sheet.cell(row, column) else {
+        let Some(cell) = self.sheet.cell(row, column) else {
             return Ok(());
         };
         let place = self.sheet.place(row, column);
         let mut all = FrameConvention::ALL.into_iter();
-        let known = text(said).and_then(|text| all.find(|convention| convention.name() == text));
+        let known = text(cell).and_then(|text| all.find(|convention| convention.name() == text));
         let Some(known) = known else {
             return Err(format!(
                 "{place}: the frame is {}; expected iso8855, sae_j670 or x_rear",
-                shown(said)
+                shown(cell)
             ));
         };
         let declared = Declared::whole(Axes::of(known));
@@ -292,10 +292,10 @@ impl Rows<'_> {
         let mut marks = Marks::default();
         let mut both = false;
         for column in &columns.marks {
-            let Some(said) = self.sheet.cell(row, *column) else {
+            let Some(cell) = self.sheet.cell(row, *column) else {
                 continue;
             };
-            let words = text(said).map(|text| cut(text).join(" "));
+            let words = text(cell).map(|text| cut(text).join(" "));
             match words.as_deref() {
                 Some("left right" | "both" | "symmetric" | "l r") => both = true,
                 Some("single" | "centre" | "center" | "") => (),
@@ -306,7 +306,7 @@ impl Rows<'_> {
                     return Err(format!(
                         "{}: the wheel or axle is {}; expected left, right, left/right, front, rear, FL, FR, RL or RR",
                         self.sheet.place(row, *column),
-                        shown(said)
+                        shown(cell)
                     ));
                 }
             }

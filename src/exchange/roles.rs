@@ -197,11 +197,11 @@ fn hardpoint(cut: &[String], marks: Marks, topology: &Topology) -> Option<(&'sta
     let on_axle = || {
         let (axle, rest) = words.without_axle()?;
         let hardpoint = rest.hardpoint(topology)?;
-        let said = Marks {
+        let of_name = Marks {
             side: None,
             axle: Some(axle),
         };
-        Some((hardpoint, marks.or(said)))
+        Some((hardpoint, marks.or(of_name)))
     };
     let as_it_is = || words.hardpoint(topology).map(|name| (name, marks));
     match words.ends() {

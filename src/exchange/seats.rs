@@ -50,9 +50,9 @@ pub(super) fn of(
         let Some((usual, _)) = own.next().filter(|_| possible.len() > 1) else {
             continue;
         };
-        let said = said(hardpoint, named, &possible, imported)?;
+        let stated = stated(hardpoint, named, &possible, imported)?;
         let near = || nearest(imported, &mechanism, id, usual, &possible);
-        let body = match said {
+        let body = match stated {
             Some(body) => body,
             None => near()?.unwrap_or(usual),
         };
@@ -60,14 +60,14 @@ pub(super) fn of(
             hardpoint: hardpoint.name,
             usual,
             body,
-            is_assumed: said.is_none(),
+            is_assumed: stated.is_none(),
         });
     }
     Ok(seats)
 }
 
 /// Body that the user, a column or the name gives.
-fn said(
+fn stated(
     hardpoint: &Hardpoint,
     named: &BTreeMap<String, String>,
     possible: &[&'static str],

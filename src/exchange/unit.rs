@@ -34,7 +34,7 @@ pub(super) fn unit(
     let [least, most] = USUAL_SIZE;
     let fits = |unit: &LengthUnit| (least..=most).contains(&(size / unit.per_metre()));
     let fitting = LengthUnit::ALL.into_iter().find(fits);
-    let said = match (options.unit, table.unit) {
+    let stated = match (options.unit, table.unit) {
         (Some(unit), written) => {
             if written.is_some_and(|written| written != unit) {
                 notes.push(format!(
@@ -46,14 +46,14 @@ pub(super) fn unit(
         }
         (None, written) => written,
     };
-    match (said, fitting) {
+    match (stated, fitting) {
         (Some(unit), _) if fits(&unit) => Ok(unit),
         (Some(unit), fitting) => {
             let better = fitting.map_or(String::new(), |unit| {
                 format!("; in {} they would be", unit.symbol())
             });
             notes.push(format!(
-                "doubtful: the points are {size:.4} {} apart, which is not the size of a car's suspension{better}",
+                "doubtful: the points are up to {size:.4} {} from the wheel, which is not the size of a car's suspension{better}",
                 unit.symbol()
             ));
             Ok(unit)
@@ -67,7 +67,7 @@ pub(super) fn unit(
             Ok(unit)
         }
         (None, None) => Err(format!(
-            "the points are {size:.4} apart, which is the size of no car's suspension in mm, m or in: say the \
+            "the points are up to {size:.4} from the wheel: no car's suspension has this size in mm, m or in. State the \
              unit with --unit"
         )),
     }

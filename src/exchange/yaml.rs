@@ -136,13 +136,13 @@ true: yes
 
     #[test]
     fn what_is_no_map_of_points_is_refused_with_its_line() {
-        for (text, said) in [
+        for (text, reason) in [
             ("a: &p [1, 2, 3]\nb: *p\n", "line 2: an alias"),
             ("a: [1, 2\nb: 3", "not YAML: line 2"),
             ("? [1, 2]\n: 3\n", "line 1: a key is a list or a map"),
         ] {
             let message = read(text).unwrap_err();
-            assert!(message.contains(said), "{text:?}: {message}");
+            assert!(message.contains(reason), "{text:?}: {message}");
         }
         let deep = "[".repeat(100_000) + &"]".repeat(100_000);
         assert!(read(&deep).is_err());

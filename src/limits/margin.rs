@@ -56,7 +56,7 @@ pub(super) fn margin(
         return Ok("The mechanism reaches no station of the study's motion.".to_owned());
     }
     let mut text = format!(
-        "{stations} the mechanism stays {} {unit} or more from a dead centre or fold; it comes nearest at {} {}.",
+        "{stations} the mechanism stays at least {} {unit} away from a dead centre or fold. It is nearest at {} {}.",
         brief(distance),
         plan.drive.name(),
         as_written(plan.drive.printed(at))

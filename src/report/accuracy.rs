@@ -42,7 +42,7 @@ fn unsupported(curves: &Curves) -> Option<String> {
 /// Remarks on stations at which a rocker has reached a toggle, one for each rod of each wheel.
 fn toggled(curves: &Curves) -> Vec<String> {
     let is_axle = curves.motion_index(Drive::Travel.key()).is_none();
-    let mut said = Vec::new();
+    let mut warnings = Vec::new();
     for side in Side::ALL {
         // Distance from the design position: travel of the wheel, or the angle that drives it.
         let (of, keys) = match (is_axle, side) {
@@ -67,7 +67,7 @@ fn toggled(curves: &Curves) -> Vec<String> {
             let is_stuck = |(_, s): &(usize, &Station)| matches!(s.status, Status::Toggle(rods) if rods[side as usize] == Some(rod));
             let stuck = || curves.stations.iter().enumerate().filter(is_stuck);
             let nearest = stuck().min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
-            said.extend(nearest.map(|(nearest, _)| {
+            warnings.extend(nearest.map(|(nearest, _)| {
                 format!(
                     "warning: the {of}{rod} is at toggle or beyond it at {}, the nearest at {}: it turns {} no further \
                      there, so quantities that move with it have no values",
@@ -78,7 +78,7 @@ fn toggled(curves: &Curves) -> Vec<String> {
             }));
         }
     }
-    said
+    warnings
 }
 
 /// Number of stations in words.

@@ -136,7 +136,7 @@ impl Comparison {
         let rows = motion.common_rows(&tables);
         if rows.is_empty() {
             return Err(format!(
-                "they share no value of {}: run them over the same motion",
+                "the results share no value of {}: run their studies over the same motion",
                 motion.columns.join(", ")
             ));
         }

@@ -272,8 +272,8 @@ impl Tables {
         let has_rows = self.0.iter().any(|(_, table)| !table.rows.is_empty());
         let each = |render: &dyn Fn(&'static str, &Table) -> String| {
             let tables = self.0.iter();
-            let said = tables.filter(|(_, table)| !(has_rows && is_nameless(table)));
-            let all: Vec<String> = said.map(|(name, table)| render(name, table)).collect();
+            let shown = tables.filter(|(_, table)| !(has_rows && is_nameless(table)));
+            let all: Vec<String> = shown.map(|(name, table)| render(name, table)).collect();
             all.join("\n")
         };
         match format {

@@ -96,11 +96,11 @@ fn solved_wheel(
         ..plan.clone()
     };
     let frame = |own: &WheelStudy| -> Option<Frame> { wheel_frames(own, &place).ok()?.pop() };
-    let mut said = plausibility(suspension).map_err(fault)?;
-    said.extend(remarks(&found, suspension.length_unit));
+    let mut lines = plausibility(suspension).map_err(fault)?;
+    lines.extend(remarks(&found, suspension.length_unit));
     if plan.stations() < all {
         let drawn = plan.stations();
-        said.push(format!(
+        lines.push(format!(
             "{drawn} of {all} stations are drawn, evenly chosen, and without loads; `hardpoint solve` has all"
         ));
     }
@@ -124,7 +124,7 @@ fn solved_wheel(
                 .map(Drawn::from)
         },
         misfit,
-        remarks: said,
+        remarks: lines,
         milliseconds: start.elapsed().as_secs_f64() * 1e3,
     })
 }

@@ -184,8 +184,8 @@ pub(super) fn solved(
     };
     let places: Vec<Vec<f64>> = placements.iter().map(place).collect();
     let groups = Groups::of(&places, over, &request.at);
-    let mut said = plausibility(left).map_err(fault)?;
-    said.extend(axle_plausibility(axle, &plan, &found, false));
+    let mut lines = plausibility(left).map_err(fault)?;
+    lines.extend(axle_plausibility(axle, &plan, &found, false));
     let frames = |axle: &Axle| {
         let found = frames(axle, &plan.motion, &request.at);
         found.map_or([None, None], |sides| sides.map(|side| Some(side.into())))
@@ -213,7 +213,7 @@ pub(super) fn solved(
             frames(opened_axle())[0].take()
         },
         misfit,
-        remarks: said,
+        remarks: lines,
         milliseconds: start.elapsed().as_secs_f64() * 1e3,
     })
 }

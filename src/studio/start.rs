@@ -86,11 +86,11 @@ fn imported(
     points: &str,
     request: &StartRequest,
 ) -> Result<Imported, String> {
-    let said = |text: &Option<String>| text.clone().filter(|text| !text.is_empty());
-    let unit = said(&request.unit)
+    let given = |text: &Option<String>| text.clone().filter(|text| !text.is_empty());
+    let unit = given(&request.unit)
         .map(|unit| unit_of(&unit).ok_or_else(|| format!("expected mm, m or in, found {unit:?}")));
-    let axes = said(&request.axes).map(|axes| Axes::parse(&axes));
-    let side = said(&request.side).map(|side| {
+    let axes = given(&request.axes).map(|axes| Axes::parse(&axes));
+    let side = given(&request.side).map(|side| {
         let mut all = Side::ALL.into_iter();
         let found = all.find(|one| one.name() == side);
         found.ok_or_else(|| format!("expected left or right, found {side:?}"))

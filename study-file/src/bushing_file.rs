@@ -252,9 +252,9 @@ mod tests {
             ("[FX_CURVE]\n0 0\n1 1\n".to_owned(), 1, "expected LENGTH"),
         ] {
             let error = of(text).unwrap_err();
-            let said = error.to_string();
-            assert!(said.contains(phrase), "{said}");
-            assert_eq!(error.all()[0].position().unwrap().0, line, "{said}");
+            let message = error.to_string();
+            assert!(message.contains(phrase), "{message}");
+            assert_eq!(error.all()[0].position().unwrap().0, line, "{message}");
         }
     }
 }

@@ -28,7 +28,7 @@ use super::settle::Settling;
 use crate::linear::lu::{Lu6, Matrix6, Vector6};
 use crate::mechanism::Twist;
 use crate::mechanism::{Closure, Configuration, DesignFault, Driver, Pose, ROUNDING};
-use crate::model::{AxleTravel, PointId, RigidAxle, Suspension};
+use crate::model::{PointId, Suspension};
 use crate::number::{Dual, Each, Outlined, Real, Vector3};
 use crate::solve::Solver;
 
@@ -264,8 +264,8 @@ impl Assembler {
         inverse: &Matrix6<f64>,
     ) -> (Pose<T>, Vector6<T>) {
         let mut at = self.configuration(parts, pose);
-        if let Some(rigid) = &self.suspension.mechanism.rigid_axle {
-            at.rack = self.rise(rigid, parts, rigid.held) + height;
+        if self.suspension.mechanism.rigid_axle.is_some() {
+            at.rack = height;
         }
         let residuals = if T::IN_REGISTERS {
             closure.residuals_inlined(&at, self.driver(parts, height))
@@ -291,25 +291,12 @@ impl Assembler {
     /// solid axle have this height, so their difference drives it.
     #[inline(always)]
     fn driver<T: Real>(&self, parts: &Parts<T>, height: T) -> Driver<T> {
-        if let Some(rigid) = &self.suspension.mechanism.rigid_axle {
-            return Driver::Travel(self.rise(rigid, parts, rigid.held.other()));
+        if self.suspension.mechanism.rigid_axle.is_some() {
+            return Driver::Travel(height.zero());
         }
         let centre = self.suspension.mechanism.wheel_centre.0;
         let drawn = parts.drawn[centre].z;
         Driver::Travel(drawn - parts.points[centre].z + height)
-    }
-
-    /// Travel of a solid axle at which both wheel centres have their nominal heights.
-    #[inline(always)]
-    fn rise<T: Real>(&self, rigid: &RigidAxle, parts: &Parts<T>, travel: AxleTravel) -> T {
-        let near = self.suspension.mechanism.wheel_centre;
-        // The equations of a steered axle count from the nominal heights.
-        let [near, far] = match &rigid.steering {
-            None => [near, rigid.far_centre],
-            Some(steering) => steering.turned_centres,
-        };
-        let rise = |id: PointId| parts.drawn[id.0].z - parts.points[id.0].z;
-        rise(near).scaled(0.5) + rise(far).scaled(0.5 * travel.far_sign())
     }
 
     #[inline(always)]

@@ -88,7 +88,9 @@ impl Assembler {
             };
         }
         if let Some(rigid) = &mechanism.rigid_axle {
-            rigid.displace(into[0].x.zero(), into);
+            if let Some(steering) = &rigid.steering {
+                steering.displace(into[0].x.zero(), into);
+            }
             return;
         }
         for (number, rocker) in mechanism.rockers.iter().enumerate() {

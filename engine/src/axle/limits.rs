@@ -168,8 +168,8 @@ impl<const N: usize> AxleSolver<'_, N> {
         AxleEnd { value, side, end }
     }
 
-    /// The rod that is at its toggle, with the side of the knuckle that it turns. On the way to a position the knuckles turn while the
-    /// axle rests, so a rod can be at its toggle there or in the position. `None` if both rods have leverage in both.
+    /// Finds the rod that is at its toggle, and the side of the knuckle that it turns. On the way to a position, the knuckles turn
+    /// first while the axle rests. So a rod can be at its toggle at rest or in the position. `None` if no rod is.
     fn nearest_toggle(&mut self, placed: &AxlePose) -> Option<(Side, Rod)> {
         self.steer(placed.rack).ok()?;
         let steering = self.axle.left.mechanism.axle_steering()?;

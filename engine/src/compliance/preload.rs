@@ -67,8 +67,8 @@ impl<T: Scalar> Built<T> {
         })
     }
 
-    /// Adds the vertical force with the row that holds the contact point. Refuses motions without stiffness of the parts,
-    /// and with `bounds` those of the carrier.
+    /// Adds the vertical force as an unknown, and the equation that holds the contact point. Returns an error if a part can move
+    /// without resistance. With `bounds`, also returns one if the carrier can.
     pub(super) fn border_for_preload(
         &self,
         equations: &mut Equations<T>,

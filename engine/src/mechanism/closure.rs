@@ -61,6 +61,8 @@ impl<T> Sink<T> for Touches<'_> {
 #[derive(Clone, Debug)]
 pub struct Closure<T> {
     rows: [Row<T>; 5],
+    /// Travel that drives a rigid axle; `None` for other mechanisms, which the height of the wheel centre drives.
+    driven: Option<TravelRow<T>>,
 }
 
 /// Dimensions from which rows are made. A trait, unlike an enum, keeps rows of parts out of code that only knows designs.
@@ -145,7 +147,12 @@ impl<T: Real> Closure<T> {
             }
             *row = like.outlined(next);
         }
-        Closure { rows }
+        let held = rows.iter().find_map(|row| match row {
+            Row::AxleTravel(held) => Some(held),
+            _ => None,
+        });
+        let driven = held.map(TravelRow::of_other_travel);
+        Closure { rows, driven }
     }
 
     /// Takes a new design of the same mechanism.
@@ -173,7 +180,7 @@ impl<T: Real> Closure<T> {
         for (k, row) in self.rows.iter().enumerate() {
             residuals[k] = row.residual(at);
         }
-        residuals[5] = driver.residual(at);
+        residuals[5] = self.driver_residual(at, driver);
         residuals
     }
 
@@ -191,7 +198,7 @@ impl<T: Real> Closure<T> {
         for (k, row) in self.rows.iter().enumerate() {
             row.differential(at, like.one(), &mut wrenches[k]);
         }
-        driver.differential(at, like.one(), &mut wrenches[5]);
+        self.driver_differential(at, driver, like.one(), &mut wrenches[5]);
         wrenches
     }
 
@@ -211,8 +218,8 @@ impl<T: Real> Closure<T> {
                 row.residual(at)
             }
             None => {
-                driver.differential(at, one, &mut wrench);
-                driver.residual(at)
+                self.driver_differential(at, driver, one, &mut wrench);
+                self.driver_residual(at, driver)
             }
         };
         (residual, wrench)
@@ -226,7 +233,7 @@ impl<T: Real> Closure<T> {
         for (k, row) in self.rows.iter().enumerate() {
             rates[k] = row.wrench_rate(at, along);
         }
-        if let Some(row) = driven_travel(at.mechanism) {
+        if let Some(row) = &self.driven {
             rates[5] = row.wrench_rate(at, along);
             return rates;
         }
@@ -267,7 +274,46 @@ impl<T: Real> Closure<T> {
             }
         }
         if rows.holds(driver.row()) {
-            driver.differential(at, weights[5], sink);
+            self.driver_differential(at, driver, weights[5], sink);
+        }
+    }
+
+    #[inline(always)]
+    fn driver_residual(&self, at: &Configuration<T>, driver: Driver<T>) -> T {
+        match driver {
+            Driver::Travel(travel) => {
+                if let Some(row) = &self.driven {
+                    return row.value(at) - travel;
+                }
+                let centre = at.mechanism.wheel_centre;
+                at.carried(centre).z - at.designed(centre).z - travel
+            }
+            Driver::ArmAngle { sine, cosine } => ArmAngle { sine, cosine }.residual(at),
+        }
+    }
+
+    #[inline(always)]
+    fn driver_differential(
+        &self,
+        at: &Configuration<T>,
+        driver: Driver<T>,
+        weight: T,
+        sink: &mut impl Sink<T>,
+    ) {
+        match driver {
+            Driver::Travel(_) => {
+                if let Some(row) = &self.driven {
+                    return row.push(at, weight, sink);
+                }
+                let centre = at.mechanism.wheel_centre;
+                let zero = weight.zero();
+                let up = Vector3::new(zero, zero, weight);
+                at.push_carried(centre, up, sink);
+                sink.hardpoint(centre, -up);
+            }
+            Driver::ArmAngle { sine, cosine } => {
+                ArmAngle { sine, cosine }.differential(at, weight, sink);
+            }
         }
     }
 }
@@ -313,7 +359,7 @@ impl Closure<f64> {
                 continue;
             }
             touches.found = false;
-            driver.differential(&at, 1.0, &mut touches);
+            self.driver_differential(&at, driver, 1.0, &mut touches);
             set.0 |= u8::from(touches.found) << driver.row();
         }
         set
@@ -333,14 +379,6 @@ impl Closure<f64> {
         let pose = at.pose.moved(shift, turn * 0.5);
         Some((pose, shift.norm().max(turn.norm() * size), lu))
     }
-}
-
-/// Travel that drives a rigid axle; `None` for other mechanisms, which the height of the wheel centre drives.
-#[inline(always)]
-fn driven_travel(mechanism: &Mechanism) -> Option<TravelRow> {
-    let axle = mechanism.rigid_axle.as_ref()?;
-    let (near, far) = (mechanism.wheel_centre, axle.far_centre);
-    Some(TravelRow::new(near, far, axle.held.other()))
 }
 
 impl<T> Driver<T> {
@@ -364,39 +402,6 @@ impl<T: Real> Driver<T> {
                 sine: f(sine),
                 cosine: f(cosine),
             },
-        }
-    }
-
-    #[inline(always)]
-    fn residual(&self, at: &Configuration<T>) -> T {
-        match *self {
-            Driver::Travel(travel) => {
-                if let Some(row) = driven_travel(at.mechanism) {
-                    return row.value(at) - travel;
-                }
-                let centre = at.mechanism.wheel_centre;
-                at.carried(centre).z - at.designed(centre).z - travel
-            }
-            Driver::ArmAngle { sine, cosine } => ArmAngle { sine, cosine }.residual(at),
-        }
-    }
-
-    #[inline(always)]
-    fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
-        match *self {
-            Driver::Travel(_) => {
-                if let Some(row) = driven_travel(at.mechanism) {
-                    return row.push(at, weight, sink);
-                }
-                let centre = at.mechanism.wheel_centre;
-                let zero = weight.zero();
-                let up = Vector3::new(zero, zero, weight);
-                at.push_carried(centre, up, sink);
-                sink.hardpoint(centre, -up);
-            }
-            Driver::ArmAngle { sine, cosine } => {
-                ArmAngle { sine, cosine }.differential(at, weight, sink);
-            }
         }
     }
 }

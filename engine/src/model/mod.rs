@@ -30,7 +30,7 @@ pub use suspension::{AxlePosition, Suspension, TorquePath, VehicleFigures};
 pub use topology::{Group, Hardpoint, Topology};
 pub use twist_beam::TwistBeam;
 
-use crate::number::{Each, Vector3};
+use crate::number::Vector3;
 
 /// Index of a hardpoint in [`Mechanism::points`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -308,8 +308,8 @@ impl Mechanism {
                 design.extend(beam.followers_of(design));
             }
             if let Some(steering) = &rigid.steering {
-                let beside = steering.followers(rigid.far_centre);
-                design.extend(beside.each(|[_, beside]| design[beside.0]));
+                let [_, end] = steering.follower();
+                design.push(design[end.0]);
             }
         }
     }

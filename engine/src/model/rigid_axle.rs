@@ -79,8 +79,7 @@ impl RigidAxle {
     #[inline]
     fn followers(&self) -> impl Iterator<Item = [PointId; 2]> {
         let beam = self.twist_beam.iter().flat_map(TwistBeam::followers);
-        let steering = self.steering.iter();
-        beam.chain(steering.flat_map(|steering| steering.followers(self.far_centre)))
+        beam.chain(self.steering.iter().map(AxleSteering::follower))
     }
 
     /// Counterpart in the far half of a point of the near half.

@@ -28,7 +28,7 @@
 //!
 //! While the axle rests, steering lifts or lowers the wheel centres. Let w_n and w_f be the hardpoints of the near and the far
 //! wheel centre, and c_n and c_f their places after the turn, the axle at rest. The closure equations count the travels from c_n
-//! and c_f:
+//! and c_f. They find both from p' when they take a design; no design stores them:
 //!
 //! ```text
 //! mean of the equations        = mean travel - (c_n.z - w_n.z + c_f.z - w_f.z)/2               (4)
@@ -88,45 +88,21 @@ pub struct AxleSteering {
     pub end: PointId,
     /// Place of this end after a displacement of the steering gear: equation (1).
     pub place: PointId,
-    /// Centre of the near wheel.
-    pub near_centre: PointId,
-    /// Centres of both wheels after the turn of their knuckles, the axle at rest: c_n and c_f of (4) and (5).
-    pub turned_centres: [PointId; 2],
     /// Unit vector along which the steering gear moves the end, in the kernel's frame of the near side.
     pub direction: Vector3<f64>,
 }
 
 impl AxleSteering {
-    /// Points that a study does not give. Each comes with the hardpoint at which it is while the wheels are not steered.
-    pub(super) fn followers(&self, far_centre: PointId) -> [[PointId; 2]; 3] {
-        let [near, far] = self.turned_centres;
-        [
-            [self.place, self.end],
-            [near, self.near_centre],
-            [far, far_centre],
-        ]
+    /// Point that a study does not give, with the hardpoint at which it is while the wheels are not steered.
+    pub(super) fn follower(&self) -> [PointId; 2] {
+        [self.place, self.end]
     }
-}
 
-impl RigidAxle {
-    /// Moves the drag link's end from its hardpoint by (1). Puts c_n and c_f of (4) at the hardpoints of the wheel centres.
-    /// Returns the points of c_n and c_f, each with its wheel centre.
+    /// Moves the drag link's end from its hardpoint by (1).
     #[inline(always)]
-    pub(crate) fn displace<T: Real>(
-        &self,
-        displacement: T,
-        design: &mut [Vector3<T>],
-    ) -> [[PointId; 2]; 2] {
-        let Some(steering) = &self.steering else {
-            return [[self.far_centre; 2]; 2];
-        };
-        let followers = steering.followers(self.far_centre);
-        for [point, beside] in followers {
-            design[point.0] = design[beside.0];
-        }
-        let place = &mut design[steering.place.0];
-        *place = *place + place.constant(steering.direction) * displacement;
-        [followers[1], followers[2]]
+    pub(crate) fn displace<T: Real>(&self, displacement: T, design: &mut [Vector3<T>]) {
+        let end = design[self.end.0];
+        design[self.place.0] = end + end.constant(self.direction) * displacement;
     }
 }
 
@@ -139,27 +115,21 @@ pub(super) fn body(name: &str, first: RockerId) -> Option<Body> {
     is_on_knuckle.then_some(Body::Rocker(first))
 }
 
-/// Adds the points of [`AxleSteering::followers`] and returns the steering. The far half must be complete.
+/// Adds the point of [`AxleSteering::follower`] and returns the steering. The far half must be complete.
 pub(super) fn add(given: &mut Given, first: RockerId) -> AxleSteering {
     let second = RockerId(first.0 + 1);
-    let (end, near_centre) = (given.id("drag_link_body"), given.id("wheel_centre"));
-    let mut add = |name: &str| {
-        given.0.push(Point {
-            name: name.to_owned(),
-            body: Body::Chassis,
-        });
-        PointId(given.0.len() - 1)
-    };
-    let place = add("drag_link_place");
-    let turned_centres = ["turned_wheel_centre", "right_turned_wheel_centre"].each(&mut add);
+    let end = given.id("drag_link_body");
+    let place = PointId(given.0.len());
+    given.0.push(Point {
+        name: "drag_link_place".to_owned(),
+        body: Body::Chassis,
+    });
     given.0[end.0].body = Body::SteeringGear(place);
     AxleSteering {
         near_knuckle: first,
         far_knuckle: second,
         end,
         place,
-        near_centre,
-        turned_centres,
         direction: Vector3::new(0.0, 1.0, 0.0),
     }
 }

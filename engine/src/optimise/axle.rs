@@ -163,6 +163,26 @@ impl Moved<'_> {
             Some((column, rate.parameter, rate.at(*x)))
         })
     }
+
+    /// Gives the elastic parts of the nominal design the rates of this design. `set` sets a rate of the parts. `change` changes
+    /// one, and returns false if it is not above 0 then.
+    pub(super) fn set_rates<P>(
+        &self,
+        parts: &mut P,
+        set: impl Fn(&mut P, AxleParameter, f64),
+        change: impl Fn(&mut P, AxleParameter, f64, bool) -> bool,
+    ) -> Result<(), Infeasible> {
+        for (_, parameter, [rate, _]) in self.rates() {
+            set(parts, parameter.into(), rate);
+        }
+        let mut scattered = self.scattered.iter();
+        if scattered.all(|own| change(parts, own.of, own.change, own.is_relative)) {
+            Ok(())
+        } else {
+            let message = "the rate of an elastic part is not above 0";
+            Err(Infeasible::Refused(message.to_owned()))
+        }
+    }
 }
 
 /// Points that the variables move, each once.

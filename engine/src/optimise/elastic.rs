@@ -15,9 +15,6 @@ use crate::study::{
     ComplianceStudy, Limited, Motion, Optimise, Site, TargetKind, Variable, WheelStudy,
 };
 
-/// Refusal of a build whose scatter takes a rate away.
-pub(super) const NO_RATE: &str = "the rate of an elastic part is not above 0";
-
 /// A station with its target values.
 #[derive(Clone, Debug)]
 struct ElasticStation {
@@ -257,15 +254,11 @@ impl RowsBeside for Rows<'_> {
             slopes,
         } = self;
         parts.clone_from(&layout.elastic.parts);
-        for (_, parameter, [rate, _]) in moved.rates() {
-            parts.set_rate(parameter, rate);
-        }
-        for own in moved.scattered {
-            let parameter = own.of.parameter;
-            if !parts.change_rate(parameter, own.change, own.is_relative) {
-                return Err(Infeasible::Refused(NO_RATE.to_owned()));
-            }
-        }
+        moved.set_rates(
+            parts,
+            |parts, of, rate| parts.set_rate(of.parameter, rate),
+            |parts, of, change, is_relative| parts.change_rate(of.parameter, change, is_relative),
+        )?;
         let tyre_rate = layout.elastic.tyre_rate;
         let run = KcRun::of(suspension, moved.wheels[0].0, parts, tyre_rate);
         let run = run.map_err(|_| {

@@ -5,7 +5,7 @@
 //! own rates.
 
 use super::axle::{AxleLayout, AxleStation, Moved, RowsBeside};
-use super::elastic::{NO_RATE, add_points, add_rates};
+use super::elastic::{add_points, add_rates};
 use super::layout::TargetSample;
 use super::{Infeasible, Linearisation};
 use crate::axle::{Axle, AxleRead};
@@ -82,24 +82,6 @@ fn used_by(station: &AxleStation, count: usize, seeks_targets: bool) -> Vec<usiz
     (0..count).filter(is_used).collect()
 }
 
-/// Makes these the parts of a moved design.
-fn take_rates(
-    parts: &mut AxleCompliance,
-    elastic: &AxleComplianceStudy,
-    moved: &Moved<'_>,
-) -> Result<(), Infeasible> {
-    parts.clone_from(&elastic.parts);
-    for (_, parameter, [rate, _]) in moved.rates() {
-        parts.set_rate(parameter.into(), rate);
-    }
-    let mut scattered = moved.scattered.iter();
-    if scattered.all(|own| parts.change_rate(own.of, own.change, own.is_relative)) {
-        Ok(())
-    } else {
-        Err(Infeasible::Refused(NO_RATE.to_owned()))
-    }
-}
-
 /// Writes the slopes of a value along the variables, from its derivatives by the parameters of the wheels that move.
 fn along_variables(
     moved: &Moved<'_>,
@@ -137,7 +119,8 @@ impl RowsBeside for Rows<'_> {
             tape,
             slopes,
         } = self;
-        take_rates(parts, elastic, moved)?;
+        parts.clone_from(&elastic.parts);
+        moved.set_rates(parts, AxleCompliance::set_rate, AxleCompliance::change_rate)?;
         let equilibria = axle.equilibria(moved.wheels.each(|(design, _)| design), parts);
         let equilibria = equilibria
             .map_err(|(side, fault)| Infeasible::Refused(axle.describe_fault((side, fault))))?;

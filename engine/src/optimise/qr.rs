@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 /// Smallest norm of a column that is not zero. The square of a smaller norm is not a normal number.
 const SMALLEST_NORM: f64 = 1.5e-154;
 
-/// Writes the columns of a Jacobian, each times its factor. Zeros fill them up to `rows` rows.
+/// Writes the columns of a Jacobian into `to`, each multiplied by its factor and extended with zeros to `rows` rows.
 pub(super) fn scale_columns(jacobian: &DMatrix<f64>, by: &[f64], rows: usize, to: &mut Vec<f64>) {
     to.clear();
     to.resize(by.len() * rows, 0.0);

@@ -174,9 +174,9 @@ fn drag_link_is_left(
     let place = place.map_or(section.hardpoints.span(), Text::span);
     let error = problems.add(
         place,
-        "drag_link_knuckle is on the right side, and the drag link pulls the left knuckle",
+        "drag_link_knuckle is on the right side; expected the left side, because the drag link turns the left knuckle",
     );
-    error.help("describe the mirror image of an axle whose drag link pulls the right knuckle");
+    error.help("if the drag link turns the right knuckle, write the mirror image of the axle: reverse the sign of every y");
     false
 }
 

@@ -1,13 +1,13 @@
 //! Effect of manufacturing scatter on curves and test figures.
 //!
-//! Parts scatter by independent numbers z with mean m and variance s^2 ([`crate::study::Source`]). Every value y of a build
-//! is, about the nominal design,
+//! Deviations of parts are independent random numbers z with mean m and variance s^2 ([`crate::study::Source`]). Near the
+//! nominal design, a value y of a build is
 //!
 //! ```text
 //! y = y0 + g.z + z.H z/2 + ...
 //! sigma^2 = sum of g_k^2 s_k^2        first order, each term a share
 //! mean y - y0 = tr(H S)/2             second order, m = 0
-//! sigma^2 grows by tr((H S)^2)/2      of normal z; a uniform z_k adds H_kk^2 s_k^4 (1.8 - 3)/4
+//! sigma^2 grows by tr((H S)^2)/2      for normal z; a uniform z_k adds H_kk^2 s_k^4 (1.8 - 3)/4
 //! ```
 //!
 //! g and H are exact ([`crate::assembly`]), for one wheel and for an axle, without difference quotients. In addition, a

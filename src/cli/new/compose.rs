@@ -194,9 +194,9 @@ impl Composed<'_> {
             if self.has(Part::Pushrod) {
                 // Beside a rocker, a study must state the body to which the drop link is attached.
                 let body = carrier.replace(' ', "_");
-                let said =
+                let bodies =
                     format!("\n[suspension.bodies]\ndrop_link_outer = \"{body}\"\n\n[wheel]");
-                self.text = self.text.replacen("\n[wheel]", &said, 1);
+                self.text = self.text.replacen("\n[wheel]", &bodies, 1);
             }
         }
         Ok(())

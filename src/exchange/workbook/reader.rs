@@ -233,7 +233,7 @@ fn shared_texts(archive: &Archive) -> Result<Vec<String>, String> {
             _ => (),
         }
         if kept.max(texts.len() * size_of::<String>()) > MOST_SHARED {
-            return Err("the workbook holds more text than a table of hardpoints can".to_owned());
+            return Err("the workbook has too much text for a table of hardpoints: copy the table into a new workbook".to_owned());
         }
     }
     Ok(texts)

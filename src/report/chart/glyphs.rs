@@ -374,7 +374,7 @@ mod tests {
             if outline.i16(0).is_none_or(|contours| contours <= 0) {
                 continue;
             }
-            let said = [2, 4, 6, 8].map(|at| f32::from(outline.i16(at).unwrap()));
+            let box_ends = [2, 4, 6, 8].map(|at| f32::from(outline.i16(at).unwrap()));
             let mut reach = [f32::MAX, f32::MAX, f32::MIN, f32::MIN];
             let mut widen = |[x, y]: [f32; 2]| {
                 let [left, low, right, high] = reach;
@@ -406,8 +406,8 @@ mod tests {
                 Command::Close => open -= 1,
             });
             assert_eq!(open, 0, "glyph {glyph}");
-            for (reach, said) in reach.iter().zip(said) {
-                assert!((reach - said).abs() < 1.0, "glyph {glyph}: {reach} {said}");
+            for (reach, end) in reach.iter().zip(box_ends) {
+                assert!((reach - end).abs() < 1.0, "glyph {glyph}: {reach} {end}");
             }
             outlines += 1;
         }

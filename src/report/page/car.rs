@@ -107,19 +107,19 @@ fn about(record: &CarRecord) -> String {
 
 /// Main result in one or two sentences.
 fn verdict(record: &CarRecord) -> String {
-    let mut said = Vec::new();
+    let mut sentences = Vec::new();
     let met = record.targets.iter().filter(|target| target.is_met());
     match (met.count(), record.targets.len()) {
         (_, 0) => {}
         (met, all) if met == all => {
-            said.push("All targets are met within their tolerances.".to_owned());
+            sentences.push("All targets are met within their tolerances.".to_owned());
         }
-        (met, all) => said.push(format!(
+        (met, all) => sentences.push(format!(
             "{met} of {all} targets are met within their tolerances."
         )),
     }
     if let Some(words) = side_effects_in_words(&record.side_effects) {
-        said.push(format!("{}{}.", words[..1].to_uppercase(), &words[1..]));
+        sentences.push(format!("{}{}.", words[..1].to_uppercase(), &words[1..]));
     }
     let fact = |name: &str| record.facts.iter().find(|fact| fact.name == name);
     if let Some(roll) = fact("roll_gradient") {
@@ -130,7 +130,7 @@ fn verdict(record: &CarRecord) -> String {
                 shown(share.value, &share.unit)
             );
         }
-        said.push(text + " (about the state at rest).");
+        sentences.push(text + " (about the state at rest).");
     }
     let lifts = record.cases.iter().filter_map(|case| {
         let lifted = case.state.as_ref()?.lifted_in_words();
@@ -144,18 +144,18 @@ fn verdict(record: &CarRecord) -> String {
     });
     let lifts: Vec<String> = lifts.collect();
     if !lifts.is_empty() {
-        said.push(format!("A wheel leaves the ground: {}.", lifts.join("; ")));
+        sentences.push(format!("A wheel leaves the ground: {}.", lifts.join("; ")));
     }
     let failed = record.cases.iter().filter(|case| case.reason.is_some());
     match failed.count() {
-        0 => said.push("Every case is in equilibrium.".to_owned()),
-        count => said.push(format!(
+        0 => sentences.push("Every case is in equilibrium.".to_owned()),
+        count => sentences.push(format!(
             "{} of {} cases have no equilibrium.",
             count,
             record.cases.len()
         )),
     }
-    said.join(" ")
+    sentences.join(" ")
 }
 
 fn section(id: &str, title: &str, note: &str, content: &str) -> String {

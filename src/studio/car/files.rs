@@ -147,7 +147,7 @@ impl CarFiles {
         Ok(understood)
     }
 
-    /// Texts of changed files with the values and coordinates that differ from the opened texts.
+    /// Merges the user's edits and moved points into `now`, the present texts of files that another program has changed.
     fn merged(
         &self,
         opened: &OpenedCar,

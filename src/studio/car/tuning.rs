@@ -71,9 +71,9 @@ fn run(
         misfit_in_words(fit.misfit()),
         words.unwrap_or_default()
     );
-    let mut said = vec![fit.ended()];
+    let mut outcome = vec![fit.ended()];
     if !fit.is_feasible() {
-        said.push("Not every constraint can be kept within the ranges.".to_owned());
+        outcome.push("Not every constraint can be kept within the ranges.".to_owned());
     }
     Ok(Proposal {
         design: coordinates(&after),
@@ -81,7 +81,7 @@ fn run(
         rates,
         headline,
         side_effects: SideEffectRows::of(&effects),
-        remarks: [remarks, said].concat(),
+        remarks: [remarks, outcome].concat(),
         interrupted: job.is_cancelled(),
     })
 }

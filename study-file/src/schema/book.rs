@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Description of each key, by section and name.
 pub(super) fn manual(root: Root) -> BTreeMap<(String, String), String> {
-    let mut said = BTreeMap::new();
+    let mut descriptions = BTreeMap::new();
     for section in root.manual().split("\n## ").skip(1) {
         let (name, rows) = section.split_once('\n').unwrap_or((section, ""));
         let (name, sibling) = name.split_once(" (and ").unwrap_or((name, ""));
@@ -27,12 +27,12 @@ pub(super) fn manual(root: Root) -> BTreeMap<(String, String), String> {
             let key = row.strip_prefix("| `").and_then(|row| row.split_once('`'));
             if let (Some((key, _)), Some(what)) = (key, cells.last()) {
                 for table in [Some(name), sibling.as_deref()].into_iter().flatten() {
-                    said.insert((table.to_owned(), key.to_owned()), (*what).to_owned());
+                    descriptions.insert((table.to_owned(), key.to_owned()), (*what).to_owned());
                 }
             }
         }
     }
-    said
+    descriptions
 }
 
 /// Text in the manual for keys that the study of one wheel or an axle only knows in order to refuse them.
@@ -86,14 +86,17 @@ impl Book {
         let mut properties = Map::new();
         for key in &place.keys {
             let mut value = self.of(&key_path(path, key));
-            let said = |section: &str| self.manual.get(&(section.to_owned(), (*key).to_owned()));
+            let description =
+                |section: &str| self.manual.get(&(section.to_owned(), (*key).to_owned()));
             // The manual describes ranges only once.
-            let said = said(&section).or_else(|| said("motion.travel"));
-            if self.root == Root::Suspension && said.is_some_and(|said| said.contains(OF_CARS)) {
+            let description = description(&section).or_else(|| description("motion.travel"));
+            if self.root == Root::Suspension
+                && description.is_some_and(|description| description.contains(OF_CARS))
+            {
                 continue;
             }
-            if let (Some(said), Value::Object(value)) = (said, &mut value) {
-                value.insert("description".to_owned(), json!(said));
+            if let (Some(description), Value::Object(value)) = (description, &mut value) {
+                value.insert("description".to_owned(), json!(description));
             }
             properties.insert((*key).to_owned(), value);
         }

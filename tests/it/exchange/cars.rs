@@ -157,12 +157,12 @@ fn vehicles_that_are_no_cars_are_refused() {
         (
             "made/wishbones.json",
             "../wishbones.json",
-            "leaves the folder of vehicles",
+            "leaves the folder of the vehicle",
         ),
         (
             "made/wishbones.json",
             "/etc/passwd",
-            "leaves the folder of vehicles",
+            "leaves the folder of the vehicle",
         ),
         (
             "[-1.25, 0, 0.5]",

@@ -110,7 +110,7 @@ fn other_units_and_axes_are_recognised_and_contradictions_refused() {
     );
     assert_eq!(turned.hardpoints[0].position, [120.0, 360.0, 195.0]);
     let refused = refusal(&scaled(1e-6, 1e-6, 1e-6), &Said::default());
-    assert!(refused.contains("say the unit with --unit"), "{refused}");
+    assert!(refused.contains("State the unit with --unit"), "{refused}");
 }
 
 #[test]

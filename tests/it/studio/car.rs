@@ -1,6 +1,6 @@
 //! A car in the live page: answers are those of `hardpoint solve`, gradients are slopes, and three files are saved.
 
-use super::saving::answered;
+use super::answers::answered;
 use super::webdriver::Browser;
 use super::{Served, columns, sample, solved};
 use serde_json::{Value, json};

@@ -1,13 +1,16 @@
 //! The live page: requests of strangers, saved files, and the page in a real browser.
 
+mod answers;
 mod attacks;
 mod axle;
 mod browser;
 mod car;
 mod client;
 mod moves;
+mod panels;
 mod saving;
 mod start;
+mod tuning;
 mod webdriver;
 
 use std::fs;

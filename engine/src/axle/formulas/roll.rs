@@ -107,7 +107,7 @@ pub(crate) fn roll_centre_lateral<T: Real, W: WheelParts<T>>(state: &AxleState<T
     (state.track().scaled(0.5) * (left - right) + state.mismatch()) / (left + right)
 }
 
-/// Height at which equal side forces make the same roll moment.
+/// Height at which the side force makes the same roll moment, if both wheels carry equal shares of it.
 #[inline(always)]
 pub(crate) fn force_roll_centre_height<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     if state.carriers.is_rigid() {
@@ -118,7 +118,7 @@ pub(crate) fn force_roll_centre_height<T: Real, W: WheelParts<T>>(state: &AxleSt
     (state.track() * (left + right)).scaled(0.25)
 }
 
-/// Lift per side force to the left, shared equally.
+/// Upward force on the body per side force to the left, if both wheels carry equal shares of the side force.
 #[inline(always)]
 pub(crate) fn jacking_force_ratio<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     if state.carriers.is_rigid() {

@@ -137,14 +137,11 @@ impl<'a, const N: usize> Corner<'a, N> {
 
     /// Moves the steering gear of a steered axle. Other axles stay as they are.
     pub(super) fn steer(&mut self, displacement: f64) -> Result<(), NoPose> {
-        let Some(rigid) = &self.mechanism.rigid_axle else {
-            return Ok(());
-        };
-        let Some(steering) = &rigid.steering else {
+        let Some(steering) = self.mechanism.axle_steering() else {
             return Ok(());
         };
         if self.steered.displacement != displacement {
-            self.steered = self.steered_by(displacement, rigid, steering);
+            self.steered = self.steered_by(displacement, steering);
         }
         match self.steered.failure {
             None => Ok(()),
@@ -152,16 +149,11 @@ impl<'a, const N: usize> Corner<'a, N> {
         }
     }
 
-    fn steered_by(
-        &mut self,
-        displacement: f64,
-        rigid: &RigidAxle,
-        steering: &AxleSteering,
-    ) -> Steered {
+    fn steered_by(&mut self, displacement: f64, steering: &AxleSteering) -> Steered {
         let designed = self.solver.design().to_vec();
         let displaced = |part: f64| {
             let mut design = designed.clone();
-            rigid.displace(part * displacement, &mut design);
+            steering.displace(part * displacement, &mut design);
             design
         };
         let knuckles = [steering.near_knuckle, steering.far_knuckle];

@@ -2,13 +2,12 @@
 
 use super::AxleSolver;
 use crate::analyse::{Limit, Range, RangeEnd};
-use crate::mechanism::{Configuration, Pose};
+use crate::mechanism::constraint::heights_at_rest;
 use crate::model::{AxleTravel, Drive, Mechanism};
-use crate::number::{Dual, Matrix3, Real, Vector3};
+use crate::number::{Dual, Real, Vector3};
 
-/// Moves the drag link's end in a design, and the wheel centres at rest with it: (1) of `model/steered_axle.rs`. Returns the lift of
-/// both wheel centres by (4) and (5): of the travel that drives the axle, then of the one that is held. Both are 0 if no drag link
-/// steers the axle.
+/// Moves the drag link's end in a design: (1) of `model/steered_axle.rs`. Returns the lift of both wheel centres by (4) and (5): of
+/// the travel that drives the axle, then of the one that is held. Both are 0 if no drag link steers the axle.
 #[inline(always)]
 pub(crate) fn displace<T: Real>(
     mechanism: &Mechanism,
@@ -19,20 +18,14 @@ pub(crate) fn displace<T: Real>(
     let Some(rigid) = mechanism.rigid_axle.as_ref() else {
         return [zero; 2];
     };
-    if rigid.steering.is_none() {
+    let Some(steering) = &rigid.steering else {
         return [zero; 2];
-    }
-    let [[near_point, near], [far_point, far]] = rigid.displace(displacement, design);
-    let pose = Pose {
-        origin: design[mechanism.origin.0],
-        rotation: Matrix3::identity(zero.one()),
     };
-    let at = Configuration::new(mechanism, design, pose, zero);
-    let (turned_near, turned_far) = (at.point(near), at.point(far));
-    let near_rise = turned_near.z - design[near.0].z;
-    let far_rise = turned_far.z - design[far.0].z;
-    design[near_point.0] = turned_near;
-    design[far_point.0] = turned_far;
+    steering.displace(displacement, design);
+    let (near, far) = (mechanism.wheel_centre, rigid.far_centre);
+    let [turned_near, turned_far] = heights_at_rest(mechanism, [near, far], design);
+    let near_rise = turned_near - design[near.0].z;
+    let far_rise = turned_far - design[far.0].z;
     let mean = (near_rise + far_rise).scaled(0.5);
     let difference = (near_rise - far_rise).scaled(0.5);
     match rigid.held {

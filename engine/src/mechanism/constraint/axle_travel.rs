@@ -16,8 +16,8 @@
 //! ```
 //!
 //! The heights of a steered axle are those over the places that the wheel centres have after their turn, the axle at rest, and r is
-//! smaller by the same amount (see (4) of `model/steered_axle.rs`). Derivatives by hardpoints hold the travel from the hardpoints
-//! themselves, so they are those of the height over the hardpoint.
+//! smaller by the same amount (see (4) of `model/steered_axle.rs`). A row computes these places from its design. Derivatives by
+//! hardpoints hold the travel from the hardpoints themselves, so they are those of the height over the hardpoint.
 //!
 //! F is linear in the pose. The far wheel of a twist beam stands on a rocker of the near half, and both wheels of a
 //! steered axle stand on rockers. Then the wrench of the height and its rate are those of a force on a rocker (see
@@ -25,23 +25,55 @@
 
 use super::rocker_end::constant_push_rate;
 use crate::mechanism::pose::Sink;
-use crate::mechanism::{Configuration, Twist, Wrench};
-use crate::model::{AxleTravel, Body, PointId};
-use crate::number::{Real, Vector3};
+use crate::mechanism::{Configuration, Pose, Twist, Wrench};
+use crate::model::{AxleTravel, Body, Mechanism, PointId};
+use crate::number::{Each, Matrix3, Real, Vector3};
+
+/// Heights of two wheel centres with the axle at rest. The steering gear of a steered axle may have turned the knuckles.
+#[inline(always)]
+pub(crate) fn heights_at_rest<T: Real>(
+    mechanism: &Mechanism,
+    centres: [PointId; 2],
+    design: &[Vector3<T>],
+) -> [T; 2] {
+    if mechanism.axle_steering().is_none() {
+        return centres.each(|id| design[id.0].z);
+    }
+    let zero = design[0].x.zero();
+    let pose = Pose {
+        origin: design[mechanism.origin.0],
+        rotation: Matrix3::identity(zero.one()),
+    };
+    let at = Configuration::new(mechanism, design, pose, zero);
+    [at.point(centres[0]).z, at.point(centres[1]).z]
+}
 
 /// Travel of a rigid axle, as a function of the pose.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct TravelRow {
+pub(crate) struct TravelRow<T> {
     /// Both wheel centres, each with its factor in (1).
     centres: [(PointId, f64); 2],
+    /// Heights from which z_n and z_f count.
+    zeros: [T; 2],
 }
 
-impl TravelRow {
-    /// Makes the mean or the difference of the heights of both wheel centres.
+impl<T: Real> TravelRow<T> {
+    /// Makes the mean or the difference of the heights of both wheel centres over these heights.
     #[inline(always)]
-    pub(crate) fn new(near: PointId, far: PointId, travel: AxleTravel) -> Self {
+    pub(crate) fn new([near, far]: [PointId; 2], travel: AxleTravel, zeros: [T; 2]) -> Self {
         TravelRow {
             centres: [(near, 0.5), (far, 0.5 * travel.far_sign())],
+            zeros,
+        }
+    }
+
+    /// The row of the other travel of this axle.
+    #[inline(always)]
+    pub(crate) fn of_other_travel(&self) -> Self {
+        let [near, (far, factor)] = self.centres;
+        TravelRow {
+            centres: [near, (far, -factor)],
+            ..*self
         }
     }
 
@@ -52,19 +84,15 @@ impl TravelRow {
 
     /// Travel in a pose: (1) without r.
     #[inline(always)]
-    pub(crate) fn value<T: Real>(&self, at: &Configuration<T>) -> T {
+    pub(crate) fn value(&self, at: &Configuration<T>) -> T {
         let [(near, near_factor), (far, far_factor)] = self.centres;
-        let [over_near, over_far] = match at.mechanism.axle_steering() {
-            None => [near, far],
-            Some(steering) => steering.turned_centres,
-        };
-        let near = self.place(at, near).z - at.designed(over_near).z;
-        let far = self.place(at, far).z - at.designed(over_far).z;
+        let near = self.place(at, near).z - self.zeros[0];
+        let far = self.place(at, far).z - self.zeros[1];
         near.scaled(near_factor) + far.scaled(far_factor)
     }
 
     #[inline(always)]
-    fn place<T: Real>(&self, at: &Configuration<T>, id: PointId) -> Vector3<T> {
+    fn place(&self, at: &Configuration<T>, id: PointId) -> Vector3<T> {
         match at.mechanism.body(id) {
             Body::Rocker(_) => at.point(id),
             _ => at.carried(id),
@@ -73,7 +101,7 @@ impl TravelRow {
 
     /// Adds `weight` times (2), without dr.
     #[inline(always)]
-    pub(crate) fn push<T: Real>(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
+    pub(crate) fn push(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let zero = weight.zero();
         for (id, factor) in self.centres {
             let up = Vector3::new(zero, zero, weight.scaled(factor));
@@ -87,11 +115,7 @@ impl TravelRow {
 
     /// Equation (4).
     #[inline(always)]
-    pub(crate) fn wrench_rate<T: Real>(
-        &self,
-        at: &Configuration<T>,
-        along: &Twist<T>,
-    ) -> Wrench<T> {
+    pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         let mut wrench = Wrench::zero(at.rack);
         let mut levers = Vector3::new(at.rack, at.rack, at.rack).zero();
         for (id, factor) in self.centres {
@@ -114,18 +138,13 @@ impl TravelRow {
 
     /// Equation (1).
     #[inline(always)]
-    pub(crate) fn residual<T: Real>(&self, at: &Configuration<T>) -> T {
+    pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
         self.value(at) - at.rack
     }
 
     /// Adds `weight` times (2).
     #[inline(always)]
-    pub(crate) fn differential<T: Real>(
-        &self,
-        at: &Configuration<T>,
-        weight: T,
-        sink: &mut impl Sink<T>,
-    ) {
+    pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         self.push(at, weight, sink);
         sink.rack(-weight);
     }

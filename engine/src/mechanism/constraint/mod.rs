@@ -31,7 +31,7 @@ mod strut_line;
 pub use arm_angle::raises_its_joint;
 pub(crate) use arm_angle::{ArmAngle, axis_ends};
 pub(crate) use arm_end::{ArmEnd, PartDimensions};
-pub(crate) use axle_travel::TravelRow;
+pub(crate) use axle_travel::{TravelRow, heights_at_rest};
 use link::Link;
 use revolute::Pinned;
 use rocker_end::RockerEnd;
@@ -48,7 +48,7 @@ pub(crate) enum Row<T> {
     Link(Link<T>),
     StrutLine(StrutLine<T>),
     Pinned(Pinned<T>),
-    AxleTravel(TravelRow),
+    AxleTravel(TravelRow<T>),
     ArmEnd(ArmEnd<T>),
     RockerEnd(RockerEnd<T>),
 }
@@ -102,7 +102,9 @@ impl<T: Real> Row<T> {
                 Row::ArmEnd(ArmEnd::joint(mechanism, arm, at, number, design))
             }
             Constraint::AxleTravel { near, far, held } => {
-                Row::AxleTravel(TravelRow::new(near, far, held))
+                let centres = [near, far];
+                let zeros = heights_at_rest(mechanism, centres, design);
+                Row::AxleTravel(TravelRow::new(centres, held, zeros))
             }
         }
     }
@@ -136,6 +138,12 @@ impl<T: Real> Row<T> {
             }
             Constraint::ArmJoint { arm, at } => {
                 Row::ArmEnd(ArmEnd::built_joint(mechanism, arm, at, number, parts))
+            }
+            // An assembled axle stands at the nominal heights of its wheel centres.
+            Constraint::AxleTravel { near, far, held } => {
+                let centres = [near, far];
+                let zeros = centres.each(|id| parts.drawn[id.0].z);
+                Row::AxleTravel(TravelRow::new(centres, held, zeros))
             }
             constraint => Row::of(mechanism, constraint, number, parts.knuckle),
         }

@@ -30,8 +30,8 @@ impl Resolver<'_> {
         let rigid = axle.left.mechanism.rigid_axle.as_ref();
         if rigid.is_some_and(|rigid| !rigid.extra_links.is_empty()) {
             let message = format!(
-                "the {name} axle has five links, which bind without the stiffness of its links; a car has rigid links: expected four links, or \
-                 three and a Panhard rod"
+                "the {name} axle has five links. Five rigid links bind, and a car has rigid links: expected four links, or three and a \
+                 Panhard rod"
             );
             return self.problems.refuse(place, message);
         }

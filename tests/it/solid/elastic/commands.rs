@@ -204,7 +204,7 @@ fn the_template_runs_in_all_commands() {
             assert!(said.contains("Five rigid links"), "{said}");
             // The parts that give way, and poses that a small push would leave.
             assert!(
-                said.contains("gives way") && said.contains("not stable"),
+                said.contains("gives way") && said.contains("unstable"),
                 "{said}"
             );
         }

@@ -50,6 +50,14 @@ impl<B: SimdReal> Linear<B> {
         }
     }
 
+    /// The twist of the knuckle per unit of travel.
+    #[inline(always)]
+    pub(super) fn by_travel(&self) -> Twist<B> {
+        let mut driven = [self.residuals[0].zero(); 6];
+        driven[5] = driven[5].one();
+        self.blocks.solve(driven)
+    }
+
     /// The twist of the knuckle per unit of rack displacement.
     #[inline(always)]
     pub(super) fn steering(&self) -> Twist<B> {

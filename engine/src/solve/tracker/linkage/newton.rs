@@ -75,10 +75,7 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
     /// Derivative of the pose by the travel, in the latest linearisation.
     #[inline(always)]
     pub(super) fn by_travel(&mut self) -> Twist<B> {
-        let blocks = &self.linear.get_mut().blocks;
-        let mut driven = [self.determinants[0].zero(); 6];
-        driven[5] = driven[5].one();
-        blocks.solve(driven)
+        self.linear.get_mut().by_travel()
     }
 
     /// Motion by these steps of the rack and of the travel, in the latest linearisation.

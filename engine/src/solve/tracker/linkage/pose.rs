@@ -70,9 +70,7 @@ impl<B: SimdReal> LanePose<B> for LinkagePose<'_, '_, B> {
 
     #[inline(always)]
     fn rates(&self) -> LaneRates<B> {
-        let mut by_travel = [self.travel.zero(); 6];
-        by_travel[5] = self.travel.one();
-        LaneRates::of(self.linear().blocks.solve(by_travel))
+        LaneRates::of(self.linear().by_travel())
     }
 
     #[inline(always)]

@@ -1,0 +1,246 @@
+//! Panels of the page in a real browser, if there is one: elastic parts, limits, vehicle data and targets.
+
+use super::browser::{READY, SETTLED, assert_drawn_as_solved, handle};
+use super::webdriver::Browser;
+use super::{Served, sample};
+use serde_json::json;
+
+const TUNED_RATES: &str = r#"
+[outputs]
+characteristics = ["toe", "toe_by_lateral_force_trail_30"]
+
+[optimise]
+variables = [
+  { hardpoint = "tie_rod_inner", axis = "z", range = [-10.0, 10.0] },
+  { bushing = "lower_arm_rear", stiffness = "y", range = [0.5, 2.0], relative = true },
+  { bushing = "subframe_rear", stiffness = "y", range = [2000.0, 8000.0] },
+]
+targets = [
+  { characteristic = "toe", over = "heave", at = 30.0, value = 0.15, tolerance = 0.01 },
+  { figure = "toe_by_lateral_force_trail_30", value = -0.01, tolerance = 0.001 },
+]
+"#;
+
+/// An axle with elastic parts: its figures are drawn, rates are typed, tuned, accepted, undone and saved.
+#[test]
+fn rates_of_an_elastic_axle_are_typed_tuned_and_saved() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let text = sample("subframe_axle_compliance.toml") + TUNED_RATES;
+    let served = Served::of(&text);
+    browser.open(&served.address);
+    browser.wait(READY);
+    assert_eq!(assert_drawn_as_solved(&browser, &served.study), 4);
+    browser.drag(&handle("front", "tie_rod_inner"), [0, -6], 5);
+    browser.wait(SETTLED);
+    browser.click("#undo");
+    browser.wait(SETTLED);
+
+    // A typed rate changes the curves, and is a deed that can be undone.
+    browser.click("#tab-parts");
+    let figure = "return studio.drawnValues()['left_toe_by_lateral_force_trail_30_deg_per_kN'][1]";
+    let before = browser.run(figure).as_f64().unwrap();
+    browser.run(
+        "const field = document.querySelector('[data-bushing=lower_arm_rear] td:nth-child(3) input'); \
+         field.value = '5000'; field.dispatchEvent(new Event('change'))",
+    );
+    browser.wait("studio.state.overview.written.bushings.lower_arm_rear.stiffness[1] === 5000");
+    browser.wait(SETTLED);
+    let typed = browser.run(figure).as_f64().unwrap();
+    assert!((typed - before).abs() > 1e-3, "{before} {typed}");
+    browser.click("#undo");
+    browser.wait(SETTLED);
+    assert_eq!(browser.run(figure).as_f64().unwrap(), before);
+
+    browser.click("#tune");
+    browser.wait("document.getElementById('accept')");
+    browser.wait("studio.state.proposed");
+    let rows = browser.run("return document.querySelectorAll('#rates tbody tr').length");
+    assert_eq!(rows, 2);
+    let proposed = browser.run("return studio.state.proposed.misfit.value");
+    assert!(proposed.as_f64().unwrap() < 1.0, "{proposed}");
+    browser.click("#accept");
+    browser.wait(SETTLED);
+    browser.click("#save");
+    // Changed values are shown before they are written.
+    browser.wait("document.getElementById('dialog').open");
+    let shown = browser.run("return document.getElementById('dialog').textContent");
+    assert!(shown.as_str().unwrap().contains("stiffness"), "{shown}");
+    browser.click("#dialog button[value=yes]");
+    browser.wait("document.getElementById('banner').textContent.includes('saved')");
+    let saved = served.text();
+    assert!(!saved.contains("[700.0, 2500.0, 1800.0"), "{saved}");
+    assert!(!saved.contains("[3000.0, 4000.0, 2500.0"), "{saved}");
+    assert_eq!(assert_drawn_as_solved(&browser, &served.study), 4);
+    let after = browser.run(figure).as_f64().unwrap();
+    // Accepted coordinates are rounded to 0.01 mm: half a tolerance.
+    assert!((after + 0.01).abs() < 5e-4, "{after}");
+    assert_eq!(browser.console(), Vec::<String>::new());
+}
+
+/// One wheel with elastic parts: characteristics in equilibrium and figures are drawn as `hardpoint solve` prints them.
+#[test]
+fn one_elastic_wheel_is_drawn_as_solved() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let asked = "\n[outputs]\ncharacteristics = [\"toe\", \"camber\", \"bump_steer\", \"toe_by_lateral_force\"]\n";
+    let served = Served::of(&(sample("double_wishbone_compliance.toml") + asked));
+    browser.open(&served.address);
+    browser.wait(READY);
+    assert_eq!(assert_drawn_as_solved(&browser, &served.study), 4);
+    let offered = "return studio.state.overview.characteristics.filter((c) => c.available).map((c) => c.name)";
+    let offered = browser.run(offered);
+    let offered: Vec<&str> = offered
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|n| n.as_str().unwrap())
+        .collect();
+    assert!(
+        offered.contains(&"recession_by_braking_secant"),
+        "{offered:?}"
+    );
+    assert!(!offered.contains(&"roll_centre_height"), "{offered:?}");
+    assert_eq!(browser.console(), Vec::<String>::new());
+}
+
+/// The limits on the page are those of `hardpoint limits`, for a wheel and for a solid axle.
+#[test]
+fn limits_are_those_of_the_command() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let shown = |panel: &str| {
+        format!(
+            "[...document.querySelectorAll('#panel-{panel} tbody tr')].map((row) => [...row.children].map((cell) => cell.textContent))"
+        )
+    };
+    for name in ["macpherson_front.toml", "solid_axle_solve.toml"] {
+        let served = Served::of(&sample(name));
+        browser.open(&served.address);
+        browser.wait(READY);
+        browser.click("#tab-constraints");
+        let rows = shown("limits-of-the-mechanism");
+        browser.wait(&format!("{rows}.length > 0"));
+        let rows = browser.run(&format!("return {rows}"));
+        let study = served.study.to_str().unwrap();
+        let mut command = assert_cmd::Command::cargo_bin("hardpoint").unwrap();
+        let printed = command
+            .args(["limits", study, "--format", "csv"])
+            .output()
+            .unwrap();
+        let printed = String::from_utf8(printed.stdout).unwrap();
+        let mut table = csv::Reader::from_reader(printed.as_bytes());
+        let records: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
+        assert!(records.len() >= 2, "{name}");
+        for (row, record) in rows.as_array().unwrap().iter().zip(&records) {
+            for limit in [2, 4] {
+                let cell = row[limit].as_str().unwrap().replace('\u{2212}', "-");
+                let cell: f64 = cell.parse().unwrap();
+                // The table's name is in the first column.
+                let written: f64 = record[limit + 1].parse().unwrap();
+                assert!(
+                    (cell - written).abs() < 1e-4 * written.abs(),
+                    "{name}: {row} {record:?}"
+                );
+                assert_eq!(
+                    row[limit + 1],
+                    record[limit + 2].replace('_', " "),
+                    "{name}"
+                );
+            }
+        }
+        assert_eq!(rows.as_array().unwrap().len(), records.len(), "{name}");
+        assert_eq!(browser.console(), Vec::<String>::new());
+        browser.open("about:blank");
+    }
+}
+
+/// Data of the vehicle that are typed on the page make the anti-features available, and can be removed again.
+#[test]
+fn vehicle_data_are_typed_on_the_page() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = Served::of(&sample("macpherson_front.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    browser.click("#tab-parts");
+    let is_offered =
+        "studio.state.overview.characteristics.find((c) => c.name === 'anti_dive').available";
+    assert_eq!(browser.run(&format!("return {is_offered}")), json!(false));
+    for (key, value) in [
+        ("wheelbase", "2700"),
+        ("cg_height", "520"),
+        ("position", "front"),
+        ("brakes", "outboard"),
+        ("brake_share_front", "0,65"),
+    ] {
+        browser.run(&format!(
+            "const entry = document.querySelector('[data-vehicle-key={key}]').querySelector('input, select'); \
+             entry.value = '{value}'; entry.dispatchEvent(new Event('change'))"
+        ));
+        browser.wait(&format!(
+            "studio.state.overview.written.vehicle?.{key} !== undefined"
+        ));
+        browser.wait(SETTLED);
+    }
+    assert_eq!(browser.run(&format!("return {is_offered}")), json!(true));
+    browser.run(
+        "const entry = document.querySelector('[data-vehicle-key=cg_height] input'); \
+         entry.value = ''; entry.dispatchEvent(new Event('change'))",
+    );
+    browser.wait("studio.state.overview.written.vehicle.cg_height === undefined");
+    assert_eq!(browser.run(&format!("return {is_offered}")), json!(false));
+    browser.click("#undo");
+    browser.wait(SETTLED);
+    browser.click("#save");
+    browser.wait("document.getElementById('dialog').open");
+    browser.click("#dialog button[value=yes]");
+    browser.wait("document.getElementById('banner').textContent.includes('saved')");
+    let saved = served.text();
+    for line in [
+        "wheelbase = 2700",
+        "cg_height = 520",
+        "position = \"front\"",
+        "brake_share_front = 0.65",
+    ] {
+        assert!(saved.contains(line), "{line}: {saved}");
+    }
+    assert_eq!(browser.console(), Vec::<String>::new());
+}
+
+/// A band over a part of the motion is a target there alone.
+#[test]
+fn a_target_limits_a_part_of_the_motion() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = Served::of(&sample("macpherson_front.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    let count = "studio.state.overview.targets.length";
+    let before = browser.run(&format!("return {count}")).as_u64().unwrap();
+    browser.click("[data-column=caster_deg] .adder");
+    browser.run(
+        "const put = (label, value) => { \
+           const rows = [...document.querySelectorAll('#dialog label')]; \
+           const row = rows.find((row) => row.textContent.startsWith(label)); \
+           row.querySelector('input').value = value; }; \
+         put('Lower', '3.1'); put('Upper', '3.9'); put('From', '-20'); put('To', '30')",
+    );
+    browser.click("#dialog button[value=add]");
+    browser.wait(&format!("{count} === {}", before + 1));
+    let points = browser.run("return studio.state.overview.targets.at(-1).points");
+    let points = points.as_array().unwrap();
+    assert!(points.len() > 2);
+    for point in points {
+        let travel = point[0].as_f64().unwrap();
+        assert!((-20.0..=30.0).contains(&travel), "{travel}");
+        assert_eq!((&point[1], &point[2]), (&json!(3.1), &json!(3.9)));
+    }
+    browser.wait(SETTLED);
+    assert_eq!(browser.console(), Vec::<String>::new());
+}

@@ -1,0 +1,121 @@
+//! Tunings that the page begins: their limits, proposals and remarks.
+
+use super::{Served, sample};
+use serde_json::{Value, json};
+use std::fs;
+
+/// Coordinates have the bounds of a study's numbers in every request; after one that is refused the next tuning begins.
+#[test]
+fn coordinates_beyond_those_of_a_study_are_refused_everywhere() {
+    let served = Served::of(&sample("double_wishbone_robust.toml"));
+    let good = served.moved("tie_rod_outer", 2, 0.0);
+    let points = good["design"].as_array().unwrap().len();
+    let locked = vec![[false; 3]; points];
+    for value in [1e155, -1e308, 1.1e12] {
+        let mut of = good.clone();
+        of["design"][0][0] = json!(value);
+        for (name, message) in [
+            ("tune", json!({"of": of, "locked": locked})),
+            (
+                "solve",
+                json!({"of": of, "characteristics": ["toe"], "at": [0.0, 0.0], "curves_rack": null, "over": 0}),
+            ),
+            ("save", json!({"of": of, "name": "x.toml", "anyway": false})),
+        ] {
+            let answer = served.post(name, &message);
+            let said = answer.text();
+            assert!(
+                [400, 422].contains(&answer.status),
+                "{name} {value:e}: {said}"
+            );
+            assert!(
+                said.contains("upper_arm_front x: expected a number between"),
+                "{said}"
+            );
+        }
+    }
+    let mut state = served
+        .post("tune", &json!({"of": good, "locked": locked}))
+        .json();
+    while state["done"] == false {
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        state = served.post("cancel", &json!({"job": state["job"]})).json();
+    }
+    assert_eq!(state["done"], true, "{state}");
+}
+
+/// The state of a tuning that has ended.
+fn tuned(served: &Served, of: &Value, locked: &[[bool; 3]]) -> Value {
+    let begun = served.post("tune", &json!({"of": of, "locked": locked}));
+    let mut state = begun.json();
+    while state["done"] == false {
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        let asked = served.post("progress", &json!({"job": state["job"]}));
+        state = asked.json();
+    }
+    state
+}
+
+/// Tune proposes the design that `hardpoint optimise` writes for the same study.
+#[test]
+fn a_tuning_is_that_of_optimise() {
+    let served = Served::of(&sample("macpherson_bump_steer.toml"));
+    let of = served.moved("tie_rod_outer", 2, 0.0);
+    let points = of["design"].as_array().unwrap().len();
+    let locked = vec![[false; 3]; points];
+    let state = tuned(&served, &of, &locked);
+    let proposal = &state["proposal"];
+    assert!(proposal.is_object(), "{state}");
+    let tuned = json!({"digest": of["digest"], "design": proposal["design"]});
+    let save = json!({"of": tuned, "name": "tuned.toml", "anyway": false});
+    assert_eq!(served.post("save", &save).status, 200);
+    let out = served.folder.path().join("out");
+    let status = std::process::Command::new(env!("CARGO_BIN_EXE_hardpoint"))
+        .args(["optimise", "--quiet", "--out"])
+        .arg(&out)
+        .arg(&served.study)
+        .stdout(std::process::Stdio::null())
+        .status()
+        .unwrap();
+    assert!(status.success());
+    let read = |path: &std::path::Path| fs::read_to_string(path).unwrap();
+    assert_eq!(
+        read(&served.folder.path().join("tuned.toml")),
+        read(&out.join("optimised.toml"))
+    );
+    // With everything locked there is nothing to tune; no such tuning is known.
+    let locked = vec![[true; 3]; points];
+    assert_eq!(
+        served
+            .post("tune", &json!({"of": of, "locked": locked}))
+            .status,
+        422
+    );
+    assert_eq!(served.post("progress", &json!({"job": 99})).status, 404);
+}
+
+/// Ranges count from the design in the file, wherever the page has moved its points, and a proposal names ranges that bind.
+#[test]
+fn ranges_count_from_the_file() {
+    let text = sample("macpherson_bump_steer.toml");
+    let served = Served::of(&text.replace("range = [-25.0, 25.0]", "range = [-2.0, 2.0]"));
+    let of = served.moved("tie_rod_inner", 2, -1.5);
+    let points = served.overview()["points"].clone();
+    let points = points.as_array().unwrap();
+    let inner = points
+        .iter()
+        .position(|point| point["name"] == "tie_rod_inner");
+    let locked = vec![[false; 3]; points.len()];
+    let state = tuned(&served, &of, &locked);
+    let proposal = &state["proposal"];
+    // The rack is too low by more than the range: the file has z = 228.
+    let z = proposal["design"][inner.unwrap()][2].as_f64().unwrap();
+    // From the moved point, the range would end at 228.5. Of nearly equal designs the tuning keeps the nearest.
+    assert!(z > 229.9 && z <= 230.0, "{z}");
+    let remarks = proposal["remarks"].to_string();
+    assert!(
+        remarks.contains("tie_rod_outer z is at the lower end of its range"),
+        "{remarks}"
+    );
+    assert!(remarks.contains("missed: toe_deg, by up to"), "{remarks}");
+}

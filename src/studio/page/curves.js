@@ -135,7 +135,7 @@ class Chart {
     this.deviation = new Deviation(this.parts.deviation);
     const adder = html('button', { class: 'adder', text: '+ target', on: { click: () => askForTarget(this.series, state.answer) } });
     this.figure = html('figure', { class: 'chartbox', 'data-column': key },
-      html('figcaption', {}, adder, html('span', { class: 'name' }, this.title, this.unit), html('span', { class: 'values' }, this.value, this.range)), this.svg);
+      html('figcaption', {}, adder, html('span', { class: 'name' }, this.title, this.unit), html('span', { class: 'values' }, this.value, this.range)), html('div', { class: 'plot' }, this.svg));
     const point = (event) => {
       const box = this.svg.getBoundingClientRect();
       const [low, high] = this.xs;

@@ -73,7 +73,7 @@ export const openTab = (name, focus = false) => {
   if (!isStacked() && measured.drawer() < 120) put('drawer', 260);
   emit('tab', name);
 };
-export const tellTab = (name, note) => write(byId(`tab-${name}`).querySelector('small'), note);
+export const tellTab = (name, note) => write(byId(`tab-${name}`).querySelector('small span'), note);
 
 const fold = () => {
   const isOpen = isStacked() ? byId('drawer').classList.toggle('open') : measured.drawer() < 60;
@@ -86,7 +86,7 @@ export const startLayout = () => {
   const names = { points: 'Points', targets: 'Targets', constraints: 'Constraints', parts: 'Vehicle and parts', proposal: 'Proposal', history: 'History', warnings: 'Warnings' };
   byId('tabs').replaceChildren(...Object.entries(names).map(([name, text]) => html('button', {
     role: 'tab', id: `tab-${name}`, 'data-tab': name, 'aria-controls': `pane-${name}`, on: { click: () => openTab(name) },
-  }, text, html('small'))));
+  }, text, html('small', {}, html('span')))));
   byId('tabs').addEventListener('keydown', (event) => {
     const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
     if (!by) return;

@@ -69,7 +69,7 @@ const cell = (p, axis) => {
   const slope = html('span', { class: 'slope' });
   const bar = html('i', { class: 'bar' });
   const td = html('td', { on: { pointerenter: () => point(p, axis, 600), pointerleave: () => { if (document.activeElement !== input) point(null); } } },
-    html('div', { class: 'cell' }, lock, html('span', { class: 'field' }, input, bar), slope));
+    html('div', { class: 'cell' }, lock, html('span', { class: 'field' }, input, bar), html('span', { class: 'slope-box' }, slope)));
   return { td, input, lock, slope, bar, p, axis };
 };
 

@@ -388,8 +388,8 @@ impl SimdTask for Evaluation<'_> {
                 }
             }
             let mut power = inverse;
-            for k in 1..4 {
-                c[k] = c[k] * power;
+            for c in &mut c[1..4] {
+                *c = *c * power;
                 power = power * inverse;
             }
             for (numbers, c) in self.coefficients.iter_mut().zip(c) {

@@ -150,7 +150,7 @@ fn part(path: &Path, file: &str) -> Result<Node, String> {
     let is_plain = |part: Component<'_>| matches!(part, Component::Normal(_));
     if !relative.components().all(is_plain) {
         return Err(format!(
-            "the path of the file {file:?} leaves the folder of the vehicle; expected a path without .. and drive"
+            "the path of the file {file:?} leaves the folder of the vehicle; expected a path without \"..\" or a drive letter"
         ));
     }
     let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());

@@ -20,7 +20,10 @@ pub(super) fn unit(
     let centre = at_wheel
         .iter()
         .find_map(|name| picked.iter().find(|p| p.hardpoint.name == *name));
-    let centre = centre.map_or([0.0; 3], |p| p.hardpoint.position);
+    let (centre, from) = match centre {
+        Some(p) => (p.hardpoint.position, "the wheel"),
+        None => ([0.0; 3], "the origin"),
+    };
     let distance = |p: &Picked| {
         let squares = p
             .hardpoint
@@ -53,21 +56,21 @@ pub(super) fn unit(
                 format!("; in {} they would be", unit.symbol())
             });
             notes.push(format!(
-                "doubtful: the points are up to {size:.4} {} from the wheel, which is not the size of a car's suspension{better}",
+                "doubtful: the points are up to {size:.4} {} from {from}, which is not the size of a car's suspension{better}",
                 unit.symbol()
             ));
             Ok(unit)
         }
         (None, Some(unit)) => {
             notes.push(format!(
-                "unit: {}, because the file states none and the points are up to {size:.4} from the wheel, the size of a \
+                "unit: {}, because the file states none and the points are up to {size:.4} from {from}, the size of a \
                  car's suspension (--unit changes this)",
                 unit.symbol()
             ));
             Ok(unit)
         }
         (None, None) => Err(format!(
-            "the points are up to {size:.4} from the wheel: no car's suspension has this size in mm, m or in. State the \
+            "the points are up to {size:.4} from {from}: no car's suspension has this size in mm, m or in. State the \
              unit with --unit"
         )),
     }

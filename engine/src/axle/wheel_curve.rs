@@ -83,8 +83,8 @@ impl CurveWheel {
 
     /// Keeps the numbers of a reading that curves hold.
     fn of(reading: &Reading<f64>) -> Self {
-        let mut coefficients = [[f64::NAN; COUNT]; 4];
-        for (k, numbers) in coefficients.iter_mut().enumerate() {
+        let mut wheel = CurveWheel::unknown();
+        for (k, numbers) in wheel.coefficients.iter_mut().enumerate() {
             let powers = [k, 0];
             let vectors = VECTORS.each(|part| reading.read_vector(part, powers));
             let columns = [0, 1, 2].each(|i| reading.column(i, powers));
@@ -93,10 +93,8 @@ impl CurveWheel {
             let all = vectors.flat_map(Vector3::to_array).chain(single);
             numbers.iter_mut().zip(all).for_each(|(into, c)| *into = c);
         }
-        CurveWheel {
-            coefficients,
-            design: reading.design(),
-        }
+        wheel.design = reading.design();
+        wheel
     }
 
     /// Coefficients by travel, in units of the length of a piece.
@@ -353,12 +351,10 @@ impl Piece {
     /// Writes the wheel at a place in the piece to `into`.
     #[inline]
     fn write(&self, t: f64, length: f64, into: &mut CurveWheel) {
-        let polynomials = &self.polynomials;
-        let coefficients = &mut into.coefficients;
         WIDTH.run(Evaluation {
-            polynomials,
+            polynomials: &self.polynomials,
             at: [t, length],
-            coefficients,
+            coefficients: &mut into.coefficients,
         });
         into.design = self.design;
     }

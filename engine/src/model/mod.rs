@@ -308,8 +308,7 @@ impl Mechanism {
                 design.extend(beam.followers_of(design));
             }
             if let Some(steering) = &rigid.steering {
-                let [_, end] = steering.follower();
-                design.push(design[end.0]);
+                design.push(design[steering.end.0]);
             }
         }
     }

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use tempfile::NamedTempFile;
 
 /// Version of the format of the statistics file. A reader accepts no other version.
@@ -87,11 +87,7 @@ pub fn write_part(
     in_order(
         blocks,
         || swept.worker(),
-        |worker, block| {
-            let is_raised = flag.load(Ordering::Relaxed);
-            let finish = || (!is_raised).then(|| text.finish(record, worker, block));
-            stoppable(flag, finish).flatten()
-        },
+        |worker, block| stoppable(flag, || text.finish(record, worker, block)),
         |finished| {
             rows.table.append(&finished.designs)?;
             if let Some(curves) = &mut curves {

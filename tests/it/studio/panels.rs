@@ -106,7 +106,7 @@ fn one_elastic_wheel_is_drawn_as_solved() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// The limits on the page are those of `hardpoint limits`, for a wheel and for a solid axle.
+/// The page shows the limits that `hardpoint limits` prints, for a wheel and for a solid axle.
 #[test]
 fn limits_are_those_of_the_command() {
     let Some(browser) = Browser::start() else {

@@ -17,7 +17,8 @@
 //!
 //! The heights of a steered axle are those over the places that the wheel centres have after their turn, the axle at rest, and r is
 //! smaller by the same amount (see (4) of `model/steered_axle.rs`). A row computes these places from its design. Derivatives by
-//! hardpoints hold the travel from the hardpoints themselves, so they are those of the height over the hardpoint.
+//! hardpoints are taken at constant travel, and a travel counts from the hardpoints. So a row takes the height of a wheel centre
+//! over its hardpoint as the quantity to differentiate.
 //!
 //! F is linear in the pose. The far wheel of a twist beam stands on a rocker of the near half, and both wheels of a
 //! steered axle stand on rockers. Then the wrench of the height and its rate are those of a force on a rocker (see

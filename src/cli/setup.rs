@@ -4,7 +4,7 @@ use super::RunArguments;
 use super::exit::{Exit, Stop};
 use super::output::Output;
 use super::terminal;
-use crate::report::{SetUpSummary, brief, set_up_page};
+use crate::report::{SetUpSummary, ends_at, set_up_page};
 use crate::set_up::{Refusal, about, effects_table, set_up};
 use crate::solved::Solved;
 use crate::study::{Drive, Study};
@@ -98,11 +98,10 @@ fn print(output: &Output, summary: &SetUpSummary) -> Result<(), Stop> {
             continue;
         };
         let missed = format!(
-            "{} ends at {} ({} with rounded amounts), not {}",
+            "{} {}; with rounded amounts it {}",
             s.column,
-            brief(set),
-            brief(rounded),
-            brief(wanted)
+            ends_at(set, wanted),
+            ends_at(rounded, wanted)
         );
         output.say_failure(&format!("\nnot met: {}\n", about(summary.side, &missed)))?;
     }

@@ -4,15 +4,18 @@ use super::cell::{Cell, Places, Sheet};
 use std::borrow::Cow;
 
 /// Reads a table. The separator is the comma, semicolon or tab that splits the largest number of lines. Without one, spaces
-/// separate the numbers at the end of a line from the name before them.
+/// separate the numbers at the end of a line from the name before them. A comment without numbers, such as `# all dimensions in
+/// mm`, is read as a title.
 pub(super) fn read(text: &str) -> Result<Sheet, String> {
     let text = text.trim_start_matches('\u{feff}');
     let text = &*in_tabs(text);
+    let separator = separator(text);
+    let text = &*with_titles(text, separator);
     let mut sheet = Sheet::new("", Places::Lines);
     let reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
-        .delimiter(separator(text))
+        .delimiter(separator)
         .trim(csv::Trim::All)
         .comment(Some(b'#'))
         .from_reader(text.as_bytes());
@@ -91,6 +94,32 @@ fn in_tabs(text: &str) -> Cow<'_, str> {
         tabs += &line[content.len()..];
     }
     Cow::Owned(tabs)
+}
+
+/// Replaces the `#` in front of a title by spaces, so that every byte keeps its position. A comment with a number in a cell of its
+/// own, or with three numbers, stays a comment: it is a row that somebody took out.
+fn with_titles(text: &str, separator: u8) -> Cow<'_, str> {
+    if !text.contains('#') {
+        return Cow::Borrowed(text);
+    }
+    let is_number = |cell: &str| cell.trim().replace(',', ".").parse::<f64>().is_ok();
+    let mut titles = String::with_capacity(text.len());
+    for line in text.split_inclusive(['\n', '\r']) {
+        let title = line.trim_start_matches('#');
+        let is_row = title.split(char::from(separator)).any(is_number)
+            || title
+                .split_whitespace()
+                .filter(|word| is_number(word))
+                .count()
+                >= 3;
+        if line.starts_with('#') && !title.contains('"') && !is_row {
+            titles.extend(std::iter::repeat_n(' ', line.len() - title.len()));
+            titles += title;
+        } else {
+            titles += line;
+        }
+    }
+    Cow::Owned(titles)
 }
 
 /// Lines with cells.
@@ -194,8 +223,26 @@ mod tests {
 
     #[test]
     fn lines_keep_their_numbers() {
-        let sheet = read("# points\n\nname,x,y,z\na,1,2,3\n").unwrap();
-        assert_eq!(sheet.rows(), [2, 3]);
-        assert_eq!(sheet.place(3, 1), "line 4, column 2");
+        let sheet = read("# a,1,2,3\n\nname,x,y,z\n#\na,1,2,3\n").unwrap();
+        assert_eq!(sheet.rows(), [2, 4]);
+        assert_eq!(sheet.place(4, 1), "line 5, column 2");
+    }
+
+    /// A comment without numbers is a title. A row of numbers behind a `#` was taken out.
+    #[test]
+    fn comments_are_titles() {
+        let text = "# left side 2027, all in mm\n#name,x,y,z\na,1,2,3\n#b,4,5,6\n# c 7 8 9\n### upper\nd,1,1,1\n";
+        assert_eq!(
+            texts(text),
+            [
+                vec!["left side 2027", "all in mm"],
+                vec!["name", "x", "y", "z"],
+                vec!["a", "1", "2", "3"],
+                vec!["upper"],
+                vec!["d", "1", "1", "1"]
+            ]
+        );
+        let rows = read(text).unwrap().rows();
+        assert_eq!(rows, [0, 1, 2, 5, 6]);
     }
 }

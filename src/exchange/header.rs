@@ -4,14 +4,16 @@
 use super::axes::{Coordinate, Declared, Way};
 use super::cell::{Cell, Sheet};
 use super::decimals::plain_number;
-use super::names::{cut, side_of};
-use crate::model::{LengthUnit, Side};
+use super::names::{cut, marks_of};
+use super::table::Marks;
+use crate::model::LengthUnit;
 
 /// Columns of x, y and z.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Triple {
     pub columns: [u32; 3],
-    pub side: Option<Side>,
+    /// Wheel and axle that the headers name.
+    pub marks: Marks,
 }
 
 /// Meanings of a table's columns.
@@ -36,7 +38,7 @@ pub(super) struct Header {
 struct Coordinates {
     /// Letter of the axis as a number, 0 for x. `None` if the header has only words.
     letter: Option<usize>,
-    side: Option<Side>,
+    marks: Marks,
     unit: Option<LengthUnit>,
     direction: Coordinate,
 }
@@ -93,22 +95,32 @@ pub(super) fn header(
             unit = unit.or(header.unit);
         }
         declared = declared.and(stated, &sheet.row_place(row))?;
-        // A title across three columns is in the first cell or in all of them.
+        // A title across three columns is in the first cell or in all of them. A cell such as "y right" names an axis, not a wheel.
         let [x, y, z] = columns;
         let title = above.and_then(|above| sheet.cell(above, x.min(y).min(z)));
         let title = title.and_then(text).map(cut).unwrap_or_default();
-        let titled = title.iter().find_map(|word| side_of(word));
+        let names_axis = title
+            .iter()
+            .any(|word| matches!(word.as_str(), "x" | "y" | "z"));
+        let titled = title.iter().map(|word| marks_of(word));
+        let titled = titled
+            .filter(|_| !names_axis)
+            .fold(Marks::default(), Marks::or);
         triples.push(Triple {
             columns,
-            side: side_of_all(three).or(titled),
+            marks: marks_of_all(three).or(titled),
         });
     }
     if triples.is_empty() {
         return Ok(None);
     }
-    if triples.len() > 2 || (triples.len() == 2 && triples[0].side == triples[1].side) {
+    let is_repeated = |(place, triple): (usize, &Triple)| {
+        let mut before = triples[..place].iter();
+        before.any(|other| other.marks == triple.marks)
+    };
+    if triples.iter().enumerate().any(is_repeated) {
         return Err(format!(
-            "{}: there are {} sets of x, y and z; expected one, or one named left and one named right",
+            "{}: there are {} sets of x, y and z; expected one, or one for each wheel, named left and right or FL, FR, RL and RR",
             sheet.row_place(row),
             triples.len()
         ));
@@ -121,20 +133,21 @@ pub(super) fn header(
     }))
 }
 
-/// Side that all three headers name. If only one header has a side, it is the direction of that coordinate.
-fn side_of_all(three: &[(u32, Coordinates)]) -> Option<Side> {
-    let first = three.first()?.1.side?;
-    three
-        .iter()
-        .all(|(_, header)| header.side == Some(first))
-        .then_some(first)
+/// Wheel and axle that all three headers name. If only one header has a side, it is the direction of that coordinate.
+fn marks_of_all(three: &[(u32, Coordinates)]) -> Marks {
+    let first = three.first().map(|(_, header)| header.marks);
+    let first = first.unwrap_or_default();
+    match three.iter().all(|(_, header)| header.marks == first) {
+        true => first,
+        false => Marks::default(),
+    }
 }
 
 /// Columns of x, y and z, and the axes that their headers state.
 fn coordinates(three: &[(u32, Coordinates)]) -> Option<([u32; 3], Declared)> {
     let mut columns = [None; 3];
     let mut declared = Declared::default();
-    let names_side = side_of_all(three).is_some();
+    let names_side = marks_of_all(three).side.is_some();
     for (place, (column, header)) in three.iter().enumerate() {
         let letter = header.letter.unwrap_or(place);
         columns[letter] = Some(*column);
@@ -237,7 +250,7 @@ const BESIDE_AXES: &str = "value coord coordinate coordinates pos position loc l
 /// Reads the header of a coordinate, such as `x`, `X [mm]`, `y_value`, `z left (in)`, `Y (right +)` or `lateral`.
 fn coordinate_header(text: &str) -> Option<Coordinates> {
     let mut letter = None;
-    let (mut side, mut unit) = (None, None);
+    let (mut marks, mut unit) = (Marks::default(), None);
     let mut direction = Coordinate::Unknown;
     let mut is_flipped = false;
     for word in cut(text) {
@@ -248,11 +261,11 @@ fn coordinate_header(text: &str) -> Option<Coordinates> {
             unit = Some(found);
         } else if let Some(way) = Way::of(&word) {
             direction = direction.and(Coordinate::Grows(way))?;
-            side = side.or(side_of(&word));
+            marks = marks.or(marks_of(&word));
         } else if let Some(axis) = along(&word) {
             direction = direction.and(Coordinate::Along(axis))?;
-        } else if let Some(found) = side_of(&word) {
-            side = Some(found);
+        } else if !marks_of(&word).is_empty() {
+            marks = marks_of(&word);
         } else if ["negative", "neg", "minus"].contains(&word.as_str()) {
             is_flipped = true;
         } else if !BESIDE_AXES.split(' ').any(|known| known == word) {
@@ -277,7 +290,7 @@ fn coordinate_header(text: &str) -> Option<Coordinates> {
     };
     (letter.is_some() || direction != Coordinate::Unknown).then_some(Coordinates {
         letter,
-        side,
+        marks,
         unit,
         direction,
     })
@@ -314,7 +327,7 @@ pub(super) fn without_header(sheet: &Sheet, rows: &[u32]) -> Option<Columns> {
         name,
         triples: vec![Triple {
             columns: [name + 1, name + 2, name + 3],
-            side: None,
+            marks: Marks::default(),
         }],
         marks: Vec::new(),
         body: None,

@@ -90,7 +90,7 @@ const SPELT: &[(&str, &str)] = &[
     ("longitudinal", "longitudinal"),
     ("vertical", "vertical"),
     (
-        "point points pt hp hardpoint hardpoints hard pivot pickup joint bush bushing control \
+        "point points pt hp hardpoint hardpoints hard pivot pickup joint jt jnt seat bush bushing control \
          a anti roll semi of the at on to deg mm susp suspension location",
         "",
     ),

@@ -64,7 +64,7 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
             reader.columns = header(sheet, *row, above)?.map(|found| found.columns);
             // Titles above two sets of coordinates belong to these columns.
             if reader.columns.as_ref().is_some_and(|c| c.triples.len() > 1) {
-                reader.section.side = None;
+                reader.section = Marks::default();
             }
         } else {
             reader.row(*row)?;
@@ -160,11 +160,7 @@ impl Rows<'_> {
             if cells.iter().all(Option::is_none) {
                 continue;
             }
-            let of_triple = Marks {
-                side: triple.side,
-                axle: None,
-            };
-            let found = of_triple.or(by_words);
+            let found = triple.marks.or(by_words);
             let mut found = if both {
                 found
             } else {
@@ -347,8 +343,12 @@ impl Rows<'_> {
                 == 1;
             // A unit in the next cell counts as if it were written after the name.
             let unit = cells[1].and_then(text).and_then(unit_of_value);
-            let side = triple.side.filter(|_| !is_alone);
-            let marks = Marks { side, axle: None }.or(marks).or(section);
+            let of_columns = if is_alone {
+                Marks::default()
+            } else {
+                triple.marks
+            };
+            let marks = of_columns.or(marks).or(section);
             self.table.figures.push(Figure {
                 name: name.to_owned(),
                 read_as: match unit {

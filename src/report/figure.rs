@@ -27,6 +27,21 @@ pub fn brief(value: f64) -> String {
     without_zeros(&format!("{value:.decimals$}")).to_owned()
 }
 
+/// Says where a value ends that should reach a wanted one: `ends at 7.5, not 8`. If both have the same six digits, it says how far
+/// they are apart: `ends 0.000002 below 8`. A rounding error does not count: `reaches 8`.
+pub fn ends_at(value: f64, wanted: f64) -> String {
+    let (reached, target) = (brief(value), brief(wanted));
+    if reached != target {
+        return format!("ends at {reached}, not {target}");
+    }
+    let apart = (value - wanted).abs();
+    if apart <= 1e-9 {
+        return format!("reaches {target}");
+    }
+    let above = if value > wanted { "above" } else { "below" };
+    format!("ends {} {above} {target}", brief(apart))
+}
+
 /// Formats with six significant digits. A rounding error in this unit (named as in columns: `deg_per_mm`) becomes 0.
 pub fn figure(value: f64, unit: &str) -> String {
     if value.abs() < resolution(unit) {
@@ -154,6 +169,15 @@ mod tests {
         ] {
             assert_eq!(brief(value), text);
         }
+    }
+
+    #[test]
+    fn an_end_never_equals_the_value_that_it_misses() {
+        assert_eq!(ends_at(7.5, 8.0), "ends at 7.5, not 8");
+        assert_eq!(ends_at(8.0 - 2e-6, 8.0), "ends 2e-6 below 8");
+        assert_eq!(ends_at(-7.9999997, -8.0), "ends 3e-7 above -8");
+        assert_eq!(ends_at(8.0 + 1e-12, 8.0), "reaches 8");
+        assert_eq!(ends_at(0.0, 1e-7), "ends at 0, not 1e-7");
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! Result of a set-up: effects of the adjustments, instructions for a mechanic, and errors before and after rounding.
 
-use super::brief;
 use super::table::{Cell, Column, Table};
 use super::text::counted;
+use super::{brief, ends_at};
 use crate::ask::with_unit;
 use crate::assembly::{
     Aim, AssemblyError, BuildParameter, MissedTarget, PARTS_OF_A_TURN, SetUp, SetUpError, Static,
@@ -438,7 +438,7 @@ fn figure(value: Option<f64>) -> Cell {
         if value.abs() < 1e-9 {
             "0".to_owned()
         } else {
-            super::brief(value)
+            brief(value)
         }
     })
 }
@@ -461,11 +461,11 @@ pub fn set_up_refusal(study: &Study, setup: &Setup, none: &SetUpError) -> String
         ),
         SetUpError::OutOfReach(missed) => {
             let words = |miss: &MissedTarget| {
-                let (column, wanted) = (static_column(miss.of, length), brief(miss.wanted));
+                let column = static_column(miss.of, length);
                 if miss.value.is_finite() {
-                    format!("{column} ends at {}, not {wanted}", brief(miss.value))
+                    format!("{column} {}", ends_at(miss.value, miss.wanted))
                 } else {
-                    format!("{column} has no value, not {wanted}")
+                    format!("{column} has no value, not {}", brief(miss.wanted))
                 }
             };
             let missed: Vec<String> = missed.iter().map(words).collect();

@@ -270,6 +270,3 @@ impl<'a> Builder<'a> {
         }
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -217,6 +217,49 @@ const TAIL: [[f64; 8]; 2] = [
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::Contributor;
+
+    /// A block of random numbers has the bits of the numbers of its builds, for both laws and for sources of a wheel and of both.
+    #[test]
+    fn draws_by_the_block_are_those_by_the_build() {
+        let source = |law: Law, side: Option<Side>| Source {
+            name: String::new(),
+            changes: Vec::new(),
+            rate: None,
+            law,
+            side,
+            seen_from_other: Vec::new(),
+        };
+        let normal = Law::Normal { sigma: 0.7 };
+        let uniform = Law::Uniform {
+            low: -2.0,
+            high: 1.0,
+        };
+        let sources = [normal, uniform].into_iter().flat_map(|law| {
+            let sides = [None, Some(Side::Left), Some(Side::Right)];
+            sides.map(|side| source(law, side))
+        });
+        let tolerance = Tolerance {
+            builds: 100,
+            seed: 5,
+            aligned: false,
+            scatter: vec![Contributor {
+                name: String::new(),
+                sources: sources.collect(),
+            }],
+            bands: Vec::new(),
+        };
+        let mut block = vec![1.0; tolerance.sources() * BLOCK];
+        tolerance.draw_block(1000, 100, &mut block);
+        let mut draws = vec![0.0; tolerance.sources()];
+        for place in 0..100 {
+            tolerance.draw(1000 + place as u64, &mut draws);
+            for (source, draw) in draws.iter().enumerate() {
+                assert_eq!(block[source * BLOCK + place].to_bits(), draw.to_bits());
+            }
+        }
+        assert!(block[100..BLOCK].iter().all(|z| *z == 0.0));
+    }
 
     /// The integral of the normal density between two quantiles equals the difference of their fractions.
     #[test]

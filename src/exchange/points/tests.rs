@@ -42,6 +42,42 @@ fn sides_stand_in_columns_titles_and_headers() {
     }
 }
 
+/// A title that commas split may describe the axes. Its "right" is a direction, not a wheel. A comment is such a title, too.
+#[test]
+fn directions_in_a_title_name_no_wheel() {
+    let title = "front suspension, LEFT side\nSAE axes: x fwd, y right, z down. All dims inches\n";
+    let rows = "name,x,y,z\nlbj,0.2,-23.4,5.3\n";
+    let comments = title.lines().map(|line| format!("# {line}\n"));
+    let in_comments = comments.collect::<String>();
+    for above in [title, &in_comments] {
+        let read = table(&format!("{above}{rows}"));
+        assert_eq!(read.points[0].marks.side, Some(Side::Left), "{above}");
+        assert_eq!(read.unit, Some(LengthUnit::Inch), "{above}");
+        let axes = read.declared.axes().and_then(|axes| axes.convention());
+        assert_eq!(axes, Some(FrameConvention::SaeJ670), "{above}");
+    }
+}
+
+/// A sheet of a car has a set of columns for each corner, or a title across the columns of each.
+#[test]
+fn a_set_of_columns_for_each_corner() {
+    use crate::model::AxlePosition::{Front, Rear};
+    let by_header = table("name,FL X,FL Y,FL Z,RL X,RL Y,RL Z\nlbj,1,2,3,-4,2,3\n");
+    let by_title = table(",FL,,,RL,,\nname,x,y,z,x,y,z\nlbj,1,2,3,-4,2,3\n");
+    for read in [by_header, by_title] {
+        let marks = read
+            .points
+            .iter()
+            .map(|point| (point.marks.side, point.marks.axle));
+        let left = Some(Side::Left);
+        assert_eq!(
+            marks.collect::<Vec<_>>(),
+            [(left, Some(Front)), (left, Some(Rear))]
+        );
+        assert_eq!(position(&read, 1), [-4.0, 2.0, 3.0]);
+    }
+}
+
 #[test]
 fn decimal_commas_are_read_where_they_are_certain() {
     let read = table("name;x;y;z\na;120,5;360,25;-0,5\n");
@@ -105,4 +141,6 @@ fn commas_between_and_inside_of_numbers_are_refused() {
 fn contradictions_are_refused() {
     assert!(refusal("name,x [mm],y [in],z\na,1,2,3\n").contains("different units"));
     assert!(refusal("name,x,y,z,x,y,z\na,1,2,3,4,5,6\n").contains("2 sets of x, y and z"));
+    let twice = "name,FL x,FL y,FL z,FL x,FL y,FL z\na,1,2,3,4,5,6\n";
+    assert!(refusal(twice).contains("one for each wheel"));
 }

@@ -2,6 +2,7 @@
 
 mod axle;
 mod independent;
+mod lanes;
 mod one_build;
 mod other_equations;
 mod reference;
@@ -9,6 +10,7 @@ mod same_as_design;
 mod set_up;
 mod spin_axis;
 mod tolerance;
+mod whole_shims;
 
 use hardpoint::assembly::{Assembler, BuildParameter, Member};
 use hardpoint::model::Axis;

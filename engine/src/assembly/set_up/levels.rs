@@ -54,12 +54,50 @@ pub(super) fn felt(mut rows: DMatrix<f64>) -> Vec<usize> {
     taken
 }
 
-/// Result of an iteration.
-pub(super) enum End {
+/// Result of an iteration, with its last state.
+pub(super) enum End<S = AdjustedSuspension> {
     /// The aims are met, or as close as least squares can bring them.
-    Settled(AdjustedSuspension),
+    Settled(S),
     /// No step brings the aims closer.
-    Stuck(AdjustedSuspension),
+    Stuck(S),
+}
+
+/// Takes steps until they no longer change the parts. `size` is the size of the suspension. `errors` gives the weighted errors of
+/// a state, `step` the step from it, and `trial` the state after a displacement: minus the step, or a part of it.
+fn iterate<S>(
+    mut state: S,
+    size: f64,
+    errors: impl Fn(&S) -> DVector<f64>,
+    step: impl Fn(&S, &DVector<f64>) -> Option<DVector<f64>>,
+    trial: impl Fn(&S, &DVector<f64>) -> Option<S>,
+) -> End<S> {
+    for _ in 0..MOST_STEPS {
+        let before = errors(&state);
+        let Some(step) = step(&state, &before) else {
+            return End::Stuck(state);
+        };
+        if step.norm() <= STILL * size {
+            return End::Settled(state);
+        }
+        let mut share = 1.0;
+        let next = loop {
+            if let Some(next) = trial(&state, &(&step * -share))
+                && errors(&next).norm() <= before.norm()
+            {
+                break Some(next);
+            }
+            share *= 0.5;
+            if share < SHORTEST {
+                break None;
+            }
+        };
+        match next {
+            Some(next) => state = next,
+            None if step.norm() <= ROUNDING * size => return End::Settled(state),
+            None => return End::Stuck(state),
+        }
+    }
+    End::Stuck(state)
 }
 
 impl Problem<'_> {
@@ -128,44 +166,20 @@ impl Problem<'_> {
     /// Takes steps of some adjustments until they no longer change the parts. `trial` gives the state for changed amounts.
     pub(super) fn iterate(
         &self,
-        mut state: AdjustedSuspension,
+        state: AdjustedSuspension,
         aims: &[usize],
         adjustments: &[usize],
         step: impl Fn(&AdjustedSuspension, &DVector<f64>) -> Option<DVector<f64>>,
         trial: impl Fn(&[f64]) -> Option<AdjustedSuspension>,
     ) -> End {
-        let size = self.size();
-        for _ in 0..MOST_STEPS {
-            let errors = self.errors(&state, aims);
-            let Some(step) = step(&state, &errors) else {
-                return End::Stuck(state);
-            };
-            if step.norm() <= STILL * size {
-                return End::Settled(state);
+        let errors = |state: &AdjustedSuspension| self.errors(state, aims);
+        iterate(state, self.size(), errors, step, |state, displacement| {
+            let mut amounts = state.amounts.clone();
+            for (adjustment, change) in adjustments.iter().zip(displacement) {
+                amounts[*adjustment] += change;
             }
-            let mut share = 1.0;
-            let next = loop {
-                let mut amounts = state.amounts.clone();
-                for (k, adjustment) in adjustments.iter().enumerate() {
-                    amounts[*adjustment] -= share * step[k];
-                }
-                if let Some(next) = trial(&amounts)
-                    && self.errors(&next, aims).norm() <= errors.norm()
-                {
-                    break Some(next);
-                }
-                share *= 0.5;
-                if share < SHORTEST {
-                    break None;
-                }
-            };
-            match next {
-                Some(next) => state = next,
-                None if step.norm() <= ROUNDING * size => return End::Settled(state),
-                None => return End::Stuck(state),
-            }
-        }
-        End::Stuck(state)
+            trial(&amounts)
+        })
     }
 }
 
@@ -177,4 +191,69 @@ pub(super) fn least_step(effects: DMatrix<f64>, errors: &DVector<f64>) -> Option
     let decomposed = effects.svd(true, true);
     let flat = FLAT * decomposed.singular_values.max();
     decomposed.solve(errors, flat).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::RefCell;
+
+    /// An adjustment changes an aim if its effect is above a hundred-millionth of the largest effect. This holds for the choice
+    /// of aims, and for the steps towards them.
+    #[test]
+    fn effects_count_down_to_a_hundred_millionth() {
+        let rows = |across: f64| DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 1.0, across]);
+        assert_eq!(felt(rows(2e-8)).len(), 2);
+        assert_eq!(felt(rows(5e-9)).len(), 1);
+        let step = |effect: f64| {
+            let effects = DMatrix::from_diagonal(&DVector::from_vec(vec![1.0, effect]));
+            least_step(effects, &DVector::from_vec(vec![0.0, effect])).unwrap()
+        };
+        assert!((step(2e-8)[1] - 1.0).abs() < 1e-12);
+        assert_eq!(step(5e-9)[1], 0.0);
+    }
+
+    /// The solver tries a full step, then halves it down to a thousandth. It does not try a step below 1e-14 of the size. A step
+    /// without improvement is rounding up to 1e-7 of the size; a longer one means that the solver is stuck.
+    #[test]
+    fn steps_are_halved_and_end_at_their_thresholds() {
+        let size = 400.0;
+        let ended = |length: f64| {
+            let tried = RefCell::new(Vec::new());
+            let step = |_: &(), _: &DVector<f64>| Some(DVector::from_element(1, length * size));
+            let errors = |_: &()| DVector::from_element(1, 1.0);
+            let end = iterate((), size, errors, step, |(), displacement| {
+                tried.borrow_mut().push(-displacement[0] / (length * size));
+                None
+            });
+            (matches!(end, End::Settled(())), tried.into_inner())
+        };
+        assert_eq!(ended(5e-15), (true, vec![]));
+        let shares: Vec<f64> = (0..10).map(|k| 0.5f64.powi(k)).collect();
+        for (length, is_settled) in [(2e-14, true), (5e-8, true), (2e-7, false), (1e-3, false)] {
+            let (settled, tried) = ended(length);
+            assert_eq!(settled, is_settled, "{length}");
+            assert_eq!(tried.len(), shares.len(), "{length}");
+            let mut pairs = tried.iter().zip(&shares);
+            assert!(pairs.all(|(tried, share)| (tried / share - 1.0).abs() < 1e-15));
+        }
+    }
+
+    /// Newton's method for x^3 = 8 ends at 2 from both sides, from far away only by shorter steps. An error without a value ends
+    /// it at once.
+    #[test]
+    fn the_iteration_finds_a_root_by_shorter_steps() {
+        let errors = |x: &f64| DVector::from_element(1, x.powi(3) - 8.0);
+        let step = |x: &f64, errors: &DVector<f64>| Some(errors / (3.0 * x * x));
+        for start in [1e-2, 1.9, 50.0] {
+            let trial = |x: &f64, displacement: &DVector<f64>| Some(x + displacement[0]);
+            let End::Settled(root) = iterate(start, 1.0, errors, step, trial) else {
+                panic!("no root from {start}");
+            };
+            assert!((root - 2.0).abs() < 1e-14, "{root}");
+        }
+        let missing = |_: &f64, _: &DVector<f64>| None;
+        let end = iterate(1.0, 1.0, errors, missing, |_, _| None);
+        assert!(matches!(end, End::Stuck(1.0)));
+    }
 }

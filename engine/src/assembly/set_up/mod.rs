@@ -340,4 +340,16 @@ fn is_continuous(increment: Increment) -> bool {
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+
+    /// An aim is met within the allowed error plus 1e-9.
+    #[test]
+    fn aims_are_met_to_rounding() {
+        let errors = [5e-9, -5e-9, 5e-10, -5e-10, 0.5, -0.501].map(Some);
+        let allowed = [0.0, 0.0, 0.0, 0.0, 0.5, 0.5];
+        let expected = [false, false, true, true, true, false];
+        assert_eq!(within(&errors, &allowed), expected);
+        assert_eq!(within(&[None], &[0.0]), [true]);
+    }
+}

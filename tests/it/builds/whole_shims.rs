@@ -1,0 +1,200 @@
+//! Set-ups with whole shims, weights of aims, and the largest adjustment.
+
+use super::{assembler, parameter, plan, study};
+use hardpoint::assembly::{Rest, SetUp, SetUpError, built_curves};
+
+const STUDY: &str = "double_wishbone_tolerance";
+
+fn solved(overrides: &[&str]) -> Result<SetUp, SetUpError> {
+    let study = study(STUDY, overrides);
+    SetUp::solve(&study, study.setup.as_ref().unwrap(), &assembler(&study))
+}
+
+/// Half a step of a shim may cause half its effect plus 1 %. A thread adds the effect of half a sixteenth of a turn.
+#[test]
+fn half_steps_allow_half_effects() {
+    let shim =
+        "setup={adjust=[{shim=\"upper_ball_joint\",axis=\"y\",step=0.5}],want={camber=-1.5}}";
+    let both = "setup={adjust=[{shim=\"upper_ball_joint\",axis=\"y\",step=0.5},\
+                {length=\"tie_rod\",per_turn=2.0}],want={camber=-1.5,toe=-0.1}}";
+    for (setup, has_thread) in [(shim, false), (both, true)] {
+        let found = solved(&[setup]).unwrap();
+        let by = &found.last().by;
+        // The thread turns toe back, and changes camber a little.
+        let effect = if has_thread {
+            by[0][0] - by[1][0] * by[0][1] / by[1][1]
+        } else {
+            by[0][0]
+        };
+        let allowed = 1.01 * 0.25 * effect.abs();
+        assert!((found.allowed[0] / allowed - 1.0).abs() < 1e-9);
+        let thread = if has_thread {
+            1.01 * 0.5 * 2.0 / 16.0 * by[1][0].abs()
+        } else {
+            0.0
+        };
+        let turned = found.allowed_rounded[0] - found.allowed[0];
+        assert!((turned - thread).abs() < 1e-12, "{turned} {thread}");
+    }
+}
+
+/// An adjustment of up to a tenth of the suspension's size is accepted. A larger one is refused with its amount.
+#[test]
+fn adjustments_beyond_a_tenth_of_the_size_are_refused() {
+    let adjust = "setup.adjust=[{shim=\"upper_ball_joint\",axis=\"y\"}]";
+    let plain = study(STUDY, &["outputs.characteristics=[\"camber\"]"]);
+    let assembler = assembler(&plain);
+    let size = plain.wheel().size();
+    let at = |share: f64| {
+        let mut parts = assembler.drawn().clone();
+        let ball_joint = parameter(&assembler, "upper_ball_joint", Some("y"));
+        parts.change(&assembler.suspension().mechanism, ball_joint, share * size);
+        let built = assembler.build(&parts, Rest::Height(0.0)).unwrap();
+        let found = built_curves(&assembler, &built, &plan(&plain), &[]).unwrap();
+        let camber = found.curves.stations[0].values[0].unwrap();
+        let want = format!("setup.want={{camber={camber:?}}}");
+        let found = solved(&[adjust, &want, "setup.ride_height_change=0.0"]);
+        found.map(|found| found.last().amounts[0] / size)
+    };
+    assert!((at(-0.09).unwrap() + 0.09).abs() < 1e-9);
+    match at(-0.11) {
+        Err(SetUpError::Absurd {
+            adjustment: 0,
+            amount,
+        }) => assert!((amount / size + 0.11).abs() < 1e-9),
+        other => panic!("{other:?}"),
+    }
+}
+
+/// A shim cannot meet camber and scrub radius together. It minimises the sum of squares in which a tenth of a degree counts as
+/// much as a millimetre.
+#[test]
+fn a_tenth_of_a_degree_counts_as_a_millimetre() {
+    let found = solved(&[
+        "setup.adjust=[{shim=\"upper_ball_joint\",axis=\"y\"}]",
+        "setup.want={camber=-2.5,scrub_radius=20.0,bump_steer=0.01}",
+        "setup.ride_height_change=0.0",
+    ]);
+    // A shim of any thickness counts as a thread: it meets the aim that it changes most.
+    assert!(
+        matches!(found, Ok(_) | Err(SetUpError::OutOfReach(_))),
+        "{found:?}"
+    );
+    let shim = |step: f64| {
+        let found = solved(&[
+            &format!("setup.adjust=[{{shim=\"upper_ball_joint\",axis=\"y\",step={step:?}}}]"),
+            "setup.want={camber=-2.5,scrub_radius=20.0,bump_steer=0.01}",
+            "setup.ride_height_change=0.0",
+        ]);
+        found.unwrap()
+    };
+    let found = shim(1e-4);
+    let weights: Vec<f64> = found
+        .statics
+        .iter()
+        .map(|of| {
+            use hardpoint::ask::Unit;
+            match of.unit() {
+                Unit::Angle => 1.0 / 0.1,
+                Unit::Length => 1.0,
+                Unit::AnglePerLength => 1.0 / 1e-3,
+                other => panic!("{other:?}"),
+            }
+        })
+        .collect();
+    let last = found.last();
+    let errors = found.misses();
+    let slope: f64 = (0..weights.len())
+        .filter_map(|i| Some(errors[i]? * weights[i].powi(2) * last.by[0][i]))
+        .sum();
+    let curvature: f64 = (0..weights.len())
+        .filter(|i| errors[*i].is_some())
+        .map(|i| (weights[i] * last.by[0][i]).powi(2))
+        .sum();
+    assert!((slope / curvature).abs() < 1e-4, "{}", slope / curvature);
+}
+
+const SHIMS: [(&str, &str, f64); 5] = [
+    ("upper_ball_joint", "y", 0.5),
+    ("upper_arm_front", "y", 0.7),
+    ("upper_arm_rear", "y", 0.3),
+    ("tie_rod_inner", "y", 0.4),
+    ("tie_rod_inner", "z", 1.0),
+];
+
+/// The whole shims of a set-up are the best of all whole shims one step up and down from them.
+#[test]
+fn whole_shims_are_the_best_of_their_neighbours() {
+    let adjust =
+        SHIMS.map(|(point, axis, step)| format!("{{shim={point:?},axis={axis:?},step={step:?}}}"));
+    let adjust = format!("setup.adjust=[{}]", adjust.join(","));
+    let at_rest = study(
+        STUDY,
+        &[
+            "outputs.characteristics=[\"camber\",\"toe\",\"caster\"]",
+            "motion.travel=[0.0]",
+        ],
+    );
+    let assembler = assembler(&at_rest);
+    let mechanism = &assembler.suspension().mechanism;
+    let plan = plan(&at_rest);
+    for wanted in [[-2.3, 0.1, 4.0], [-1.7, -0.2, 4.4], [-2.05, 0.33, 3.7]] {
+        let [camber, toe, caster] = wanted;
+        let want = format!("setup.want={{camber={camber:?},toe={toe:?},caster={caster:?}}}");
+        let found = solved(&[&adjust, &want, "setup.ride_height_change=0.0"]).unwrap();
+        let amounts = &found.last().amounts;
+        // Sum of squared errors of shims that are k steps away.
+        let error = |steps: [i32; 5]| {
+            let mut parts = assembler.drawn().clone();
+            for (k, (point, axis, step)) in SHIMS.into_iter().enumerate() {
+                let amount = amounts[k] + f64::from(steps[k]) * step;
+                parts.change(mechanism, parameter(&assembler, point, Some(axis)), amount);
+            }
+            let built = assembler.build(&parts, Rest::Height(0.0)).unwrap();
+            let found = built_curves(&assembler, &built, &plan, &[]).unwrap();
+            let values = &found.curves.stations[0].values;
+            let errors = values.iter().zip(wanted).map(|(v, w)| v.unwrap() - w);
+            errors.map(|error| error * error).sum::<f64>()
+        };
+        let own = error([0; 5]);
+        let reported = found.misses().iter().flatten().map(|e| e * e).sum::<f64>();
+        assert!((own / reported - 1.0).abs() < 1e-9, "{own} {reported}");
+        for number in 0..243 {
+            let steps = std::array::from_fn(|k| number / 3_i32.pow(k as u32) % 3 - 1);
+            assert!(
+                error(steps) >= own * (1.0 - 1e-12),
+                "{wanted:?} {steps:?}: {} {own}",
+                error(steps)
+            );
+        }
+    }
+}
+
+/// Wanted values that whole shims give are met by these shims, to rounding.
+#[test]
+fn planted_whole_shims_are_found() {
+    let adjust = "setup.adjust=[{shim=\"upper_ball_joint\",axis=\"y\",step=0.5}]";
+    let level = "setup.ride_height_change=0.0";
+    for steps in [-3.0, 1.0, 4.0] {
+        let camber = {
+            let plain = study(
+                STUDY,
+                &[
+                    "outputs.characteristics=[\"camber\"]",
+                    "motion.travel=[0.0]",
+                ],
+            );
+            let assembler = assembler(&plain);
+            let mut parts = assembler.drawn().clone();
+            let ball_joint = parameter(&assembler, "upper_ball_joint", Some("y"));
+            parts.change(&assembler.suspension().mechanism, ball_joint, 0.5 * steps);
+            let built = assembler.build(&parts, Rest::Height(0.0)).unwrap();
+            let found = built_curves(&assembler, &built, &plan(&plain), &[]).unwrap();
+            found.curves.stations[0].values[0].unwrap()
+        };
+        let want = format!("setup.want={{camber={camber:?}}}");
+        let found = solved(&[adjust, &want, level]).unwrap();
+        assert_eq!(found.last().amounts[0] / 0.5, steps);
+        assert!(found.misses()[0].unwrap().abs() < 1e-12);
+    }
+}

@@ -1,5 +1,5 @@
-//! States of a car per second: from a neighbour, by themselves, with results, member loads and derivatives; a whole map on two
-//! threads; and a tuning.
+//! Solved states of a car per second: started from a neighbouring state or without one, with results, member loads and
+//! derivatives; a whole map on two threads; and a tuning.
 
 use super::{Clock, Job, JobTime, Unmeasurable};
 use hardpoint_engine::car::{

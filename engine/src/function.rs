@@ -100,7 +100,7 @@ impl DesignFunction {
             let values = function.values().map(drop);
             values.map_err(|fault| fault.describe(&study.wheel().mechanism))
         });
-        // A workspace made earlier proves that later ones can be made.
+        // Another workspace was made before, so this one can be made, too.
         solved.map_err(FunctionError::Design)?;
         Ok(function)
     }
@@ -137,7 +137,7 @@ impl DesignFunction {
         self.len() == 0
     }
 
-    /// Makes a workspace for evaluations, one for each thread. The first request for values makes its evaluator; so does the
+    /// Makes a workspace for evaluations, one for each thread. Its evaluators are made at the first request for values and at the
     /// first request for derivatives.
     pub fn evaluation(&self) -> Evaluation<'_> {
         Evaluation {

@@ -6,14 +6,14 @@ use crate::model::Rod;
 /// Reason why parts cannot be assembled.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum AssemblyError {
-    /// Between the nominal parts and these, the mechanism reaches a singular position. Beyond it, the links are too short or
-    /// too long.
+    /// Between the nominal parts and the built parts, the mechanism reaches a singular position. Beyond it, the links are too
+    /// short or too long.
     #[error(
         "the links cannot reach: the mechanism can be assembled with up to {:.0} % of these deviations",
         100.0 * share
     )]
     OutOfReach {
-        /// Share of the deviations with which it can still be assembled, from 0 to 1.
+        /// Share of the deviations up to which the mechanism can be assembled, from 0 to 1.
         share: f64,
     },
     /// The rod of a rocker is too short or too long, or at a toggle.
@@ -22,7 +22,7 @@ pub enum AssemblyError {
     /// The named member would have a length of zero or less.
     #[error("{0} would have no length")]
     NoLength(String),
-    /// The spring does not have its length at any height nearby.
+    /// The spring has its length at no height near the nominal one.
     #[error("at no height nearby does the spring have its length")]
     Spring,
     /// Toe and camber cannot be set to their nominal values.

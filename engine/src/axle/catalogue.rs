@@ -351,7 +351,7 @@ impl Quantity {
     /// Largest height difference of two contact points that count as on one plane, in tracks.
     pub(super) const SAME_PLANE: f64 = 1e-9;
 
-    /// Returns true if the quantity is a derivative along a motion on a plane ground.
+    /// Returns true if the quantity is a derivative along a motion on a plane ground, for example along roll.
     pub(super) fn is_of_the_plane(self) -> bool {
         matches!(
             self,

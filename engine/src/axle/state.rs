@@ -55,8 +55,8 @@ pub enum Motion {
     Heave,
     /// Displacement of the rack towards the left wheel. The other coordinates that the station gives are constant.
     Rack,
-    /// The same displacement, whatever coordinates the station gives. On a plane the roll angle and the mean travel are
-    /// constant, on pads both travels.
+    /// Displacement of the rack towards the left wheel, whatever coordinates the station gives. On a plane the roll angle and the
+    /// mean travel are constant, on pads both travels.
     Steering,
     /// Travel of the left wheel, with everything else constant.
     TravelLeft,
@@ -218,7 +218,7 @@ impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
 }
 
 impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
-    /// Left and right wheel.
+    /// Returns the left and the right wheel.
     #[inline(always)]
     pub fn wheels(&self) -> [WheelState<'_, T, W>; 2] {
         [self.wheel(Side::Left), self.wheel(Side::Right)]
@@ -245,7 +245,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         left.half_track() + right.half_track()
     }
 
-    /// Any number of the state, as a model for constants.
+    /// Any number of the state. Constants get its number type and length.
     #[inline(always)]
     pub fn like(&self) -> T {
         self.roll

@@ -37,7 +37,7 @@ pub struct FailedCases {
 pub type CarFault = (usize, Side, DesignFault);
 
 impl<'c> CarRequest<'c> {
-    /// Every result in every case in which it is defined, and `further` ones.
+    /// Requests every result in every case in which it is defined, and the `further` ones.
     pub fn of(
         cases: &'c [Case],
         quantities: &[CarQuantity],

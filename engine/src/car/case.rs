@@ -112,7 +112,7 @@ pub enum NoEquilibrium {
     },
     /// Newton's method does not converge.
     NotFound,
-    /// The equations are singular.
+    /// The equations of equilibrium are singular.
     Singular,
     /// No set of wheels in contact satisfies the equations.
     NoContactSet {

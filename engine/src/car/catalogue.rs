@@ -278,7 +278,7 @@ impl CarQuantity {
         };
         let mut found = CarQuantity::all();
         found.retain(matches);
-        // The car's own result takes precedence over those of both axles.
+        // If the car itself has a result of this name, it takes precedence over those of both axles.
         if let Some(whole) = found.iter().find(|q| matches!(q, CarQuantity::Whole(_))) {
             return vec![*whole];
         }

@@ -1,11 +1,11 @@
-//! Places of a car's points over the ground, for drawings.
+//! Positions of a car's points over the ground, for drawings.
 
 use super::{CarQuantity, CarSolver, Case, Equilibrium, NoEquilibrium, WheelPlace, WheelResult};
 use crate::mechanism::Configuration;
 use crate::model::{PointId, Side};
 use crate::number::{Each, Vector3};
 
-/// Places in the axes of the ground under the car: forward, left, height above the ground.
+/// Positions in the axes of the ground under the car: forward, left, height above the ground.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarDrawing {
     /// Points of each axle: first those of the left wheel, then those of the right wheel.
@@ -23,7 +23,7 @@ pub struct CarDrawing {
 }
 
 impl CarSolver<'_> {
-    /// Computes the places of all points in a state.
+    /// Computes the positions of all points in a state.
     ///
     /// # Errors
     /// The reason, if a wheel has no pose.

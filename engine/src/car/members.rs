@@ -81,7 +81,7 @@ impl CarMember {
     }
 }
 
-/// Lists the members of one wheel: links, forces at points, joints of arms that carry a spring or a rod, rods, spring.
+/// Lists the members of one wheel: links, forces at points, rods, the spring, and joints of arms that carry a spring or a rod.
 fn members(mechanism: &Mechanism) -> Vec<(String, What)> {
     let mut found = Vec::new();
     let borne = |outer: PointId| {

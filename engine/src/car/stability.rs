@@ -38,8 +38,8 @@
 //! (2) holds there, or (2) holds at rest and det G_x keeps its sign on the whole path from rest.                   (5)
 //! ```
 //!
-//! The motion at the end of stability has a name. Let f and e be the heights of the body over the middle of the front and the
-//! rear axle, and r half the difference of its heights over the left and the right wheels:
+//! The motion of the body at the end of stability is classified as follows. Let f and e be the heights of the body over the
+//! middle of the front and the rear axle, and r half the difference of its heights over the left and the right wheels:
 //!
 //! ```text
 //! (f, e, r) = T q,      S = T C T^T.                                                                              (6)
@@ -133,8 +133,8 @@ impl Equilibrium {
         softest.map_or(NoEquilibrium::Tips, |k| motion(columns[k]))
     }
 
-    /// Returns true if the path from an accepted state leads to this one. det G_x must keep its sign, and body and wheels
-    /// must move by no more than a Newton step allows.
+    /// Returns true if the path from an accepted state leads to this one. det G_x must keep its sign, and body and wheels must
+    /// move by no more than the limit of a Newton step.
     pub(super) fn follows(&self, from: &Equilibrium, car: &Car) -> bool {
         let near = |k: usize| {
             let longest = match k {
@@ -170,7 +170,7 @@ impl CarSolver<'_> {
         let at_rest = at.clone();
         let (mut part, mut step) = (0.0, LONGEST);
         let mut evaluations = at.evaluations;
-        // Nearest part of the load at which the last search failed.
+        // Smallest part of the load at which the last search failed.
         let mut failed = f64::INFINITY;
         for _ in 0..MOST_STEPS {
             let next = f64::min(part + step, 1.0);

@@ -13,7 +13,7 @@ const GROUND: &[Slot] = &[
     Slot::SteeringDirection,
 ];
 
-/// Vector G - C.
+/// Vector G - C, from the contact point to the steering axis at the ground.
 #[inline(always)]
 fn contact_to_axis<T: Real>(inputs: &Inputs<T>) -> Vector3<T> {
     let contact = inputs.contact_point();

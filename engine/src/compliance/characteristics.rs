@@ -8,7 +8,7 @@ use super::wheel::{Change, ElasticWheel, Equilibrium};
 use crate::characteristics::{Characteristic, Inputs};
 use crate::number::{Dual, Jet, Scalar};
 
-/// Counterparts in equilibrium of some quantities of the rigid mechanism, in words.
+/// Text that names, for some quantities of the rigid mechanism, the quantity to use in an equilibrium instead.
 const INSTEAD: &str = "with [compliance] ask jacking_by_lateral_force, jacking_by_braking, compliant_wheel_rate or \
                        compliant_ride_rate";
 

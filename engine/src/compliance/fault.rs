@@ -53,7 +53,7 @@ pub enum Motion {
 pub struct NoEquilibrium {
     /// Fraction of the change that was reached, 0 to 1.
     pub share: f64,
-    /// True if no fraction was reached because the equilibrium found is not stable.
+    /// True if no fraction was reached because the equilibrium that was found is not stable.
     pub is_unstable: bool,
     /// Part that gives way, and its motion.
     pub softest: Option<(String, Motion)>,

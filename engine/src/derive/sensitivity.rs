@@ -242,7 +242,7 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
         self.adjoint.hardpoint(id, gradient);
     }
 
-    /// Adds the derivative by the rotation of the mechanism's knuckle; of a steered axle, that of the axle.
+    /// Adds the derivative by the rotation of the mechanism's knuckle. For a steered axle, this is the rotation of the axle.
     #[inline(always)]
     pub fn turn(&mut self, moment: Vector3<T>) {
         self.adjoint.wrench(moment.zero(), moment);

@@ -1,4 +1,4 @@
-//! Designs in SIMD lanes.
+//! Evaluates designs in SIMD lanes.
 
 use super::Stations;
 use super::block::{Block, SIDE_BY_SIDE};

@@ -98,7 +98,7 @@ impl Error {
         }
     }
 
-    /// Returns an error if the suspension lacks something that a characteristic needs.
+    /// Returns an error if the suspension lacks an input or part that a characteristic needs.
     pub(super) fn if_lacking(
         suspension: &Suspension,
         characteristic: Characteristic,

@@ -155,7 +155,7 @@ impl Study {
     }
 }
 
-/// Refuses the same sampling errors as the reader of studies.
+/// Refuses the same errors in the sampling as the reader of studies.
 fn refuse_wrong(sampled: &Sampled) -> Result<(), Error> {
     let variables = &sampled.variables;
     if variables.is_empty() {

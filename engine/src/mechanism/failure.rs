@@ -157,7 +157,7 @@ impl fmt::Display for LimitCause {
 /// Distance of a part from its singular position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PartMeasure {
-    /// The part, named by the cause for which it would be responsible.
+    /// The part, identified by the cause that its singular position would be.
     pub cause: LimitCause,
     /// Sine of the angle between the part and its singular position.
     pub sine: f64,
@@ -234,7 +234,7 @@ pub enum DesignFault {
     },
     /// The formulation in point coordinates cannot describe the design.
     PointCoordinates(FormulationFailure),
-    /// The program lacks the formulation of this name.
+    /// The program does not contain the formulation of this name.
     NoFormulation(&'static str),
     /// The constraints are dependent and do not hold the knuckle, or the drive cannot move it.
     Singular,
@@ -297,8 +297,8 @@ impl DesignFault {
     }
 }
 
-/// Shows points by their index from 0, in the order of the topology's hardpoints. [`DesignFault::describe`] uses their
-/// names.
+/// Writes the fault with indices of points, from 0, in the order of the topology's hardpoints. [`DesignFault::describe`] writes
+/// names instead.
 impl fmt::Display for DesignFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.words(|id| format!("point number {}", id.0)))
@@ -365,8 +365,8 @@ impl Failure {
     }
 }
 
-/// Shows lengths in the unit of the hardpoints and the rack in the kernel's axes, because a failure knows no others.
-/// [`Failure::describe`] uses those of a study.
+/// Writes the reason with lengths in the unit of the hardpoints and the rack in the kernel's axes. [`Failure::describe`] uses the
+/// unit and axes of a study.
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.words(None, 1.0))

@@ -29,8 +29,8 @@ pub enum NoPose {
         /// Wheel whose frame this is.
         side: Side,
     },
-    /// No difference of travels puts both wheels on the ground at this roll angle. Either a wheel falls where it should
-    /// rise, or the iteration did not settle.
+    /// No difference of travels puts both wheels on the ground at this roll angle. Either a wheel falls where it should rise, or
+    /// the iteration did not converge.
     #[error("at no difference of the travels do both wheels touch the ground")]
     NoGround,
     /// No mean travel gives the axle the required load. Either the load does not grow with the travel, or a wheel cannot
@@ -55,8 +55,9 @@ pub enum NoPose {
 }
 
 impl NoPose {
-    /// Describes the reason in words, with lengths in this unit and the rack in the axes of this frame. The frame is that of
-    /// a single wheel, or of an axle's left wheel. If the rack is the limit, the wheel's travel is irrelevant and left out.
+    /// Describes the reason in words, with lengths in this unit and the rack in the axes of this frame. The frame is that of a
+    /// single wheel, or of an axle's left wheel. If the rack is the limit, the text leaves out the wheel's travel, which is
+    /// irrelevant.
     pub fn describe(&self, unit: LengthUnit, frame: Frame) -> String {
         let frame_of = |side: Side| match side {
             Side::Left => frame,

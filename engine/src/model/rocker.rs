@@ -40,7 +40,7 @@ pub enum Rod {
     WattLink,
     /// Turns the left knuckle of a steered solid axle.
     DragLink,
-    /// Turns the right knuckle of a steered solid axle by the left one.
+    /// Connects the knuckles of a steered solid axle, so that the left one turns the right one.
     TieRod,
     /// No real rod: a mount of a twist beam, which turns its half of the beam against the other half.
     TwistBeam,
@@ -324,7 +324,7 @@ impl Mechanism {
         found.map_or_else(String::new, |(name, _)| name.replace('_', " "))
     }
 
-    /// The same mechanism with each hardpoint on the body that the topology assigns to it.
+    /// Returns the mechanism with each hardpoint on the body that the topology assigns to it.
     fn usual(&self) -> Mechanism {
         let known = self.points.iter();
         let known = known.filter_map(|point| self.topology.hardpoint(&point.name));

@@ -60,7 +60,7 @@ pub(crate) struct Quadratic {
     pub(crate) pose_bends: Vec<PoseBend>,
 }
 
-/// Second derivative by a pair of the pose's numbers. If the two differ, it is counted twice.
+/// Second derivative by a pair of the pose's numbers. For two different numbers it includes both orders of the pair.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PoseBend {
     pub equation: usize,

@@ -16,7 +16,7 @@ use crate::number::Each;
 use crate::study::{Adjustment, AxleStudy, Increment, Setup, Study};
 use nalgebra::{DMatrix, DVector};
 
-/// Factor on the error that rounding by half a step may cause. It covers the curvature that slopes ignore.
+/// Factor on the linear estimate of the error that rounding by half a step causes. It covers the curvature.
 const CURVED: f64 = 1.01;
 
 /// A set-up to solve.
@@ -82,7 +82,7 @@ impl<'a> Problem<'a> {
                 _ => 1.0,
             });
         }
-        // A single adjustment cannot keep the height and do something else.
+        // A single adjustment cannot both keep the height and meet another target.
         *aims.last_mut().expect("the ride height is the last value") =
             match setup.ride_height_change {
                 Some(change) if lifts => Aim::Wanted(change),
@@ -258,7 +258,7 @@ impl<'a> Problem<'a> {
         (amount / grid).round() * grid
     }
 
-    /// Errors that half steps of shims may cause, equation (7), in printed units. 0 for a value that threads meet.
+    /// Errors that half steps of shims may cause, equation (7), in printed units. 0 for a value that threads set.
     pub(super) fn half_steps(&self, levels: &Levels, state: &AdjustedSuspension) -> Vec<f64> {
         let mut allowed = vec![0.0; self.statics.len()];
         let by = self.reduced_effects(levels, state);
@@ -342,8 +342,8 @@ fn quantities(both: &AxleStudy, setup: &Setup) -> Vec<Quantity> {
     quantities
 }
 
-/// Returns true if an adjustment lifts the car, because it changes a part between spring and arm. The spring then keeps
-/// its design length, which sets the height.
+/// Returns true if an adjustment lifts the car. It does so if it changes a part between spring and arm. The spring then keeps its
+/// design length, which sets the height.
 fn lifts(adjustment: &Adjustment, study: &Study) -> bool {
     let mechanism = &study.wheel().mechanism;
     let Some(spring) = mechanism.spring else {

@@ -24,7 +24,7 @@ use crate::plan::Plan;
 use crate::study::{Adjustment, AxleStudy, Outputs, WheelStudy};
 use std::borrow::Cow;
 
-/// Dimensions that an adjustment changes in one assembled mechanism: one, or none.
+/// Dimension that an adjustment changes in one assembled mechanism, if it changes one.
 type Change = Vec<(BuildParameter, f64)>;
 
 /// A suspension to set up.
@@ -39,7 +39,7 @@ pub(super) enum Subject<'a> {
     Axle(Box<WholeAxle<'a>>),
 }
 
-/// A solid axle as each of its wheels sees it: first the left, then the right one.
+/// Mechanisms of a solid axle as seen from its left and from its right wheel, in this order.
 pub(super) struct WholeAxle<'a> {
     assemblers: [&'a Assembler; 2],
     changes: [Vec<Change>; 2],

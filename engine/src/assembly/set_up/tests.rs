@@ -43,7 +43,7 @@ fn effects_count_down_to_a_hundred_millionth() {
 }
 
 /// The solver tries a full step, then halves it down to a thousandth. It does not try a step below 1e-14 of the size. A step
-/// without improvement is rounding up to 1e-7 of the size; a longer one means that the solver is stuck.
+/// without improvement counts as rounding up to 1e-7 of the size. If it is longer, the solver is stuck.
 #[test]
 fn steps_are_halved_and_end_at_their_thresholds() {
     with(&study(&[THREE]), |problem, drawn| {
@@ -163,7 +163,7 @@ fn half_steps_allow_half_effects() {
         let assembler = Assembler::new(study.wheel()).unwrap();
         let found = SetUp::solve(&study, study.setup.as_ref().unwrap(), &assembler).unwrap();
         let by = &found.last().by;
-        // The thread turns toe back, and changes camber a little.
+        // The thread restores toe, and changes camber a little.
         let effect = if has_thread {
             by[0][0] - by[1][0] * by[0][1] / by[1][1]
         } else {

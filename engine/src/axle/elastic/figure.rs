@@ -15,7 +15,7 @@ pub struct TestFigure {
     pub unit: Unit,
     /// Subject: the axle, or one of its wheels.
     pub of: KcSubject,
-    /// True for the secant over the window of the test.
+    /// True if the figure is the secant over the window of the test.
     pub is_secant: bool,
     /// True if its name ends with the load, because tests with other loads have the same quantity.
     pub names_load: bool,

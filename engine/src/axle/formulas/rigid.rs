@@ -98,7 +98,7 @@ pub(crate) fn roll_centre<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) ->
     [across / twice, -(up / twice)]
 }
 
-/// The same of a steered axle, in the frame of the left wheel.
+/// Height of the roll centre of a steered axle and its lateral distance, in the frame of the left wheel.
 #[inline(always)]
 fn steered_roll_centre<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T; 2] {
     let [left, right] = state.wheels();
@@ -247,7 +247,7 @@ pub(crate) fn anti_squat<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> 
     driving(state)
 }
 
-/// The same share for a rear axle in braking, or for a driven front axle under drive.
+/// Share of the load transfer that the links carry, for a rear axle in braking or a driven front axle under drive.
 #[inline(always)]
 pub(crate) fn anti_lift<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     if state.setup.constants.is_front {
@@ -257,7 +257,7 @@ pub(crate) fn anti_lift<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T
     }
 }
 
-/// The same share for a front axle in braking.
+/// Share of the load transfer in braking that the links of a front axle carry.
 #[inline(always)]
 pub(crate) fn anti_dive<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     -braking(state)

@@ -177,7 +177,7 @@ impl<T: Copy, const N: usize> Each<T, N> for [T; N] {
     }
 }
 
-/// Array of `entry(0)`, `entry(1)`, and so on.
+/// Returns the array of `entry(0)`, `entry(1)`, and so on.
 #[inline(always)]
 #[allow(
     clippy::needless_range_loop,

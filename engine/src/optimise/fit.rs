@@ -72,14 +72,15 @@ impl Iteration {
 pub enum Termination {
     /// The misfit is at or below [`Options::misfit_below`].
     MisfitReached,
-    /// The misfit of the targets that variables move is at or below [`Options::misfit_below`]; other targets are missed.
+    /// The misfit of the targets that variables move is at or below [`Options::misfit_below`]; the other targets are missed, but
+    /// no variable changes them.
     MovedTargetsMet,
     /// No step lowers the cost by more than the share [`Options::reduction_below`].
     NoFurtherDescent,
     /// The step would be shorter than [`Options::step_below`].
     StepBelowResolution,
-    /// The residuals are orthogonal to all columns of the Jacobian, within [`Options::gradient_below`]. Variables that a
-    /// bound keeps from descending do not count.
+    /// The residuals are orthogonal to all columns of the Jacobian, within [`Options::gradient_below`]. Variables that a bound
+    /// stops do not count.
     Stationary,
     /// Every step that would lower the cost, however short, leads to a point without residuals.
     NoFeasibleStep(Infeasible),
@@ -214,7 +215,7 @@ pub struct ConstraintState {
     /// Derivative of half the sum of squared residuals by each row's limit, negated. `None` if the run did not end at a
     /// minimum of that sum.
     pub multipliers: Option<Vec<f64>>,
-    /// Other multipliers that balance as well. They exist if gradients are linearly dependent.
+    /// Other multipliers that also balance the slope. They exist if gradients are linearly dependent.
     pub alternatives: Option<Vec<f64>>,
     /// Rows and bounds that exclude one another, if there are any.
     pub culprits: Vec<Held>,

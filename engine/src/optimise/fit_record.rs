@@ -29,8 +29,8 @@ pub(super) fn execute<P, S: Solver<P, ArgminState>>(
     }
 }
 
-/// Returns the problem itself. argmin lends it only as `&P`, but an evaluation needs `&mut` for its workspace. The history
-/// counts the calls.
+/// Returns the problem for an evaluation. argmin gives access only as `&P`, but an evaluation needs `&mut` for its workspace. The
+/// history counts the calls.
 pub(super) fn of<P>(problem: &mut Problem<P>) -> &mut P {
     problem
         .problem
@@ -123,7 +123,7 @@ impl<'a> FitRecord<'a> {
         }
         match &self.termination {
             None => TerminationStatus::NotTerminated,
-            // The text of our own reason. argmin has fewer reasons, and nothing reads them.
+            // Only the text of our own reason is passed on. argmin has fewer reasons, and no code reads them.
             Some(reason) => {
                 let reason = TerminationReason::SolverExit(reason.to_string());
                 TerminationStatus::Terminated(reason)

@@ -58,7 +58,7 @@ impl<'a> SimulatedFits<'a> {
         }
     }
 
-    /// Root of a quantile of T for a variable, with the truth `x0` and this scatter of the errors.
+    /// Square root of a quantile of T for a variable, if the true values are `x0` and the errors have this scatter.
     pub(super) fn quantile(
         &self,
         variable: usize,

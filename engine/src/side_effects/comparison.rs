@@ -41,7 +41,7 @@ impl RequestedChanges {
     }
 }
 
-/// Side effects over one motion, in the order of the outputs. `asked` has the changes that targets in `[motion]` ask for.
+/// Side effects over one motion, in the order of the outputs. `asked` contains the changes that targets in `[motion]` ask for.
 pub(super) fn compare(
     before: &Observed,
     after: &Observed,
@@ -95,7 +95,7 @@ fn effect(
             } else {
                 wanted.shift_at(stations, station)
             };
-            // A value has no side effect if it stays, or if it changes as a target asks.
+            // A value has no side effect if it does not change, or if it changes as a target asks.
             let [plain, beyond] = [to - from, to - from - shift];
             let amount = if plain.abs() <= beyond.abs() {
                 plain
@@ -176,7 +176,8 @@ impl Wanted {
         let here = &stations[number].position;
         let start = self.shifts.partition_point(|shift| shift.0 < here[0]);
         let (mut nearest, mut found) = (f64::INFINITY, 0.0);
-        // Goes outward along the first coordinate, while this coordinate alone is closer than the nearest station so far.
+        // Searches outward along the first coordinate, until its difference alone exceeds the distance of the nearest station so
+        // far.
         let (below, above) = self.shifts.split_at(start);
         let ways: [&mut dyn Iterator<Item = &(f64, usize, f64)>; 2] =
             [&mut below.iter().rev(), &mut above.iter()];

@@ -74,7 +74,7 @@ impl Curve<'_> {
         match (self.moving, self.held.drive) {
             (Moving::Rack, _) => LimitCause::RackStandsStill,
             (Moving::Drive, Drive::ArmAngle) => LimitCause::ArmStandsStill,
-            // Sign of the second coefficient of the travel by the arc length.
+            // Sign of the second coefficient of the travel as a series in the arc length.
             (Moving::Drive, Drive::Travel) if fold.moved[2] < 0.0 => LimitCause::CentreHighest,
             (Moving::Drive, Drive::Travel) => LimitCause::CentreLowest,
         }

@@ -36,7 +36,8 @@ impl Conditioning {
         distance: 0.0,
     };
 
-    /// Limit of estimates: larger condition numbers are computed. So no report of lost digits is an estimate.
+    /// Largest condition number that may be an estimate. Larger numbers are computed, so that reports of lost digits are never
+    /// based on an estimate.
     pub const ESTIMATED: f64 = 1e3;
 
     /// Number of reliable decimal digits of rates and sensitivities, at most 15.
@@ -94,9 +95,9 @@ impl Solver<'_> {
         })
     }
 
-    /// The same as [`Solver::configuration_series`], with the condition number. It comes from the factors of the Jacobian if
-    /// they are needed anyway. If the closed form gave the pose far from any singularity ([`Conditioning::ESTIMATED`]), an
-    /// estimate is used. It costs almost nothing and is correct within a factor of ten.
+    /// Configuration series as in [`Solver::configuration_series`], with the condition number. It comes from the factors of the
+    /// Jacobian if they are needed anyway. If the closed form gave the pose far from any singularity
+    /// ([`Conditioning::ESTIMATED`]), an estimate is used. It costs almost nothing and is correct within a factor of ten.
     pub fn conditioned_series<'a, const N: usize>(
         &'a self,
         design_series: &'a DesignSeries<N>,

@@ -1,7 +1,7 @@
-//! A link of which one end is on a rocker: the second link of a Watt linkage.
+//! A link with one end on a rocker, such as the second link of a Watt linkage.
 //!
-//! The rocker turns about an axis in its base, the body or the knuckle, and its rod turns it (see module `rocker`). With x the end
-//! on the rocker, p the other end, d the way from the inner to the outer end, and d0 that way in the design position,
+//! The rocker's axis is fixed in its base, the body or the knuckle, and its rod turns it (see module `rocker`). Let x be the end
+//! on the rocker and p the other end. d is the vector from the inner to the outer end, and d0 that vector in the design position:
 //!
 //! ```text
 //! F = (d.d - d0.d0)/(2 |d0|),   dF = g.(d outer - d inner) + ..,   g = d/|d0|                    (1)
@@ -32,10 +32,10 @@
 //! ```
 //!
 //! The rod may be mounted on another rocker, as the tie rod of a steered axle is. Then o moves with that rocker, and K is a force
-//! on it: (2) to (4) hold for it with K in place of G.
+//! on it. (2) to (4) hold for that rocker with K in place of G.
 //!
-//! A force on a point of the body that moves sideways opposite to a point c of the knuckle (the mount of a twist beam) is a force on c
-//! along y, of the other sign.
+//! The mount of a twist beam is a point of the body that moves sideways opposite to a point c of the knuckle. A force on this
+//! mount acts on c along y with the opposite sign.
 
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Configuration, Twist, Wrench};

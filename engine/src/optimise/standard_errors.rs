@@ -9,10 +9,10 @@
 //! ```
 //!
 //! with g_i the gradient of the weighted r_i by the variables. Tolerances are assumed proportional to the scatter of the
-//! measurements; weights are the engineer's own choice (G. A. F. Seber, C. J. Wild, Nonlinear regression, 1989, 2.1.2 and
-//! 2.8.8). A^-1 comes from the singular values of the weighted Jacobian, with columns scaled by the ranges, so that no
-//! normal equations are formed. Standard errors are the roots of C_jj. Correlations are those of C with all variables free,
-//! so that the data alone decide which variables are hard to tell apart.
+//! measurements; weights are the engineer's own choice (G. A. F. Seber, C. J. Wild, Nonlinear regression, 1989, 2.1.2 and 2.8.8).
+//! A^-1 comes from the singular values of the weighted Jacobian, with columns scaled by the ranges, so that no normal equations
+//! are formed. Standard errors are the roots of C_jj. Correlations are those of C with all variables free. So they depend on the
+//! data alone, not on bounds.
 //!
 //! A variable at its bound is not known: its true value may lie anywhere within its range. If (2) treated the variable as fixed
 //! at the bound, the errors of the other variables would be too small. So a fit with a variable at its bound has no standard

@@ -196,7 +196,7 @@ pub(super) fn axle(
     })
 }
 
-/// Refuses entries for one wheel, and those that do not work for an axle. Returns true if there are none.
+/// Refuses entries for one wheel, and those that are not available for an axle. Returns true if there are none.
 fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
     let mut sound = refuse_wheel_keys(file.motion.get_ref(), problems);
     let solver = [

@@ -38,7 +38,7 @@ pub(super) fn missing(need: &Need, vehicle: &VehicleFigures) -> Vec<&'static str
     keys
 }
 
-/// Reason why an axle with all inputs given lacks an anti-feature, and the anti-feature that it has instead.
+/// Reason why an axle does not have an anti-feature although all inputs are given, and the anti-feature that it has instead.
 pub(super) fn refusal(
     need: &Need,
     vehicle: &VehicleFigures,

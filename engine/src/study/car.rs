@@ -71,7 +71,7 @@ pub struct GgMap {
     pub ax: Vec<f64>,
     /// Lateral accelerations, positive to the left.
     pub ay: Vec<f64>,
-    /// Case that gives everything except ax and ay.
+    /// Case that gives all inputs except ax and ay.
     pub case: Case,
 }
 

@@ -235,17 +235,17 @@ pub(super) fn refuse_in_outputs(section: &file::Outputs, problems: &mut Problems
 pub(super) struct RateKeys<'a> {
     /// Place of the entry in the file.
     pub place: Span<usize>,
-    /// Name of a bushing. Either this or `link` is given.
+    /// Name of a bushing. An entry gives this, or `link`, or `rate`.
     pub bushing: &'a Option<Text>,
-    /// or of a link,
+    /// Name of a link.
     pub link: &'a Option<Text>,
-    /// or of a part that has one rate alone.
+    /// Name of a part that has only one rate.
     pub rate: &'a Option<Text>,
     /// Axis of a bushing's stiffness.
     pub stiffness: &'a Option<Text>,
     /// True if values are factors of the rate.
     pub relative: &'a Option<Spanned<bool>>,
-    /// Places of keys that a rate does not have.
+    /// Places in the file of keys that a rate does not have.
     pub others: &'a [Option<Span<usize>>],
 }
 

@@ -108,7 +108,7 @@ impl Solver<'_> {
         Some((with_pose, condition))
     }
 
-    /// The same as [`Solver::configuration_series`], prepared for sensitivities.
+    /// Configuration series as in [`Solver::configuration_series`], prepared for sensitivities.
     pub fn linearised<'a, const N: usize>(
         &'a self,
         design_series: &'a DesignSeries<N>,

@@ -51,7 +51,7 @@ impl Rejection {
         }
     }
 
-    /// Number for this reason in a lane. 0 means no rejection.
+    /// Number that represents this reason in a lane. 0 means no rejection.
     #[inline(always)]
     fn code(self) -> f64 {
         f64::from(self as u8 + 1)

@@ -196,8 +196,8 @@ pub(super) struct BranchGuard<B> {
 }
 
 impl<B: SimdReal> BranchGuard<B> {
-    /// Guard of a place at zero drive. `rate` is the design's own slope. Near a fold it differs much from that of the base
-    /// design.
+    /// Guard of a place of the route at zero drive. `rate` is the slope of this design. Near a fold it differs much from the
+    /// slope of the base design.
     #[inline(always)]
     fn start(state: &ArmState<B>, tangent: B, rate: B) -> Self {
         let [a, b, c] = state.squares();
@@ -208,7 +208,7 @@ impl<B: SimdReal> BranchGuard<B> {
         }
     }
 
-    /// Guard of the next place on the leg. Its slope is the change of the tangent divided by the step.
+    /// Guard of the next place on this leg of the route. Its slope is the change of the half tangent divided by the step.
     #[inline(always)]
     fn next(&self, state: &ArmState<B>, tangent: B, inverse_step: B) -> Self {
         BranchGuard::start(state, tangent, (tangent - self.tangent) * inverse_step)

@@ -14,7 +14,7 @@ use hardpoint_study_file::value::{Number, Text};
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Largest number of builds. Their values are in memory.
+/// Largest number of builds. The values of all builds are kept in memory.
 const MOST_BUILDS: i64 = 100_000;
 
 /// Difference between the seeds of front axle, rear axle and figures.

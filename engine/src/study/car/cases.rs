@@ -80,7 +80,8 @@ impl Resolver<'_> {
         Some(number.value)
     }
 
-    /// Reads the displacements of the racks, [front, rear], in the kernel's frame. It refuses a rack that moves nothing.
+    /// Reads the displacements of the racks, [front, rear], in the kernel's frame. It refuses a displacement of a rack that
+    /// steers no wheel.
     fn racks(&mut self, car: &Car, written: [&Option<Number>; 2]) -> Option<[f64; 2]> {
         for (axle, rack) in written.into_iter().enumerate() {
             let moved = rack.as_ref().filter(|rack| rack.value != 0.0);

@@ -338,7 +338,7 @@ impl Resolver<'_> {
             name: study.name.clone(),
             text: study.text.clone(),
         });
-        // The file was read before, so errors are already reported.
+        // The file has already been read, so its errors are already reported.
         let file = parse::parse(&source).ok()?;
         let still = Motion::still();
         let context = Context {
@@ -369,8 +369,7 @@ impl Resolver<'_> {
         }))
     }
 
-    /// Refuses quantities of an axle alone that depend on a rate that a variable moves. The rig keeps the rates of the
-    /// axle's study.
+    /// Refuses quantities of an axle alone that depend on a rate which is a variable. The rig uses the rates of the axle's study.
     fn refuse_moved_rates(
         &mut self,
         end: usize,

@@ -62,7 +62,7 @@ impl<'a> Written<'a> {
         moved_by!(written)
     }
 
-    /// Keys of a rate or figure that scatters.
+    /// Reads the keys of a rate or figure that scatters.
     pub(super) fn of_scatter(written: &'a Spanned<car_file::Scatter>) -> Self {
         let own = written.get_ref();
         let axle = own.axle.as_ref();

@@ -137,7 +137,7 @@ pub(super) fn check_reach(
 ) -> Option<()> {
     let mechanism = &suspension.mechanism;
     let is_held = |id: PointId| subframe.is_some_and(|own| own.carries.contains(&id));
-    // Whether the subframe carries the arm of this point. `None` if the point is not on an arm.
+    // True if the subframe carries the arm of this point. `None` if the point is not on an arm.
     let under = |id: PointId| match mechanism.body(id) {
         Body::Arm(arm) => Some(is_held(mechanism.arms[arm.0].front)),
         _ => None,

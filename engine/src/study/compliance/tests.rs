@@ -91,7 +91,7 @@ pub(super) fn tests_of_axle(
     Some(tests)
 }
 
-/// Returns a test in its mode. A test of single wheels becomes one test for each wheel.
+/// Expands a test by its mode: a test of single wheels becomes one test for each wheel.
 fn in_modes(
     written: &file::ComplianceTest,
     test: KcTest,

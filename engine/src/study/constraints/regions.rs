@@ -307,7 +307,7 @@ fn rim_ends(
     Some(ends)
 }
 
-/// Remainder of `room` after a gap is subtracted.
+/// Returns `room` less a gap.
 fn room_beside(room: f64, gap: f64, place: Span<usize>, problems: &mut Problems) -> Option<f64> {
     if room > gap {
         return Some(room - gap);

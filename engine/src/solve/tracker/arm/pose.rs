@@ -55,7 +55,7 @@ impl<B: SimdReal> LanePose<B> for ArmPose<'_, B> {
         }
     }
 
-    /// A rotation about the steering axis lifts the wheel. A motion along the travel cancels this lift.
+    /// A rotation about the steering axis lifts the wheel. Adding a motion along the travel cancels this lift.
     #[inline(always)]
     fn by_rack(&self, rates: &LaneRates<B>) -> Twist<B> {
         let (turn, rise) = self.design.form.steered(&self.state);
@@ -66,8 +66,8 @@ impl<B: SimdReal> LanePose<B> for ArmPose<'_, B> {
         }
     }
 
-    /// True in every lane. If travel is the drive, the guards have checked the slope of the arm. If the arm's angle is the
-    /// drive, nothing rotates fast.
+    /// True in every lane. If travel is the drive, the guards have checked the slope of the arm. If the arm's angle is the drive,
+    /// no part rotates fast.
     #[inline(always)]
     fn velocity_is_reliable(&self, _: &LaneRates<B>) -> B::Mask {
         self.tangent.everywhere()

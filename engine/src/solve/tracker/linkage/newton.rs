@@ -105,7 +105,7 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
     }
 
     /// Checks the unknowns after a step. Returns the configuration, the lanes whose residuals are rounding, and the unknowns
-    /// after one more correction with the present Jacobian, which rates need.
+    /// after one more correction with the present Jacobian. Rates need this correction.
     #[inline(always)]
     pub(super) fn check_residual(
         &mut self,
@@ -116,7 +116,7 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         (at, is_settled, moved(*unknowns, &rest))
     }
 
-    /// The same, with the correction itself.
+    /// Checks the unknowns after a step, and also returns the correction itself.
     #[inline(always)]
     pub(super) fn remaining(
         &mut self,

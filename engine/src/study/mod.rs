@@ -1,7 +1,7 @@
 //! Studies: the meaning of a study file. The crate `hardpoint-study-file` reads the file as written.
 //!
 //! [`Study`] is resolved: ids replace names, lengths and angles are in the kernel's frame and units (see the fields), and
-//! defaults are filled in. Nothing is left to interpret.
+//! defaults are filled in. A study needs no further interpretation.
 //!
 //! Reading goes from the text to the file as written, each value with its place, and from there to the [`Study`]. Only this
 //! module turns degrees into radians, and the study's axes into the kernel's. Every mistake becomes a [`StudyError`] with

@@ -75,7 +75,7 @@ impl Study {
         Study::read_parts(path, overrides, Parts::Rigid)
     }
 
-    /// The same as [`Study::read`], for callers that support elastic parts: [`WheelStudy::compliance`] or
+    /// Reads a study file like [`Study::read`], for callers that support elastic parts: [`WheelStudy::compliance`] or
     /// [`crate::axle::Axle::elastic`] may be present.
     pub fn read_elastic(path: &Path, overrides: &[String]) -> Result<Study, StudyErrors> {
         Study::read_parts(path, overrides, Parts::Elastic)
@@ -118,7 +118,7 @@ impl Study {
         resolve(path, shown, text.to_owned(), directory, Parts::Rigid)
     }
 
-    /// The same as [`Study::from_text`], for callers that support elastic parts.
+    /// Reads a study from its text like [`Study::from_text`], for callers that support elastic parts.
     pub fn elastic_from_text(
         name: &str,
         text: &str,
@@ -321,7 +321,7 @@ impl MainSections {
         }
     }
 
-    /// Returns false for an axle with an error. Sections about it would only repeat the error.
+    /// Returns false for an axle with an error. Errors in sections about the axle would only follow from that error.
     fn is_known(&self) -> bool {
         self.axle.is_some()
     }

@@ -81,7 +81,7 @@ fn extra_point(text: &Text, left: &Suspension) -> Option<PointId> {
     }
 }
 
-/// Static camber and toe of the right wheel. A missing value is the left wheel's.
+/// Static camber and toe of the right wheel. A missing value equals that of the left wheel.
 fn spin_axis(
     file: &File,
     own: &file::OwnRight,

@@ -24,7 +24,7 @@ fn allowed(root: Root, path: &str) -> Option<Allowed> {
     })
 }
 
-/// Regular expression of figures whose names tell what differs from the usual test, as
+/// Regular expression for names of figures that contain their differences from the default test, as
 /// [`TestFigure::stem`](crate::axle::TestFigure::stem) writes them.
 fn figure_pattern() -> String {
     let loads = TestLoad::ALL.map(|(name, _)| format!("_{name}")).join("|");

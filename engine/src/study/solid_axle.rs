@@ -11,7 +11,7 @@ use crate::solve::Solver;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Takes over the direction in which the steering gear moves the drag link.
+/// Sets the direction in which the steering gear moves the drag link.
 pub(super) fn steer(
     file: &File,
     frame: Frame,
@@ -34,7 +34,7 @@ pub(super) fn steer(
         let message = "the direction of the drag link has no length";
         return problems.refuse(written.span(), message);
     }
-    // A displacement counts along the study's axis y, and the kernel's may point the other way.
+    // A displacement is positive along the study's y axis, which may point opposite to the kernel's y axis.
     let along = frame.sign(Axis::Y) / length;
     steering.direction = frame.vector(direction) * along;
     Some(())
@@ -43,7 +43,7 @@ pub(super) fn steer(
 /// Entries that a solid axle or a twist beam does not support, each with the reason.
 type Refused<'a> = Vec<(Option<Span<usize>>, &'a str)>;
 
-/// Entries of motions and `[steering]` that the axle does not support with its drag link, or without one.
+/// Entries of motions and `[steering]` that an axle with a drag link, or one without it, does not support.
 fn refused_steering(file: &File, mechanism: &Mechanism) -> Refused<'static> {
     let is_steered = mechanism.axle_steering().is_some();
     let motions = std::iter::once(&file.motion).chain(file.motions.values());
@@ -84,7 +84,7 @@ fn refused_steering(file: &File, mechanism: &Mechanism) -> Refused<'static> {
     refused
 }
 
-/// Refuses entries that a solid axle or a twist beam does not support; true if there are none.
+/// Refuses entries that a solid axle or a twist beam does not support. Returns true if there are none.
 pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool {
     let is_steered = suspension.mechanism.axle_steering().is_some();
     let mut refused = refused_steering(file, &suspension.mechanism);
@@ -180,7 +180,7 @@ fn drag_link_is_left(
     false
 }
 
-/// Refuses outputs that need second derivatives by the drag link; true if there are none.
+/// Refuses outputs that need second derivatives by the drag link. Returns true if there are none.
 fn derivatives_are_known(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool {
     let Some(outputs) = &file.outputs else {
         return true;
@@ -210,8 +210,8 @@ fn derivatives_are_known(file: &File, suspension: &Suspension, problems: &mut Pr
     sound
 }
 
-/// Four links hold the axle: two pairs, or a pair of lower links, a single upper link and a Panhard rod or a Watt linkage.
-/// Five links need elastic parts.
+/// Checks the links that hold the axle. There are four: two pairs, or a pair of lower links, a single upper link and a Panhard
+/// rod or a Watt linkage. Five links need elastic parts.
 fn links(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool {
     let section = &file.suspension;
     let has = |name: &str| suspension.mechanism.point(name).is_some();
@@ -321,7 +321,7 @@ pub(super) fn wheels(
     Some((left, (!is_symmetric).then_some(right)))
 }
 
-/// Places the points of the right half that are not mirror images.
+/// Sets the points of the right half that are not mirror images.
 fn differences(
     own: &file::OwnRight,
     rigid: &RigidAxle,

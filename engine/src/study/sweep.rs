@@ -46,8 +46,8 @@ impl Sampled {
 }
 
 impl Sampled {
-    /// Returns only the data that determine the designs. The points of a sequence do not depend on the number of samples, so
-    /// it is cleared.
+    /// Returns only the data that determine the designs. The points of a sequence do not depend on the number of samples, so that
+    /// number is cleared.
     pub(crate) fn meaning(&self) -> Sampled {
         let samples = match self.method {
             Sampling::Sobol | Sampling::Random | Sampling::Saltelli => 0,
@@ -251,7 +251,7 @@ impl SamplingKeys<'_> {
                     let message = format!("method = \"{}\" needs samples, a number", method.name());
                     return problems.refuse(self.section.clone(), message);
                 };
-                // Samples times (variables + 2) must not exceed the limit either.
+                // The product samples times (variables + 2) must also be within the limit.
                 let most = MOST_DESIGNS / (variables.len() as u64 + 2);
                 within(samples, 1..=most as i64, problems)? as u64
             }

@@ -146,7 +146,7 @@ pub(super) fn contributors_of_axle(
         if only.is_some_and(|only| only != side) {
             continue;
         }
-        // Uses the left wheel's axes, because a mirror image scatters like its original.
+        // Uses the left wheel's axes, because a mirror-image part has the same scatter as the original.
         let of_side = Suspension {
             frame: suspension.frame,
             ..study.axle.suspension(side).clone()

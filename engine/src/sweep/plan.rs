@@ -66,7 +66,7 @@ struct SweptTarget {
     wishes: Vec<SweptWish>,
 }
 
-/// Target value of a quantity at a station, both by index.
+/// Target value of a quantity at a station, each given by its index.
 #[derive(Clone, Copy, Debug)]
 struct SweptWish {
     quantity: usize,
@@ -185,7 +185,7 @@ impl<'s> SweepPlan<'s> {
         })
     }
 
-    /// The same as [`Swept::run`].
+    /// Runs the sweep like [`Swept::run`].
     pub fn run(
         &self,
         blocks: Range<u64>,
@@ -308,7 +308,7 @@ impl<'s> SweepPlan<'s> {
             let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
             for station in self.stations().of_motion() {
                 let value = value_at(station) * factor;
-                // A range over a part of the motion would look like a range over all of it.
+                // If stations are missing, a range over the remaining ones could be mistaken for the range over the whole motion.
                 (min, max) = if value.is_nan() {
                     (f64::NAN, f64::NAN)
                 } else {

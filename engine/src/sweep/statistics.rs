@@ -9,7 +9,7 @@ use super::moments::{BinnedSums, Moments, SaltelliSums, Span};
 use super::{Rows, SweepRecord};
 use serde::{Deserialize, Serialize};
 
-/// Number of best designs to keep, and number of examples for each failure.
+/// Number of best designs in the statistics, and number of examples for each failure.
 const KEPT: usize = 10;
 const EXAMPLES: usize = 5;
 
@@ -235,7 +235,7 @@ impl OutputRange {
     }
 }
 
-/// Inserts a design among the best if it belongs there. Of equal designs the first stays first.
+/// Inserts a design among the best designs if it is one of them. Among equal designs the first comes first.
 fn keep_best(
     best: &mut Vec<Candidate>,
     misfit: usize,

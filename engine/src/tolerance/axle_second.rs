@@ -72,7 +72,7 @@ struct DrawnPositions<'p> {
 struct WheelSeries<'d> {
     design: Cow<'d, [Vector3<Series>]>,
     closure: Closure<Series>,
-    /// Parts of drive and rack that the turn of the knuckles makes.
+    /// Parts of drive and rack that come from the rotation of the knuckles.
     lifts: [Series; 2],
 }
 

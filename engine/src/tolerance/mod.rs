@@ -85,7 +85,7 @@ fn placements_of(band: &Band, site: &AxleSite, axle: &Axle) -> Vec<Placement> {
 }
 
 impl<'a> Problem<'a> {
-    /// Returns the problem with a flag that stops the builds. The block during which it is raised is left out.
+    /// Returns the problem with a flag that stops the builds. The block that is running when the flag is raised is left out.
     pub fn interruptible(self, flag: &'a AtomicBool) -> Self {
         Problem {
             interrupt: Interrupt(Some(flag)),

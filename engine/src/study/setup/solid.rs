@@ -11,7 +11,7 @@ use crate::number::Each;
 use crate::study::names::choose;
 use toml::Spanned;
 
-/// Adjustments of an entry: one of each half, or one of a part that the axle has once.
+/// Adjustments of an entry: one of each half, or one of a part that exists only once.
 pub(super) fn adjustments(
     written: &Spanned<file::Adjustment>,
     both: &AxleStudy,
@@ -54,7 +54,7 @@ pub(super) fn adjustments(
     Some(found)
 }
 
-/// Refuses shims of a spring's seat: they would lift one side of the car.
+/// Refuses shims at a spring seat, because they would lift one side of the car.
 fn holds_no_spring(
     parameter: BuildParameter,
     suspension: &Suspension,
@@ -72,7 +72,7 @@ fn holds_no_spring(
     problems.refuse(written.span(), message)
 }
 
-/// Target values of the axle, in the order of the catalogue. A quantity of a wheel is wanted of both wheels.
+/// Target values of the axle, in the order of the catalogue. A target for a quantity of a wheel applies to both wheels.
 pub(super) fn want(
     section: &file::Setup,
     both: &AxleStudy,

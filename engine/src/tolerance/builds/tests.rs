@@ -61,8 +61,8 @@ fn everything_scattered(name: &str, adjust: &str, aligned: bool) -> Study {
     )
 }
 
-/// Builds that are drawn, assembled and solved in lanes equal builds one by one, for every topology, aligned or not. They
-/// have the same bits at any width, whatever their neighbours.
+/// Builds that are drawn, assembled and solved in lanes equal builds one by one, for every topology, with and without alignment.
+/// The results have the same bits at any width, whatever the neighbouring builds are.
 #[test]
 fn builds_in_lanes_are_those_one_by_one() {
     for (name, adjust) in STUDIES {
@@ -110,8 +110,8 @@ fn builds_in_lanes_are_those_one_by_one() {
     }
 }
 
-/// Builds far from the nominal design, of which many cannot be assembled. Both ways reject the same builds, and no build
-/// succeeds in lanes but not one by one.
+/// Builds far from the nominal design, of which many cannot be assembled. Assembly in lanes and one by one reject the same
+/// builds. No build succeeds in lanes but fails one by one.
 #[test]
 fn builds_that_lanes_refuse_go_one_by_one() {
     for aligned in [false, true] {

@@ -285,7 +285,7 @@ impl Function {
     }
 }
 
-/// An array of zeros, or a `MemoryError`.
+/// Makes an array of zeros, or raises a `MemoryError`.
 pub(crate) fn zeros<'py, T: Element, D: numpy::ndarray::Dimension>(
     py: Python<'py>,
     shape: &[usize],
@@ -332,14 +332,14 @@ fn contradict(study: &hardpoint::Study, a: &DesignVariable, b: &DesignVariable) 
             let same = |m: &Move| (b.moves.iter()).any(|n| (n.point, n.axis) == (m.point, m.axis));
             (a.absolute || b.absolute) && a.moves.iter().any(same)
         }
-        // The name of a turn consists of the names of its points.
+        // The name of a rotation consists of the names of its points.
         (Some(other), None) => other.absolute && turns(study, &b.name, &other.moves),
         (None, Some(other)) => other.absolute && turns(study, &a.name, &other.moves),
         (None, None) => false,
     }
 }
 
-/// True if the turn with this name rotates one of the moved points.
+/// True if the rotation with this name moves one of the moved points.
 fn turns(study: &hardpoint::Study, name: &str, moves: &[Move]) -> bool {
     let (points, _) = name.rsplit_once("_turn_").unwrap_or((name, ""));
     let mechanism = &study.wheel().mechanism;

@@ -181,7 +181,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     output.finish()?;
     if output.directory().is_some() {
         match &picture {
-            // The full table has about a hundred rows, so people get the brief one.
+            // The full table has about a hundred rows, so the text output shows the brief one.
             Some((_, brief)) => {
                 output.table_for_programs(kind, || table.clone());
                 output.text_only(&brief.text(width()))?;

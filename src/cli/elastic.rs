@@ -15,7 +15,7 @@ const DOUBTFUL_RATE: f64 = 1e6;
 /// Names the commands that accept elastic parts.
 const COMMANDS: &str = "`hardpoint kc` runs the tests; `solve`, `sweep`, `optimise`, `tolerance` and `compare` have the \
                         elastic parts, too.";
-/// The same for a solid axle.
+/// Names the commands that accept a solid axle with elastic parts.
 const COMMANDS_OF_SOLID: &str = "`hardpoint kc` runs the tests; `solve`, `sweep`, `optimise`, `limits` and `compare` have \
                                  the elastic parts, too.";
 

@@ -58,7 +58,7 @@ pub(super) struct ExportArguments {
     /// With --to bus: the hardpoint of the bushing [default: the only one]
     #[arg(long, value_name = "HARDPOINT")]
     bushing: Option<String>,
-    /// The points of one design of the study's sweep, by its number
+    /// Export the points of one design of the study's sweep, by its number
     #[arg(long, value_name = "NUMBER")]
     pub(super) design: Option<u64>,
     /// Override a field of the study, as in --set motion.rack=5.0; may be given more than once
@@ -98,7 +98,7 @@ pub(super) enum Names {
     Adams,
     /// Altair MotionView
     Altair,
-    /// The suspension parameter measuring machine: refused, since its definitions are not published
+    /// Suspension parameter measuring machine: refused, because its definitions are not published
     Spmm,
 }
 
@@ -242,7 +242,7 @@ fn inputs(source: &Source, arguments: &ExportArguments) -> Vec<PathBuf> {
     inputs
 }
 
-/// Prints a note about content that the file format leaves out, and returns the file.
+/// Prints a note about content that the file format cannot contain, and returns the file.
 pub(super) fn say(written: Written) -> Vec<u8> {
     for line in written.notes {
         note(&format!("{line}\n"));

@@ -169,7 +169,7 @@ impl Source {
         self.path.is_dir() && self.path.join(TUNED).is_file()
     }
 
-    /// Rounds the moved or tuned coordinates, and prints the cost.
+    /// Rounds the moved or tuned coordinates, and prints the effect on the targets.
     fn round(&mut self, step: f64, all: bool, before: &[Vector3<f64>]) -> Result<(), Stop> {
         let study = self.study()?;
         let own_right = study.axle().is_some_and(|a| a.axle.right.is_some());
@@ -212,7 +212,7 @@ impl Source {
         Ok(())
     }
 
-    /// Renames the curves of a run if they do not belong to the exported points.
+    /// Renames the tables of curves of a run if they do not belong to the exported points.
     fn set_other_curves_aside(&mut self, before: &[Vector3<f64>]) {
         let Some(study) = &self.study else { return };
         let manifest = Manifest::read(&self.path).unwrap_or_default();
@@ -339,7 +339,7 @@ fn of_sweep(study: &Study, number: u64, path: &Path) -> Result<Study, Stop> {
     Ok(plan.moved(number))
 }
 
-/// Prints the cost of rounding: the misfit of the targets, and the largest change of each curve.
+/// Prints the effect of rounding: the misfit of the targets, and the largest change of each curve.
 fn say_loss(before: &Study, after: &Study, rounded: &Rounded, free: &[bool]) {
     let grid = rounded.grid;
     let (step, unit) = (grid.step, grid.unit.symbol());

@@ -53,7 +53,7 @@ pub(super) struct ImportArguments {
     /// Loaded radius of the wheels, in the file's unit; of a car FRONT,REAR or one for both
     #[arg(long, value_name = "LENGTH", value_parser = length, value_delimiter = ',')]
     pub(super) radius: Vec<f64>,
-    /// Body that an end of a spring or rod sits on, as in drop_link_outer=rocker; may be given more than once
+    /// Body that carries an end of a spring or rod, as in drop_link_outer=rocker; may be given more than once
     #[arg(long, value_name = "HARDPOINT=BODY", value_parser = body)]
     body: Vec<(String, String)>,
     /// Write the bushings of an Adams/Car subsystem, for `hardpoint kc`
@@ -126,7 +126,7 @@ fn body(text: &str) -> Result<(String, String), String> {
     parts.ok_or_else(|| "expected HARDPOINT=BODY, as in drop_link_outer=rocker".to_owned())
 }
 
-/// Answers to the questions that a file leaves open.
+/// Answers to the questions that the content of a file leaves open.
 #[derive(Clone, Default)]
 pub(super) struct Answers {
     sheet: Option<String>,

@@ -279,7 +279,7 @@ struct BenchArguments {
     /// Overwrite existing files, also those of other runs
     #[arg(long)]
     force: bool,
-    /// Threads that throughput is measured on, beside one [default: every core]
+    /// Number of threads for throughput, in addition to one thread [default: every core]
     #[arg(long, value_parser = at_least_one, value_name = "N")]
     threads: Option<usize>,
     /// Number of samples of each time; more samples reduce noise
@@ -299,13 +299,13 @@ fn at_least_one(text: &str) -> Result<usize, String> {
 enum BenchKind {
     /// Poses per second by lanes, threads and outputs, compared with the formulation of Attia's paper
     Throughput,
-    /// Cost of a digit: time against true error of poses, curves and derivatives
+    /// Computing time against true error of poses, curves and derivatives
     Accuracy,
-    /// Cost of each effect, alone and accumulated, relative to positions alone
+    /// Computing time of each requested result, alone and accumulated, relative to positions alone
     Effects,
-    /// Equilibria per second of a study with elastic parts, and a sheet of tests with derivatives
+    /// Equilibria per second of a study with elastic parts, and time of its tests with derivatives
     Equilibria,
-    /// States of a car per second, with results, member loads and derivatives, and the study's tuning
+    /// Solved states of a car per second, with results, member loads and derivatives, and time of the study's tuning
     Cars,
 }
 

@@ -68,8 +68,8 @@ pub(super) fn say_side_effects(output: &Output, effects: &[SideEffect]) -> Resul
     Ok(())
 }
 
-/// Prints the faults of the tuned design, the moves that leave the targets unchanged, and the ends of the starts. `refused` holds
-/// the errors of the tuned study, if it has any.
+/// Prints the faults of the tuned design, the moves that leave the targets unchanged, and the results of the starts. `refused`
+/// holds the errors of the tuned study, if it has any.
 pub(super) fn say_openings(
     output: &Output,
     summary: &TuningSummary,

@@ -126,7 +126,7 @@ fn write_page(page: &str, directory: &RunDirectory) -> Result<(), Stop> {
     written.map_err(Stop::unwritten)
 }
 
-/// Claim on the directory of the pictures.
+/// Claims the directory of the pictures.
 fn claim_of_pictures<'a>(names: &'a [&'a str], force: bool) -> Claim<'a> {
     Claim {
         command: "report --plots",

@@ -159,7 +159,7 @@ pub(super) fn carry_out(
     }
     (ready.draw)(&output, &done.statistics)?;
     let exit = finish(&output, record, &done.statistics, arguments.report)?;
-    // For a shard, the exit code tells if its own parts are complete. Workflow engines treat every code but 0 as a failure.
+    // For a shard, the exit code states whether its own parts are complete. Workflow engines treat every code but 0 as a failure.
     Ok(if arguments.shard.is_some() && own_are_whole {
         Exit::Done
     } else {
@@ -167,7 +167,7 @@ pub(super) fn carry_out(
     })
 }
 
-/// Refuses options that need a directory if there is none.
+/// Refuses options that need a directory if the output is not a directory.
 fn needs_no_directory(arguments: &SweepArguments, format: FileFormat) -> Result<(), Stop> {
     let refused = [
         (
@@ -221,7 +221,7 @@ fn open(arguments: &SweepArguments, ready: &Ready<'_>) -> Result<Output, Stop> {
         ..Claim::default()
     };
     let output = Output::at(&destination, claim)?;
-    // The texts name other files relative to the directory, which exists only from here on.
+    // The texts name other files relative to the directory, which did not exist before.
     let texts = if keeps_study {
         (ready.kept)(destination.path())
     } else {

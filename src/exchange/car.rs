@@ -74,7 +74,7 @@ pub fn import_car(
     })
 }
 
-/// Keys that the study of an axle lacks for a car.
+/// Keys that are missing in the study of an axle, but that a car needs.
 fn needs_of(axle: &Imported) -> Vec<&'static str> {
     let mut needs = Vec::new();
     if axle.wheel_radius.is_none() {

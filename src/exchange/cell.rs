@@ -29,7 +29,7 @@ pub(super) struct Sheet {
     pub name: String,
     /// Cells that are not empty.
     pub cells: BTreeMap<(u32, u32), Cell>,
-    /// Naming scheme for its places.
+    /// Naming scheme for places of cells.
     pub places: Places,
 }
 

@@ -395,8 +395,8 @@ pub(super) fn location(root: &Node, (part, key): (&str, &str)) -> Option<[f64; 3
 mod tests {
     use super::*;
 
-    /// The explanation puts a spring on the link beside the link's outer joint, and gives the fraction at which its foot is. It
-    /// does not do this for a foot beyond either joint.
+    /// For a spring on the link, the explanation describes a parallel spring at the link's outer joint, and gives the fraction at
+    /// which the spring's foot is. For a foot beyond either joint, there is no such explanation.
     #[test]
     fn a_foot_between_the_joints_has_a_share() {
         let list = |point: [f64; 3]| Node::List(Vec::from(point.map(Node::Number)));

@@ -128,7 +128,7 @@ impl Imported {
     fn running(&self, name: &str, origin: &str, part: Part<'_>) -> Result<String, String> {
         let read = |text: &str| Study::from_text(name, text, Path::new(""));
         let with = |travel: f64, outputs: &[&str]| self.text(origin, part, travel, outputs);
-        // This first read reports a fault of the points once, instead of once per output.
+        // This first read reports a fault of the points only once, not once per output.
         read(&with(TRAVELS[0], &[])).map_err(|errors| errors.render(false))?;
         let wanted: &[&str] = match part {
             Part::Wheel => &OUTPUTS,

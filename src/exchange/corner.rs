@@ -13,7 +13,7 @@ pub(super) struct Named<'t> {
 }
 
 impl Named<'_> {
-    /// Wheel and axle of the point. Its own column or title comes first.
+    /// Wheel and axle of the point. The point's own column or title has priority.
     fn marks(&self) -> Marks {
         self.point.marks.or(self.role.marks)
     }

@@ -53,7 +53,7 @@ fn right_half<'a>(outgoing: &'a Outgoing<'_>, id: PointId) -> Half<'a> {
     let mechanism = &outgoing.study.wheel().mechanism;
     let pairs = mechanism.rigid_axle.iter().flat_map(|axle| &axle.pairs);
     let Some([near, _]) = pairs.into_iter().find(|[_, far]| *far == id) else {
-        // A point that mirrors another one is not written in the study.
+        // The study does not contain points that are mirror images of other points.
         return if mechanism.is_far(id) {
             Half::MirrorImage
         } else {

@@ -126,7 +126,7 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
     if is_optimum {
         optimum::bar_axis(&named, corner, &mut picked);
     }
-    // Missing names are reported first, because without points there is no size that shows the unit.
+    // Missing names are reported first, because without points there is no size from which the unit could be determined.
     let wheel: &[&str] = if is_optimum { &["wheel_centre"] } else { &[] };
     refuse_missing(table, options, &roles, &picked, wheel)?;
     let unit = unit::unit(table, options, &picked, &mut notes)?;

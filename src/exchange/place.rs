@@ -377,7 +377,7 @@ mod tests {
             assert_eq!(placed.side, side, "{cosine}");
             let shown = notes[0].contains("on that side of the body");
             assert_eq!(shown, is_shown, "{cosine}: {notes:?}");
-            // A stated side contradicts a different side that the points show, and nothing else.
+            // A stated side is refused only if the points show the other side.
             for wheel in Side::ALL {
                 let placed = stated(axes, true, Some(wheel), &directions, &options, &mut notes);
                 assert_eq!(placed.is_ok(), !is_shown || wheel == side, "{cosine}");

@@ -152,7 +152,7 @@ fn nearest(
     let Some((nearest, least)) = near.first().copied() else {
         return Ok(None);
     };
-    // With a wrong body for the drop link, the bar's ratio would be wrong by a large factor.
+    // With a wrong body for the drop link, the motion ratio of the bar would be wrong by a large factor.
     let has_rocker = near.iter().any(|(body, _)| *body == "rocker");
     if name == "drop_link_outer" && has_rocker {
         if near.iter().skip(1).all(|(_, other)| least < NEARER * other) {

@@ -14,7 +14,7 @@ pub(super) struct Marks {
 }
 
 impl Marks {
-    /// Takes the side and the axle from another heading where this one has none.
+    /// Completes missing side and axle from another heading.
     pub(super) fn or(self, other: Marks) -> Marks {
         Marks {
             side: self.side.or(other.side),

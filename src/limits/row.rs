@@ -101,7 +101,7 @@ impl Row {
         }
     }
 
-    /// Row without a range, for a rack position that the mechanism cannot reach.
+    /// Makes the row without a range, for a rack position that the mechanism cannot reach.
     pub(super) fn of_no_rack(&self) -> [Cell; 6] {
         let [quantity, at] = [&self.quantity, &self.at].map(|text| Cell::from(text.as_str()));
         let [why, also] = [(); 2].map(|()| Cell::from("the rack cannot reach this position"));

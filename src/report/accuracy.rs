@@ -22,7 +22,7 @@ pub fn remarks(curves: &Curves, length: LengthUnit) -> Vec<String> {
         .collect()
 }
 
-/// Remark on stations where nothing can carry the loads, if there are any.
+/// Remark on stations at which no part can carry the loads, if there are any.
 fn unsupported(curves: &Curves) -> Option<String> {
     let stations = curves.stations.iter().enumerate();
     let lacks = |station: &Station| {
@@ -180,7 +180,7 @@ impl CertificateSummary {
                 continue;
             };
             summary.proved += 1;
-            // If several stations have the largest error, the last one counts.
+            // If several stations have the largest error, the last one is reported.
             if summary.largest_position_error <= Some(proof.position_error) {
                 summary.largest_position_error = Some(proof.position_error);
                 summary.at = Some(StationLabel::of(curves, number));

@@ -213,7 +213,7 @@ impl Comparison {
             all.any(|stations| stations.iter().any(|at| at[*k] != stations[0][*k]))
         };
         let mut moving: Vec<usize> = (0..self.motion.len()).filter(moves).collect();
-        // Columns that move at the common stations come first.
+        // Columns that vary at the common stations come first.
         moving.sort_by_key(|k| !self.motion[*k].moves);
         if moving.is_empty() {
             moving.push(0);
@@ -283,7 +283,7 @@ impl Comparison {
         let header = header
             .into_iter()
             .chain(["largest difference", "at"].map(str::to_owned));
-        // If only one column moves, one column is enough for the position.
+        // If only one column varies, this column is enough to give the position.
         let further = moving[1..]
             .iter()
             .map(|k| format!("at {}", self.motion[*k].column));

@@ -141,7 +141,7 @@ impl<'a> PlausibilityRemarks<'a> {
         let Some(other) = directions.contradict(&own) else {
             return;
         };
-        // A front pivot behind a rear pivot has its own doubt, which names the likely cause.
+        // A front pivot behind a rear pivot is reported by another doubt, which names the likely cause.
         if other.forward.0 == 0 && other.outboard.0 == 1 && other.up.0 == 2 {
             return;
         }

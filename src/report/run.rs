@@ -150,7 +150,7 @@ impl Run {
     }
 }
 
-/// Part of the summary that tells how the run ended, and the rest of the summary.
+/// Part of the summary that states how the run ended, and the rest of the summary.
 #[derive(Deserialize)]
 struct State {
     #[serde(default)]

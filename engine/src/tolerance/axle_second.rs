@@ -10,10 +10,10 @@
 //!
 //! with f_k the coefficient that remains after the lower orders. Quantities that contain velocities are left out.
 //!
-//! In a solid axle, C_b' is the velocity by the wheel's own share of the difference of travels, and the mean travel is held. The
-//! steering gear of a steered one moves the drag link's end in the series, too.
+//! In a solid axle, C_b' is the velocity by the wheel's own share of the difference of travels, and the mean travel is held. In a
+//! steered solid axle, the steering gear also moves the drag link's end in the series.
 //!
-//! Positions at a load are left out.
+//! Positions at a load have no second-order result.
 
 use super::Problem;
 use super::expansion::combined;

@@ -192,7 +192,7 @@ impl Composed<'_> {
             let output = "anti_roll_bar_angle";
             self.text = with_points(&self.text, ANTI_ROLL_BAR, &places, carrier, output);
             if self.has(Part::Pushrod) {
-                // Beside a rocker, a study must state the body to which the drop link is attached.
+                // If there is a rocker, the study must state the body to which the drop link is attached.
                 let body = carrier.replace(' ', "_");
                 let bodies =
                     format!("\n[suspension.bodies]\ndrop_link_outer = \"{body}\"\n\n[wheel]");
@@ -202,7 +202,7 @@ impl Composed<'_> {
         Ok(())
     }
 
-    /// True if the study gets springs. Elastic parts bring their own spring.
+    /// True if the study gets springs. Templates with elastic parts contain a spring already.
     fn is_sprung(&self) -> bool {
         let has_ends = ["\nspring_lower ", "\nstrut_top "]
             .iter()

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-/// First line of the template, and that with five links.
+/// First line of the template, and its first line with five links.
 const FOUR: &str = "# A solid rear axle on four links. Every";
 const FIVE: &str = "# A solid rear axle on five links that stretch: two lower and two upper links, and a Panhard rod.\n# Every";
 
@@ -49,7 +49,7 @@ pub(super) fn with_links(text: &str) -> String {
         } else if is_target && line.contains("\"roll_steer\"") {
             written += TARGETS;
         } else if !is_target && !is_of_spring(line) {
-            // The lines that are left out stand between two empty ones.
+            // The omitted lines are between two empty lines.
             let is_second = line.is_empty() && written.ends_with("\n\n");
             if !is_second {
                 let _ = writeln!(written, "{line}");

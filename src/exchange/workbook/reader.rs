@@ -309,8 +309,8 @@ fn place_of(place: &str) -> Option<(u32, u32)> {
     ))
 }
 
-/// Copies the text of merged cells to all of them. A number becomes unusable instead, because it would be a coordinate of several
-/// points by mistake.
+/// Copies the text of merged cells to all of them. A number becomes unusable instead, because it would wrongly become a
+/// coordinate of several points.
 fn merge(sheet: &mut Sheet, range: &str) -> Result<(), String> {
     let corners = range.split_once(':');
     let corners = corners.and_then(|(first, last)| Some((place_of(first)?, place_of(last)?)));

@@ -128,7 +128,7 @@ impl CarResults<'_> {
                     wanted: [None, Some(tolerance)],
                     tolerance,
                     values: rms.map(|rms| Some(rms? * tolerance)),
-                    // As in reports of an axle, the largest deviation decides.
+                    // As in reports of an axle, the largest deviation is shown.
                     deviation: outcomes[1]
                         .as_ref()
                         .map(|found| found.targets[number].worst),
@@ -226,7 +226,7 @@ fn rigs<'s>(study: &CarStudy, wanted: &'s CarOptimise, x: &[f64]) -> Vec<Rig<'s>
         let Some(goals) = &wanted.rigs[end] else {
             continue;
         };
-        // In the study's design, the offsets of hardpoints are 0.
+        // In the design of the study, the offsets of hardpoints are 0.
         let outcomes = [start.as_slice(), x].map(|x| {
             let outcome = goals.outcome(&study.axles[end].vehicle, x);
             outcome.ok()

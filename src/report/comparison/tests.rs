@@ -36,7 +36,7 @@ fn differences_are_taken_at_common_stations_in_one_unit() {
         ("bump_steer_deg_per_mm", "°/mm")
     );
     assert!((steer.values[1][0].unwrap() - 0.5).abs() < 1e-15);
-    // Each design keeps its own stations, and the outputs that no other design has.
+    // The page also has each design's own stations, and outputs that no other design has.
     let own = |column: &str| {
         let mut all = comparison.own_outputs.iter();
         &all.find(|o| o.column == column).unwrap().values

@@ -37,7 +37,7 @@ pub struct KcResults<'a> {
     pub stations: Vec<KcStation>,
     /// Rate of the tyre, force per length.
     pub tyre_rate: Option<f64>,
-    /// Program whose names and values are added beside ours.
+    /// Program whose names and values are added to ours.
     pub other: Option<OtherProgram>,
 }
 

@@ -20,7 +20,7 @@ const CAR_STYLE: &str = include_str!("car.css");
 /// Names of the wheels, front left first.
 const WHEELS: [&str; 4] = ["front left", "front right", "rear left", "rear right"];
 
-/// Formats a number with the digits that people need.
+/// Formats a number with the number of digits that is useful for people.
 fn shown(value: f64, unit: &str) -> String {
     match unit {
         "N" | "lbf" => with_decimals(value, 0),
@@ -207,7 +207,7 @@ fn targets(record: &CarRecord) -> String {
     )
 }
 
-/// Changes that no target asks for. The important ones come first; the other visible ones are folded.
+/// Changes that no target asks for. Important changes come first. Other visible changes are in a section that can be opened.
 fn side_effects(record: &CarRecord) -> String {
     let effects = &record.side_effects;
     if effects.is_empty() {

@@ -12,8 +12,8 @@ use crate::report::figure::brief;
 use crate::report::shortest;
 use crate::report::station_label::place_in_words;
 
-/// Doubts about an axle, one per line: about its curves, and about both wheels in the design position. For a right wheel with its
-/// own hardpoints, only doubts that the left wheel does not have.
+/// Doubts about an axle, one per line: about its curves, and about both wheels in the design position. A right wheel with its own
+/// hardpoints only gets doubts that the left wheel does not have.
 pub fn both_wheels_plausibility(
     axle: &Axle,
     plan: &AxlePlan,
@@ -131,7 +131,7 @@ fn across(left: &Suspension, right: &Suspension) -> Option<String> {
         .points
         .iter()
         .zip(left.design.iter().zip(&right.design));
-    // A single point of a rigid axle belongs to both wheels.
+    // A point that exists only once on a rigid axle belongs to both wheels.
     let is_single = |number: usize| left.mechanism.is_single(PointId(number));
     let across = points.enumerate().filter(|(number, (_, (left, right)))| {
         left.y > off && right.y < -off && !is_single(*number)

@@ -68,7 +68,7 @@ impl SweepDirectory {
     ) -> Result<Self, WriteError> {
         let there = read_record(directory.path()).ok();
         let is_this = there.as_ref() == Some(record);
-        // In a longer sweep, all parts except the last one stay the same.
+        // If a sweep gets more samples, all parts except the last one stay the same.
         let shorter = there.filter(|there| record.continues(there) && there.parts() > 1);
         match shorter {
             _ if is_this && !anew => {}

@@ -23,7 +23,7 @@ pub struct SweepSummary {
     pub(in crate::report) done: u64,
     /// Number of designs that were solved at every station.
     pub(in crate::report) solved: u64,
-    /// Number of designs that were solved one by one, because SIMD lanes failed or cannot be used.
+    /// Number of designs that were solved one by one, because they could not be solved in SIMD lanes.
     #[serde(default)]
     one_by_one: u64,
     /// Number of designs used for mean, standard deviation, r2 and change. These are the designs with every output; with
@@ -337,8 +337,7 @@ fn undefined_where(record: &SweepRecord, output: &OutputColumn) -> Option<&'stat
     longest.map(|c| c.undefined_where())
 }
 
-/// Content of `pareto.csv`, if there are several targets: the rows of the designs that no other design improves in one target
-/// without a loss in another.
+/// Content of `pareto.csv`, if there are several targets: the rows of the designs on the Pareto front.
 pub fn pareto_csv(record: &SweepRecord, statistics: &SweepStatistics) -> Option<Vec<u8>> {
     if record.deviations().len() < 2 {
         return None;

@@ -20,7 +20,7 @@ pub enum Format {
     Text,
     /// Comma-separated values.
     Csv,
-    /// JSON object with a list of objects for each table.
+    /// JSON: an object that contains a list of objects for each table.
     Json,
 }
 

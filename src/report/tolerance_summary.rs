@@ -76,7 +76,7 @@ pub struct RankingRecord {
     pub yield_halved: f64,
     /// Predicted yield with twice its tolerance.
     pub yield_doubled: f64,
-    /// True if the tolerance can be relaxed: doubling it costs almost no yield.
+    /// True if the tolerance can be relaxed: doubling it hardly lowers the yield.
     pub may_be_looser: bool,
 }
 
@@ -254,7 +254,7 @@ impl ToleranceSummary {
                     Some(true) => "",
                     _ => words,
                 };
-                // Sampled numbers are cut at the digit where sigma becomes uncertain.
+                // Sampled numbers are rounded to the digits that are certain for sigma.
                 let digits = value
                     .sigma_error
                     .filter(|error| *error > 0.0 && words != "does not scatter");

@@ -128,7 +128,7 @@ impl YieldRecord {
         ))
     }
 
-    /// Remark if the optimum without scatter has a yield that is higher by more than chance.
+    /// Remark if the optimum without scatter has a significantly higher yield.
     pub fn remark(&self) -> Option<String> {
         if self.surrogate.is_some() {
             return None;

@@ -15,13 +15,13 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Refusal to tune a study without goals.
+/// Message that refuses to tune a study without goals.
 pub(super) const NO_SECTION: &str =
     "the study has no [optimise] section with variables and targets";
-/// Refusal to tune where nothing may move.
+/// Message that refuses to tune a design in which every coordinate is locked.
 pub(super) const ALL_LOCKED: &str = "every variable of the study moves a point that is locked";
 
-/// The message of a tuning that has panicked.
+/// Message for a tuning that has panicked.
 fn panicked(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
@@ -31,9 +31,10 @@ fn panicked(panic: &(dyn Any + Send)) -> String {
     )
 }
 
-/// A range that counts from the design in the file, seen from the present design, where its points have moved by `moved`
-/// units. The present place stays within it. Points that were moved apart keep the range about their present places. The
-/// second value says in words if the tuning may therefore leave the file's range.
+/// Converts a range that counts from the design in the file to one that counts from the present design. The points of the
+/// variable have moved by `moved` units since. The result always contains the present position. If these points have moved by
+/// different amounts, the range counts from their present positions. The second value is a note if the tuning may therefore leave
+/// the range in the file.
 pub(super) fn counted_from_file(
     name: &str,
     [low, high]: [f64; 2],
@@ -62,7 +63,7 @@ pub(super) fn counted_from_file(
     (range, remark)
 }
 
-/// Makes the range of a variable count from the design in the file, wherever the page has moved its points since.
+/// Shifts the range of a variable so that it counts from the design in the file, although the page has moved its points since.
 fn count_from_file(
     variable: &mut Variable,
     file: &Suspension,
@@ -93,7 +94,7 @@ pub(super) struct Job {
 }
 
 impl Job {
-    /// Begins a tuning on a thread of its own.
+    /// Starts a tuning on a new thread.
     pub(super) fn begin(number: u64, tuning: Tuning) -> Result<Arc<Job>, String> {
         let job = Arc::new(Job {
             number,
@@ -105,7 +106,7 @@ impl Job {
         });
         let own = job.clone();
         let run = move || {
-            // A panic ends this job alone: the page is told, and the next tuning can begin.
+            // A panic ends only this job. The page gets a message, and the next tuning can begin.
             let ended = catch_unwind(AssertUnwindSafe(|| tuning(&own)));
             let ended = ended.unwrap_or_else(|panic| Err(panicked(&*panic)));
             *own.ended.lock().unwrap_or_else(PoisonError::into_inner) = Some(ended);
@@ -115,7 +116,7 @@ impl Job {
         Ok(job)
     }
 
-    /// The tuning of a design of a wheel or an axle.
+    /// Tuning of a design of a wheel or an axle.
     pub(super) fn of_study(opened: Arc<Opened>, request: &TuneRequest) -> Result<Tuning, String> {
         let mut study = opened.moved(&request.of.design)?;
         let study_design = study.wheel().design.clone();

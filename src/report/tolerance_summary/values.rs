@@ -105,14 +105,14 @@ pub(super) fn values(
             let travel = stations.values()[stations.value_of(station)];
             let rack = stations.racks[stations.rack_of(station)];
             let deviation = expansion.variance[cell].sqrt();
-            // After alignment, only rounding errors are left of an aligned value, and these have no shares.
+            // After alignment, an aligned value varies only by rounding errors, so contributors have no shares.
             let scatters = deviation > 1e-12 * drawn[cell].abs().max(1.0);
             let variance = if scatters {
                 deviation * deviation
             } else {
                 f64::NAN
             };
-            // If the second order is small but a higher order or the rejected builds matter, the builds show it.
+            // The second order may be small while higher orders or rejected builds matter. Only the builds show this.
             let apart = (spread.sigma - deviation).abs();
             let differs = scatters && apart > HOLDS * deviation + 4.0 * spread.sigma_error;
             let remainder = expansion.remainder(cell, spread);

@@ -63,7 +63,7 @@ pub struct TuningSummary {
     /// Missed targets that no variable changes.
     #[serde(default)]
     unmoved: Vec<String>,
-    /// Constraints that are violated and that no variable moves.
+    /// Violated constraints that no variable changes.
     #[serde(default)]
     unmoved_constraints: Vec<String>,
     /// Constraints that contradict each other.
@@ -314,9 +314,9 @@ impl TuningSummary {
     }
 }
 
-/// A constraint that is violated by less than this counts as kept. 1 is a millimetre or a degree.
+/// Violation below which a constraint counts as satisfied. 1 is a millimetre or a degree.
 const VISIBLE: f64 = 1e-6;
-/// A constraint with a smaller margin than this counts as binding.
+/// Margin below which a constraint counts as binding, in the same units.
 const BINDING: f64 = 1e-6;
 
 /// Number with its unit. Summaries of older versions have no unit.

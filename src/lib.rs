@@ -52,7 +52,7 @@
 //! # Map
 //!
 //! Data flows in one direction, from a study to its results. Public items are at the root of the crate. The modules behind them
-//! are documented at the head of their files and may change with every version. The numerics are a crate of their own in `engine`
+//! are documented at the head of their files and may change with every version. The numerics are in a separate crate, `engine`
 //! (`hardpoint-engine`), without result files, pages and commands. The keys of studies and the error messages come from another
 //! crate, in `study-file` (`hardpoint-study-file`). `ARCHITECTURE.md` shows the whole.
 //!

@@ -78,7 +78,7 @@ enum Command {
     /// Tune the hardpoints until they meet the targets
     #[command(alias = "optimize")]
     Optimise(OptimiseArguments),
-    /// Compute adjustments that give the wanted static values, and the effect of a turn of each
+    /// Compute adjustments that give the target static values, and the effect of a turn of each
     Setup(RunArguments),
     /// Compute the effect of manufacturing scatter: sigma, percentiles, yield, contributors
     Tolerance(ToleranceArguments),

@@ -13,7 +13,7 @@
 //!
 //! The template contains the orientation of a bushing; these files do not. A study's bushing has x along the pivot axis. The
 //! importer assumes that Adams' z is along that axis, which is the usual practice. It only accepts bushings whose remaining
-//! orientation does not matter: the curves along and about x equal those of y, and all curves are odd functions.
+//! orientation does not matter: their curves along and about x equal those along and about y, and all curves are odd functions.
 
 use super::adams::{assignment, block, text_of};
 use super::source::bytes_of;

@@ -1,5 +1,5 @@
-//! OptimumKinematics: data that its tables give without a hardpoint of their own. The layout is known from public readers of its
-//! workbooks, not from the program itself.
+//! OptimumKinematics: data in its tables that are not hardpoints. The layout is known from public readers of its workbooks, not
+//! from the program itself.
 //!
 //! A table gives the wheel by half track, offsets and tyre diameter at the contact point. R is the loaded radius (half the
 //! diameter), c the static camber, t the toe-in, and the offsets are dx forward, dy outboard and dz up. Then the wheel centre of

@@ -1,4 +1,4 @@
-//! Finds the sheet of a workbook that has the points: the named sheet, the sheet of the wanted axle, or the only one.
+//! Finds the sheet of a workbook that has the points: the named sheet, the sheet of the requested axle, or the only one.
 
 use super::names::{cut, marks_of_title};
 use super::refusal::{Question, Refusal};

@@ -184,7 +184,7 @@ impl AxleMotion {
         Some(self.steering_wheel.as_ref()?[station / per_rack])
     }
 
-    /// The same motion for another axle, with lengths in its unit and angles of its steering wheel.
+    /// Returns this motion for another axle, with lengths in its unit and angles of its steering wheel.
     ///
     /// # Errors
     ///

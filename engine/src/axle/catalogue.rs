@@ -72,7 +72,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Value at one wheel. Each formula is compiled as a function of its own.
+            /// Value at one wheel. Each formula is compiled as a separate function.
             pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &AxleState<T, W>, side: Side) -> T {
                 match self {
                     $(WheelQuantity::$wheel => call_outlined((state, side), |(state, side)| $wfunction(state, side)),)*
@@ -110,7 +110,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Value. Each formula is compiled as a function of its own.
+            /// Value. Each formula is compiled as a separate function.
             pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &AxleState<T, W>) -> T {
                 match self {
                     $(AxleQuantity::$axle => call_outlined(state, $function),)*

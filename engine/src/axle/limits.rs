@@ -53,8 +53,8 @@ pub struct AxleEnd {
 
 /// Share of the roll angle at the end up to which the axle must have a pose. Otherwise the end is not reported.
 const BEFORE_END: f64 = 0.999;
-/// The same share for a rigid axle. Near its fold the heights of the wheels change with the square root of the distance to
-/// the fold.
+/// The share [`BEFORE_END`] for a rigid axle. Near its fold the heights of the wheels change with the square root of the distance
+/// to the fold.
 const BEFORE_FOLD: f64 = 0.97;
 /// Displacement of a steering gear, relative to the mechanism's size, beyond which toggles are not searched for.
 const FARTHEST_GEAR: f64 = 2.0;

@@ -251,7 +251,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         self.roll
     }
 
-    /// The same wheels with the body level, each on a level pad at its travel.
+    /// Returns the wheels with the body level, each on a level pad at its travel.
     #[inline(always)]
     pub fn on_pads(&self) -> Self {
         AxleState {
@@ -262,7 +262,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         }
     }
 
-    /// The same wheels on the plane under both, whatever coordinates the station gives. Roll angle and mean travel are
+    /// Returns the wheels on the plane under both, whatever coordinates the station gives. Roll angle and mean travel are
     /// constant in motions.
     #[inline(always)]
     pub fn on_plane(&self) -> Self {
@@ -431,9 +431,9 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
 }
 
 impl<T: Real> AxleState<'_, T> {
-    /// The state with travels or roll angle corrected to first order, so that both wheels stand on one ground. For numbers
-    /// with gradients, this adds the gradient of those travels or roll angle that are results. The arguments are the plain
-    /// values of F and track.
+    /// The state with travels or roll angle corrected to first order, so that both wheels stand on the same ground. For numbers
+    /// with gradients, this adds the gradient of those travels or roll angle that are results. The arguments are the plain values
+    /// of F and track.
     pub fn settled(&self, [rise, track]: [f64; 2]) -> Self {
         let like = self.like();
         match self.hold {

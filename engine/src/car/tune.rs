@@ -26,7 +26,7 @@ pub struct CarTarget {
     pub quantity: CarQuantity,
     /// Index of the case.
     pub case: usize,
-    /// Lowest and highest wanted value, in the printed unit. Both are equal for a single value.
+    /// Lowest and highest target value, in the printed unit. Both are equal for a single value.
     pub wanted: [f64; 2],
     /// Tolerance: a deviation of this size counts as 1.
     pub tolerance: f64,
@@ -35,7 +35,7 @@ pub struct CarTarget {
 }
 
 impl CarTarget {
-    /// Deviation of a printed value from the wanted value; 0 inside a band.
+    /// Deviation of a printed value from the target value; 0 inside a band.
     pub fn deviation(&self, found: f64) -> f64 {
         let [low, high] = self.wanted;
         found - found.clamp(low, high)

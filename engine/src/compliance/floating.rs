@@ -151,7 +151,7 @@ struct LinkBlocks<T> {
     carrier_by_link: [[Matrix3<T>; 2]; 2],
     /// Length of the link.
     length: f64,
-    /// Same as [`Conditions::is_correction`].
+    /// True as in [`Conditions::is_correction`].
     is_correction: bool,
 }
 

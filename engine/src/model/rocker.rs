@@ -182,7 +182,7 @@ const WATT_ON_AXLE: [&str; 4] = [
     "watt_pivot",
     "watt_axis",
 ];
-/// The same linkage with the rocker on the body.
+/// Watt linkage with its rocker on the body.
 const WATT_ON_CHASSIS: [&str; 4] = [
     "watt_upper_axle",
     "watt_upper_rocker",

@@ -98,7 +98,7 @@ pub trait Real:
         piece.work_outlined()
     }
 
-    /// The same number, given that it also equals the argument. An interval is reduced to the intersection of both; other
+    /// Returns the number, given that it also equals the argument. An interval is reduced to the intersection of both; other
     /// number types do not change.
     #[inline(always)]
     fn intersected_with(self, _: Self) -> Self {

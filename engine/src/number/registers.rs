@@ -22,7 +22,7 @@ pub trait Registers: Copy + Debug {
 
     /// Does a piece of work in a separate function, compiled for the set.
     fn outlined<P: crate::number::Outlined>(self, piece: P) -> P::Output;
-    /// The same number in every lane.
+    /// Copies a number to every lane.
     fn splat(self, value: f64) -> Lanes<Self>;
     /// a + b
     fn add(a: Lanes<Self>, b: Lanes<Self>) -> Lanes<Self>;

@@ -96,8 +96,8 @@ const ROUNDING: f64 = 1e-13;
 /// Threshold of dependence: a gradient depends on the held gradients if less than this share of its squared length lies
 /// outside their span.
 const DEPENDENT: f64 = 1e-25;
-/// The same threshold for a row that is violated by no more than [`Rows::slack`]. Duplicate rows differ by the rounding of
-/// their gradients.
+/// The threshold [`DEPENDENT`] for a row that is violated by no more than [`Rows::slack`]. Duplicate rows differ by the rounding
+/// of their gradients.
 const NEARLY_DEPENDENT: f64 = 1e-18;
 /// Share of [`Rows::slack`] up to which a violation of any row counts as met.
 const UNFELT: f64 = 1e-2;

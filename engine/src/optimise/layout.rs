@@ -85,7 +85,7 @@ pub struct RowLabel {
     pub part: usize,
     /// True for the upper limit.
     pub is_upper: bool,
-    /// Index of the leg: a motion at one rack displacement. The index after the last leg stands for elastic parts.
+    /// Index of the leg: a motion at one rack displacement. The index after the last leg denotes elastic parts.
     pub leg: usize,
     /// Index of the station. If the part has an extreme between this station and its neighbours, the row applies to that
     /// extreme instead.

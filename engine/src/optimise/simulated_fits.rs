@@ -30,7 +30,7 @@ pub(super) struct SimulatedFits<'a> {
     triangle: DMatrix<f64>,
     /// Weighted errors with scatter 1, one column for each fit.
     errors: DMatrix<f64>,
-    /// The same errors after the rotations that make the triangle.
+    /// Errors after the rotations that make the triangle.
     rotated: DMatrix<f64>,
 }
 

@@ -44,7 +44,7 @@ pub(crate) struct Curve<'a> {
     pub closure: &'a Closure<f64>,
     pub design_series: &'a DesignSeries<3>,
     pub size: f64,
-    /// Rounding of the equations, in sizes.
+    /// Rounding error of the equations, relative to the mechanism's size.
     pub rounding: f64,
     pub work: &'a WorkCounter,
     pub moving: Moving,
@@ -59,12 +59,12 @@ pub(crate) struct CurvePoint {
     pub series: Pose<Jet<f64, 3>>,
     /// Moving quantity as a series in the arc length.
     pub moved: Jet<f64, 3>,
-    /// Tangent: displacement, rotation, moving quantity, in sizes.
+    /// Tangent: displacement, rotation, moving quantity; lengths are relative to the mechanism's size.
     tangent: [f64; 7],
     factors: Lu<f64, 7>,
     /// Required sign of the determinant of the matrix with the tangent as its last row.
     orientation: f64,
-    /// Error of the point that comes from the rounding of the equations, in sizes.
+    /// Error of the point that comes from the rounding of the equations, relative to the mechanism's size.
     noise: f64,
 }
 
@@ -77,12 +77,12 @@ pub(crate) enum PathEnd {
     Unresolved(f64),
 }
 
-/// Longest step, in sizes (or rad).
+/// Longest step, relative to the mechanism's size (or in rad).
 const LONGEST_STEP: f64 = 0.1;
-/// Shortest step, in sizes. Shorter steps are within the rounding of the pose.
+/// Shortest step, relative to the mechanism's size. Shorter steps are within the rounding of the pose.
 const SHORTEST_STEP: f64 = 1e-12;
-/// Largest number of steps. The curve of a mechanism is a few dozen sizes long, and a sharp turn needs about forty halvings of
-/// the step.
+/// Largest number of steps. The curve of a mechanism is a few dozen times as long as its size, and a sharp turn needs about forty
+/// halvings of the step.
 const MOST_STEPS: usize = 5000;
 /// Cosine of the largest change of the tangent's direction in a step.
 const STRAIGHT: f64 = 0.9;
@@ -203,7 +203,7 @@ impl Curve<'_> {
         }
     }
 
-    /// Matrix [F_x  F_q] in sizes.
+    /// Matrix [F_x F_q], with lengths relative to the mechanism's size.
     fn matrix(&self, pose: &Pose<f64>, value: f64) -> [[f64; 7]; 6] {
         let motion = self.motion(value);
         let at = Configuration::new(self.mechanism, self.design, *pose, motion.rack);

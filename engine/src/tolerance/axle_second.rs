@@ -177,7 +177,7 @@ impl<'p> DrawnPositions<'p> {
         })
     }
 
-    /// The same wheels with the steering gear of a steered axle at this displacement.
+    /// Both wheels with the steering gear of a steered axle at this displacement.
     fn steered<'d>(
         &self,
         wheels: &'d [WheelSeries<'_>; 2],

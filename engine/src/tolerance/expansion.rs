@@ -132,7 +132,7 @@ pub struct Remainder {
     pub part: f64,
     /// Standard error.
     pub error: f64,
-    /// The same share by second order. NaN if it is not known.
+    /// The remainder's share by second order. NaN if it is not known.
     pub second: f64,
 }
 

@@ -19,7 +19,7 @@ const SMALL: f64 = 0.05;
 pub struct BandYield {
     /// Share of the builds that keep the band.
     pub monte_carlo: f64,
-    /// The same share by the first-order result, over a random sample.
+    /// Share of builds that keep the band by the first-order result, over a random sample.
     pub linear: f64,
 }
 

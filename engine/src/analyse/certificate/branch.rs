@@ -16,7 +16,7 @@ const MOST_STEPS: usize = 4096;
 const MOST_HALVINGS: usize = 40;
 
 impl Solver<'_> {
-    /// The same as [`Solver::for_each_pose`], with two proofs for every pose: that it is right, and that it lies on the
+    /// Visits stations like [`Solver::for_each_pose`], with two proofs for every pose: that it is right, and that it lies on the
     /// branch of the design position. A pose without proof counts as a failure.
     ///
     /// # Errors

@@ -181,7 +181,7 @@ impl Quadratic {
         self.displacement_over(pose, &point)
     }
 
-    /// The same as [`Quadratic::displacement`], with drive and rack in intervals.
+    /// Displacement as in [`Quadratic::displacement`], with drive and rack in intervals.
     pub(crate) fn displacement_over(
         &self,
         pose: &Pose<f64>,

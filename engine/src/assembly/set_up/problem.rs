@@ -270,7 +270,7 @@ impl<'a> Problem<'a> {
         allowed
     }
 
-    /// The same errors plus the effect of half the smallest change of every continuous adjustment.
+    /// Errors that half steps of shims may cause, plus the effect of half the smallest change of every continuous adjustment.
     pub(super) fn with_half_turns(&self, allowed: &[f64], state: &AdjustedSuspension) -> Vec<f64> {
         let mut allowed = allowed.to_vec();
         for k in self.threads() {

@@ -57,7 +57,7 @@ pub struct ConstrainedFit {
     pub movable: Vec<bool>,
     /// Derivative of half the squared goal by each row's limit, negated. Not negative except for equalities.
     pub multipliers: Vec<f64>,
-    /// The same derivative by half the square of each level.
+    /// Derivative of half the squared goal by half the square of each level, negated.
     pub level_multipliers: Vec<f64>,
     /// Other multipliers of the rows that also balance the slope. They exist if gradients are linearly dependent.
     pub alternatives: Option<Vec<f64>>,

@@ -1,6 +1,6 @@
 //! Estimate of the condition number from intermediate results of the closed form.
 //!
-//! With the arm fixed, a unit residual, in sizes of the mechanism, moves the knuckle in two ways. The upper end moves,
+//! With the arm fixed, a unit residual, relative to the mechanism's size, moves the knuckle in two ways. The upper end moves,
 //! limited by its lever u. The knuckle rotates about the steering axis d, limited by the tie rod's lever w. It rotates more
 //! because the tie rod's outer end t follows the upper end:
 //!

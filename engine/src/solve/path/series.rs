@@ -14,8 +14,8 @@ use crate::solve::tracker::{FARTHEST, STEEPEST};
 
 /// Distance from the origin up to which the closed form keeps its accuracy, in multiples of the mechanism's size.
 const FAR: f64 = 1e3;
-/// Distance, in sizes, below which poses count as equal. Assemblies closer than this are near a toggle, where the closed
-/// form is not used.
+/// Distance, relative to the mechanism's size, below which poses count as equal. Assemblies closer than this are near a toggle,
+/// where the closed form is not used.
 const SAME: f64 = 1e-9;
 
 impl Solver<'_> {

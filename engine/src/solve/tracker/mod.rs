@@ -242,7 +242,8 @@ const LONGEST_STEP: f64 = 0.02;
 const TOLERANCE: f64 = 1e-15;
 /// Shortest rod as a share of the largest coordinate. Designs with shorter rods are left to the continuation.
 const SHORTEST_LENGTH: f64 = 1e-6;
-/// Largest distance from the origin, in sizes. Mechanisms farther away are not tracked, since accuracy would be lost.
+/// Largest distance from the origin, relative to the mechanism's size. Mechanisms farther away are not tracked, because accuracy
+/// would be lost.
 const FAR: f64 = 100.0;
 
 impl<'a> CornerTracker<'a> {

@@ -11,7 +11,7 @@ use std::cell::{Cell, RefCell};
 /// Smallest determinant of a block, as a share of the base design's.
 const LEAST: f64 = 0.25;
 
-/// Largest correction of a prediction, in sizes.
+/// Largest correction of a prediction, relative to the mechanism's size.
 const LARGEST_CORRECTION: f64 = 0.02;
 /// Largest rotation of the knuckle in one step, as the tangent of half the angle. Together with the limits of the
 /// determinants this keeps Newton's method on its branch. `tests/it/lanes.rs` compares every lane with the continuation.

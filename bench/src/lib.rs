@@ -41,7 +41,8 @@ pub enum Unmeasurable {
     Design(DesignFault),
     /// Fewer stations have a pose than a curve needs.
     #[error(
-        "the motion has {solved} stations of different travel with a pose; it takes {needed} to measure a curve"
+        "the motion has {solved} stations of different travel with a pose; measuring a curve \
+         needs {needed}"
     )]
     FewStations {
         /// Number of stations that have a pose.

@@ -237,7 +237,8 @@ fn refuse_for_axle(kind: BenchKind, path: &Path) -> Result<(), Stop> {
              is solved by the same equations"
         }
         BenchKind::Effects => {
-            "effects times what each output adds to the position of one wheel, in an order for one wheel"
+            "effects measures the time that each output adds to the position of one wheel, in an \
+             order for one wheel"
         }
     };
     Err(Stop::in_file(

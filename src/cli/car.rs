@@ -92,7 +92,7 @@ fn headline(study: &CarStudy) -> String {
 fn open(arguments: &RunArguments, study: &CarStudy, command: &str) -> Result<Output, Stop> {
     if arguments.plots.is_some() {
         return Err(Stop::wrong_input(
-            "--plots makes pictures of curves; the page of a car (--report) has its pictures",
+            "--plots makes pictures of curves; pictures of a car are on its page (--report)",
         ));
     }
     if arguments.report

@@ -156,7 +156,7 @@ impl Answers {
             "--side" => self.side = Some(side(value)?),
             "--axle" => self.axle = Some(axle(value)?),
             "--half-track" => self.half_track = Some(length(value)?),
-            _ => return Err(format!("{flag} cannot be answered here")),
+            _ => return Err(format!("{flag} cannot be asked for here")),
         }
         Ok(())
     }
@@ -366,9 +366,9 @@ fn summary(imported: &Imported, out: Option<Option<&Path>>) -> String {
         text += &listed(title, lines);
     }
     match out {
-        Some(Some(out)) => text += &format!("See it: hardpoint studio {}\n", out.display()),
+        Some(Some(out)) => text += &format!("To view it: hardpoint studio {}\n", out.display()),
         Some(None) => {
-            text += "See it: write it with --out STUDY.toml, then hardpoint studio STUDY.toml\n"
+            text += "To view it: write it with --out STUDY.toml, then hardpoint studio STUDY.toml\n"
         }
         None => (),
     }
@@ -403,7 +403,8 @@ pub(super) fn roles(imported: &Imported) -> String {
 fn names(path: &Path) -> Result<BTreeMap<String, String>, Stop> {
     let refused = |reason: String| Stop::in_file(path, reason);
     let text = bytes_of(path).map_err(refused)?;
-    let text = String::from_utf8(text).map_err(|_| refused("it is no text in UTF-8".to_owned()))?;
+    let text =
+        String::from_utf8(text).map_err(|_| refused("it is not a text in UTF-8".to_owned()))?;
     toml::from_str(&text).map_err(|error| {
         refused(format!(
             "expected lines such as lower_arm_front = \"LCA 1\": {}",

@@ -50,7 +50,7 @@ pub(super) fn run(
     // With the drive of Attia's paper, limits and motion are not compared.
     let short = (study.motion().drive != Drive::PaperTheta).then_some(least.short);
     let rejected = if study.is_elastic() {
-        "cannot be assembled, or have no equilibrium at rest"
+        "cannot be assembled, or have no static equilibrium"
     } else {
         "cannot be assembled"
     };

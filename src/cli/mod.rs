@@ -49,9 +49,9 @@ use std::process::ExitCode;
 #[derive(Parser)]
 #[command(name = "hardpoint", version, max_term_width = 100)]
 #[command(
-    after_help = "Exit codes: 0 done; 1 a part of the request could not be solved \
-                        (the rest is written); 2 the input or the call is wrong (nothing is written); \
-                        130 or 143 SIGINT or SIGTERM stopped it (finished work is kept)."
+    after_help = "Exit codes: 0 success; 1 a part of the request could not be solved (the other \
+                  results are written); 2 the input or the command line is invalid (nothing is \
+                  written); 130 or 143 stopped by SIGINT or SIGTERM (finished work is kept)."
 )]
 struct Arguments {
     /// Print errors and requested data only

@@ -84,7 +84,7 @@ fn write_car((name, files): &CarTemplate, arguments: &NewArguments) -> Result<Ex
     let paths = files.map(|(file, _)| directory.join(file));
     if let Some(taken) = paths.iter().find(|path| path.exists()) {
         return Err(Stop::wrong_input(format!(
-            "{} is there already, and nothing is written; give another directory with --out",
+            "{} already exists, and nothing is written; give another directory with --out",
             taken.display()
         )));
     }

@@ -124,8 +124,8 @@ fn default_directory(name: &str) -> Result<PathBuf, Stop> {
         Ok(PathBuf::from("out").join(name))
     } else {
         Err(Stop::wrong_input(format!(
-            "the study is called {name:?}, from its file's name, which is no name for a directory below \
-         out: give one with --out"
+            "the name of the study, {name:?}, comes from its file and cannot be the name of a \
+             directory below out: give a directory with --out"
         )))
     }
 }

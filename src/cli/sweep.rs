@@ -65,8 +65,9 @@ pub(super) fn run_study(arguments: &SweepArguments, study: &Study) -> Result<Exi
     let before = || {
         if !left_out.is_empty() {
             terminal::note(&format!(
-                "A sweep ignores {} of [outputs]: it keeps values, and slopes in the design position. Use \
-                 `hardpoint solve` for them (`--design N` prints the study of a design).\n",
+                "A sweep ignores {} of [outputs]: it stores values, and derivatives in the design \
+                 position. Use `hardpoint solve` for them (`--design N` prints the study of a \
+                 design).\n",
                 left_out.join(", ")
             ));
         }
@@ -172,7 +173,7 @@ fn needs_no_directory(arguments: &SweepArguments, format: FileFormat) -> Result<
     let refused = [
         (
             arguments.resume,
-            "--resume continues the files of a directory and does not work with --out -",
+            "--resume continues a sweep in a directory and does not work with --out -",
         ),
         (
             arguments.report,
@@ -369,7 +370,7 @@ fn finish_shard(
     let own = missing.iter().filter(|part| parts.contains(part)).count() as u64;
     let count = parts.end - parts.start;
     let what = match count {
-        0 => ", has nothing to do".to_owned(),
+        0 => ", nothing to compute".to_owned(),
         1 => format!(", part {}", parts.start),
         _ => format!(", parts {} to {}", parts.start, parts.end - 1),
     };

@@ -175,7 +175,8 @@ fn print_build(problem: &Problem, number: u64) -> Result<Exit, Stop> {
                 "as assembled"
             };
             let text = format!(
-                "# Build {number} of {} (seed {seed}, {aligned}): the design of its parts at rest.\n{built}",
+                "# Build {number} of {} (seed {seed}, {aligned}): the design that its parts have \
+                 in the static position.\n{built}",
                 study.name,
             );
             std::io::stdout().write_all(text.as_bytes())?;

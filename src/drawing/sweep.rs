@@ -63,7 +63,7 @@ impl DrawnDesigns {
             .collect();
         let table = |(_, _, curves): &(_, _, crate::curves::Curves)| {
             let csv = curves_csv(curves);
-            CurveTable::read(&csv).expect("it has just been written")
+            CurveTable::read(&csv).expect("it was written just before")
         };
         Ok(DrawnDesigns {
             digest: plan.record.digest.clone(),

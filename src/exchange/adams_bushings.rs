@@ -179,9 +179,15 @@ fn property_file(path: &Path, named: &str) -> Result<PathBuf, String> {
     let above = own.parent().unwrap_or(own);
     let name = relative.file_name().unwrap_or_default();
     let places = [above.join(relative), own.join(relative), own.join(name)];
-    places.into_iter().find(|place| place.is_file()).ok_or_else(|| {
-        format!("its property file {below} is neither in the folder above the subsystem nor beside it")
-    })
+    places
+        .into_iter()
+        .find(|place| place.is_file())
+        .ok_or_else(|| {
+            format!(
+                "its property file {below} is neither in the folder of the subsystem nor in the \
+                 folder above"
+            )
+        })
 }
 
 /// Reads the six curves of a property file in N, rad and this unit of length, sorted by deflection.

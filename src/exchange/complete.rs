@@ -177,7 +177,8 @@ pub(super) fn missing(
     }
     if !unused.is_empty() {
         message += &format!(
-            "\nleft over: {}\nIf some of these are the missing ones, say so in a file for --map, as in\n  {} = {:?}",
+            "\nunused points: {}\nIf some of these are the missing points, name them in a file \
+             for --map, as in\n  {} = {:?}",
             unused.join(", "),
             missing[0].split_whitespace().next().unwrap_or(""),
             unused[0]

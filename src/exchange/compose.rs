@@ -152,8 +152,8 @@ impl Imported {
         }
         let least = TRAVELS[TRAVELS.len() - 1];
         Err(format!(
-            "the suspension that these points make does not move {least} mm up and down from where it is \
-             drawn: is it {}, and are the names right?",
+            "the suspension that these points make cannot move {least} mm up and down from the \
+             given position: is it {}, and are the names correct?",
             self.topology.name
         ))
     }

@@ -73,7 +73,7 @@ impl Envelope {
         rack: Span,
     ) -> Result<Self, String> {
         if rack.ends != [0.0; 2] && !outgoing.study.wheel().mechanism.is_steered() {
-            return Err("--rack: nothing steers this suspension".to_owned());
+            return Err("--rack: this suspension is not steered".to_owned());
         }
         let mut envelope = Envelope {
             solids: Vec::new(),

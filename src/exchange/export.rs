@@ -109,9 +109,11 @@ pub fn csv(rows: &[Vec<Value>]) -> Vec<u8> {
         let record: Vec<String> = (0..columns).map(cell).collect();
         writer
             .write_record(&record)
-            .expect("memory takes everything");
+            .expect("writing to memory does not fail");
     }
-    writer.into_inner().expect("memory takes everything")
+    writer
+        .into_inner()
+        .expect("writing to memory does not fail")
 }
 
 /// Converts a CSV file of results to a sheet, with numeric cells as numbers.

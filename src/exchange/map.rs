@@ -265,7 +265,7 @@ impl Reader {
                 })?;
                 if self.table.unit.is_some_and(|known| known != unit) {
                     return Err(format!(
-                        "{}: the unit differs from the one above",
+                        "{}: the unit differs from the unit above",
                         place(keys)
                     ));
                 }
@@ -278,7 +278,8 @@ impl Reader {
                 let declared = declared.unwrap_or_else(|| in_words(text));
                 if declared.is_empty() {
                     return Err(format!(
-                        "{}: the frame is {text:?}; expected iso8855, sae_j670, x_rear or the ways of x, y and z",
+                        "{}: the frame is {text:?}; expected iso8855, sae_j670, x_rear or the \
+                         directions of x, y and z",
                         place(keys)
                     ));
                 }

@@ -205,7 +205,8 @@ impl Rows<'_> {
             return Ok(());
         }
         Err(format!(
-            "{}: {surplus} numbers have no title. If the decimal sign is a comma, separate the cells by semicolons",
+            "{}: {surplus} numbers have no column title. If the decimal sign is a comma, separate \
+             the cells by semicolons",
             self.sheet.row_place(row)
         ))
     }

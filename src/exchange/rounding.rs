@@ -99,7 +99,8 @@ pub fn rounded(study: &Study, grid: Grid, free: &[bool]) -> Result<Rounded, Stri
             best = Some((misfit, steps.clone()));
         }
     }
-    let (misfit, steps) = best.ok_or("rounded to this grid the design cannot be solved")?;
+    let (misfit, steps) =
+        best.ok_or("the design cannot be solved if it is rounded to this grid")?;
     let otherwise = steps.iter().zip(&ordinary).filter(|(a, b)| a != b).count();
     let loss = Loss {
         exact,

@@ -163,7 +163,8 @@ fn nearest(
             .map(|(body, _)| format!("--body drop_link_outer={body}"))
             .collect();
         return Err(format!(
-            "the file does not say on which body drop_link_outer sits, and it lies between several: say {}",
+            "the file does not state the body of drop_link_outer, and the point is near several \
+             bodies: give {}",
             flags.join(" or ")
         ));
     }
@@ -198,7 +199,7 @@ pub(super) fn notes(seats: &[Seat]) -> Option<String> {
             let near = if seat.body == seat.usual {
                 ""
             } else {
-                " (it lies there)"
+                " (the point is near it)"
             };
             format!(
                 "{} on the {}{near}",
@@ -209,7 +210,8 @@ pub(super) fn notes(seats: &[Seat]) -> Option<String> {
         .collect();
     (!assumed.is_empty()).then(|| {
         format!(
-            "bodies: {} is assumed, since the file says none; --body or [suspension.bodies] says others",
+            "bodies: {} is assumed, because the file states none; --body or [suspension.bodies] \
+             gives others",
             assumed.join(", ")
         )
     })

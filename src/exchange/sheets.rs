@@ -62,12 +62,12 @@ pub(super) fn of_workbook(
     if is_by_axle {
         let others = with_points.into_iter().filter(|other| *other != name);
         table.notes.push(format!(
-            "sheet {name:?}: the one of the axle that --axle names; not read: {}",
+            "sheet {name:?}: the sheet of the axle given by --axle; not read: {}",
             quoted(others)
         ));
     } else if names.len() > 1 {
         table.notes.push(format!(
-            "sheet {name:?}: the only one whose points can be read"
+            "sheet {name:?}: the only sheet with points that can be read"
         ));
     }
     table.left_out.extend(unreadable);

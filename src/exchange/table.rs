@@ -153,12 +153,12 @@ impl PointTable {
             .collect();
         match kinds.as_slice() {
             [Kind::Topology(name) | Kind::Unclear(name, _)] => {
-                Ok(Topology::named(name).expect("readers name topologies that are there"))
+                Ok(Topology::named(name).expect("readers use names of existing topologies"))
             }
             [Kind::Other(reason)] => Err(Refusal::Wrong(reason.clone())),
             [] => Err(Refusal::Wrong(
-                "the file does not say the kind of its suspension: give --topology, as in --topology double_wishbone \
-                 (`hardpoint new --help` lists all)"
+                "the file does not state the kind of its suspension: give --topology, as in \
+                 --topology double_wishbone (`hardpoint new --help` lists all)"
                     .to_owned(),
             )),
             _ => Err(Question::of(

@@ -99,7 +99,7 @@ fn cause(end: &EquilibriumEnd, factor: f64, unit: &str) -> String {
         }
         EndCause::Unstable { part, motion } => {
             format!(
-                "unstable beyond; softest motion: {}",
+                "unstable beyond this; softest motion: {}",
                 weakest_motion(part, *motion)
             )
         }

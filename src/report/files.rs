@@ -10,7 +10,9 @@ pub(super) fn csv_of(write: impl FnOnce(&mut csv::Writer<Vec<u8>>) -> csv::Resul
     let mut writer = csv::Writer::from_writer(Vec::new());
     // Writing to memory cannot fail, and every record has the length of its header.
     write(&mut writer).expect("records of one length");
-    writer.into_inner().expect("memory takes everything")
+    writer
+        .into_inner()
+        .expect("writing to memory does not fail")
 }
 
 /// Makes a CSV file from rows.

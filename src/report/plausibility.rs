@@ -83,7 +83,7 @@ pub fn rack_doubt(study: &Study) -> Option<String> {
     let moves = racks.chain(of_axle).any(|rack| *rack != 0.0);
     (moves && !mechanism.is_steered()).then(|| {
         format!(
-            "doubtful: the motion displaces the rack, but nothing of a {} is on it: its curves are the same at every rack",
+            "please check: the motion displaces the rack, but nothing of a {} is on it: its curves are the same at every rack",
             mechanism.topology.name
         )
     })
@@ -114,7 +114,7 @@ struct PlausibilityRemarks<'a> {
 
 impl<'a> PlausibilityRemarks<'a> {
     fn say(&mut self, doubt: String) {
-        self.found.push(format!("doubtful: {doubt}"));
+        self.found.push(format!("please check: {doubt}"));
     }
 
     fn at(&self, id: PointId) -> Vector3<f64> {

@@ -194,7 +194,9 @@ impl Table {
         for row in &self.rows {
             write(name, row.iter().map(Cell::csv).collect());
         }
-        let bytes = writer.into_inner().expect("memory takes everything");
+        let bytes = writer
+            .into_inner()
+            .expect("writing to memory does not fail");
         String::from_utf8(bytes).expect("cells are text")
     }
 

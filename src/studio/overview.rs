@@ -165,7 +165,7 @@ fn catalogue(own: &WheelStudy, optimise: Option<&Optimise>) -> Vec<Characteristi
     let figures = figures.iter().map(|figure| CharacteristicOverview {
         name: figure.name.clone(),
         unit: figure.unit.suffix(suspension.length_unit),
-        positive: "as docs/compliance.md says",
+        positive: "as in docs/compliance.md",
         asked: wanted.figures.iter().any(|own| own.value == figure.value),
         available: true,
     });

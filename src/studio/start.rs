@@ -132,7 +132,7 @@ fn in_form(refusal: &crate::exchange::Refusal) -> String {
         .iter()
         .fold(words, |words, (flag, field)| words.replace(flag, field));
     // The form has no file of names. The user can rename points in the pasted text.
-    match words.split_once("say so in a file for --map, as in") {
+    match words.split_once("name them in a file for --map, as in") {
         Some((before, example)) => {
             let hardpoint = example.split('=').next().unwrap_or_default().trim();
             format!("{before}rename them in the points, for example to {hardpoint}")

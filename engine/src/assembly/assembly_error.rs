@@ -17,13 +17,13 @@ pub enum AssemblyError {
         share: f64,
     },
     /// The rod of a rocker is too short or too long, or at a toggle.
-    #[error("the {0} cannot reach, or is at toggle")]
+    #[error("the {0} is too short, too long or at its toggle")]
     Rod(Rod),
     /// The named member would have a length of zero or less.
     #[error("{0} would have no length")]
     NoLength(String),
     /// The spring has its length at no height near the nominal one.
-    #[error("at no height nearby does the spring have its length")]
+    #[error("at all heights near the design height the spring has another length")]
     Spring,
     /// Toe and camber cannot be set to their nominal values.
     #[error("toe and camber cannot be set to their design values")]

@@ -191,7 +191,8 @@ impl AxleMotion {
     /// A sentence that names the key which is missing in the other study.
     pub fn for_axle(&self, own: &Axle, other: &Axle) -> Result<AxleMotion, String> {
         let mut motion = self.clone();
-        let lacks = |key: &str, of: &str| Err(format!("{of} needs {key}, which this study lacks"));
+        let lacks =
+            |key: &str, of: &str| Err(format!("{of} needs {key}, which this study does not give"));
         if self.shows_roll() && other.setup.wheel_radius.is_none() {
             return lacks("radius in [wheel]", "a plane ground");
         }

@@ -57,7 +57,7 @@ impl DriveLaw {
                 None => along,
                 Some(law) => law
                     .arm_angle(along)
-                    .expect("stations of the drive_law are no dead centres"),
+                    .expect("stations of the drive law are not dead centres"),
             },
             rack: Jet::constant(rack),
         }

@@ -46,7 +46,7 @@ fn columns(length: LengthUnit, plan: &Plan) -> Vec<(Column, Read)> {
 }
 
 /// Reference to the signs of test figures.
-const SIGNS: &str = "as docs/compliance.md says";
+const SIGNS: &str = "as in docs/compliance.md";
 
 impl ElasticFigure {
     /// The test figure as a column of results.

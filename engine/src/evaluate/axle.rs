@@ -93,7 +93,7 @@ impl<'s> AxleStations<'s> {
     pub(crate) fn place(&self, quantity: Quantity, placement: Placement) -> [usize; 2] {
         let quantity = self.quantities.iter().position(|q| *q == quantity);
         let station = self.placements.iter().position(|p| *p == placement);
-        [quantity, station].each(|place| place.expect("the plan has what is looked at"))
+        [quantity, station].each(|place| place.expect("the plan contains the requested value"))
     }
 
     /// Placements as stations of a sweep.

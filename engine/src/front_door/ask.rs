@@ -272,7 +272,7 @@ impl Target {
                 "a finite number above the one before",
                 |t| t.is_finite() && t > last,
             )?;
-            finite("a wanted value", *value)?;
+            finite("a target value", *value)?;
             last = *travel;
         }
         Target::of(suspension, characteristic, tolerance, |of| {
@@ -301,7 +301,7 @@ impl Target {
         tolerance: f64,
     ) -> Result<Self, Error> {
         let drive = finite("a travel", travel)?;
-        let printed = finite("a wanted value", value)?;
+        let printed = finite("a target value", value)?;
         Target::of(suspension, characteristic, tolerance, |of| {
             let value = of.from_printed(printed);
             (Wanted::At { drive, value }, vec![drive])

@@ -197,7 +197,7 @@ fn refuse_wrong(sampled: &Sampled) -> Result<(), Error> {
         Sampling::Saltelli if variables.len() > MOST_EXCHANGED => number(
             "the number of variables that are exchanged one by one",
             count,
-            "no more than a block of designs holds",
+            "no more than a block of designs contains",
         ),
         _ => Ok(()),
     }

@@ -15,7 +15,7 @@ pub enum FunctionError {
     )]
     Formulation,
     /// The study has elastic parts. Their equilibria depend on more than positions.
-    #[error("DesignFunction is of the rigid mechanism; the study has [compliance]")]
+    #[error("DesignFunction is for rigid mechanisms only; the study has [compliance]")]
     Elastic,
     /// The study has no output that is a function of position.
     #[error("the study requests no characteristic and no point")]

@@ -77,11 +77,11 @@ impl fmt::Display for FormulationFailure {
             FormulationFailure::DriveEnds { value, cause, .. }
             | FormulationFailure::ThetaEnds { value, cause } => write!(
                 f,
-                "unreachable: the motion ends where the drive is {value}; there, {cause}"
+                "unreachable: the motion ends at the drive value {value}: {cause}"
             ),
             FormulationFailure::RackEnds { cause } => write!(
                 f,
-                "unreachable: the rack does not get there; where it stops, {cause}"
+                "unreachable: the rack ends before this position: {cause}"
             ),
             FormulationFailure::NotFinite => f.write_str("the input is not finite"),
         }
@@ -134,7 +134,7 @@ impl fmt::Display for LimitCause {
         f.write_str(match self {
             LimitCause::TieRodToggle => "the tie rod is at toggle",
             LimitCause::UpperArmStraight => "the upper arm is in line with the steering axis",
-            LimitCause::StrutSquare => "the strut is square to the steering axis",
+            LimitCause::StrutSquare => "the strut is perpendicular to the steering axis",
             LimitCause::DependentLinks => "links are at a dead centre with each other",
             LimitCause::AxleFolds => "the links of the axle are at a dead centre",
             LimitCause::CentreHighest => {
@@ -144,10 +144,10 @@ impl fmt::Display for LimitCause {
                 "the wheel centre is at its lowest point, no part is at a singularity"
             }
             LimitCause::ArmStandsStill => {
-                "the arm stands still while the wheel moves on, no part is at a singularity"
+                "the arm stops while the wheel moves on, no part is at a singularity"
             }
             LimitCause::RackStandsStill => {
-                "the rack stands still while the wheel steers on, no part is at a singularity"
+                "the rack stops while the wheel steers on, no part is at a singularity"
             }
             LimitCause::Unresolved => "the path meets another assembly there",
         })
@@ -187,7 +187,9 @@ impl fmt::Display for Unproven {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Unproven::Singular => "the pose is singular in double precision",
-            Unproven::TooClose => "another assembly is too close to tell apart in double precision",
+            Unproven::TooClose => {
+                "another assembly is too close to be distinguished in double precision"
+            }
             Unproven::Branch => "the path from the design position could not be proved",
         })
     }
@@ -252,7 +254,10 @@ impl DesignFault {
         match self {
             DesignFault::NotFinite(id) => format!("{} is not a finite point", name(id)),
             DesignFault::ArmWithoutRadius { outer } => {
-                format!("{} lies on the axis of its arm, so the arm cannot move it", name(outer))
+                format!(
+                    "{} lies on the axis of its arm, so the arm cannot move it",
+                    name(outer)
+                )
             }
             DesignFault::NoSteering { end } => format!(
                 "{} lies on the steering axis, so the tie rod does not hold the wheel's heading",
@@ -263,14 +268,17 @@ impl DesignFault {
                 name(first),
                 name(second)
             ),
-            DesignFault::OutOfScale => "the points are too far from the origin, or too large or small, \
-                 for double precision to tell them apart"
+            DesignFault::OutOfScale => "the points are too far from the origin, or too large or \
+                                        small, to be distinguished in double precision"
                 .to_owned(),
-            DesignFault::Toggle => "the tie rod is at toggle in the design position: its ends lie in one \
+            DesignFault::Toggle => {
+                "the tie rod is at toggle in the design position: its ends lie in one \
                  plane with the steering axis"
-                .to_owned(),
+                    .to_owned()
+            }
             DesignFault::NoStrutLength => {
-                "the strut has no length: its mount is at the foot of the ball joint on the strut axis"
+                "the strut has no length: its mount is at the foot of the perpendicular from the \
+                 ball joint to the strut axis"
                     .to_owned()
             }
             DesignFault::UpperArmInLine { outer } => format!(
@@ -282,15 +290,16 @@ impl DesignFault {
                  \"paper_theta\" is singular",
                 name(outer)
             ),
-            DesignFault::PointCoordinates(failure) => format!(
-                "the design position cannot be solved in point coordinates: {failure}"
-            ),
+            DesignFault::PointCoordinates(failure) => {
+                format!("the design position cannot be solved in point coordinates: {failure}")
+            }
             DesignFault::NoFormulation(name) => format!(
                 "this program has no formulation = \"{name}\": use \"knuckle_pose\", or call hardpoint_attia::register() \
                  before solving"
             ),
             DesignFault::Singular => {
-                "the design position is singular: the drive cannot move the wheel from it".to_owned()
+                "the design position is singular: the drive cannot move the wheel from it"
+                    .to_owned()
             }
             DesignFault::Elastic(reason) => reason.clone(),
         }

@@ -31,11 +31,11 @@ pub enum NoPose {
     },
     /// No difference of travels puts both wheels on the ground at this roll angle. Either a wheel falls where it should rise, or
     /// the iteration did not converge.
-    #[error("at no difference of the travels do both wheels touch the ground")]
+    #[error("there is no difference of the travels at which both wheels touch the ground")]
     NoGround,
     /// No mean travel gives the axle the required load. Either the load does not grow with the travel, or a wheel cannot
     /// reach it.
-    #[error("at no mean travel do the wheels carry the held load")]
+    #[error("there is no mean travel at which the wheels carry the held load")]
     NoLoad,
     /// A proof was requested. The poses of both wheels are proved, but it is not proved that the ground under them is
     /// unique.
@@ -43,14 +43,15 @@ pub enum NoPose {
     Unproven,
     /// The elastic parts have no equilibrium.
     #[error(
-        "no equilibrium: the wheel holds {share:.6} of the way from the design position; `hardpoint kc` names the part that gives way"
+        "no equilibrium: equilibria exist for {share:.6} of the way from the design position; \
+         `hardpoint kc` names the part that limits them"
     )]
     NoEquilibrium {
         /// Share of the distance from the design position that was reached.
         share: f64,
     },
     /// The elastic parts have an equilibrium, but it is unstable.
-    #[error("the equilibrium is not stable: a small push ends it")]
+    #[error("the equilibrium is not stable")]
     Unstable,
 }
 

@@ -166,7 +166,7 @@ pub enum GeometryFault {
         turned: &'static str,
     },
     /// The suspension is too large or too small, probably because of a wrong unit of length.
-    #[error("the hardpoints are {size:.3} {} apart, which is no suspension", unit.symbol())]
+    #[error("the hardpoints are {size:.3} {} apart, which is impossible for a suspension", unit.symbol())]
     ImplausibleSize {
         /// Largest distance of a hardpoint from the wheel carrier's origin.
         size: f64,

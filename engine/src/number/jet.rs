@@ -7,7 +7,7 @@
 
 #![allow(
     clippy::needless_range_loop,
-    reason = "recurrences read as in the book, by index"
+    reason = "recurrences use indices, as in the literature"
 )]
 
 use super::{Outlined, Real, Scalar, call_outlined, outlined};

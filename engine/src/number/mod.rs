@@ -179,10 +179,7 @@ impl<T: Copy, const N: usize> Each<T, N> for [T; N] {
 
 /// Returns the array of `entry(0)`, `entry(1)`, and so on.
 #[inline(always)]
-#[allow(
-    clippy::needless_range_loop,
-    reason = "a plain loop is what this is for"
-)]
+#[allow(clippy::needless_range_loop, reason = "a plain loop is intended here")]
 pub(crate) fn array_of<T: Copy, const N: usize>(mut entry: impl FnMut(usize) -> T) -> [T; N] {
     let mut array = [entry(0); N];
     for k in 1..N {

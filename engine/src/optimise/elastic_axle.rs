@@ -134,9 +134,9 @@ impl RowsBeside for Rows<'_> {
             if into.is_none() && limits.is_empty() {
                 continue;
             }
-            let at = placement
-                .on_level_pads()
-                .ok_or_else(|| Infeasible::Refused(format!("{placement} is of rigid axles")))?;
+            let at = placement.on_level_pads().ok_or_else(|| {
+                Infeasible::Refused(format!("{placement} is a placement of rigid axles"))
+            })?;
             let used = used_by(station, layout.quantities.len(), into.is_some());
             let reads = used.iter().map(|k| layout.quantities[*k].into());
             let reads: Vec<AxleRead> = reads.collect();

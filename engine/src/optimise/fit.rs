@@ -154,7 +154,7 @@ impl fmt::Display for Termination {
         f.write_str(match self {
             Termination::MisfitReached => "converged: the targets are met",
             Termination::MovedTargetsMet => {
-                "converged: all targets that a variable moves are met, the others are missed"
+                "converged: all targets that a variable affects are met, the others are missed"
             }
             Termination::NoFurtherDescent => "converged: no further descent",
             Termination::StepBelowResolution => "converged: the step is below resolution",
@@ -175,7 +175,7 @@ impl fmt::Display for Termination {
             Termination::NotStationary => {
                 "not converged: no step improves the design, but the slope is not zero"
             }
-            Termination::ConstraintsExcludeEachOther => "the constraints exclude one another",
+            Termination::ConstraintsExcludeEachOther => "the constraints contradict each other",
             Termination::IterationLimit => "the limit of iterations was reached",
             Termination::EvaluationLimit => "the limit of evaluations was reached",
             Termination::Interrupted => "interrupted",

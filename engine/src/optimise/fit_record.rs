@@ -35,7 +35,7 @@ pub(super) fn of<P>(problem: &mut Problem<P>) -> &mut P {
     problem
         .problem
         .as_mut()
-        .expect("argmin gives the problem back")
+        .expect("argmin returns the problem")
 }
 
 /// Record of a run: its start, its iterations and the reason for its end.

@@ -61,7 +61,11 @@ fn rotation_vector(
 }
 
 fn centroid(design: &[Vector3<f64>], variable: &Variable) -> Vector3<f64> {
-    let points = &variable.turn.as_ref().expect("asked of turns alone").points;
+    let points = &variable
+        .turn
+        .as_ref()
+        .expect("called for turns only")
+        .points;
     let sum = points
         .iter()
         .fold(Vector3::new(0.0, 0.0, 0.0), |sum, p| sum + design[p.0]);

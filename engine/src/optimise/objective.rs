@@ -380,7 +380,7 @@ impl<'a> Objective<'a> {
                 let Extremes { part, sign, .. } = &leg.extremes[search.of];
                 let part = &layout.parts[*part].limited;
                 let limit = if *sign > 0.0 { part.upper } else { part.lower };
-                let limit = limit.expect("an extreme is sought for a limit");
+                let limit = limit.expect("an extreme belongs to a limit");
                 let scale = sign / part.scale;
                 let view = WheelReading::reading(&linearised.at, *constants, layout.reads);
                 let series = read(&part.of, &view, &linearised, solver.size());

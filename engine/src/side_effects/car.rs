@@ -143,7 +143,7 @@ fn axle_by_itself(study: &CarStudy, end: AxleEnd, optimise: &CarOptimise) -> Stu
             axle: study.car.axles[end].clone(),
             ..AxleStudy::clone(both)
         })),
-        Vehicle::Wheel(_) => unreachable!("the axles of a car are studies of axles"),
+        Vehicle::Wheel(_) => unreachable!("each axle of a car has a study of an axle"),
     };
     Study {
         vehicle,

@@ -236,7 +236,8 @@ fn refuse_wheel_keys(motion: &file::Motion, problems: &mut Problems) -> bool {
             .as_ref()
             .filter(|_| motion.time.is_none())
             .map(Text::span),
-        "the drive of an axle says what moves over time; expected time, or no drive",
+        "the drive of an axle selects the coordinate that moves over time; expected time, or no \
+         drive",
     );
     let sound = refused.is_empty();
     for (span, message) in refused {
@@ -274,7 +275,10 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
     if let (Some(section), None) = (&file.anti_roll_bar, left.mechanism.anti_roll_bar()) {
         let message = "[anti_roll_bar] has a rate, but the study gives no anti-roll bar";
         let error = problems.add(section.span(), message);
-        error.help("drop_link_outer, drop_link_inner, anti_roll_bar_inner and anti_roll_bar_outer make one");
+        error.help(
+            "drop_link_outer, drop_link_inner, anti_roll_bar_inner and anti_roll_bar_outer define \
+             one",
+        );
         bar_rate = None;
     }
     let beam_rate = twist_beam::bar_rate(file, left, problems)?;

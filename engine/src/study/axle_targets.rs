@@ -335,7 +335,7 @@ fn site(
         if !available.contains(&coordinate) {
             if let Some(given) = given {
                 let (key, known) = (coordinate.key(), keys(&available));
-                let message = format!("the motion of this study has {known}, and no {key}");
+                let message = format!("the motion of this study has {known}, but no {key}");
                 return problems.refuse(given.span(), message);
             }
             continue;

@@ -136,7 +136,8 @@ pub(super) fn quantity(
     );
     if known.info().reads_steering_axis() && !joints {
         let message = format!(
-            "{} needs joints of a steering axis, which {} does not have; ask spin_by_lateral_force or spin_by_braking",
+            "{} needs joints of a steering axis, which {} does not have; use \
+             spin_by_lateral_force or spin_by_braking",
             name.get_ref(),
             suspension.mechanism.topology.name
         );
@@ -156,7 +157,8 @@ pub(super) fn named(
     problems: &mut Problems,
 ) -> Option<ElasticQuantity> {
     if let Some(other) = others.iter().flatten().next() {
-        let message = "with [compliance] expected a figure of a test, or a characteristic; this applies to the rigid mechanism alone";
+        let message = "with [compliance] expected a figure of a test, or a characteristic; this \
+                       applies to the rigid mechanism only";
         return problems.refuse(other.clone(), message);
     }
     let name = match (figure, characteristic) {
@@ -364,7 +366,7 @@ pub(super) fn rate(
     }
     let own = if is_relative { 1.0 } else { design };
     if low > own || high < own {
-        let message = format!("the range leaves out the study's own, which is {own}");
+        let message = format!("the range does not include the study's value {own}");
         return problems.refuse(range.span(), message);
     }
     let range = if is_relative {

@@ -212,8 +212,8 @@ pub(super) fn check_drive(
     if motion.drive == Drive::ArmAngle && !raises_its_joint(*arm, &suspension.design) {
         let outer = &mechanism.points[arm.outer.0].name;
         let message = format!(
-            "the arm is at dead centre in the design position: a turn moves {outer} level at first, so \
-             neither direction is the one that raises it"
+            "the arm is at dead centre in the design position: a small turn moves {outer} \
+             horizontally, so neither direction of the turn raises it"
         );
         problems
             .add(place, message)
@@ -289,7 +289,7 @@ pub(super) fn check_sensitivities(
              {MOST_STATIONS} stations times hardpoints"
         );
         let error = problems.add(place, message);
-        error.help("ask for fewer stations, or name fewer hardpoints in outputs.sensitivities");
+        error.help("request fewer stations, or name fewer hardpoints in outputs.sensitivities");
     }
 }
 

@@ -346,9 +346,12 @@ fn refuse_car(source: &Arc<Source>) -> Result<(), StudyErrors> {
     let Some(place) = parse::car_section(&source.text) else {
         return Ok(());
     };
-    let message = "[car] makes this the study of a car, which this command does not take";
+    let message = "[car] makes this the study of a car, which this command does not accept";
     let mut error = StudyError::new(source.clone(), Some(place), message);
-    error.help("hardpoint check, solve, sweep, optimise, tolerance, limits, compare and export take cars; the axles by themselves are studies for every command");
+    error.help(
+        "hardpoint check, solve, sweep, optimise, tolerance, limits, compare and export accept \
+         cars; every command accepts the study of a single axle",
+    );
     Err(error.into())
 }
 
@@ -359,8 +362,8 @@ fn check_sweep_keeps_something(file: &file::File, outputs: &Outputs, problems: &
     };
     let has_targets = file.optimise.is_some();
     if outputs.characteristics.is_empty() && outputs.points.is_empty() && !has_targets {
-        let message = "there is nothing to keep of each design: expected characteristics or points in \
-                       [outputs], or targets in [optimise]";
+        let message = "there is nothing to write for each design: expected characteristics or \
+                       points in [outputs], or targets in [optimise]";
         problems.add(section.span(), message);
     }
 }

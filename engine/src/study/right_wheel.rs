@@ -59,7 +59,8 @@ pub(super) fn right_wheel(
     }
     let centre = right.design[right.mechanism.wheel_centre.0];
     if centre.y < 0.0 {
-        let message = "the right wheel's wheel_centre is on the left side: its hardpoints are in the study's axes, with their true y";
+        let message = "the right wheel's wheel_centre is on the left side: its hardpoints are in \
+                       the study's axes, with their actual y";
         return problems.refuse(place, message);
     }
     if let Some(fault) = GeometryFault::first_of(&right) {

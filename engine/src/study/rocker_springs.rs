@@ -29,7 +29,8 @@ pub(super) fn rocker_springs(
             let message = "[heave_spring] is given, but the study gives no end for it";
             let error = problems.add(section.span(), message);
             error.help(
-                "the hardpoint heave_spring, with a rocker and its rod, is its end at the left wheel",
+                "the hardpoint heave_spring, with a rocker and its rod, is its end on the left \
+                 side",
             );
             sound = false;
         }
@@ -39,7 +40,7 @@ pub(super) fn rocker_springs(
             let message = format!("{key} acts on rockers, and the study gives none");
             let error = problems.add(place, message);
             error.help(
-                "pushrod_outer, pushrod_inner, rocker_pivot_front and rocker_pivot_rear make one",
+                "pushrod_outer, pushrod_inner, rocker_pivot_front and rocker_pivot_rear define one",
             );
             sound = false;
         }

@@ -225,7 +225,7 @@ impl Reader<'_> {
             };
             let load = row.cell("load");
             if !TestLoad::ALL.iter().any(|(_, of)| of.name() == load) {
-                return row.wrong(format!("{load:?} is no load of a test"));
+                return row.wrong(format!("{load:?} is not a load of a test"));
             }
             let figure = match self.of {
                 SheetOf::Wheel(elastic) => self.figure_of_wheel(elastic, row, is_secant)?,

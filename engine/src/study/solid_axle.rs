@@ -25,7 +25,7 @@ pub(super) fn steer(
     let rigid = mechanism.rigid_axle.as_mut();
     let Some(steering) = rigid.and_then(|rigid| rigid.steering.as_mut()) else {
         let message =
-            "direction is that of the drag link of a solid axle, and this study has no drag link";
+            "direction is for the drag link of a solid axle, but this study has no drag link";
         return problems.refuse(written.span(), message);
     };
     let direction = three(written, "components [x, y, z]", problems)?;
@@ -78,7 +78,7 @@ fn refused_steering(file: &File, mechanism: &Mechanism) -> Refused<'static> {
     }
     for written in [&own.c_factor, &own.rack_stiffness, &own.column_stiffness] {
         let message =
-            "a drag link steers this axle, and it has no rack; [steering] has direction alone";
+            "a drag link steers this axle, and it has no rack; [steering] has only direction";
         refused.push((written.as_ref().map(|number| number.span.clone()), message));
     }
     refused
@@ -113,11 +113,14 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
         (
             certify.map(Spanned::span),
             match is_beam {
-                true => "certify proves quadratic equations only, and the hinge of a twist beam has others; leave certify out",
+                true => "certify needs quadratic equations, and those of the hinge of a twist \
+                         beam are not quadratic; leave certify out",
                 false if is_steered => {
-                    "certify proves quadratic equations only, and the knuckles of a steered axle have others; leave certify out"
+                    "certify needs quadratic equations, and those of the knuckles of a steered \
+                     axle are not quadratic; leave certify out"
                 }
-                false => "certify proves quadratic equations only, and the rocker of a Watt linkage has others; leave certify out",
+                false => "certify needs quadratic equations, and those of the rocker of a Watt \
+                          linkage are not quadratic; leave certify out",
             },
         ),
         (
@@ -251,7 +254,8 @@ fn links(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool 
                 .next();
             let place = panhard.unwrap_or(section.hardpoints.span());
             let message = format!(
-                "five links: with two upper links and a {} the axle binds in roll, and only the rubber of its joints lets it move",
+                "five links: with two upper links and a {} the axle can move in roll only if its \
+                 joints are elastic",
                 if has_watt {
                     "Watt linkage"
                 } else {
@@ -264,7 +268,8 @@ fn links(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool 
             false
         }
         (false, false) => {
-            let message = "three links leave the axle free sideways: expected panhard_chassis and panhard_axle, or a Watt linkage";
+            let message = "three links let the axle move freely sideways: expected \
+                           panhard_chassis and panhard_axle, or a Watt linkage";
             let place = single.map_or(section.hardpoints.span(), Spanned::span);
             problems.add(place, message);
             false
@@ -302,14 +307,16 @@ pub(super) fn wheels(
     if let Err(fault) = solver.and_then(|solver| solver.check_start(Drive::Travel)) {
         let message = match fault {
             DesignFault::Singular => {
-                "the links do not hold the axle in the design position: one motion is left beside heave and roll".to_owned()
+                "the links do not hold the axle in the design position: one more motion is free, \
+                 in addition to heave and roll"
+                    .to_owned()
             }
             fault => fault.describe(&left.mechanism),
         };
         let error = problems.add(file.suspension.hardpoints.span(), message);
         error.help(
-            "links that are parallel from above leave the axle free sideways: splay the upper links, or give a single upper \
-             link and a Panhard rod",
+            "links that are parallel from above let the axle move freely sideways: splay the \
+             upper links, or give a single upper link and a Panhard rod",
         );
         return None;
     }
@@ -339,7 +346,8 @@ fn differences(
         let pair = rigid.pairs.iter().find(|[near, _]| *near == id);
         let Some([_, far]) = pair else {
             let message = format!(
-                "the axle has {} once: expected it in [suspension.hardpoints] alone, with its true y",
+                "the axle has only one {}: expected it in [suspension.hardpoints] only, with its \
+                 actual y",
                 text.get_ref()
             );
             problems.add(text.span(), message);
@@ -349,7 +357,7 @@ fn differences(
         rigid.put_far(*far, left.frame.vector(position), &mut left.design);
         if left.design[far.0].y > 0.0 {
             let message = format!(
-                "{} is on the left side: the right half has its true y",
+                "{} is on the left side: the right half is given with its actual y",
                 text.get_ref()
             );
             problems.add(text.span(), message);

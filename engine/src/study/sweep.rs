@@ -145,7 +145,7 @@ fn check_solver(
         (
             &file.solver.formulation,
             "[sweep] needs formulation = \"knuckle_pose\", which gives the same values faster",
-            "without [solver] it is taken",
+            "it is used without [solver]",
         )
     } else if by_theta {
         (
@@ -288,7 +288,7 @@ fn grid_points(
     if points.is_none() {
         let factors: Vec<String> = steps().map(|s| s.to_string()).collect();
         let message = format!(
-            "a grid of {} designs is more than the {MOST_DESIGNS:.0e} there may be",
+            "a grid of {} designs is too large: expected at most {MOST_DESIGNS:.0e}",
             factors.join(" x "),
             MOST_DESIGNS = MOST_DESIGNS as f64,
         );

@@ -46,7 +46,8 @@ pub(super) fn tolerance(
     }
     let is_whole = context.axle.is_some_and(|both| both.axle.is_rigid());
     if let (true, true, Some(written)) = (aligned, is_whole, &section.aligned) {
-        let message = "aligned = true sets each wheel by itself, and one body carries the wheels of this axle; expected aligned = false";
+        let message = "aligned = true sets each wheel separately, but one body carries both \
+                       wheels of this axle; expected aligned = false";
         problems.add(written.span(), message);
     }
     let of_axle = context.elastic_axle().map(|own| &own.parts.wheels[..]);
@@ -257,7 +258,8 @@ fn length(
     {
         let unit = suspension.length_unit.symbol();
         let message = format!(
-            "the lowest limit leaves no length: {name} is {drawn:.1} {unit} long in the design"
+            "the lowest limit makes the length 0 or negative: {name} is {drawn:.1} {unit} long in \
+             the design"
         );
         problems.add(limits.span(), message);
     }

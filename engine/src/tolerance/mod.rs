@@ -125,7 +125,7 @@ impl<'a> Problem<'a> {
         let banded = |band: &Band| {
             let same = |c: &Characteristic| Some(*c) == band.of.as_characteristic();
             let output = characteristics.iter().position(same);
-            let output = output.expect("every band's characteristic is looked at");
+            let output = output.expect("every band's characteristic is computed");
             let places: Vec<usize> = match band.at {
                 Some(at) => stations.at(at).into_iter().collect(),
                 None => stations.of_motion().collect(),

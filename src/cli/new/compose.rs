@@ -52,7 +52,10 @@ pub(super) fn study(topology: &Topology, parts: &[Part]) -> Result<String, Strin
         text: format!("#:schema ./hardpoint.schema.json\n{template}"),
     };
     if composed.has(Part::Axle) && topology.carries_both_wheels() {
-        return Err(format!("{} is an axle without this part", topology.name));
+        return Err(format!(
+            "{} is already an axle: leave axle out of --with",
+            topology.name
+        ));
     }
     composed.add_lateral_linkage()?;
     composed.add_drag_link()?;
@@ -86,7 +89,9 @@ pub(super) fn study(topology: &Topology, parts: &[Part]) -> Result<String, Strin
                 (Part::DragLink, "that is steered"),
             ];
             match rigid.into_iter().find(|(part, _)| composed.has(*part)) {
-                Some((_, words)) => Err(format!("a solid axle {words} has no elastic parts yet")),
+                Some((_, words)) => Err(format!(
+                    "elastic parts are not yet available for a solid axle {words}"
+                )),
                 None => Ok(with_links(&composed.text)),
             }
         }
@@ -187,7 +192,7 @@ impl Composed<'_> {
         }
         if self.has(Part::AntiRollBar) {
             let places = fitting.anti_roll_bar.ok_or_else(|| {
-                format!("{name} has no anti-roll bar of its own: add its rate to torsional_rate")
+                format!("{name} has no separate anti-roll bar: add its rate to torsional_rate")
             })?;
             let output = "anti_roll_bar_angle";
             self.text = with_points(&self.text, ANTI_ROLL_BAR, &places, carrier, output);

@@ -52,7 +52,10 @@ fn decimal_commas_are_read_where_they_are_certain() {
         [1.25, 0.5, 0.0]
     );
     assert!(refusal("name;x;y;z\na;120,5;360.25;1\n").contains("commas and points are mixed"));
-    assert!(refusal("name;x;y;z\na;1,250;360;1\n").contains("may be a decimal or a thousand"));
+    assert!(
+        refusal("name;x;y;z\na;1,250;360;1\n")
+            .contains("may be a decimal sign or separate thousands")
+    );
 }
 
 #[test]

@@ -183,7 +183,7 @@ impl Archive {
         encoder
             .write_all(text.as_bytes())
             .expect("memory takes everything");
-        let packed = encoder.finish().expect("memory takes everything");
+        let packed = encoder.finish().expect("writing to memory does not fail");
         let offset = self.bytes.len() as u32;
         // Version 2.0, no flags, deflated, and the earliest time of the format.
         let mut common = Vec::new();

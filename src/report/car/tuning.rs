@@ -124,7 +124,7 @@ impl CarResults<'_> {
                 let unit = target.of.unit.suffix(length);
                 records.push(CarTargetRecord {
                     output: format!("{}_rms_deviation_{unit}", target.name(length)),
-                    case: format!("{name} axle by itself"),
+                    case: format!("{name} axle alone"),
                     wanted: [None, Some(tolerance)],
                     tolerance,
                     values: rms.map(|rms| Some(rms? * tolerance)),
@@ -169,7 +169,7 @@ impl CarResults<'_> {
                 };
                 records.push(CarConstraintRecord {
                     name: own.name.clone(),
-                    place: format!("{name} axle by itself"),
+                    place: format!("{name} axle alone"),
                     limits: [None; 2],
                     unit: own
                         .parts

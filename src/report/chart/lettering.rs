@@ -83,7 +83,7 @@ impl Lettering {
     /// Lettering with outlines.
     pub(in crate::report) fn outlines() -> Self {
         let font = Font::new(dejavu::sans::regular());
-        Lettering::Outlines(font.expect("the crate carries a font"))
+        Lettering::Outlines(font.expect("the crate contains a font"))
     }
 
     /// Writes words to a picture.

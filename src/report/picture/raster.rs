@@ -17,5 +17,7 @@ pub(super) fn png(svg: &str) -> Vec<u8> {
     let mut pixels = Pixmap::new(size.width(), size.height()).expect("a few megabytes of memory");
     let scale = Transform::from_scale(SCALE, SCALE);
     resvg::render(&tree, scale, &mut pixels.as_mut());
-    pixels.encode_png().expect("memory takes everything")
+    pixels
+        .encode_png()
+        .expect("writing to memory does not fail")
 }

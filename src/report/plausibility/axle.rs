@@ -23,7 +23,8 @@ pub fn both_wheels_plausibility(
     if let Some(own) = &axle.right {
         let of_right = plausibility(own).map_err(|fault| (Side::Right, fault))?;
         let new: Vec<_> = of_right.iter().filter(|d| !found.contains(d)).collect();
-        let named = |doubt: &&String| doubt.replacen("doubtful: ", "doubtful: right wheel: ", 1);
+        let named =
+            |doubt: &&String| doubt.replacen("please check: ", "please check: right wheel: ", 1);
         found.extend(new.iter().map(named).collect::<Vec<_>>());
         found.extend(across(&axle.left, own));
     }
@@ -46,7 +47,7 @@ fn soft_spring(axle: &Axle) -> Option<String> {
     let is_soft = axle.left.length_unit == LengthUnit::Inch && *rate < LEAST;
     is_soft.then(|| {
         format!(
-            "doubtful: the rate of [spring] is {rate} N/in. For rates in lbf/in give force_unit = \"lbf\" in [suspension]"
+            "please check: the rate of [spring] is {rate} N/in. For rates in lbf/in give force_unit = \"lbf\" in [suspension]"
         )
     })
 }
@@ -62,7 +63,7 @@ pub fn axle_plausibility(
     if turns_against {
         let c_factor = axle.setup.c_factor.unwrap_or(0.0) * axle.left.frame.sign(Axis::Y);
         remarks.push(format!(
-            "doubtful: with c_factor = {c_factor} the wheels turn against the steering wheel; behind the \
+            "please check: with c_factor = {c_factor} the wheels turn against the steering wheel; behind the \
              wheel centres a rack moves to the right in a left turn"
         ));
     }
@@ -116,7 +117,7 @@ fn beyond_curve(axle: &Axle, beyond: &BeyondCurve) -> String {
         ForcePart::BumpStop => ("bump stop", format!("compressed by {value} {unit}")),
     };
     format!(
-        "doubtful: {side} wheel at travel {travel} {unit}: the {part} is {is}, beyond the end of its force_curve at \
+        "please check: {side} wheel at travel {travel} {unit}: the {part} is {is}, beyond the end of its force_curve at \
          {end} {unit}. There its force follows the straight line through that end. Add points to the curve"
     )
 }
@@ -139,7 +140,7 @@ fn across(left: &Suspension, right: &Suspension) -> Option<String> {
     let names: Vec<&str> = across.map(|(_, (point, _))| point.name.as_str()).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "doubtful: right wheel: {} at the left wheel's side: points of [axle.right.hardpoints] have their true y",
+            "please check: right wheel: {} at the left wheel's side: points of [axle.right.hardpoints] have their true y",
             match names.as_slice() {
                 [one] => format!("{one} is"),
                 _ => format!("{} are", names.join(", ")),

@@ -248,7 +248,7 @@ fn an_import_says_what_it_did_and_keeps_its_input() {
     for expected in [
         "upper_ball_joint",
         "\"Joint 7\", line",
-        "See it: hardpoint studio",
+        "To view it: hardpoint studio",
     ] {
         assert!(said.contains(expected), "{expected}: {said}");
     }

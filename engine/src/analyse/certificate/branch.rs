@@ -127,7 +127,7 @@ impl Solver<'_> {
             let middle = self
                 .follow(&from.place, &between)
                 .map_err(|_| Unproven::Branch)?;
-            let top = goals.last_mut().expect("looked at above");
+            let top = goals.last_mut().expect("checked above");
             top.1 += 1;
             let depth = top.1;
             // If an end itself is not proved, a shorter step to it cannot prove it.

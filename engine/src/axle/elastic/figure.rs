@@ -83,7 +83,7 @@ impl TestFigure {
         Info {
             name: self.quantity,
             unit: self.unit,
-            positive: "as docs/compliance.md says",
+            positive: "as in docs/compliance.md",
             formula: "derivative of an equilibrium by the load or motion of a test",
             source: "a rig test of kinematics and compliance",
             ..Info::EMPTY

@@ -34,8 +34,8 @@ pub fn not_in_equilibrium(
     use AxleQuantity as A;
     use WheelQuantity as W;
     const REMOVE: &str =
-        "with [compliance] ask a figure of a test; without [compliance] the mechanism is rigid";
-    let rigid = Some(["applies to the rigid mechanism alone", REMOVE]);
+        "with [compliance] use a figure of a test; without [compliance] the mechanism is rigid";
+    let rigid = Some(["applies to the rigid mechanism only", REMOVE]);
     let once = if is_derivative {
         Some([
             "has no derivative along a motion with [compliance]",

@@ -146,7 +146,7 @@ impl<B: SimdReal, P: LanePose<B>> PoseInLanes<'_, '_, '_, B, P> {
     fn beyond_the_knuckle(&self) -> &Configuration<'_, B> {
         match self.configuration {
             Some(configuration) => configuration,
-            None => unreachable!("a part that nobody has asked for"),
+            None => unreachable!("a part that was not requested"),
         }
     }
 
@@ -222,7 +222,7 @@ impl<B: SimdReal, P: LanePose<B>> PoseReader<B> for PoseInLanes<'_, '_, '_, B, P
     #[inline(always)]
     fn rocker_angle(&mut self, id: RockerId) -> Moving<B> {
         let (at, Some(rates)) = (self.beyond_the_knuckle(), self.rates) else {
-            unreachable!("rockers take velocities")
+            unreachable!("rockers need velocities")
         };
         let angle = at.moving_rocker(id, &rates.twist());
         self.require_leverage(angle.leverage_squared);

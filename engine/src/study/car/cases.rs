@@ -88,7 +88,7 @@ impl Resolver<'_> {
             if let Some(rack) = moved
                 && !car.axles[axle].left.mechanism.is_steered()
             {
-                let message = format!("nothing steers the {} axle", crate::car::AXLE_NAMES[axle]);
+                let message = format!("the {} axle is not steered", crate::car::AXLE_NAMES[axle]);
                 return self.problems.refuse(rack.span.clone(), message);
             }
         }
@@ -180,7 +180,7 @@ impl Resolver<'_> {
                 let message = format!("this case needs {key} in [car]");
                 let error = self.problems.add(place, message);
                 error.help(
-                    "drag and the drag of steered tyres take longitudinal force also at ax = 0",
+                    "drag and the drag of steered tyres need longitudinal force also at ax = 0",
                 );
                 None
             }

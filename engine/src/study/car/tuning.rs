@@ -132,7 +132,8 @@ impl Resolver<'_> {
                 Some(Place::Axle(end))
             }
             _ => {
-                let message = "expected case (a load case) or axle (front or rear, by itself), and only one of them";
+                let message = "expected case (a load case) or axle (front or rear alone), and \
+                               only one of them";
                 self.problems.refuse(place, message)
             }
         }
@@ -150,7 +151,7 @@ impl Resolver<'_> {
             None => Some(()),
             Some((key, place)) => {
                 let message = format!(
-                    "{key} is for an axle by itself (axle = \"front\" or \"rear\"), not for a case"
+                    "{key} is for a single axle (axle = \"front\" or \"rear\"), not for a case"
                 );
                 self.problems.refuse(place, message)
             }

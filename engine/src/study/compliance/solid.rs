@@ -47,7 +47,7 @@ pub(super) fn refuse_single_rates(
     let found: Vec<&Text> = names.filter(once).collect();
     for name in &found {
         let message = format!(
-            "the axle has {} once: expected its rates in [bushings] or [links] alone",
+            "the axle has only one {}: expected its rates in [bushings] or [links] only",
             name.get_ref()
         );
         problems.add(name.span(), message);

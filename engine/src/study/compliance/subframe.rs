@@ -181,7 +181,8 @@ pub(super) fn check_reach(
             .any(|part| part.member == LinkMember::RockerRod(id))
     };
     if rocker.is_some_and(stretches) {
-        let message = "the drop link stands on a rocker whose rod stretches, which is not available; leave the rod out of [links]";
+        let message = "a drop link on a rocker whose rod is elastic is not available; leave the \
+                       rod out of [links]";
         return problems.refuse(section.span(), message);
     }
     let holders = [

@@ -28,7 +28,7 @@ impl Reader<'_> {
                 };
                 if written.at_least.is_some() || written.at_most.is_some() {
                     let message =
-                        "between says both limits; expected it alone, or at_least and at_most";
+                        "between gives both limits; expected it alone, or at_least and at_most";
                     return problems.refuse(between.span(), message);
                 }
                 [Some(low.value), Some(high.value)]

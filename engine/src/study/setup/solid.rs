@@ -68,7 +68,8 @@ fn holds_no_spring(
     if spring.is_none_or(|spring| id != spring.upper && id != spring.lower) {
         return Some(());
     }
-    let message = "the seats of a solid axle's springs cannot be adjusted yet; ride_height_change states the height at which the car stands";
+    let message = "the seats of a solid axle's springs cannot be adjusted yet; ride_height_change \
+                   gives the change of the ride height";
     problems.refuse(written.span(), message)
 }
 
@@ -115,11 +116,12 @@ fn no_static_value(quantity: Quantity) -> Option<&'static str> {
         .any(|need| sprung.contains(need))
     {
         return Some(
-            "contains the forces of springs or bars, and a set-up is one of geometry; leave it out",
+            "contains the forces of springs or bars, and a set-up depends on geometry only; leave \
+             it out",
         );
     }
     let is_zero = [AxleQuantity::TrackChange, AxleQuantity::RollAngle]
         .each(Quantity::Axle)
         .contains(&quantity);
-    is_zero.then_some("is 0 at rest, whatever is adjusted; leave it out")
+    is_zero.then_some("is always 0 in the static position; leave it out")
 }

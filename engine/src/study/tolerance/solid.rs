@@ -22,7 +22,7 @@ pub(super) fn is_single(
         return Some(false);
     };
     if kinds.any(|kind| kind != first) {
-        let message = "a jig holds points of one half of the axle, or points that the axle has once, not both";
+        let message = "a jig holds points of one half of the axle, or unpaired points, not both";
         return problems.refuse(place, message);
     }
     Some(first)

@@ -38,7 +38,7 @@ pub(super) fn of_corner<'s>(
             let station = stations.at(wanted.drive);
             SweptWish {
                 quantity,
-                station: station.expect("a station for each drive value"),
+                station: station.expect("each drive value has a station"),
                 wanted: *wanted,
             }
         };
@@ -99,7 +99,7 @@ pub(super) fn of_elastic<'s>(
             quantity: quantity.expect("the plan has the targets' quantities"),
             station: stations
                 .at(wanted.drive)
-                .expect("a station for each drive value"),
+                .expect("each drive value has a station"),
             wanted: *wanted,
         }
     };
@@ -141,7 +141,7 @@ pub(super) fn of_axle<'s>(
     for (slope, gain) in stations.gains.iter().enumerate() {
         let same = |q: &crate::axle::Quantity| Some(*q) == gain.quantity();
         let of = stations.quantities.iter().position(same);
-        gains[of.expect("a gain of what is read")].push(Gain {
+        gains[of.expect("a gain of an output that is read")].push(Gain {
             column: gain.name.clone(),
             unit: gain.unit.clone(),
             factor: gain.factor,

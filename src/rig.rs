@@ -144,7 +144,8 @@ fn check_rigid(suspension: &Suspension) -> Result<(), String> {
     let holds_twice = |c: &Constraint| mechanism.arm_under(c).is_some();
     if mechanism.constraints.iter().any(holds_twice) {
         return Err(format!(
-            "`hardpoint kc` is not available for {}: its lower arm holds the wheel carrier at two points. `hardpoint solve` has its curves",
+            "`hardpoint kc` is not available for {}: its lower arm is joined to the wheel carrier \
+             at two points. `hardpoint solve` computes its curves",
             mechanism.topology.name
         ));
     }
@@ -160,7 +161,8 @@ fn check_rigid(suspension: &Suspension) -> Result<(), String> {
 fn rigid_axle(study: &AxleStudy) -> Result<AxleComplianceStudy, String> {
     if study.axle.is_rigid() {
         return Err(
-            "`hardpoint kc` of a solid axle needs links that stretch: expected [compliance], and axial_stiffness in [links.NAME]"
+            "`hardpoint kc` of a solid axle needs elastic links: expected [compliance], and \
+             axial_stiffness in [links.NAME]"
                 .to_owned(),
         );
     }

@@ -136,7 +136,7 @@ impl Comparison {
         let rows = motion.common_rows(&tables);
         if rows.is_empty() {
             return Err(format!(
-                "the results share no value of {}: run their studies over the same motion",
+                "the results have no common value of {}: run their studies over the same motion",
                 motion.columns.join(", ")
             ));
         }
@@ -166,7 +166,7 @@ impl Comparison {
                 continue;
             }
             let values = tables.iter().enumerate().map(|(design, table)| {
-                let column = table.column(name).expect("all have it");
+                let column = table.column(name).expect("all designs have it");
                 rows.iter().map(|rows| column[rows[design]]).collect()
             });
             outputs.push(ComparedOutput {
@@ -177,7 +177,7 @@ impl Comparison {
             });
         }
         if outputs.is_empty() {
-            return Err("they share no output".to_owned());
+            return Err("they have no common output".to_owned());
         }
         let own_stations: Vec<_> = tables.iter().map(|table| motion.places(table)).collect();
         let stations = rows.iter().map(|rows| own_stations[0][rows[0]].clone());

@@ -201,10 +201,14 @@ impl ToleranceSummary {
             .collect();
         if let Some(first) = self.first_incomplete {
             lines.push(format!(
-                "{} {} no pose somewhere in the motion, build {first} the first; there {} no values",
+                "{} {} no pose somewhere in the motion, first build {first}; there {} no values",
                 counted(self.incomplete, "build"),
                 if self.incomplete == 1 { "has" } else { "have" },
-                if self.incomplete == 1 { "it has" } else { "they have" }
+                if self.incomplete == 1 {
+                    "it has"
+                } else {
+                    "they have"
+                }
             ));
         }
         lines
@@ -316,7 +320,7 @@ impl ToleranceSummary {
     /// Table of the contributors: the tolerances to tighten, and those that can be relaxed.
     pub fn ranking_table(&self) -> Table {
         let yields = ["yield halved", "yield doubled"].map(Column::from);
-        let relaxed = Column::named("can be relaxed", "may be looser");
+        let relaxed = Column::named("can be relaxed", "may be relaxed");
         let shares = [
             Column::for_readers("largest share"),
             Column::for_programs("share"),

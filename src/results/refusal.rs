@@ -84,8 +84,8 @@ pub enum Refusal {
     },
     /// The record of the runs in the directory cannot be read.
     #[error(
-        "hardpoint did not write {file} in this form ({reason}), so the files beside it are unknown: \
-         give another directory with --out, or write there with --force"
+        "hardpoint did not write {file} in this form ({reason}), so the other files there are \
+         unknown: give another directory with --out, or write there with --force"
     )]
     Unreadable {
         /// Path of the record.

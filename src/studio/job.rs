@@ -26,7 +26,8 @@ fn panicked(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
     format!(
-        "the tuning failed by a fault of the program ({}); the study is unchanged, please report it",
+        "the tuning failed because of an error in the program ({}); the study is unchanged, \
+         please report it",
         text.unwrap_or("no message")
     )
 }
@@ -46,7 +47,8 @@ pub(super) fn counted_from_file(
     let is_together = |by: &f64| (by - first).abs() <= 1e-9 * (high - low);
     if !moved.iter().all(is_together) {
         let remark = format!(
-            "{name}: its points were moved apart, so its range counts from their present places"
+            "{name}: its points were moved differently, so its range is relative to their present \
+             positions"
         );
         return ([low, high], Some(remark));
     }
@@ -54,7 +56,8 @@ pub(super) fn counted_from_file(
     let outside = (low - first).max(first - high);
     let remark = (outside > 1e-9 * (high - low)).then(|| {
         format!(
-            "{name} is {} outside of its range in the file, {} to {}: the tuning used a range widened to the present place",
+            "{name} is {} outside of its range in the file, {} to {}: the tuning used a range \
+             extended to the present position",
             brief(outside),
             brief(low),
             brief(high)
@@ -167,14 +170,14 @@ impl Job {
 
     fn run(&self, study: &Study, text: &str, remarks: Vec<String>) -> Result<Proposal, String> {
         let suspension = study.wheel();
-        let optimise = study.optimise.as_ref().expect("it was asked for");
+        let optimise = study.optimise.as_ref().expect("the tuning was requested");
         let fault = |fault: crate::mechanism::DesignFault| fault.describe(&suspension.mechanism);
         let tuning = self.controlled(|control| tune(&study.vehicle, optimise, control));
         let tuning = tuning.map_err(fault)?;
         let Some(best) = &tuning.best else {
             let first = tuning.starts.starts.first();
             let why = first.and_then(|start| start.outcome.as_ref().err());
-            return Err(why.map_or("no start came to an end".to_owned(), |w| w.to_string()));
+            return Err(why.map_or("no start was completed".to_owned(), |w| w.to_string()));
         };
         let mut summary = TuningSummary::of(study, optimise, &tuning, None);
         let tuned = study.moved(&best.offsets);

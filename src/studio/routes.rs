@@ -116,7 +116,8 @@ impl ServerState {
         }
         let Some(rest) = self.access.rest(&head.path) else {
             return refused(
-                "the token in the address is missing, or belongs to a server that has ended",
+                "the token in the address is missing, or belongs to a server that is no longer \
+                 running",
             );
         };
         match head.method.as_str() {
@@ -178,7 +179,7 @@ impl ServerState {
         let texts = locked(&self.texts);
         let found = texts.iter().rev().find(|text| text.digest() == digest);
         found.cloned().ok_or_else(|| {
-            let why = "the server has not read this text of the study: reload the page";
+            let why = "the server has another version of the study: reload the page";
             (409, why.to_owned())
         })
     }
@@ -277,7 +278,7 @@ impl ServerState {
         if job.as_ref().is_some_and(|job| job.is_running()) {
             return Err((
                 409,
-                "another tuning is under way, perhaps in another tab".into(),
+                "another tuning is running, perhaps in another tab".into(),
             ));
         }
         let number = job.as_ref().map_or(1, |job| job.number() + 1);

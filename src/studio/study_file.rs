@@ -199,7 +199,7 @@ impl StudyFile {
             let merged = moved_in(wheels, design).map_err(NotSaved::Refused)?;
             edited(&now.study, &now.text, &merged)
         } else {
-            let message = format!("{} has been changed since it was opened", self.name());
+            let message = format!("{} has changed since it was opened", self.name());
             return Err(NotSaved::Changed(message));
         };
         let edited = self.understood(&self.path, edited)?;
@@ -221,7 +221,9 @@ impl StudyFile {
         let path = new_path(&self.path, name)?;
         // On some file systems, several spellings of a name denote the same file.
         if fs::canonicalize(&path).is_ok_and(|other| other == self.path) {
-            return Err(NotSaved::Refused("that is the study itself".to_owned()));
+            return Err(NotSaved::Refused(
+                "this is the name of the study itself".to_owned(),
+            ));
         }
         let edited = edited(&opened.study, &opened.text, design);
         let edited = self.understood(&path, edited)?;
@@ -238,7 +240,7 @@ impl StudyFile {
 /// Message that refuses to save a text which no command could read.
 pub(super) fn not_understood(errors: &StudyErrors) -> NotSaved {
     NotSaved::Refused(format!(
-        "a study with these points is refused, nothing is written:\n{}",
+        "a study with these points is invalid, and nothing is written:\n{}",
         errors.render(false)
     ))
 }
@@ -392,7 +394,7 @@ pub(super) fn moved_in(
     design: &[Vector3<f64>],
 ) -> Result<Vec<Vector3<f64>>, String> {
     if from.frame != to.frame || from.length_unit != to.length_unit {
-        return Err("the file now has other axes or another unit: reload it".to_owned());
+        return Err("the file now has different axes or another unit: reload it".to_owned());
     }
     let mut merged = to.design.clone();
     for (number, point) in from.mechanism.points.iter().enumerate() {
@@ -424,7 +426,9 @@ pub(super) fn check_name(name: &str) -> Result<(), String> {
         return Err("expected a name that ends in .toml, as in mine.toml".to_owned());
     }
     if !is_name || !name.chars().all(is_plain) || name.len() > 200 {
-        return Err("expected the name of a file beside the study, without a folder".to_owned());
+        return Err(
+            "expected the name of a file in the folder of the study, without a folder".to_owned(),
+        );
     }
     if !is_printable(name) {
         return Err(

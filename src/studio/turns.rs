@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Reason in the answer to a request that was stopped. The page has dropped the request by then.
-pub(super) const STOPPED: &str = "a later request of the page has stopped this one";
+pub(super) const STOPPED: &str = "a later request of the page has replaced this request";
 
 /// Running request of each page: its number, and the flag that stops it.
 #[derive(Default)]

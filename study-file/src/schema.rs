@@ -104,7 +104,7 @@ fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
         false
     };
     let comes_through = settle();
-    debug_assert!(comes_through, "the reader's types can be read from nothing");
+    debug_assert!(comes_through, "the types of the reader have a schema");
     // At each place that accepts any kind, all other kinds are offered, until nothing new appears.
     let mut tried = BTreeSet::new();
     loop {

@@ -755,7 +755,7 @@ fn a_set_up_out_of_reach_names_the_wish() {
     let output = assert.get_output();
     let (said, error) = (text(&output.stdout), text(&output.stderr));
     assert!(
-        error.contains("cannot be met: camber_deg ends at ")
+        error.contains("cannot be reached: camber_deg ends at ")
             && error.contains(", not -90.3")
             && !error.contains("toe_deg"),
         "{error}"

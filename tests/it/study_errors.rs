@@ -535,15 +535,15 @@ fn overrides_that_do_not_fit() {
     fs::write(&path, GOOD).unwrap();
     for (set, phrase) in [
         ("motion.rack", "expected path=value"),
-        ("motion..rack=1", "is no path"),
+        ("motion..rack=1", "is not a path"),
         ("motion.rack.x=1", "is not a table"),
         (
             "optimise.variables.5.axis=\"x\"",
-            "the list has 2 elements, so there is none at 5",
+            "the list has 2 elements and none at 5",
         ),
         (
             "optimise.variables.first.axis=\"x\"",
-            "\"first\" is no place in a list of 2",
+            "\"first\" is not a position in a list of 2",
         ),
         ("motion.rack=fast", "study.toml (with --set)"),
         ("motion.rack=fast", "found the text \"fast\""),

@@ -45,7 +45,8 @@ impl KcComparison {
                 comparison.keys = sheet.keys;
             } else if sheet.keys != comparison.keys {
                 return Err(format!(
-                    "{label} and {} have different columns: one of a wheel and one of an axle, or different units of length",
+                    "{label} and {} have different columns: one is of a wheel and one of an axle, \
+                     or their units of length differ",
                     comparison.labels[0]
                 ));
             }

@@ -68,10 +68,14 @@ fn what_cannot_be_compared_says_why() {
     let other = "travel_mm,camber_deg,status\n1,1.0,ok\n";
     let mm = LengthUnit::Millimetre;
     let refused = Comparison::of(&[design("a", mm, table), design("b", mm, other)]);
-    assert!(refused.unwrap_err().contains("share no value of travel_mm"));
+    assert!(
+        refused
+            .unwrap_err()
+            .contains("have no common value of travel_mm")
+    );
     let third = "travel_mm,toe_deg,status\n0,1.0,ok\n";
     let refused = Comparison::of(&[design("a", mm, table), design("b", mm, third)]);
-    assert!(refused.unwrap_err().contains("share no output"));
+    assert!(refused.unwrap_err().contains("have no common output"));
 }
 
 #[test]

@@ -78,7 +78,7 @@ pub(super) fn prices_chart(prices: &[PriceRecord], charts: &mut Charts) -> Strin
     });
     let columns = ["moved", "misfit"];
     let all = Line {
-        told: "least misfit".to_owned(),
+        told: "smallest misfit".to_owned(),
         is_main: true,
         has_dots: true,
         ..line(table, columns, (0..prices.len()).collect(), "main strong")

@@ -63,8 +63,7 @@ pub fn axle_plausibility(
     if turns_against {
         let c_factor = axle.setup.c_factor.unwrap_or(0.0) * axle.left.frame.sign(Axis::Y);
         remarks.push(format!(
-            "please check: with c_factor = {c_factor} the wheels turn against the steering wheel; behind the \
-             wheel centres a rack moves to the right in a left turn"
+            "please check: with c_factor = {c_factor} the wheels turn in the opposite direction to the steering wheel; a rack behind the wheel centres moves to the right in a left turn"
         ));
     }
     remarks.extend(lifted(plan, found));
@@ -99,7 +98,8 @@ fn lifted(plan: &AxlePlan, found: &AxleCurves) -> Option<String> {
     let side = side.name();
     (load < 0.0).then(|| {
         format!(
-            "warning: the load of the {side} wheel falls to {} {} at {}: there it would lift off the ground",
+            "warning: the load of the {side} wheel falls to {} {} at {}: the wheel would lift off \
+             the ground there",
             shortest(load.round()),
             curves.columns[column].unit,
             place_in_words(curves, station)
@@ -118,7 +118,7 @@ fn beyond_curve(axle: &Axle, beyond: &BeyondCurve) -> String {
     };
     format!(
         "please check: {side} wheel at travel {travel} {unit}: the {part} is {is}, beyond the end of its force_curve at \
-         {end} {unit}. There its force follows the straight line through that end. Add points to the curve"
+         {end} {unit}. Beyond this end the force follows a straight line. Add points to the curve"
     )
 }
 
@@ -140,7 +140,7 @@ fn across(left: &Suspension, right: &Suspension) -> Option<String> {
     let names: Vec<&str> = across.map(|(_, (point, _))| point.name.as_str()).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "please check: right wheel: {} at the left wheel's side: points of [axle.right.hardpoints] have their true y",
+            "please check: right wheel: {} at the left wheel's side: points of [axle.right.hardpoints] have their actual y",
             match names.as_slice() {
                 [one] => format!("{one} is"),
                 _ => format!("{} are", names.join(", ")),

@@ -147,7 +147,7 @@ impl SweepDirectory {
         ]
         .map(|name| self.path.join(name));
         let wrong = |path: &Path, reason: &str| {
-            let what = "remove the part's files and `hardpoint sweep` makes them again";
+            let what = "remove the part's files and `hardpoint sweep` computes them again";
             NotARun::at(path, format!("{reason}; {what}"))
         };
         let bytes = std::fs::read(&statistics).map_err(|e| wrong(&statistics, &e.to_string()))?;

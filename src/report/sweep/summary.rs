@@ -291,8 +291,8 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
     });
     if drawn < designs {
         notes.push(format!(
-            "Means, standard deviations and changes refer to the {count} designs that were sampled independently; the \
-             other {} serve the indices.",
+            "Means, standard deviations and changes refer to the {count} designs that were \
+             sampled independently; the other {} are used for the indices.",
             designs - drawn
         ));
     }
@@ -304,7 +304,7 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
         let without = if names.is_empty() {
             String::new()
         } else {
-            format!("; it would be known without {}", names.join(", "))
+            format!("; they would be known without {}", names.join(", "))
         };
         notes.push(format!(
             "Main effects are not known: they need designs that have every output, and none has{without}."

@@ -126,7 +126,8 @@ impl CarFiles {
         if self.0[1] == self.0[2] && after[1] != after[2] {
             let name = name_of(&self.0[1]);
             return Err(NotSaved::Refused(format!(
-                "both axles of the car are the file {name}, and their changes differ: copy it and name the copy in [car]"
+                "both axles of the car use the file {name}, but their changes differ: copy the \
+                 file and give the copy in [car]"
             )));
         }
         let understood = self.understood(&after)?;

@@ -144,7 +144,7 @@ impl Reading for OpenedCar {
     }
 
     fn directions(&self, _: &Designed) -> Result<DirectionsAnswer, String> {
-        Err("free directions are for one axle: open its study".to_owned())
+        Err("free directions are available for one axle: open its study".to_owned())
     }
 
     fn limits(&self, of: &Designed) -> Result<LimitsAnswer, String> {
@@ -169,7 +169,7 @@ impl Reading for OpenedCar {
     }
 
     fn drawing(&self, _: &Designed) -> Result<Vec<u8>, String> {
-        Err("drawings for CAD are for one axle: open its study".to_owned())
+        Err("drawings for CAD are available for one axle: open its study".to_owned())
     }
 
     fn report(&self, of: &Designed) -> Result<String, String> {

@@ -73,7 +73,7 @@ fn run(
     );
     let mut outcome = vec![fit.ended()];
     if !fit.is_feasible() {
-        outcome.push("Not every constraint can be kept within the ranges.".to_owned());
+        outcome.push("Not every constraint can be satisfied within the ranges.".to_owned());
     }
     Ok(Proposal {
         design: coordinates(&after),

@@ -65,7 +65,7 @@ pub(super) enum Refusal {
 
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("not what was expected")
+        f.write_str("not as expected")
     }
 }
 
@@ -254,7 +254,7 @@ impl<'de> Deserializer<'de> for Source<'_> {
                 let element = self.at(format!("{path}[]"));
                 visitor.visit_seq(One(Some(element)))
             }
-            _ => visitor.visit_map(self.keys(keys.as_deref().unwrap_or(&["a key nobody has"]))),
+            _ => visitor.visit_map(self.keys(keys.as_deref().unwrap_or(&["an unknown key"]))),
         };
         let mut notes = notes.borrow_mut();
         match &read {

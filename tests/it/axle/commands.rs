@@ -524,7 +524,7 @@ fn what_an_axle_lacks_is_said_with_the_wheel() {
     let few = "outputs.characteristics=[\"camber\", \"ackermann\"]";
     let found = swept(&[few, "motion={ heave = [0.0, 10.0] }"]);
     let why = "Main effects are not known: they need designs that have every output, and none has; \
-               it would be known without ackermann.";
+               they would be known without ackermann.";
     assert!(found.contains(why), "{found}");
 }
 
@@ -669,7 +669,7 @@ fn mistakes_in_targets_of_an_axle_are_named() {
 fn a_c_factor_of_the_wrong_sign_is_doubted() {
     let path = study("macpherson_axle.toml");
     let path = path.to_str().unwrap();
-    let doubt = "turn against the steering wheel";
+    let doubt = "turn in the opposite direction to the steering wheel";
     let (said, _) = run(&["check", path], 0);
     assert!(!said.contains(doubt), "{said}");
     let (said, _) = run(&["check", path, "--set", "steering.c_factor=52.0"], 0);

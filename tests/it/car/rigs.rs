@@ -209,7 +209,11 @@ fn mistakes_of_places_are_named() {
             "factors = [1.0]",
             "expected 2 factors",
         ),
-        ("percent = 40.0", "relative = 0.4", "relative is percent"),
+        (
+            "percent = 40.0",
+            "relative = 0.4",
+            "has percent instead of relative",
+        ),
     ] {
         let path = car(directory.path(), &BUMP_STEER.replacen(from, to, 1));
         let errors = CarStudy::read(&path, &[]).unwrap_err();

@@ -230,7 +230,7 @@ fn mistakes_of_elastic_axles_are_named() {
         (
             "{ load = \"roll\" },",
             "{ load = \"roll\" }, { load = \"roll\" },",
-            "this test is there already",
+            "this test already exists",
         ),
         (
             "mode = \"single\"",

@@ -29,7 +29,7 @@ impl<'s> Checked<'s> {
         })
     }
 
-    /// Doubts about the design, and remarks on its curves, one per line.
+    /// Warnings about the design, and remarks on its curves, one per line.
     pub fn remarks(&self, study: &Study) -> Vec<String> {
         let mut remarks = self.plausibility.clone();
         remarks.extend(variable_plausibility(study));

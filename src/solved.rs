@@ -123,7 +123,7 @@ impl<'s> Solved<'s> {
         self.curves.are_complete()
     }
 
-    /// Doubts about the design, one per line.
+    /// Warnings about the design, one per line.
     pub fn plausibility(&self) -> Result<Vec<String>, String> {
         let wheel = self.study.wheel();
         let mut found = match &self.plan {

@@ -185,7 +185,7 @@ fn say_design(out: &mut Printer, study: &Study, elastic: &ComplianceStudy) -> Re
     Ok(true)
 }
 
-/// Doubts about elastic parts, one per line.
+/// Warnings about elastic parts, one per line.
 fn doubts(study: &Study, parts: &Compliance) -> Vec<String> {
     let mechanism = &study.wheel().mechanism;
     let mut doubts = Vec::new();

@@ -12,7 +12,7 @@ use crate::sweep::SweepPlan;
 const MOST_DESIGNS: usize = 16;
 /// Largest number of stations of each design.
 const MOST_STATIONS: usize = 45;
-/// Largest number of rack displacements among them.
+/// Largest number of rack displacements among these stations.
 const MOST_RACKS: usize = 3;
 
 impl DrawnDesigns {

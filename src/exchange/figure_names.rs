@@ -4,7 +4,7 @@ use super::names::{Words, cut, end_of, marks_of};
 use super::table::Marks;
 use crate::model::{AxlePosition, LengthUnit};
 
-/// Values that a file may give beside hardpoints.
+/// Values that a file may give in addition to hardpoints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FigureKind {
     /// Camber in the design position.

@@ -30,7 +30,7 @@ pub(super) fn bar_axis(named: &[Named<'_>], corner: Corner, picked: &mut Vec<Pic
     let outer = picked
         .iter()
         .find(|p| p.hardpoint.name == "anti_roll_bar_outer");
-    let outer = outer.expect("the value is present").clone();
+    let outer = outer.expect("anti_roll_bar_outer is present").clone();
     picked.push(Picked {
         hardpoint: Hardpoint {
             name: "anti_roll_bar_inner",

@@ -35,7 +35,7 @@ pub(super) struct NamedPoint {
     pub name: String,
     /// Part of the name that carries its meaning.
     pub read_as: String,
-    /// Wheel and axle, if the file gives them beside the name.
+    /// Wheel and axle, if the file gives them with the name.
     pub marks: Marks,
     /// True if the point applies to the left wheel and, mirrored, to the right wheel.
     pub mirrored: bool,
@@ -56,9 +56,9 @@ pub(super) struct Figure {
     pub read_as: String,
     /// Value of the number.
     pub value: f64,
-    /// Wheel and axle, if the file gives them beside the name.
+    /// Wheel and axle, if the file gives them with the name.
     pub marks: Marks,
-    /// Remark in the file beside the number.
+    /// Remark in the file after the number.
     pub remark: String,
     /// Place in the file.
     pub place: String,

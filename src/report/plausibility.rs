@@ -36,7 +36,7 @@ const REACH: [f64; 2] = [0.05, 4.0];
 /// Largest plausible deviation of a wheel from half the track, as a fraction of it.
 const OFF_TRACK: f64 = 0.1;
 
-/// Doubts about a suspension in its design position, one line each.
+/// Warnings about a suspension in its design position, one line each.
 pub fn plausibility(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
     let mut remarks = PlausibilityRemarks {
         suspension,
@@ -397,7 +397,7 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Doubts about camber, toe and motion ratio.
+    /// Warnings about camber, toe and motion ratio.
     fn angles(&mut self) -> Result<(), DesignFault> {
         let Suspension {
             mechanism, design, ..

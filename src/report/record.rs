@@ -54,7 +54,7 @@ pub struct Record {
     pub scene: Scene,
     /// Influence of each coordinate on the last design.
     pub influences: Vec<Influence>,
-    /// Pareto front: designs that could replace the last one.
+    /// Pareto front: alternatives to the tuned design.
     #[serde(default)]
     pub front: Option<FrontRecord>,
 }

@@ -35,7 +35,7 @@ pub struct ToleranceSummary {
     pub rejects: Vec<RejectRecord>,
     /// Number of builds that have no pose somewhere in the motion.
     pub incomplete: u64,
-    /// Number of the first such build.
+    /// Number of the first build without a pose at some station.
     pub first_incomplete: Option<u64>,
     /// For an axle: columns of the coordinates that give the position of a value on the motion.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -59,7 +59,7 @@ pub struct RejectRecord {
     pub reason: String,
     /// Number of builds rejected for this reason.
     pub builds: u64,
-    /// Number of the first such build.
+    /// Number of the first rejected build.
     pub first: u64,
     /// Explanation of the first rejection, in words.
     pub what: String,
@@ -76,7 +76,7 @@ pub struct RankingRecord {
     pub yield_halved: f64,
     /// Predicted yield with twice its tolerance.
     pub yield_doubled: f64,
-    /// True if the tolerance can be relaxed: doubling it hardly lowers the yield.
+    /// True if the tolerance can be relaxed: doubling it reduces the yield very little.
     pub may_be_looser: bool,
 }
 

@@ -163,7 +163,7 @@ impl Job {
         })
     }
 
-    /// Returns true if it was asked to end.
+    /// Returns true if the end of the tuning was requested.
     pub(super) fn is_cancelled(&self) -> bool {
         self.interrupt.load(Ordering::SeqCst)
     }

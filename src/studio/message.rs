@@ -101,7 +101,7 @@ pub(super) struct JobRequest {
 #[serde(deny_unknown_fields)]
 pub(super) struct SaveRequest {
     pub of: Designed,
-    /// File name, without folders, beside the study. `None` for the study itself.
+    /// File name, without folders, in the folder of the study. `None` for the study itself.
     pub name: Option<String>,
     /// True to write the moved coordinates although the file has changed, or to replace an existing file of that name.
     pub anyway: bool,

@@ -307,7 +307,7 @@ fn refused(path: &Path, error: &io::Error) -> NotSaved {
     NotSaved::Refused(format!("{}: {error}", path.display()))
 }
 
-/// Path of a new file beside a study.
+/// Path of a new file in the folder of a study.
 pub(super) fn new_path(study: &Path, name: &str) -> Result<PathBuf, NotSaved> {
     check_name(name).map_err(NotSaved::Refused)?;
     Ok(study.with_file_name(name))

@@ -184,7 +184,7 @@ impl<T: Real> Reading<T> {
         }
     }
 
-    /// The wheel about a point with a slightly different travel; see [`Taylor::shifted`].
+    /// The wheel as series about a slightly different travel; see [`Taylor::shifted`].
     pub fn shifted(&self, travel: T) -> Self {
         let shifted = |polynomial: Taylor<T>| polynomial.shifted(travel);
         Reading {

@@ -213,7 +213,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let parts = Parts::of(&slots, Carriers::of(axle));
         let order = |q: &Quantity| q.rate_order();
         let orders_by_rack = quantities.iter().filter(|q| q.info().by_rack).map(order);
-        // Terms beyond those that the quantities need serve derivatives along motions.
+        // Terms beyond the needs of the quantities are for derivatives along motions.
         let further = (N - 1).saturating_sub(quantities.iter().map(order).max().unwrap_or(0));
         let degree_with_rack = if by_rack {
             N - 1

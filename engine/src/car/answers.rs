@@ -27,9 +27,9 @@ pub struct CarRequest<'c> {
 pub struct FailedCases {
     /// Number of cases that failed.
     pub count: usize,
-    /// Index of the first of them.
+    /// Index of the first failed case.
     pub first: usize,
-    /// Reason for the first of them.
+    /// Reason of the first failed case.
     pub why: NoEquilibrium,
 }
 

@@ -45,7 +45,7 @@ pub enum AxleEnd {
 }
 
 impl AxleEnd {
-    /// Both of them.
+    /// Both axles.
     pub const ALL: [AxleEnd; 2] = [AxleEnd::Front, AxleEnd::Rear];
 
     /// Name in studies and columns.

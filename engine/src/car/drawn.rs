@@ -12,9 +12,9 @@ pub struct CarDrawing {
     pub points: [Vec<[f64; 3]>; 2],
     /// Lowest point of each wheel: front left, front right, rear left, rear right.
     pub contacts: [[f64; 3]; 4],
-    /// Wheel centres, in the same order.
+    /// Wheel centres, in the order of `contacts`.
     pub centres: [[f64; 3]; 4],
-    /// Unit vectors along the spin axes, outboard, in the same order.
+    /// Unit vectors along the spin axes, outboard, in the order of `contacts`.
     pub spin_axes: [[f64; 3]; 4],
     /// Centre of gravity of the sprung mass.
     pub sprung_cg: [f64; 3],

@@ -247,7 +247,7 @@ impl CarSolver<'_> {
         let moment = if self.car.carrier_takes_torque(axle, setting.longitudinal) {
             nothing
         } else {
-            // Shafts from the body take the torque about the spin axis.
+            // Shafts from the body carry the torque about the spin axis.
             let spin = wheel.corner.spin;
             let lever = wheel.contact - wheel.corner.centre;
             spin * -spin.dot(lever.cross(push))

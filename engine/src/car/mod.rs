@@ -181,7 +181,7 @@ pub struct AirForce {
 }
 
 impl Car {
-    /// Returns true if the carrier takes the torque of an axle's brakes or drive.
+    /// Returns true if the carrier carries the reaction to the torque of an axle's brakes or drive.
     pub fn carrier_takes_torque(&self, axle: usize, longitudinal: Longitudinal) -> bool {
         let vehicle = &self.axles[axle].left.vehicle;
         let path = match longitudinal {

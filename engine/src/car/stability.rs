@@ -125,7 +125,7 @@ impl Equilibrium {
         }
     }
 
-    /// Describes the instability of a state at rest, by (6).
+    /// Describes the instability of a static state, by (6).
     fn instability_at_rest(&self, car: &Car) -> NoEquilibrium {
         let columns = self.flexibility_of_heights(car);
         let unstable = (0..3).filter(|k| columns[*k][*k] < 0.0);

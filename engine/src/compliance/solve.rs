@@ -63,7 +63,7 @@ pub(super) struct Solution<T> {
     pub(super) steps: usize,
 }
 
-/// Report about an equilibrium that could not be reached.
+/// Result of a search for an equilibrium that was not reached.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stuck {
     /// Fraction of the change that was reached.
@@ -181,7 +181,7 @@ impl System<f64> {
     }
 }
 
-/// Report about a change that did not reach its end.
+/// Result of a load change that stopped before its end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Unraised<S> {
     pub(super) share: f64,

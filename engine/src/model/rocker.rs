@@ -201,7 +201,7 @@ pub(super) struct Carriers {
 }
 
 impl Carriers {
-    /// Assigns all of them to one body.
+    /// Assigns all ends to one body.
     pub(super) const fn all(body: Body) -> Self {
         Carriers {
             pushrod: body,

@@ -47,7 +47,7 @@ pub struct Iteration {
     pub held: usize,
     /// Number of points evaluated during the iteration.
     pub evaluations: u32,
-    /// Number of those evaluations without residuals.
+    /// Number of evaluations without residuals.
     pub infeasible: u32,
 }
 

@@ -11,7 +11,7 @@ use crate::study::{Order, Study, TimeLaw};
 pub struct Effect {
     /// Name of the effect.
     pub name: &'static str,
-    /// True if it is computed.
+    /// True if the part is computed.
     pub on: bool,
     /// Description of the computed part; empty if it is off.
     pub what: String,

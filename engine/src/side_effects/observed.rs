@@ -48,7 +48,7 @@ pub(super) struct Series {
     pub unit: String,
     /// Customary tolerance.
     pub tolerance: Option<f64>,
-    /// True if stations with a steered rack are left out.
+    /// True if stations with a steered rack are omitted.
     pub straight_only: bool,
     /// Name of the wheel, for an axle or a car.
     pub wheel: Option<&'static str>,

@@ -221,7 +221,7 @@ impl Toggles {
             let (seen, reached) = if part == PARTS {
                 (stuck, ends[1].to_vec())
             } else {
-                // Points without a pose are left out.
+                // Points without a pose are omitted.
                 match look(next, stuck) {
                     Some(found) => found,
                     None => continue,

@@ -98,7 +98,7 @@ pub struct CarOptimise {
     pub targets: Vec<CarTarget>,
     /// Constraints of cases.
     pub constraints: Vec<CarConstraint>,
-    /// Targets and constraints of the axles alone, [front, rear].
+    /// Targets and constraints of the single axles, [front, rear].
     pub rigs: [Option<RigGoals>; 2],
     /// True if the results report changes that no target asks for.
     pub side_effects: bool,

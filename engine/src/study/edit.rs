@@ -105,7 +105,7 @@ impl Study {
         self.text_with_points_of(&self.text, moved)
     }
 
-    /// Returns another text of this study with the moved points, like [`Study::with_points_of`]. An example is the text of the
+    /// Returns another text of this study with the moved points, like [`Study::with_points_of`]; for example the text of the
     /// file itself: [`Study::text`] also contains curves from other files.
     pub fn text_with_points_of(&self, text: &str, moved: &Study) -> String {
         let right = moved.axle().and_then(|a| a.axle.right.as_ref());
@@ -287,7 +287,7 @@ fn rewrite_stiffness(link: &mut dyn TableLike, old: AxialStiffness, new: AxialSt
     set(link, key, value / area.unwrap_or(1.0));
 }
 
-/// Sets a number of a table. Comments beside it do not change.
+/// Sets a number of a table. Comments in the same line do not change.
 fn set(table: &mut dyn TableLike, key: &str, number: f64) {
     match table.get_mut(key).and_then(Item::as_value_mut) {
         Some(value) => replace(value, number),

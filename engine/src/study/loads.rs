@@ -148,7 +148,7 @@ fn all(
             let error = problems.add(load.name.span(), message);
             error.related(first.name.span(), "first here");
         }
-        // Both act in one equilibrium.
+        // Both loads act in one equilibrium.
         let differs =
             |one: &&file::Load| one.name == load.name && apart(one) && one.hold != load.hold;
         if let Some(first) = written[..i].iter().find(differs) {

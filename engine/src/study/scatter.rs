@@ -96,7 +96,7 @@ pub struct Contributor {
 pub struct Source {
     /// Name.
     pub name: String,
-    /// Dimensions that it changes, each with its change per unit, in the kernel's frame.
+    /// Dimensions that the number changes, each with its change per unit, in the kernel's frame.
     pub changes: Vec<(BuildParameter, f64)>,
     /// Rate of an elastic part, if the variable changes a rate instead of coordinates.
     pub rate: Option<Rate>,

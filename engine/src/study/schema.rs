@@ -59,7 +59,7 @@ fn names(root: Root, path: &str) -> Option<Vec<String>> {
             "outputs.characteristics[]" | "tolerance.bands[].characteristic" => {
                 CarQuantity::names()
             }
-            // Results of cases, and quantities of an axle alone.
+            // Results of cases, and quantities of a single axle.
             "optimise.targets[].characteristic" => {
                 let mut names = CarQuantity::names();
                 let own = crate::axle::Quantity::names()

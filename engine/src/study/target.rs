@@ -120,7 +120,7 @@ pub struct Target {
     pub weight: f64,
     /// Stations of the target.
     pub site: Site,
-    /// Additional drive values at which it is compared.
+    /// Additional drive values at which the target is compared.
     pub stations: Vec<f64>,
 }
 

@@ -49,9 +49,9 @@ pub struct FailureCount {
     pub reason: String,
     /// Number of these designs.
     pub designs: u64,
-    /// Number of their stations without a pose.
+    /// Number of stations without a pose in these designs.
     pub stations: u64,
-    /// Drive value nearest to the design position at which one of them failed.
+    /// Drive value nearest to the design position at which a station failed.
     pub nearest: Option<f64>,
     /// Numbers of the first of these designs.
     pub examples: Vec<u64>,

@@ -45,7 +45,7 @@ pub struct Ranking {
     pub halved: f64,
     /// Yield with twice the tolerance.
     pub doubled: f64,
-    /// True if the tolerance can be relaxed: doubling it hardly lowers the yield.
+    /// True if the tolerance can be relaxed: doubling it reduces the yield very little.
     pub may_be_looser: bool,
 }
 
@@ -131,7 +131,7 @@ impl Sample {
 
 /// First-order part of yields and ranking. It needs no builds.
 pub struct Forecast {
-    /// Share of the sample in each band, and in all of them.
+    /// Share of the sample in each band, and in all bands.
     bands: Vec<f64>,
     all: f64,
     contributors: Vec<Worth>,

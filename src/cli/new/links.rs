@@ -15,7 +15,7 @@ const MOTION: &str = "[motion]                         # every combination is a 
                       travel_left = { from = -50.0, to = 50.0, steps = 5 }\n\
                       travel_right = { from = -50.0, to = 50.0, steps = 5 }\n";
 
-/// Targets of the roll test in place of those of a rigid axle.
+/// Targets of the roll test instead of the targets of a rigid axle.
 const TARGETS: &str =
     "  { figure = \"steer_by_roll\", between = [-0.02, 0.02], tolerance = 0.005 },\n";
 

@@ -46,7 +46,7 @@ use crate::model::{Axis, Frame, FrameConvention, LengthUnit, Side};
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
-/// A program whose names are used beside ours.
+/// A program whose names can be used in addition to the names of hardpoint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OtherProgram {
     /// Adams Car.

@@ -1,4 +1,4 @@
-//! Doubts about an axle, over its motion and between its wheels.
+//! Warnings about an axle, over its motion and between its wheels.
 
 use super::plausibility;
 use crate::ask::Need;
@@ -52,7 +52,7 @@ fn soft_spring(axle: &Axle) -> Option<String> {
     })
 }
 
-/// Doubts about the curves of an axle, one per line.
+/// Warnings about the curves of an axle, one per line.
 pub fn axle_plausibility(
     axle: &Axle,
     plan: &AxlePlan,

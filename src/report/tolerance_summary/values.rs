@@ -37,7 +37,7 @@ pub struct ValueRecord {
     pub sigma_linear: Option<f64>,
     /// Second-order term, as a fraction of the first-order variance.
     pub second_order: Option<f64>,
-    /// True if the first-order estimate holds. `None` if this is unknown.
+    /// True if the first-order estimate is accurate enough. `None` if this is unknown.
     pub linear_holds: Option<bool>,
     /// Percentiles of the builds, see [`PERCENTILES`].
     pub percentiles: [Option<f64>; PERCENTILES.len()],

@@ -48,13 +48,13 @@ pub struct TuningSummary {
     singular_values: Vec<f64>,
     /// Directions that leave all targets unchanged. Each has one offset per variable.
     unseen: Vec<Vec<f64>>,
-    /// For a fit: scatter of the measurements about it, in tolerances.
+    /// For a fit: scatter of the measurements about the fit, in tolerances.
     #[serde(default)]
     scatter: Option<f64>,
     /// For a fit: pairs of variables that the measurements hardly distinguish, with their correlation.
     #[serde(default)]
     correlations: Vec<(String, String, f64)>,
-    /// Misfit that is good enough. Below it, the tuning prefers the nearer design.
+    /// Misfit that is good enough. Among designs with a smaller misfit, the tuning prefers the design nearest to the given one.
     #[serde(default)]
     good_enough: f64,
     /// State of each constraint.
@@ -75,7 +75,7 @@ pub struct TuningSummary {
     /// Smallest misfit by size of the change, if it was requested.
     #[serde(default)]
     pub prices: Vec<PriceRecord>,
-    /// Changes that no target asks for, if they were requested.
+    /// Changes that no target requests, if they were requested.
     #[serde(default)]
     pub side_effects: Vec<SideEffect>,
     /// For a robust tuning: share of builds within the bands, before and after.

@@ -93,7 +93,7 @@ pub(super) fn solved(
     })
 }
 
-/// Doubts about the points of each axle.
+/// Warnings about the points of each axle.
 fn doubts(study: &CarStudy) -> Result<Vec<String>, String> {
     let mut found = Vec::new();
     for (end, axle) in AXLE_NAMES.iter().zip(&study.axles) {

@@ -112,9 +112,9 @@ impl Static {
 pub struct AdjustedSuspension {
     /// Amount of each adjustment, in the order of the study.
     pub amounts: Vec<f64>,
-    /// Assembled parts. A solid axle is as its left wheel sees it.
+    /// Assembled parts. For a solid axle, in the frame of its left wheel.
     pub built: Built,
-    /// A solid axle as its right wheel sees it. `None` for one wheel.
+    /// Solid axle in the frame of its right wheel. `None` for one wheel.
     pub seen_from_right: Option<Built>,
     /// Static values, in printed units.
     pub values: Vec<f64>,

@@ -49,7 +49,7 @@ pub(super) struct WholeAxle<'a> {
 }
 
 impl<'a> Subject<'a> {
-    /// A wheel, with these values.
+    /// Makes the subject of one wheel with these characteristics.
     pub(super) fn wheel(
         assembler: &'a Assembler,
         adjust: &[Adjustment],

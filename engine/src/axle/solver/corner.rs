@@ -393,7 +393,7 @@ pub(super) fn read_wheel<const N: usize>(
     (lines, parts, points): (&[Line], &Parts, &[PointId]),
 ) -> Result<WheelRead, Failure> {
     let mut snapshots = [Snapshot::<N>::unknown(); 4];
-    // Each line gives the series of every point along it.
+    // Each line gives a series for every point of a wheel.
     let mut ways = Vec::new();
     let (mut condition, mut toggle) = (0.0_f64, None);
     for (number, line) in lines.iter().enumerate() {

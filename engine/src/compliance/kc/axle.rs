@@ -84,7 +84,7 @@ impl<T: Scalar> Here<T> {
         }
     }
 
-    /// Axle and its tangent with this quantity held; `None` without a tangent.
+    /// Axle and its tangent with one quantity held; `None` without a tangent.
     pub(crate) fn moving(
         &mut self,
         held: HeldQuantity,
@@ -165,7 +165,7 @@ impl<'a> AxleKcRun<'a> {
         Ok(self.state(&self.axle, &at))
     }
 
-    /// Elastic parts of the axle under other conditions.
+    /// Elastic parts of the axle with the conditions of a test.
     fn parts_of(&self, (has_bar, locks_rack): Conditions) -> AxleCompliance {
         let mut parts = self.parts.clone();
         if !has_bar {
@@ -182,7 +182,7 @@ impl<'a> AxleKcRun<'a> {
         &self.axle
     }
 
-    /// Axle under other conditions.
+    /// Axle with the conditions of a test: with or without anti-roll bar, with the rack locked or free.
     fn variant(&self, conditions: Conditions) -> Result<ElasticAxle, AxleFault> {
         let (has_bar, locks_rack) = conditions;
         let keeps_bar = has_bar || self.parts.bar_rate.is_none();

@@ -231,7 +231,7 @@ fn minima_obey_the_kuhn_tucker_conditions_and_refusals_are_proved() {
 
 #[test]
 fn the_minimum_is_the_least_of_all_active_sets() {
-    // The enumeration squares the condition of R, so badly conditioned programs are left out.
+    // The enumeration squares the condition of R, so badly conditioned programs are omitted.
     for seed in (0..75).filter(|seed| seed % 5 != 0) {
         let n = 1 + seed as usize % 3;
         let equalities = usize::from(seed % 3 == 1 && n > 1);

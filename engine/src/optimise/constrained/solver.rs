@@ -33,7 +33,7 @@ const POOR: f64 = 0.25;
 const GOOD: f64 = 0.75;
 /// Distance, in half ranges, up to which a refused trial is used for the slopes on the other side of a kink.
 const BESIDE: f64 = 1e-6;
-/// Largest number of such trials that are kept.
+/// Largest number of stored refused trials.
 const SIDES: usize = 4;
 /// Number of iterations before the estimate of the curvature is used.
 const CURVED_FROM: u64 = 7;

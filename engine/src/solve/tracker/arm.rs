@@ -54,7 +54,7 @@ impl<B: SimdReal> ArmDesign<'_, B> {
 pub(crate) const STEEPEST: f64 = 3.0;
 /// Largest rotation of the arm, as the tangent of half the angle.
 pub(crate) const FARTHEST: f64 = 0.7;
-/// Largest rotation of the arm in one step, as a change of that tangent.
+/// Largest rotation of the arm in one step, as a change of the tangent of half the angle.
 const LONGEST: f64 = 0.1;
 /// Largest number of correction pairs for a lane to settle.
 const MOST_ROUNDS: usize = 4;

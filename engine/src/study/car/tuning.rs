@@ -27,7 +27,7 @@ const MOST_STARTS: i64 = 10_000;
 enum Place {
     /// A case, by its name. The index is looked up later.
     Case(Text),
-    /// An axle alone.
+    /// A single axle.
     Axle(usize),
 }
 
@@ -316,7 +316,7 @@ impl Resolver<'_> {
         Some(quantities.into_iter().map(constraint).collect())
     }
 
-    /// Goals of an axle alone, read like those of a study of the axle.
+    /// Goals of a single axle, read like those of a study of the axle.
     fn rig(
         &mut self,
         end: usize,
@@ -418,7 +418,7 @@ impl CarOptimise {
     }
 }
 
-/// Tuning of an axle alone, with these variables and without targets.
+/// Tuning of a single axle, with these variables and without targets.
 fn without_goals(variables: Vec<Variable>) -> Optimise {
     Optimise {
         starts: 1,

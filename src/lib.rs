@@ -38,7 +38,7 @@
 //!     .static_angles_deg(-1.0, 0.1)
 //!     .build()?;
 //! let full_jounce = suspension.pose_at(40.0, 0.0)?;
-//! let camber = full_jounce.characteristic(Characteristic::Camber).expect("every wheel has one");
+//! let camber = full_jounce.characteristic(Characteristic::Camber).expect("every wheel has a camber");
 //!
 //! let study = Study::of(suspension)
 //!     .over(Motion::travel(-40.0..=40.0, 17)?)

@@ -258,7 +258,7 @@ impl<'f> Evaluation<'f> {
         while first < count {
             let now = (count - first).min(BLOCK);
             self.place(&x[first * width..(first + now) * width], now);
-            let make = || f.values().expect("the function was made with one");
+            let make = || f.values().expect("the function has a workspace");
             let (evaluator, block) = self.values.get_or_insert_with(make);
             evaluator.evaluate_pairs([&self.designs, &self.rights], block);
             for number in 0..now {
@@ -307,7 +307,7 @@ impl<'f> Evaluation<'f> {
             values.len() * width,
             "room for each derivative"
         );
-        let make = || f.gradients().expect("the function was made with one");
+        let make = || f.gradients().expect("the function has a workspace");
         let (mut evaluator, mut found) = self.gradients.take().unwrap_or_else(make);
         let at_once = evaluator.at_once();
         for first in (0..count).step_by(at_once) {

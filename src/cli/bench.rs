@@ -57,7 +57,7 @@ impl Subject {
             }
             (Some(path), _) => Subject::Study(Box::new(Study::read(path, changes)?)),
             (None, _) => {
-                let strut = Topology::named("macpherson").expect("it is in the catalogue");
+                let strut = Topology::named("macpherson").expect("macpherson is a topology");
                 let study = Study::from_text("macpherson.toml", strut.template, Path::new(""))?;
                 Subject::Study(Box::new(study))
             }

@@ -360,7 +360,7 @@ fn ask(
 fn summary(imported: &Imported, out: Option<Option<&Path>>) -> String {
     let mut text = roles(imported);
     for (title, lines) in [
-        ("Read and assumed", &imported.notes),
+        ("Values read and assumed", &imported.notes),
         ("Left out", &imported.left_out),
     ] {
         text += &listed(title, lines);

@@ -125,7 +125,7 @@ fn summary(file: &Path, directory: &Path, car: &ImportedCar) -> String {
         "rear drive, because files of points have no drive: drive_share_front = 0.0 in [car]"
             .to_owned(),
     );
-    text += &listed("Read and assumed", &notes);
+    text += &listed("Values read and assumed", &notes);
     text += &listed("Left out", &left_out);
     let shown = |file: &str| directory.join(file).display().to_string();
     let [whole, front, rear] = CAR_FILES.map(shown);

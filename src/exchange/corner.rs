@@ -178,7 +178,9 @@ pub(super) fn pick(
         return Ok(None);
     };
     let mut chosen = candidates.iter().filter(|named| rank(named) == best);
-    let first = chosen.next().expect("one has the best rank");
+    let first = chosen
+        .next()
+        .expect("at least one candidate has the best rank");
     if let Some(second) = chosen.find(|other| other.point.position != first.point.position) {
         return Err(Refusal::Wrong(format!(
             "{:?} ({}) and {:?} ({}) both seem to be {hardpoint}, with different coordinates: \

@@ -254,10 +254,10 @@ fn values_of(station: &Station, unit: LengthUnit, frame: Frame) -> Result<Vec<f6
 /// Pose of a wheel with this camber, toe, and place of its centre, all as printed by the study.
 fn pose(outgoing: &Outgoing<'_>, side: Side, frame: Frame, values: &[f64]) -> WheelPose {
     let [camber, toe, x, y, z] = values[..] else {
-        unreachable!("two angles and a point were asked for")
+        unreachable!("two angles and a point were requested")
     };
     let SpinAxis::Along(axis) = SpinAxis::standing(camber.to_radians(), toe.to_radians()) else {
-        unreachable!("angles give a direction")
+        unreachable!("the angles define a direction")
     };
     let centre = frame.vector(Vector3::new(x, y, z));
     let file = outgoing.frame(side);

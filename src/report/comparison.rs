@@ -166,7 +166,7 @@ impl Comparison {
                 continue;
             }
             let values = tables.iter().enumerate().map(|(design, table)| {
-                let column = table.column(name).expect("all designs have it");
+                let column = table.column(name).expect("all designs have the column");
                 rows.iter().map(|rows| column[rows[design]]).collect()
             });
             outputs.push(ComparedOutput {

@@ -187,7 +187,9 @@ impl Table {
         let mut write = |first: Option<&str>, cells: Vec<String>| {
             let cells = for_programs(&cells);
             let line = first.into_iter().chain(cells.iter().map(String::as_str));
-            writer.write_record(line).expect("rows of one length");
+            writer
+                .write_record(line)
+                .expect("all rows have the same length");
         };
         let header = self.columns.iter().map(Column::key).collect();
         write(name.map(|_| "table"), header);
@@ -197,7 +199,7 @@ impl Table {
         let bytes = writer
             .into_inner()
             .expect("writing to memory does not fail");
-        String::from_utf8(bytes).expect("cells are text")
+        String::from_utf8(bytes).expect("all cells are text")
     }
 
     /// Table as a JSON list of objects.

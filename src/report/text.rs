@@ -91,7 +91,10 @@ fn words_within(text: &str, width: usize) -> Vec<String> {
         } else if line > 0 {
             lines.last_mut().expect("the list has an element").push(' ');
         }
-        lines.last_mut().expect("the list has an element").push_str(word);
+        lines
+            .last_mut()
+            .expect("the list has an element")
+            .push_str(word);
     }
     lines
 }

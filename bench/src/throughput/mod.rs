@@ -261,7 +261,7 @@ impl<'a> Planned<'a> {
                 1 => of_one.next(),
                 _ => of_several.next(),
             }
-            .expect("a time for each job"),
+            .expect("each job has a time"),
         });
         measurements.collect()
     }

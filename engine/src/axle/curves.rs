@@ -303,7 +303,7 @@ impl WheelCurves {
         let wheel = |side: usize| {
             let mut values = self.travels[side].iter();
             let station = values.position(|travel| *travel == travels[side]);
-            let station = station.expect("a station of the motion");
+            let station = station.expect("the travel belongs to a station of the motion");
             self.wheels[side][station]
                 .as_ref()
                 .map_err(|failure| *failure)

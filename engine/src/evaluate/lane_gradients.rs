@@ -208,7 +208,7 @@ impl<'a> Gradients<'a> {
         wanted: &[AngleTarget],
     ) -> Deviations<'_> {
         let all = self.reader.quantities().len() * self.stations.count();
-        assert_eq!(wanted.len(), all, "one for each angle and station");
+        assert_eq!(wanted.len(), all, "each angle has a value at each station");
         self.found.gradient.fill(0.0);
         self.evaluate(designs, None, Task::Deviations(wanted));
         Deviations { found: &self.found }

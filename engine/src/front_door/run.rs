@@ -70,8 +70,8 @@ impl Study {
     ///         vec![Target::curve(&suspension, Characteristic::Toe, &[[-30.0, 0.0], [30.0, 0.0]], 0.02)?],
     ///     );
     /// let tuning = study.tune(Control::default())?;
-    /// let best = tuning.best.expect("it can be solved");
-    /// assert!(best.after.misfit <= tuning.before.expect("so can the design").misfit);
+    /// let best = tuning.best.expect("the tuning has a result");
+    /// assert!(best.after.misfit <= tuning.before.expect("the design can be solved").misfit);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///

@@ -316,7 +316,7 @@ impl ActiveSet {
                 return Ok(());
             }
             slack += moved * gain;
-            self.release(nearest.expect("the length is that of one held"));
+            self.release(nearest.expect("the step is limited by a held row"));
         }
         Err(Outcome::Stalled)
     }

@@ -23,9 +23,7 @@ pub(super) fn execute<P, S: Solver<P, ArgminState>>(
         .run();
     match result {
         Ok(result) => Ok((result.solver, result.state)),
-        Err(error) => Err(error
-            .downcast()
-            .expect("the only error of a solver is that of its start")),
+        Err(error) => Err(error.downcast().expect("a solver fails only at its start")),
     }
 }
 

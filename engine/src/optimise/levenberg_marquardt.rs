@@ -101,7 +101,7 @@ impl<'a> LevenbergMarquardt<'a> {
 
     /// Converts the finished run into its result.
     pub(super) fn into_fit(self, state: ArgminState) -> Fit {
-        let x = state.param.expect("the state was given its start");
+        let x = state.param.expect("the state has a start point");
         let active_bounds = self.record.bounds.active_bounds(&x);
         let residual = self.residual(&self.current, &x);
         let (termination, history) = self.record.finished(residual);
@@ -240,7 +240,7 @@ impl<P: LeastSquares> Solver<P, ArgminState> for LevenbergMarquardt<'_> {
         self.promised = DVector::zeros(m);
         self.excess = DVector::zeros(m);
 
-        let x = state.param.as_ref().expect("the state was given its start");
+        let x = state.param.as_ref().expect("the state has a start point");
         problem.evaluate(x, &mut self.current)?;
         self.current.check()?;
         self.rebuild_model(x);
@@ -257,7 +257,7 @@ impl<P: LeastSquares> Solver<P, ArgminState> for LevenbergMarquardt<'_> {
         mut state: ArgminState,
     ) -> Result<(ArgminState, Option<KV>), Error> {
         let problem = of(problem);
-        let mut x = state.take_param().expect("the state was given its start");
+        let mut x = state.take_param().expect("the state has a start point");
         let cost = self.current.cost();
         let negligible = self.record.options.reduction_below * cost;
         let drift = f64::EPSILON / DRIFT * self.model.norm() * (2.0 * cost).sqrt();

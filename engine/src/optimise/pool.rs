@@ -36,11 +36,15 @@ pub(super) struct PoolGuard<'p, P> {
 
 impl<P> PoolGuard<'_, P> {
     fn get(&self) -> &P {
-        self.problem.as_ref().expect("it is there until dropped")
+        self.problem
+            .as_ref()
+            .expect("the guard has a problem until it is dropped")
     }
 
     fn get_mut(&mut self) -> &mut P {
-        self.problem.as_mut().expect("it is there until dropped")
+        self.problem
+            .as_mut()
+            .expect("the guard has a problem until it is dropped")
     }
 }
 

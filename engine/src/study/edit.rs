@@ -391,7 +391,7 @@ fn of_tables(item: &mut Item) -> &mut Table {
         own.set_implicit(own.is_empty());
         *item = Item::Table(own);
     }
-    item.as_table_mut().expect("it is a table now")
+    item.as_table_mut().expect("the item is a table")
 }
 
 /// Array with a point's coordinates at the right wheel, if the study gives them.

@@ -291,7 +291,7 @@ impl<'s> SweepPlan<'s> {
     fn summarise(&self, block: &Block, design: usize, into: &mut [f64]) {
         let mut cells = into.iter_mut();
         let mut put = |value: f64| {
-            let cell = cells.next().expect("a cell for each output");
+            let cell = cells.next().expect("each output has a cell");
             // A number that is not finite becomes NaN, and a negative zero becomes 0.
             *cell = if value.is_finite() {
                 value + 0.0

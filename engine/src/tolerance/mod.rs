@@ -185,7 +185,7 @@ impl<'a> Problem<'a> {
         let mut wanted = Vec::new();
         for band in &tolerance.bands {
             let (TargetKind::Axle(quantities), between) = (&band.of.kind, band.between) else {
-                unreachable!("a band of an axle");
+                unreachable!("the band is for an axle");
             };
             for quantity in quantities {
                 if !plan.quantities.contains(quantity) {

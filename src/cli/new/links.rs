@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 /// First line of the template, and its first line with five links.
 const FOUR: &str = "# A solid rear axle on four links. Every";
-const FIVE: &str = "# A solid rear axle on five links that stretch: two lower and two upper links, and a Panhard rod.\n# Every";
+const FIVE: &str = "# A solid rear axle on five elastic links: two lower and two upper links, and a Panhard rod.\n# Every";
 
 /// Quantities of a solid axle in equilibrium, and results of its roll test.
 const OUTPUTS: &str = "[\"axle_steer\", \"axle_lateral\", \"pinion_angle\", \"roll_centre_height\", \"wheel_load\", \"steer_by_roll\", \
@@ -77,7 +77,7 @@ fn is_of_spring(line: &str) -> bool {
 const SECTIONS: &str = "\n[spring]\n\
     rate = 32.0                      # N/mm along the spring\n\
     force = 4200.0                   # N in the design position\n\n\
-    # Links that stretch: `hardpoint kc` loads the wheels as a rig does. Rigid links are those without a section.\n\
+    # Elastic links: `hardpoint kc` loads the wheels as a rig does. Rigid links are those without a section.\n\
     [compliance]\n\
     relaxed = \"at_design_load\"       # the hardpoints describe the loaded car; or \"free\": no link has a force there\n\n\
     # Stiffness in N/mm between both ends, with the rubber of both joints in series.\n";

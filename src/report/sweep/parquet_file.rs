@@ -150,7 +150,7 @@ impl ParquetFile {
     fn write_group(&mut self) -> Result<(), ParquetError> {
         let mut group = self.writer.next_row_group()?;
         for column in &mut self.columns {
-            let mut writer = group.next_column()?.expect("a writer for each column");
+            let mut writer = group.next_column()?.expect("each column has a writer");
             match column {
                 Column::Whole(values) => writer
                     .typed::<Int64Type>()

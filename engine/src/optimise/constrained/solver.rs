@@ -158,7 +158,7 @@ struct SequentialConvex<'a> {
 
 impl SequentialConvex<'_> {
     fn into_fit(mut self, state: ArgminState) -> ConstrainedFit {
-        let x = state.param.expect("the state was given its start");
+        let x = state.param.expect("the state has a start point");
         // Multipliers of the end point itself, not of the step to it.
         self.model.solve(WHOLE, false);
         let settled = self.model.settle_multipliers(&self.beside);
@@ -275,7 +275,7 @@ impl<P: Constrained> Solver<P, ArgminState> for SequentialConvex<'_> {
     ) -> Result<(ArgminState, Option<KV>), Error> {
         let problem = of(problem);
         assert_eq!(problem.shape().variables, self.record.bounds.variables());
-        let x = state.param.as_ref().expect("the state was given its start");
+        let x = state.param.as_ref().expect("the state has a start point");
         problem.assess(x, &mut self.current)?;
         self.current.check()?;
         let (rows, bounds) = (&self.current.rows, self.record.bounds);
@@ -293,7 +293,7 @@ impl<P: Constrained> Solver<P, ArgminState> for SequentialConvex<'_> {
         mut state: ArgminState,
     ) -> Result<(ArgminState, Option<KV>), Error> {
         let problem = of(problem);
-        let mut x = state.take_param().expect("the state was given its start");
+        let mut x = state.take_param().expect("the state has a start point");
         let from = self.pair(&self.current);
         let mut trials = Trials {
             from,

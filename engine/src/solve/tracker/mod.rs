@@ -191,7 +191,7 @@ impl<B: Copy> KnuckleVector<B> {
     fn designed(&self) -> Vector3<B> {
         match self.0 {
             InKnuckle::Designed(vector) => vector,
-            InKnuckle::Carried(_) => unreachable!("a vector of a linkage"),
+            InKnuckle::Carried(_) => unreachable!("linkages have this vector"),
         }
     }
 }

@@ -33,7 +33,7 @@ pub(super) fn of_corner<'s>(
     let wishes = swept.iter().zip(wanted).map(|(target, wanted)| {
         let measure = target.of.of_wheel().and_then(|of| of.quantity());
         let quantity = quantities.iter().position(|q| measure == Some(*q));
-        let quantity = quantity.expect("the plan has the targets' characteristics");
+        let quantity = quantity.expect("the plan contains the characteristics of the targets");
         let wish = |wanted: &Sample| {
             let station = stations.at(wanted.drive);
             SweptWish {
@@ -92,11 +92,11 @@ pub(super) fn of_elastic<'s>(
     }
     let wish = |target: &Target, wanted: &Sample| {
         let TargetKind::Elastic(value) = target.of.kind else {
-            unreachable!("a target of a study with elastic parts");
+            unreachable!("the target belongs to a study with elastic parts");
         };
         let quantity = reads.iter().position(|read| read.value == value);
         SweptWish {
-            quantity: quantity.expect("the plan has the targets' quantities"),
+            quantity: quantity.expect("the plan contains the quantities of the targets"),
             station: stations
                 .at(wanted.drive)
                 .expect("each drive value has a station"),

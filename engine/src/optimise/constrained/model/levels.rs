@@ -69,7 +69,7 @@ impl<'a> ConvexModel<'a> {
                     let share = low.1 / (low.1 - high.1);
                     (low.0 + share.clamp(0.05, 0.95) * (high.0 - low.0)).exp()
                 }
-                (None, None) => unreachable!("one of the two was just set"),
+                (None, None) => unreachable!("one of both bounds is set"),
             };
             if let (Some(low), Some(high)) = (low, high)
                 && high.0 - low.0 < 1e-12

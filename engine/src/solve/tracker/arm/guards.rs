@@ -46,7 +46,7 @@ fn judge(
 ) -> Vec<Judgement> {
     let lanes = tracker.design(points);
     let (Method::Arm(_), Form::Arm(design)) = (&tracker.method, &lanes.form) else {
-        unreachable!("a design with a closed form")
+        unreachable!("the design has a closed form")
     };
     // The slope is relative to the size of the base design, as in `STEEPEST`.
     let base = template(tracker.mechanism.topology.name);

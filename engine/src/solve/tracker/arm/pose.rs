@@ -24,7 +24,7 @@ impl<B: SimdReal> LanePose<B> for ArmPose<'_, B> {
     fn vector(&self, vector: &KnuckleVector<B>) -> Vector3<B> {
         match &vector.0 {
             InKnuckle::Carried(vector) => self.state.carry(vector),
-            InKnuckle::Designed(_) => unreachable!("a vector of a design with a closed form"),
+            InKnuckle::Designed(_) => unreachable!("designs with a closed form have this vector"),
         }
     }
 
@@ -99,7 +99,7 @@ impl<B: SimdReal> AdjointPose<B> for ArmPose<'_, B> {
         rates: &LaneRates<B>,
     ) -> impl LaneAdjoint<B> + 'p {
         let AdjointConstants(Some(members)) = members else {
-            unreachable!("the members of a design with a closed form")
+            unreachable!("designs with a closed form have these members")
         };
         let (roles, form) = (self.roles, &self.design.form);
         Adjoint::of(

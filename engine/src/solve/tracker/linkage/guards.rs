@@ -44,7 +44,7 @@ fn judge(
 ) -> Vec<Judgement> {
     let lanes = tracker.design(points);
     let (Method::Linkage(method), Form::Linkage(linkage)) = (&tracker.method, &lanes.form) else {
-        unreachable!("a design in six unknowns")
+        unreachable!("the design has six unknowns")
     };
     let mut visitor = Nothing;
     let mut corner = method.corner(linkage, tracker.tolerance, &mut visitor);

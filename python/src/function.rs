@@ -15,8 +15,7 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-/// Number of designs that one thread takes at a time for values. The next constant is for values with Jacobians, which take
-/// longer.
+/// Number of designs that one thread takes at a time for values. Values with Jacobians take longer and have a smaller number.
 const CHUNK: usize = 128;
 const DIFFERENTIATED: usize = 32;
 /// Number of designs per chunk for an axle, whose designs are solved one by one.

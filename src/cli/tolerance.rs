@@ -175,7 +175,7 @@ fn print_build(problem: &Problem, number: u64) -> Result<Exit, Stop> {
                 "as assembled"
             };
             let text = format!(
-                "# Build {number} of {} (seed {seed}, {aligned}): the design that its parts have \
+                "# Build {number} of {} (seed {seed}, {aligned}): design of the assembled parts \
                  in the static position.\n{built}",
                 study.name,
             );

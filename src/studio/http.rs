@@ -6,7 +6,7 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-/// Longest head of a request, in bytes. The next constant is the largest number of headers.
+/// Longest head of a request, in bytes. The number of headers has a separate limit.
 const LONGEST_HEAD: usize = 16 << 10;
 const MOST_HEADERS: usize = 64;
 /// Longest body of a request, in bytes. A design with a thousand points needs a tenth of it.

@@ -7,14 +7,14 @@ use crate::model::{Axis, Side, Suspension};
 /// Reason why a suspension has no elastic model.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ElasticFault {
-    /// Nothing holds a motion of a part.
+    /// A part has a motion without stiffness.
     Loose {
         /// Name of the part.
         part: String,
         /// Free direction.
         motion: Motion,
     },
-    /// Forces at the design load cannot be found: nothing but torsion holds a motion.
+    /// Forces at the design load cannot be found: a motion has no stiffness except in torsion.
     NoBalance {
         /// Name of the part.
         part: String,

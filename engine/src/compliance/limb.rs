@@ -312,8 +312,8 @@ pub(super) struct Evaluated<T> {
     pub(super) inner: [T; 7],
     /// False if the inner unknowns are unstable by themselves.
     pub(super) is_stable: bool,
-    /// Ratio of the smallest and the largest pivot of the inner equations, 0 if nothing holds a motion. Rotations compare
-    /// with shifts at the part's length.
+    /// Ratio of the smallest and the largest pivot of the inner equations, 0 if a motion has no stiffness. Rotations compare with
+    /// shifts at the part's length.
     pub(super) least_pivot: f64,
 }
 

@@ -46,7 +46,7 @@ const MOST_STEPS: usize = 140;
 /// Reason why there is no equilibrium at a fraction of the change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Obstacle {
-    /// Nothing holds a motion.
+    /// A motion has no stiffness.
     Singular(Singular),
     /// Newton's method does not converge.
     Diverges,

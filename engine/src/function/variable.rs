@@ -25,8 +25,8 @@ pub enum FunctionError {
     Design(String),
     /// No variable has this name.
     #[error(
-        "there is no variable {0:?}; expected a hardpoint and how it moves, as in tie_rod_inner_dz for an offset \
-         or tie_rod_inner_z for a coordinate{1}"
+        "there is no variable {0:?}; expected a hardpoint with its movement, as in \
+         tie_rod_inner_dz for an offset or tie_rod_inner_z for a coordinate{1}"
     )]
     UnknownVariable(String, String),
 }

@@ -273,7 +273,8 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
     let tyre_load = tyre_load.map(|load| load.map(|load| load * newtons));
     kilograms?;
     if let (Some(section), None) = (&file.anti_roll_bar, left.mechanism.anti_roll_bar()) {
-        let message = "[anti_roll_bar] has a rate, but the study gives no anti-roll bar";
+        let message = "[anti_roll_bar] has a rate, but the hardpoints of an anti-roll bar are \
+                       missing";
         let error = problems.add(section.span(), message);
         error.help(
             "drop_link_outer, drop_link_inner, anti_roll_bar_inner and anti_roll_bar_outer define \

@@ -102,7 +102,7 @@ pub(super) fn sweep(
     let designs = match (&written.designs, &written.variables) {
         (Some(path), None) => {
             if let Some(method) = &written.method {
-                let message = "the designs come from a file, so there is no method";
+                let message = "the designs come from a file, so method is not available";
                 let error = problems.add(method.span(), message);
                 error.related(path.span(), "the file");
             }

@@ -17,7 +17,7 @@ pub(in crate::compliance) struct Equations<T> {
     pub(in crate::compliance) inner: [[T; 7]; MOST_LIMBS],
     /// First part that is unstable by itself.
     pub(in crate::compliance) unstable: Option<usize>,
-    /// First part with a motion that nothing holds.
+    /// First part with a motion without stiffness.
     pub(in crate::compliance) loose: Option<usize>,
     joints: usize,
 }
@@ -25,9 +25,9 @@ pub(in crate::compliance) struct Equations<T> {
 /// Reason why a system has no Newton step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::compliance) enum Singular {
-    /// Nothing holds a motion of a part.
+    /// A part has a motion without stiffness.
     Limb(usize),
-    /// Nothing holds a motion of the carrier.
+    /// The carrier has a motion without stiffness.
     Carrier,
 }
 

@@ -50,7 +50,7 @@ pub(in crate::study) fn springs(
         return problems.refuse(span, message);
     };
     if left.mechanism.spring.is_none() {
-        let message = "[spring] is given, but the study gives no spring";
+        let message = "[spring] is given, but the hardpoints of a spring are missing";
         let error = problems.add(section.span(), message);
         error.help("spring_upper and spring_lower in [suspension.hardpoints] define one");
         return None;

@@ -102,7 +102,7 @@ impl Reader<'_> {
         if length == 0.0 {
             return problems.refuse(
                 tube.to.span(),
-                "the cylinder has no length: from and to are one point",
+                "the cylinder has no length: from and to coincide",
             );
         }
         let along = (to - from) * (1.0 / length);

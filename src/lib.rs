@@ -72,7 +72,7 @@
 //! | `axle` | both wheels: roll on a plane ground, steering, springs |
 //! | `sweep` | many designs on all cores, in constant memory |
 //! | `optimise` | targets as bounded least squares, and their minimum |
-//! | `side_effects` | changes of a tuned design that no target asks for |
+//! | `side_effects` | changes of a tuned design that no target requests |
 //! | `tolerance` | effects of manufacturing scatter, and their contributors |
 //! | `linear` | elimination with series, for every number of unknowns |
 //! | `threads` | thread pools with large stacks |

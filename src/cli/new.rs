@@ -48,7 +48,7 @@ enum Part {
     Panhard,
     /// Watt linkage and a single upper link of a solid axle
     Watt,
-    /// Panhard rod beside two upper links of a solid axle, with the stiffness of all five links
+    /// Panhard rod in addition to two upper links of a solid axle, with the stiffness of all five links
     #[value(name = "five_links")]
     FiveLinks,
     /// Drag link, kingpins and tie rod of a steered solid axle

@@ -16,7 +16,7 @@
 //! | `DWB` | `double_wishbone` |
 //! | `STRUT` | `macpherson` |
 //! | `AXLE` | `solid_axle`, see `assetto_axle` |
-//! | `ML` | refused by name |
+//! | `ML` | rejected with a message |
 //!
 //! `STATIC_CAMBER` is in degrees, negative with the top inward. `TOE_OUT` is not an angle but a length by which the steering rod
 //! moves. `SPRING_RATE` is the rate at the wheel in N/m; the file has no points of springs.

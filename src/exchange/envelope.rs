@@ -1,6 +1,6 @@
 //! Space that a tyre needs over travel and steer, as solids for CAD.
 //!
-//! The wheels of a solid axle or a twist beam take all combinations of both travels. Other wheels move by themselves.
+//! The wheels of a solid axle or a twist beam take all combinations of both travels. Other wheels move separately.
 //!
 //! Each pose of the wheel gives one closed solid: the tyre as a cylinder about the spin axis. Its rings are polygons
 //! circumscribed about the circle, so the tyre lies inside. The file is binary STL: an 80-byte text, the number of triangles, and

@@ -1,4 +1,4 @@
-//! Names of values that a file gives beside hardpoints: static angles, radius, tracks and offsets.
+//! Names of values that a file gives in addition to hardpoints: static angles, radius, tracks and offsets.
 
 use super::names::{Words, cut, end_of, marks_of};
 use super::table::Marks;

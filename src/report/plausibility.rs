@@ -247,8 +247,8 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Doubts about bodies that the study does not name: the body of a drop link beside a rocker, and bodies of points that are
-    /// clearly nearer to another body.
+    /// Doubts about bodies that the study does not name: the body of a drop link if there is a rocker, and bodies of points that
+    /// are clearly nearer to another body.
     fn seats(&mut self) {
         let Suspension {
             mechanism,

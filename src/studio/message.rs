@@ -424,7 +424,7 @@ pub(super) struct Proposal {
     pub interrupted: bool,
 }
 
-/// Table of the changes that no target asks for.
+/// Table of the changes that no target requests.
 #[derive(Clone, Serialize)]
 pub(super) struct SideEffectRows {
     pub header: Vec<String>,

@@ -48,7 +48,7 @@ pub(super) fn choices() -> Vec<Choice> {
 /// Writes a new study into a directory. It does not change an existing file.
 ///
 /// # Errors
-/// The reason in words: the name, the points or the disk.
+/// The reason in words: the name or the points are invalid, or the file cannot be written.
 pub(super) fn start(directory: &Path, request: &StartRequest) -> Result<PathBuf, String> {
     check_name(&request.name)?;
     let known = Topology::named(&request.topology);

@@ -174,8 +174,8 @@ impl Axle {
         )
     }
 
-    /// Completes a left design after its points have moved, as the reader of a study does. The far half of a rigid axle
-    /// follows the near half, and points that a study does not give are computed anew.
+    /// Completes a left design after its points have moved, as the reader of a study does. The far half of a rigid axle follows
+    /// the near half, and points that a study does not give are computed again.
     pub fn complete(&self, left: &mut [Vector3<f64>]) {
         let Some(rigid) = &self.left.mechanism.rigid_axle else {
             return;

@@ -97,7 +97,7 @@ impl<T: Scalar> Surroundings<T> {
         }
     }
 
-    /// These positions, in the axes of the other wheel.
+    /// The same positions in the axes of the other wheel.
     pub(super) fn mirrored(&self) -> Self {
         let Placed { shift, turn } = &self.subframe;
         let [a, b, c] = turn.columns;

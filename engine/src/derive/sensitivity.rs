@@ -8,7 +8,7 @@
 //!
 //! y_x is a wrench on the knuckle, and mu are the forces with which the six constraints balance it. So one output costs one
 //! back-substitution, whatever the number of hardpoints. The design moves with the hardpoint: lengths and the shape of the
-//! knuckle are computed anew, while the drive value stays.
+//! knuckle are computed again, while the drive value stays.
 //!
 //! On power series in the drive, the same code gives d/ds(dy/dp). This equals d/dp(dy/ds), the sensitivity of rates and
 //! curvatures.

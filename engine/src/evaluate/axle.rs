@@ -27,7 +27,7 @@ pub(crate) struct AxleStations<'s> {
     pub placements: Vec<Placement>,
     of_motion: usize,
     pub(super) design: usize,
-    /// True for builds. Each half of a solid axle then moves by itself.
+    /// True for builds. Each half of a solid axle then moves separately.
     pub of_builds: bool,
     /// Values and rates to read, for an axle with elastic parts. `None` for a rigid one.
     pub elastic: Option<ElasticAxleParts>,

@@ -1,4 +1,4 @@
-//! Targets of an axle: rows of the least-squares problem beside those of one wheel.
+//! Targets of an axle: rows of the least-squares problem, in addition to the rows of one wheel.
 //!
 //! A variable moves the same points of both wheels, each in the frame of its side. So the derivative of a row is the sum of both
 //! wheels' gradients along the variable's rates. If the right wheel has its own hardpoints, the variables move them as mirror

@@ -1,7 +1,7 @@
 //! Side effects of a tuned car: results of its load cases, and curves of each axle alone.
 //!
 //! The load cases are the stations of one comparison. Their coordinates are accelerations, speed and steering. So by (2) the
-//! change that a target asks for in one case is subtracted in the others, except where a result does not change. An axle that the
+//! change that a target requests in one case is subtracted in the others, except where a result does not change. An axle that the
 //! tuning has changed is also compared over the motions of its own study.
 
 use super::comparison::{RequestedChanges, compare};

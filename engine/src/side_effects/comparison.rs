@@ -9,13 +9,13 @@ const ROUNDING: f64 = 1e-9;
 /// Smallest change of an output without a tolerance, in its unit, that does not count as rounding.
 const LEAST_CHANGE: f64 = 1e-12;
 
-/// Changes that targets ask for over `[motion]`: for each output, drive values with changes, in the order of the drive
+/// Changes that targets request over `[motion]`: for each output, drive values with changes, in the order of the drive
 /// value.
 #[derive(Default)]
 pub(super) struct RequestedChanges(HashMap<String, Vec<(f64, f64)>>);
 
 impl RequestedChanges {
-    /// Finds the changes that targets ask for over this motion.
+    /// Finds the changes that targets request over this motion.
     pub(super) fn of(before: &Observed, after: &Observed) -> Self {
         let pairs = before.series.iter().zip(&after.series);
         let asked = pairs.map(|(from, to)| {
@@ -28,7 +28,7 @@ impl RequestedChanges {
         RequestedChanges(asked.collect())
     }
 
-    /// Change of an output at the nearest drive value. 0 if no target asks for one.
+    /// Change of an output at the nearest drive value. 0 if no target requests one.
     fn shift_at(&self, output: &str, drive: f64) -> f64 {
         let Some(shifts) = self.0.get(output) else {
             return 0.0;
@@ -41,7 +41,7 @@ impl RequestedChanges {
     }
 }
 
-/// Side effects over one motion, in the order of the outputs. `asked` contains the changes that targets in `[motion]` ask for.
+/// Side effects over one motion, in the order of the outputs. `asked` contains the changes that targets in `[motion]` request.
 pub(super) fn compare(
     before: &Observed,
     after: &Observed,
@@ -151,7 +151,7 @@ fn compared(series: &Series, stations: &[Station]) -> Vec<usize> {
     (0..stations.len()).filter(|k| counts[*k]).collect()
 }
 
-/// Changes that targets ask for.
+/// Changes that targets request.
 struct Wanted {
     /// First coordinate of a station, its index, and the change, in the order of the coordinate.
     shifts: Vec<(f64, usize, f64)>,

@@ -1,4 +1,4 @@
-//! Customary values: tolerances of changes that no target asks for, and quantities that belong to a target.
+//! Customary values: tolerances of changes that no target requests, and quantities that belong to a target.
 
 use crate::ask::Unit;
 use crate::characteristics::Characteristic;

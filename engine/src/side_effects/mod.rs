@@ -1,4 +1,4 @@
-//! Side effects of a tuning: changes that no target asks for.
+//! Side effects of a tuning: changes that no target requests.
 //!
 //! A target gives target values of a quantity at some stations. A change there is intended. At all other stations, and for
 //! every other quantity, a change is a side effect. With b(s) and a(s) the values before and after the tuning at station s,
@@ -11,7 +11,7 @@
 //!
 //! or (1) where it is smaller than (2): a value that does not change has no side effect.
 //!
-//! Example: a target asks for a caster in the design position. Then caster may change by the same amount over the whole travel,
+//! Example: a target requests a caster in the design position. Then caster may change by the same amount over the whole travel,
 //! or stay unchanged at other travels; any other change is a side effect. Distances between stations are in shares of the
 //! motion's ranges. Over a named motion without a target for the quantity, n is the station of `[motion]` with the nearest drive
 //! value.

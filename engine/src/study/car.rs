@@ -100,7 +100,7 @@ pub struct CarOptimise {
     pub constraints: Vec<CarConstraint>,
     /// Targets and constraints of the single axles, [front, rear].
     pub rigs: [Option<RigGoals>; 2],
-    /// True if the results report changes that no target asks for.
+    /// True if the results report changes that no target requests.
     pub side_effects: bool,
 }
 
@@ -148,7 +148,7 @@ pub enum CarContributor {
     Figure {
         /// Name.
         name: String,
-        /// The rate or figure.
+        /// The rate, or the value of the car.
         moves: Moves,
         /// Distribution of its deviation.
         law: Law,

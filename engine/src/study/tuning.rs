@@ -53,7 +53,7 @@ pub struct Optimise {
     /// Builds of a robust tuning. The tuning improves their mean squared misfit or their yield. `None` for a tuning of the
     /// nominal design.
     pub scatter: Option<Scatter>,
-    /// True if the results report changes that no target asks for.
+    /// True if the results report changes that no target requests.
     pub side_effects: bool,
 }
 

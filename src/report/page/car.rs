@@ -207,7 +207,7 @@ fn targets(record: &CarRecord) -> String {
     )
 }
 
-/// Changes that no target asks for. Important changes come first. Other visible changes are in a section that can be opened.
+/// Changes that no target requests. Important changes come first. Other visible changes are in a section that can be opened.
 fn side_effects(record: &CarRecord) -> String {
     let effects = &record.side_effects;
     if effects.is_empty() {

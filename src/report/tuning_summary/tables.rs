@@ -110,7 +110,7 @@ impl TuningSummary {
         table
     }
 
-    /// Table of the targets before and after. The text shows the largest deviation in the unit of the target, beside its
+    /// Table of the targets before and after. The text shows the largest deviation in the unit of the target, next to its
     /// tolerance. CSV and JSON have all deviations as multiples of the tolerance.
     pub fn targets_table(&self) -> Table {
         let columns = [

@@ -118,7 +118,7 @@ const tellMisfit = () => {
   words.textContent = isKnown ? `misfit with these coordinates: ${brief(value, 4)}${cost}` : '';
 };
 
-// Changes that no target asks for, flagged ones first.
+// Changes that no target requests, flagged ones first.
 const effectsTable = ({ header, rows, rest }) => [
   ...(rows.length
     ? [html('div', { class: 'scroll' }, html('table', { id: 'side-effects' },

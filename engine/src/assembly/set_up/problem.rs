@@ -110,9 +110,8 @@ impl<'a> Problem<'a> {
         self.subject.suspension().size()
     }
 
-    /// Keeps the toe of the design if the study gives no target for it and one of several threads is for toe. A thread is
-    /// for toe if it changes toe more than camber, caster and ride height. A single thread serves whatever the study
-    /// requests.
+    /// Keeps the toe of the design if the study gives no target for it and one of several threads is for toe. A thread is for toe
+    /// if it changes toe more than camber, caster and ride height. A single thread adjusts whatever the study requests.
     fn keep_toe(&mut self, drawn: &AdjustedSuspension) {
         let Some(toe) = self.toes().next() else {
             return;

@@ -1,7 +1,7 @@
 //! Assembled parts of a set-up, their static values, and the derivatives of these values by each adjustment.
 //!
-//! A wheel is assembled by itself. A solid axle is assembled as a whole, once as each of its wheels sees it (`RigidAxle`). A value
-//! y of the axle then has gradients by the built designs p_l and p_r of both views. With x the amount of an adjustment,
+//! A wheel is assembled separately. A solid axle is assembled as a whole, once as each of its wheels sees it (`RigidAxle`). A
+//! value y of the axle then has gradients by the built designs p_l and p_r of both views. With x the amount of an adjustment,
 //!
 //! ```text
 //! dy/dx = (dy/dp_l) (dp_l/dx) + (dy/dp_r) (dp_r/dx)                                          (8)

@@ -11,7 +11,7 @@
 //! | forces | work |
 //! |---|---|
 //! | a unit side force to the left, half at each wheel | q = (e.C_l + e.C_r)/2 |
-//! | a unit force forward, half at each wheel | q = (i.D_l + i.D_r)/2, D = C if the axle takes the torque, W if shafts do |
+//! | a unit force forward, half at each wheel | q = (i.D_l + i.D_r)/2, D = C if the axle carries the torque, W if shafts carry it |
 //! | springs and anti-roll bar of the energy U | q = -U |
 //!
 //! The roll centre is the centre of the axle's motion by d in front view, at the middle of both contact points. With v the
@@ -195,8 +195,8 @@ fn loads_of<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, has_bar: bool)
     balancing(state, &work)
 }
 
-/// Loads of both wheels from a unit force forward, half at each wheel. `by_carrier` is 1 if the axle takes the torque, 0 if
-/// shafts from the body do.
+/// Loads of both wheels from a unit force forward, half at each wheel. `by_carrier` is 1 if the axle carries the reaction to the
+/// torque, 0 if shafts from the body carry it.
 #[inline(always)]
 fn forward_force_loads<T: Real, W: WheelParts<T>>(
     state: &AxleState<T, W>,

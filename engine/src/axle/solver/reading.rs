@@ -131,7 +131,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.gradients_of(placed, &sought, &mut receive)
     }
 
-    /// Computes gradients of quantities if each point of both sides moves by itself. For a rigid axle, the first gradient is by
+    /// Computes gradients of quantities if each point of both sides moves separately. For a rigid axle, the first gradient is by
     /// all points of the left design. The second one is by all points of the axle as seen from its right wheel.
     pub(crate) fn gradients_by_each_point(
         &mut self,

@@ -20,7 +20,7 @@ use super::start::Start;
 use super::{CarSolver, LONGEST_TRAVEL, LONGEST_TURN};
 use crate::number::{Each, array_of};
 
-/// A tangent is computed anew unless each step is at most this fraction of the previous one.
+/// A new tangent is computed unless each step is at most this fraction of the previous one.
 const CONTRACTION: f64 = 0.1;
 /// After a step below this limit, relative to the sizes of the unknowns, the next step uses the same tangent.
 const NEAR: f64 = 2e-3;

@@ -11,7 +11,7 @@
 //! | forces | work |
 //! |---|---|
 //! | a unit side force to the left, half at each wheel | q = (e.C_l + e.C_r)/2 |
-//! | a unit force forward, half at each wheel | q = (i.D_l + i.D_r)/2, D = C if the axle carries the torque, W if shafts carry it |
+//! | a unit force forward, half at each wheel | q = (i.D_l + i.D_r)/2, D = C if the axle carries the torque, W if shafts do |
 //! | springs and anti-roll bar of the energy U | q = -U |
 //!
 //! The roll centre is the centre of the axle's motion by d in front view, at the middle of both contact points. With v the

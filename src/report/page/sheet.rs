@@ -46,7 +46,7 @@ pub fn set_up_page(wheels: &[SetUpSummary]) -> String {
                 .collect();
             let drawn = strips(&wanted_strips(summary), "target values before and after");
             sections.push(titled(
-                "Wanted values",
+                "Target values",
                 note,
                 drawn + &results.html() + &missed,
             ));

@@ -234,7 +234,7 @@ mod tests {
             (
                 text(["furlong", "degrees", "newton"], "0 0\n1 1"),
                 5,
-                "no unit of length",
+                "not a known unit of length",
             ),
             (
                 text(["mm", "degrees", "newton"], "0 zero\n1 1"),

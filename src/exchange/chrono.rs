@@ -432,7 +432,7 @@ mod tests {
             );
         }
         let text = message(0.75);
-        assert!(text.contains("take 0.75 of its motion_ratio"), "{text}");
+        assert!(text.contains("multiply its motion_ratio by 0.75"), "{text}");
         assert!(
             text.contains("spring_lower = [3.0000, 0.5000, -0.7500]"),
             "{text}"

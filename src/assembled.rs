@@ -264,8 +264,8 @@ fn undecided(wheel: &Wheel, place: &Undecided) -> String {
     let degrees = |angle: f64| figure(angle.to_degrees(), "deg");
     match place {
         Undecided::ArmAngle(low, high) if high - low > GIVEN_UP => format!(
-            "are more between arm angles {} and {} deg; the search was given up there, as the design has \
-             assemblies too close together or without number",
+            "are more between arm angles {} and {} deg; the search was stopped there, because the \
+             design has assemblies too close together or infinitely many",
             degrees(*low),
             degrees(*high)
         ),
@@ -282,8 +282,8 @@ fn undecided(wheel: &Wheel, place: &Undecided) -> String {
             format!("is one more with the wheel centre next to {x}, {y}, {z} {unit}")
         }
         Undecided::Rotations(share) => format!(
-            "are more; {} % of all rotations of the wheel carrier were not searched, as the design has \
-             assemblies too close together or without number",
+            "are more; {} % of all rotations of the wheel carrier were not searched, because the \
+             design has assemblies too close together or infinitely many",
             brief(share * 100.0)
         ),
     }

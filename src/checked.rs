@@ -29,7 +29,7 @@ impl<'s> Checked<'s> {
         })
     }
 
-    /// Doubts about the design, and remarks on its curves, one per line.
+    /// Warnings about the design, and remarks on its curves, one per line.
     pub fn remarks(&self, study: &Study) -> Vec<String> {
         let mut remarks = self.plausibility.clone();
         remarks.extend(variable_plausibility(study));
@@ -73,7 +73,7 @@ impl NamedCurves {
     /// Curves of every named motion of a wheel or an axle.
     pub fn all(study: &Study) -> Result<Vec<Self>, String> {
         let named = study.motion_names().into_iter().map(|name| {
-            let moved = study.in_motion(name).expect("it is one of the names");
+            let moved = study.in_motion(name).expect("the name belongs to a motion");
             Ok(NamedCurves {
                 name: name.to_owned(),
                 curves: moved.curves().map_err(|error| error.to_string())?,

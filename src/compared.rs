@@ -52,7 +52,8 @@ impl FirstMotion {
                 }
                 both.plan.motion = motion.for_axle(axle, &both.axle)?;
                 if both.axle.elastic.is_some() && !both.plan.motion.is_on_level_pads() {
-                    let why = "axles with [compliance] stand on level pads: the first study needs heave, or travel_left and travel_right, in [motion]";
+                    let why = "axles with [compliance] are on level pads: the first study needs \
+                               heave, or travel_left and travel_right, in [motion]";
                     return Err(why.to_owned());
                 }
             }
@@ -90,7 +91,7 @@ pub fn of_study(
         Some(first) => first.replace_in(&mut study)?,
     }
     let solved = Solved::of(&study)?;
-    let table = CurveTable::read(&solved.csv()).expect("curves are written as they are read");
+    let table = CurveTable::read(&solved.csv()).expect("written curves can be read");
     let record = Solved::record("compare", &[(&label, "", &solved)])?;
     let is_complete = solved.is_complete();
     let compared = Compared {

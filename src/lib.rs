@@ -7,10 +7,10 @@
 //!
 //! # Conventions
 //!
-//! The crate has one frame inside: a left wheel, x forward, y left (outboard), z up (ISO 8855). Right wheels and other
-//! axis conventions differ by signs of coordinates, and [`Frame`] converts them at the edges. Lengths are in the study's
-//! unit. Angles are in radians, except where names say `deg`. Travel is the height of the wheel centre above its design
-//! position, positive in jounce. The catalogue states the signs of characteristics ([`Characteristic::info`]).
+//! The crate has one frame inside: a left wheel, x forward, y left (outboard), z up (ISO 8855). Right wheels and other axis
+//! conventions differ by signs of coordinates, and [`Frame`] converts them on input and output. Lengths are in the study's unit.
+//! Angles are in radians, except where names say `deg`. Travel is the height of the wheel centre above its design position,
+//! positive in jounce. The catalogue states the signs of characteristics ([`Characteristic::info`]).
 //!
 //! A derivative by a hardpoint coordinate moves the *design*: lengths and the shape of the knuckle are recomputed, and the
 //! value of the drive is held.
@@ -38,7 +38,7 @@
 //!     .static_angles_deg(-1.0, 0.1)
 //!     .build()?;
 //! let full_jounce = suspension.pose_at(40.0, 0.0)?;
-//! let camber = full_jounce.characteristic(Characteristic::Camber).expect("every wheel has one");
+//! let camber = full_jounce.characteristic(Characteristic::Camber).expect("every wheel has a camber");
 //!
 //! let study = Study::of(suspension)
 //!     .over(Motion::travel(-40.0..=40.0, 17)?)
@@ -51,10 +51,10 @@
 //!
 //! # Map
 //!
-//! Data goes one way, from a study to its results. Public items are at the root of the crate. The modules behind them are
-//! documented at the head of their files and may change with every version. The numerics are a crate of their own in
-//! `engine` (`hardpoint-engine`), without result files, pages and commands. The keys of studies and the error messages
-//! come from another crate, in `study-file` (`hardpoint-study-file`). `ARCHITECTURE.md` shows the whole.
+//! Data flows in one direction, from a study to its results. Public items are at the root of the crate. The modules behind them
+//! are documented at the head of their files and may change with every version. The numerics are in a separate crate, `engine`
+//! (`hardpoint-engine`), without result files, pages and commands. The keys of studies and the error messages come from another
+//! crate, in `study-file` (`hardpoint-study-file`). `ARCHITECTURE.md` shows the whole.
 //!
 //! | module of `engine` | content |
 //! |---|---|
@@ -72,15 +72,15 @@
 //! | `axle` | both wheels: roll on a plane ground, steering, springs |
 //! | `sweep` | many designs on all cores, in constant memory |
 //! | `optimise` | targets as bounded least squares, and their minimum |
-//! | `side_effects` | changes of a tuned design that no target asks for |
+//! | `side_effects` | changes of a tuned design that no target requests |
 //! | `tolerance` | effects of manufacturing scatter, and their contributors |
 //! | `linear` | elimination with series, for every number of unknowns |
 //! | `threads` | thread pools with large stacks |
 //! | `number` | Taylor series, gradients and SIMD registers as numbers, so that one formula serves all derivatives and lanes |
 //!
-//! Two more crates use the engine: `attia` (`hardpoint-attia`) has the fifteen equations of Attia's paper as a formulation,
-//! which the program registers. `bench` (`hardpoint-bench`) measures poses per second, and the cost of a digit and of an
-//! effect on this machine.
+//! Two more crates use the engine: `attia` (`hardpoint-attia`) has the fifteen equations of Attia's paper as a formulation, which
+//! the program registers. `bench` (`hardpoint-bench`) measures poses per second, and the time for each correct digit and each
+//! effect, on this machine.
 //!
 //! This crate has the modules that show results:
 //!

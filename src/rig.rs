@@ -11,7 +11,7 @@ use std::borrow::Cow;
 /// Name of a file and its contents.
 pub type RigFile = (&'static str, Vec<u8>);
 
-/// Further tables beside `kc.csv`, which only some studies have.
+/// Further tables in addition to `kc.csv`, which only some studies have.
 pub const OTHER_TABLES: [&str; 3] = ["levels.csv", "compliance_matrix.csv", "sensitivities.csv"];
 
 /// Tests of a study at its stations.
@@ -26,7 +26,7 @@ pub struct RigTests<'s> {
 
 impl<'s> RigTests<'s> {
     /// Runs the tests of a study with its elastic parts, or with its rigid mechanism. `other` is the program whose names are
-    /// added beside ours. An error explains why there are no tests.
+    /// added to ours. An error explains why there are no tests.
     pub fn of(study: &'s Study, other: Option<OtherProgram>) -> Result<Self, String> {
         if let Some(axle) = study.axle() {
             return RigTests::of_axle(study, axle, other);
@@ -144,7 +144,8 @@ fn check_rigid(suspension: &Suspension) -> Result<(), String> {
     let holds_twice = |c: &Constraint| mechanism.arm_under(c).is_some();
     if mechanism.constraints.iter().any(holds_twice) {
         return Err(format!(
-            "`hardpoint kc` is not available for {}: its lower arm holds the wheel carrier at two points. `hardpoint solve` has its curves",
+            "`hardpoint kc` is not available for {}: its lower arm is joined to the wheel carrier \
+             at two points. `hardpoint solve` computes its curves",
             mechanism.topology.name
         ));
     }
@@ -160,7 +161,8 @@ fn check_rigid(suspension: &Suspension) -> Result<(), String> {
 fn rigid_axle(study: &AxleStudy) -> Result<AxleComplianceStudy, String> {
     if study.axle.is_rigid() {
         return Err(
-            "`hardpoint kc` of a solid axle needs links that stretch: expected [compliance], and axial_stiffness in [links.NAME]"
+            "`hardpoint kc` of a solid axle needs elastic links: expected [compliance], and \
+             axial_stiffness in [links.NAME]"
                 .to_owned(),
         );
     }

@@ -144,7 +144,7 @@ struct WheelToSetUp {
     /// Study of this wheel alone, or of the solid axle.
     study: Study,
     assembler: Assembler,
-    /// Assembler of a solid axle as its right wheel sees it. `None` for one wheel.
+    /// Assembler of a solid axle as seen from its right wheel. `None` for one wheel.
     from_right: Option<Assembler>,
 }
 

@@ -123,7 +123,7 @@ impl<'s> Solved<'s> {
         self.curves.are_complete()
     }
 
-    /// Doubts about the design, one per line.
+    /// Warnings about the design, one per line.
     pub fn plausibility(&self) -> Result<Vec<String>, String> {
         let wheel = self.study.wheel();
         let mut found = match &self.plan {
@@ -167,7 +167,7 @@ impl<'s> Solved<'s> {
     /// Record of a run of these designs. All of them describe one wheel, or all of them describe an axle. The last one is the
     /// most important.
     pub fn record(command: &str, designs: &[Labelled<'_>]) -> Result<Record, String> {
-        let (.., last) = designs.last().expect("a run is of a design at least");
+        let (.., last) = designs.last().expect("a run has a design");
         let study = designs[0].2.study;
         match &last.plan {
             Planned::Corner(plan) => {

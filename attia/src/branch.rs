@@ -109,7 +109,7 @@ pub(crate) fn nearest_singularity(
     let nearest = margins
         .iter()
         .min_by(|a, b| margin(a).total_cmp(&margin(b)));
-    nearest.expect("there are margins").0
+    nearest.expect("there is at least one margin").0
 }
 
 /// |a| / b. Returns zero if that is not a number, so that unknown points count as singular.

@@ -24,7 +24,7 @@ impl Formulation for PaperFormulation {
         visit: &mut dyn FnMut(FormulationVisit),
     ) -> Result<Work, DesignFault> {
         let strut = Strut::of(&suspension.mechanism, &suspension.design)
-            .expect("the study has seen to it that the suspension is a strut");
+            .expect("the study requires a strut");
         let driven = Driven::new(&strut, motion.drive, motion.coefficients)?;
         let values: Vec<f64> = motion.values.iter().map(|v| v * driven.sense).collect();
         for (i, rack) in motion.racks.iter().enumerate() {

@@ -39,7 +39,8 @@ impl Singular {
             Singular::StrutPointsCoincide => "the points 6 and 7 of the strut's axis coincide",
             Singular::RodPointsCoincide => "the points 4 and 9 of the strut's rod coincide",
             Singular::NoStrutLength => {
-                "the strut has no length: its top is at the foot of the ball joint"
+                "the strut has no length: its top is at the foot of the perpendicular from the \
+                 ball joint to its axis"
             }
             Singular::BallJointOnArmAxis => "the ball joint lies on the axis of the lower arm",
             Singular::TieRodToggle => {
@@ -68,7 +69,7 @@ pub enum Refusal {
     #[error("singular: {0}")]
     Singular(Singular),
     /// The branch of the design position ends before the requested pose.
-    #[error("unreachable: the motion ends where the drive is {value}; there, {limit}")]
+    #[error("unreachable: the motion ends at the drive value {value}: {limit}")]
     Unreachable {
         /// Value of the drive up to which the branch was followed.
         value: f64,
@@ -76,7 +77,7 @@ pub enum Refusal {
         limit: Singular,
     },
     /// The branch of the design position ends before the rack reaches the requested displacement.
-    #[error("unreachable: the rack does not get there; where it stops, {limit}")]
+    #[error("unreachable: the rack ends before this position: {limit}")]
     RackUnreachable {
         /// Singularity that stops the rack.
         limit: Singular,

@@ -67,7 +67,7 @@ impl PointCoordinates {
         };
         let orders = [*pose.moving(), velocity, acceleration.map(|a| a * 0.5)];
         let rotation = KnuckleRotation::new(self.design().moving())
-            .expect("the knuckle of a regular design position is not flat");
+            .expect("the points of the knuckle span a volume");
         let rotations = orders.map(|points| rotation.of(&points));
         let series = |coefficient: [Vector3<f64>; 3]| {
             let along = |of: fn(&Vector3<f64>) -> f64| {

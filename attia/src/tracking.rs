@@ -136,7 +136,7 @@ impl PointCoordinates {
     /// Knuckle point that is at `design` in the design position.
     pub fn knuckle_point(&self, design: Vector3<f64>) -> KnucklePoint {
         KnucklePoint::new(design, &self.design.moving)
-            .expect("the knuckle of a regular design position is not flat")
+            .expect("the points of the knuckle span a volume")
     }
 
     /// Work done since the equations were made.

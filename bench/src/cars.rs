@@ -1,5 +1,5 @@
-//! States of a car per second: from a neighbour, by themselves, with results, member loads and derivatives; a whole map on two
-//! threads; and a tuning.
+//! Solved states of a car per second: started from a neighbouring state or without one, with results, member loads and
+//! derivatives; a whole map on two threads; and a tuning.
 
 use super::{Clock, Job, JobTime, Unmeasurable};
 use hardpoint_engine::car::{
@@ -171,7 +171,7 @@ impl Cars {
         }
         let mut own = solver()?;
         let alone = move |step: &Step| _ = black_box(own.solve(&step.case));
-        jobs.push(("state by itself", each(&some, alone)));
+        jobs.push(("state without a neighbour", each(&some, alone)));
         let mut own = solver()?;
         let results = move |step: &Step| printed(&mut own, quantities, &step.case, &step.found);
         jobs.push(("all results of a state", each(&some, results)));

@@ -114,7 +114,7 @@ impl DoubleDouble {
         let x = self.scaled(1.0 / 32.0);
         let square = x * x;
         let (mut sine, mut versine) = (self.zero(), self.zero());
-        // The terms left out are below 1e-33 of the first: (2 pi/32)^22/22! is.
+        // The omitted terms are below 1e-33 of the first term: (2 pi/32)^22/22! is below 1e-33.
         for k in (1..=11).rev() {
             let k = f64::from(k);
             let next = |sum: Self, divisor: f64| (sum.one() - sum) * square / divisor.into();
@@ -150,7 +150,7 @@ impl Real for DoubleDouble {
         self.atan2(cosine)
     }
     /// Sum of the double's angle and a small remainder. The tangent of the remainder is the vector's component across the
-    /// double's angle over its component along it. It is so small that it equals its own arc.
+    /// double's angle over its component along it. The remainder is so small that it equals its tangent.
     fn atan2(self, x: Self) -> Self {
         let angle = DoubleDouble::from(self.high.atan2(x.high));
         let (sine, cosine) = angle.sin_cos();

@@ -50,7 +50,7 @@ const CHANGES: [Change; 12] = [
         apply: |_| (),
     },
     Change {
-        name: "everything declared, nothing asked for",
+        name: "all outputs declared, none requested",
         apply: |study| {
             study.suspension.vehicle = VehicleFigures {
                 wheelbase: Some(2600.0),
@@ -88,7 +88,7 @@ const CHANGES: [Change; 12] = [
         apply: |study| study.outputs.sensitivities = hardpoints(&study.suspension),
     },
     Change {
-        name: "spring (motion ratio: takes rates)",
+        name: "spring (motion ratio: needs velocities)",
         apply: |study| {
             if study.suspension.mechanism.spring.is_some() {
                 let ratio = Characteristic::MotionRatio;
@@ -109,7 +109,7 @@ const CHANGES: [Change; 12] = [
         },
     },
     Change {
-        name: "rack in five places",
+        name: "rack at five positions",
         apply: |study| {
             let size = study.suspension.size();
             let rack = &mut study.motion.rack;

@@ -183,7 +183,8 @@ impl Equilibria {
         Ok(Equilibria::timed(names, works, clock))
     }
 
-    /// Times all sample loads from the design, all side forces from the level before, and one sheet of tests.
+    /// Times all sample loads from the design, all side forces (each from the equilibrium of the previous one), and one sheet of
+    /// tests.
     fn timed(names: [&'static str; 3], works: [Box<dyn FnMut() + '_>; 3], clock: &Clock) -> Self {
         let items = [LOADS, LOADS, 1].into_iter();
         let jobs = items.zip(works).map(|(items, work)| Job { items, work });

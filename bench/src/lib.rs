@@ -1,4 +1,4 @@
-//! Measures the program on this machine: poses per second, the cost of a digit, and the cost of an effect.
+//! Measures the program on this machine: poses per second, the time for each correct digit, and the time for each effect.
 //!
 //! The clock takes one sample of each job in turn, so that other load on the machine affects all jobs alike. Compare times within
 //! one run only. This crate is the only library code with finite differences; they are a reference for comparison.
@@ -41,7 +41,8 @@ pub enum Unmeasurable {
     Design(DesignFault),
     /// Fewer stations have a pose than a curve needs.
     #[error(
-        "the motion has {solved} stations of different travel with a pose; it takes {needed} to measure a curve"
+        "the motion has {solved} stations of different travel with a pose; measuring a curve \
+         needs {needed}"
     )]
     FewStations {
         /// Number of stations that have a pose.

@@ -39,7 +39,7 @@ impl Machine {
     /// Description of the machine in one line.
     pub fn line(&self) -> String {
         let warning = if self.unoptimised {
-            "; built without optimisation: times mean little"
+            "; built without optimisation: times are not representative"
         } else {
             ""
         };

@@ -100,7 +100,7 @@ impl DesignFunction {
             let values = function.values().map(drop);
             values.map_err(|fault| fault.describe(&study.wheel().mechanism))
         });
-        // A workspace made earlier proves that later ones can be made.
+        // Another workspace was made before, so this one can be made, too.
         solved.map_err(FunctionError::Design)?;
         Ok(function)
     }
@@ -137,7 +137,7 @@ impl DesignFunction {
         self.len() == 0
     }
 
-    /// Makes a workspace for evaluations, one for each thread. The first request for values makes its evaluator; so does the
+    /// Makes a workspace for evaluations, one for each thread. Its evaluators are made at the first request for values and at the
     /// first request for derivatives.
     pub fn evaluation(&self) -> Evaluation<'_> {
         Evaluation {
@@ -258,7 +258,7 @@ impl<'f> Evaluation<'f> {
         while first < count {
             let now = (count - first).min(BLOCK);
             self.place(&x[first * width..(first + now) * width], now);
-            let make = || f.values().expect("the function was made with one");
+            let make = || f.values().expect("the function has a workspace");
             let (evaluator, block) = self.values.get_or_insert_with(make);
             evaluator.evaluate_pairs([&self.designs, &self.rights], block);
             for number in 0..now {
@@ -307,7 +307,7 @@ impl<'f> Evaluation<'f> {
             values.len() * width,
             "room for each derivative"
         );
-        let make = || f.gradients().expect("the function was made with one");
+        let make = || f.gradients().expect("the function has a workspace");
         let (mut evaluator, mut found) = self.gradients.take().unwrap_or_else(make);
         let at_once = evaluator.at_once();
         for first in (0..count).step_by(at_once) {

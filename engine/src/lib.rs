@@ -11,7 +11,7 @@
 //!     .static_angles_deg(-1.0, 0.1)
 //!     .build()?;
 //! let jounce = suspension.pose_at(40.0, 0.0)?;
-//! let camber = jounce.characteristic(Characteristic::Camber).expect("every wheel has one");
+//! let camber = jounce.characteristic(Characteristic::Camber).expect("every wheel has a camber");
 //! let study = Study::of(suspension)
 //!     .over(Motion::travel(-40.0..=40.0, 17)?)
 //!     .asking(&[Characteristic::Camber, Characteristic::Toe], Order::Velocity)?;

@@ -1,6 +1,6 @@
 //! Plan of a computation: the values that the outputs of a study need, and no others.
 //!
-//! The plan makes every decision on cost:
+//! The plan decides about everything that takes computing time:
 //!
 //! - number of derivatives of a pose,
 //! - factorisation of a Jacobian, if one is needed,

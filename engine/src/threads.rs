@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A flag that stops work. `None` if nothing can stop it.
+/// A flag that stops work. `None` for work that cannot be stopped.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Interrupt<'a>(pub(crate) Option<&'a AtomicBool>);
 
@@ -99,7 +99,7 @@ pub(crate) fn on_large_stacks<T: Send>(threads: usize, run: impl FnOnce() -> T +
 mod tests {
     use super::*;
 
-    /// Uses this many KiB of stack.
+    /// Recursion that uses this many KiB of stack.
     fn descend(kib: usize) -> usize {
         let frame = std::hint::black_box([1_u8; 1024]);
         match kib {
@@ -116,7 +116,7 @@ mod tests {
         assert_eq!(all, [12 << 10; 2]);
     }
 
-    /// Work stops at the checkpoint after its flag is raised. Outer work stops only by its own flag.
+    /// Work stops at the checkpoint after its flag is raised. Work that contains other work stops only by its own flag.
     #[test]
     fn work_ends_at_a_checkpoint() {
         let [outer, inner] = [(); 2].map(|()| Arc::new(AtomicBool::new(false)));

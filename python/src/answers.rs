@@ -119,7 +119,8 @@ fn by_name<'py>(py: Python<'py>, pictures: &[Picture]) -> PyResult<Bound<'py, Py
 pub(crate) fn rigid<'s>(own: &'s hardpoint::Study, what: &str) -> PyResult<&'s hardpoint::Study> {
     if own.is_elastic() {
         Err(failure(format!(
-            "{what} is of the rigid mechanism, and the study has [compliance]: its elastic parts would be left out"
+            "{what} is for rigid mechanisms, but the study has [compliance]: its elastic parts \
+             would be ignored"
         )))
     } else {
         Ok(own)
@@ -160,7 +161,7 @@ pub(crate) fn kc<'py>(
 pub(crate) fn setup<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, PyDict>> {
     let own = rigid(study.whole(), "setup")?;
     let setup = own.setup.as_ref().ok_or_else(|| {
-        failure("the study has no [setup] section, which gives adjustments and wanted values")
+        failure("the study has no [setup] section, which gives adjustments and target values")
     })?;
     let answer = on_threads(py, Some(1), |_| -> Result<Answer, String> {
         let found = set_up(own, setup).map_err(Refusal::reason)?;

@@ -9,14 +9,15 @@ pyo3::create_exception!(
     hardpoint,
     HardpointError,
     PyException,
-    "Base of all errors of this module: a request cannot be computed, and the text says why."
+    "Base class of all errors of this module: a request cannot be computed. The text gives the \
+     reason."
 );
 pyo3::create_exception!(
     hardpoint,
     StudyError,
     HardpointError,
-    "A study is wrong. The text says where and what was expected; `line`, `column`, `key` and `help` describe \
-     the first mistake."
+    "A study is invalid. The text gives the position and what was expected; `line`, `column`, \
+     `key` and `help` describe the first error."
 );
 
 /// Converts the errors of a study to an exception with file, line, column and key of the first one.

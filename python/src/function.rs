@@ -15,8 +15,7 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-/// Number of designs that one thread takes at a time for values. The next constant is for values with Jacobians, which take
-/// longer.
+/// Number of designs that one thread takes at a time for values. Values with Jacobians take longer and have a smaller number.
 const CHUNK: usize = 128;
 const DIFFERENTIATED: usize = 32;
 /// Number of designs per chunk for an axle, whose designs are solved one by one.
@@ -285,7 +284,7 @@ impl Function {
     }
 }
 
-/// An array of zeros, or a `MemoryError`.
+/// Makes an array of zeros, or raises a `MemoryError`.
 pub(crate) fn zeros<'py, T: Element, D: numpy::ndarray::Dimension>(
     py: Python<'py>,
     shape: &[usize],
@@ -332,14 +331,14 @@ fn contradict(study: &hardpoint::Study, a: &DesignVariable, b: &DesignVariable) 
             let same = |m: &Move| (b.moves.iter()).any(|n| (n.point, n.axis) == (m.point, m.axis));
             (a.absolute || b.absolute) && a.moves.iter().any(same)
         }
-        // The name of a turn consists of the names of its points.
+        // The name of a rotation consists of the names of its points.
         (Some(other), None) => other.absolute && turns(study, &b.name, &other.moves),
         (None, Some(other)) => other.absolute && turns(study, &a.name, &other.moves),
         (None, None) => false,
     }
 }
 
-/// True if the turn with this name rotates one of the moved points.
+/// True if the rotation with this name moves one of the moved points.
 fn turns(study: &hardpoint::Study, name: &str, moves: &[Move]) -> bool {
     let (points, _) = name.rsplit_once("_turn_").unwrap_or((name, ""));
     let mechanism = &study.wheel().mechanism;

@@ -6,7 +6,7 @@
 
 #![allow(
     clippy::type_complexity,
-    reason = "tuples of arrays are what Python takes and gives"
+    reason = "Python passes and returns tuples of arrays"
 )]
 
 mod answers;

@@ -2,7 +2,7 @@
 
 use hardpoint::DesignStatus;
 
-/// Status words; the index of a word is its code. Codes are part of the interface, so new words go to the end.
+/// Status words; the index of a word is its code. Codes are part of the interface, so new words are added at the end.
 pub(crate) const WORDS: [&str; 12] = [
     "ok",
     "ill_conditioned",

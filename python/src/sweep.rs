@@ -31,7 +31,7 @@ pub(crate) fn not_begun(study: &Study, error: NotBegun) -> PyErr {
 pub(crate) fn own_sweep(study: &Study) -> PyResult<&Sweep> {
     let sweep = study.study.sweep.as_ref();
     sweep.ok_or_else(|| {
-        failure("the study has no [sweep], which says which designs there are; give them as x")
+        failure("the study has no [sweep], which defines the designs; give them as x")
     })
 }
 
@@ -46,7 +46,7 @@ fn given(
     let swept = variables.iter().map(|variable| {
         let turns = || {
             failure(format!(
-                "{} is a turn, which sweeps do not know",
+                "{} is a turn, which sweeps do not support",
                 variable.name
             ))
         };

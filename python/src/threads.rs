@@ -97,7 +97,8 @@ pub(crate) fn interruptible<T: Send>(
         Some(Ok(Some(found))) => Ok(found),
         Some(Ok(None)) => Err(failure("interrupted")),
         _ => Err(failure(
-            "internal error: a thread panicked; standard error says where. Please report it with the study",
+            "internal error: a thread panicked; see standard error. Please report it with the \
+             study",
         )),
     }
 }
@@ -137,5 +138,5 @@ pub(crate) fn command<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) 
     });
     hardpoint::cli::forget_interrupt();
     heard?;
-    found.map_err(|_| failure("internal error: the command panicked; standard error says where"))
+    found.map_err(|_| failure("internal error: the command panicked; see standard error"))
 }

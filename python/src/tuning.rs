@@ -115,7 +115,7 @@ fn expected_yield<'py>(py: Python<'py>, tuning: &Tuning) -> PyResult<Option<Boun
             known.set_item("surrogate", expected.surrogate)?;
             Some(known)
         }
-        Some(Err(reason)) => return Err(failure(format!("the yield is not raised: {reason}"))),
+        Some(Err(reason)) => return Err(failure(format!("the yield was not increased: {reason}"))),
     })
 }
 
@@ -199,7 +199,7 @@ pub(crate) fn optimise<'py>(
                 Err(errors) => {
                     is_whole = false;
                     message.push(format!(
-                        "the tuned study is refused: {}",
+                        "the tuned study is invalid: {}",
                         errors.render(false)
                     ));
                     result.set_item("study", py.None())?;
@@ -285,7 +285,8 @@ impl Residuals {
                     let (offset, at) = variable.as_offset(own.wheel()).ok_or_else(|| {
                         let name = &variable.name;
                         failure(format!(
-                            "{name} is a coordinate of several points, which the constraints do not take; give offsets"
+                            "{name} is a coordinate of several points, which the constraints do \
+                             not support; give offsets"
                         ))
                     })?;
                     names.push(variable.name);

@@ -146,7 +146,7 @@ def test_points_go_out_and_come_back(front, tmp_path):
     np.testing.assert_array_equal(back.design, front.design)
     said = hp.export(front, tmp_path / "rounded.csv", round=0.5)
     assert any("misfit" in line for line in said)
-    with pytest.raises(hp.HardpointError, match="exists already.*force=True"):
+    with pytest.raises(hp.HardpointError, match="already exists.*force=True"):
         hp.export(front, tmp_path / "rounded.csv")
     with pytest.raises(hp.HardpointError):
         hp.import_points(tmp_path / "points.csv", "five_link")

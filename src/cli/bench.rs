@@ -57,7 +57,7 @@ impl Subject {
             }
             (Some(path), _) => Subject::Study(Box::new(Study::read(path, changes)?)),
             (None, _) => {
-                let strut = Topology::named("macpherson").expect("it is in the catalogue");
+                let strut = Topology::named("macpherson").expect("macpherson is a topology");
                 let study = Study::from_text("macpherson.toml", strut.template, Path::new(""))?;
                 Subject::Study(Box::new(study))
             }
@@ -181,7 +181,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     output.finish()?;
     if output.directory().is_some() {
         match &picture {
-            // The full table has about a hundred rows, so people get the brief one.
+            // The full table has about a hundred rows, so the text output shows the brief one.
             Some((_, brief)) => {
                 output.table_for_programs(kind, || table.clone());
                 output.text_only(&brief.text(width()))?;
@@ -237,7 +237,8 @@ fn refuse_for_axle(kind: BenchKind, path: &Path) -> Result<(), Stop> {
              is solved by the same equations"
         }
         BenchKind::Effects => {
-            "effects times what each output adds to the position of one wheel, in an order for one wheel"
+            "effects measures the time that each output adds to the position of one wheel, in an \
+             order for one wheel"
         }
     };
     Err(Stop::in_file(

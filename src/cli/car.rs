@@ -92,7 +92,7 @@ fn headline(study: &CarStudy) -> String {
 fn open(arguments: &RunArguments, study: &CarStudy, command: &str) -> Result<Output, Stop> {
     if arguments.plots.is_some() {
         return Err(Stop::wrong_input(
-            "--plots makes pictures of curves; the page of a car (--report) has its pictures",
+            "--plots makes pictures of curves; pictures of a car are on its page (--report)",
         ));
     }
     if arguments.report
@@ -117,7 +117,7 @@ fn open(arguments: &RunArguments, study: &CarStudy, command: &str) -> Result<Out
     )
 }
 
-/// Names of the three studies kept beside the results: the car, its front axle and its rear axle.
+/// Names of the three studies stored with the results: the car, its front axle and its rear axle.
 const KEPT_NAMES: [&str; 3] = ["study.toml", "front.toml", "rear.toml"];
 
 /// Texts of these three studies.
@@ -131,7 +131,7 @@ fn kept(study: &CarStudy) -> Vec<String> {
     ]
 }
 
-/// Writes the studies of a run beside its results, if the output is a directory. Returns the names of the files.
+/// Writes the studies of a run with its results, if the output is a directory. Returns the names of the files.
 fn keep(output: &Output, study: &CarStudy) -> Result<Vec<&'static str>, Stop> {
     let mut names = Vec::new();
     if output.directory().is_some() {

@@ -164,7 +164,7 @@ fn asked(study: &Study) -> Vec<String> {
         ));
         lines.extend(optimise.scatter.as_ref().map(robust));
         let effects = if optimise.side_effects {
-            "changes that no target asks for are reported"
+            "changes that no target requests are reported"
         } else {
             "off, by side_effects = false"
         };
@@ -174,7 +174,7 @@ fn asked(study: &Study) -> Vec<String> {
         lines.push(format!(
             "Set-up (setup only): {}, {}.",
             counted(setup.adjust.len(), "adjustment"),
-            counted(setup.want.len(), "wanted value")
+            counted(setup.want.len(), "target value")
         ));
     }
     lines.extend(study.tolerance.as_ref().map(|of| scattered(study, of)));
@@ -185,9 +185,9 @@ fn asked(study: &Study) -> Vec<String> {
 fn robust(scatter: &Scatter) -> String {
     let builds = counted(scatter.builds, "build");
     if scatter.lowers_misfit() {
-        format!("Robust tuning: lowers the mean squared misfit of {builds}.")
+        format!("Robust tuning: minimises the mean squared misfit of {builds}.")
     } else {
-        format!("Robust tuning: raises the share of {builds} within the bands.")
+        format!("Robust tuning: maximises the share of {builds} within the bands.")
     }
 }
 

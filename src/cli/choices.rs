@@ -70,7 +70,8 @@ impl Choices {
         }
         if let Some(table) = summary.prices_table() {
             output.text_only(
-                "\nLeast misfit by the size of the change (1: full ranges), and its fall if the change may grow by a tenth of them\n\n",
+                "\nSmallest misfit by the size of the change (1: full ranges), and its decrease \
+                 if the size grows by a tenth of the ranges\n\n",
             )?;
             output.table("prices", &table)?;
         }

@@ -140,7 +140,7 @@ fn of_kc_runs(arguments: &CompareArguments) -> Result<Exit, Stop> {
     tables.push("figures", comparison.table());
     print_tables(arguments, &tables)?;
     note(&format!(
-        "\nThe same in four digits: {}\n",
+        "\nEqual to four digits: {}\n",
         counted(comparison.equal(), "figure")
     ));
     if arguments.out != Path::new("-") {

@@ -13,11 +13,11 @@ use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Study};
 const DOUBTFUL_RATE: f64 = 1e6;
 
 /// Names the commands that accept elastic parts.
-const COMMANDS: &str = "`hardpoint kc` runs the tests; `solve`, `sweep`, `optimise`, `tolerance` and `compare` have the \
-                        elastic parts, too.";
-/// The same for a solid axle.
-const COMMANDS_OF_SOLID: &str = "`hardpoint kc` runs the tests; `solve`, `sweep`, `optimise`, `limits` and `compare` have \
-                                 the elastic parts, too.";
+const COMMANDS: &str = "`hardpoint kc` runs the tests; `solve`, `sweep`, `optimise`, `tolerance` \
+                        and `compare` also include the elastic parts.";
+/// Names the commands that accept a solid axle with elastic parts.
+const COMMANDS_OF_SOLID: &str = "`hardpoint kc` runs the tests; `solve`, `sweep`, `optimise`, \
+                                 `limits` and `compare` also include the elastic parts.";
 
 /// Prints the elastic parts, and the wheel in the design position.
 pub(super) fn check(
@@ -185,7 +185,7 @@ fn say_design(out: &mut Printer, study: &Study, elastic: &ComplianceStudy) -> Re
     Ok(true)
 }
 
-/// Doubts about elastic parts, one per line.
+/// Warnings about elastic parts, one per line.
 fn doubts(study: &Study, parts: &Compliance) -> Vec<String> {
     let mechanism = &study.wheel().mechanism;
     let mut doubts = Vec::new();
@@ -211,7 +211,8 @@ fn doubts(study: &Study, parts: &Compliance) -> Vec<String> {
     let in_millimetres = study.wheel().length_unit == LengthUnit::Millimetre;
     if in_millimetres && least.is_finite() && least > DOUBTFUL_RATE {
         doubts.push(format!(
-            "doubt: all rates of bushings are above 1e6 N/mm (the least is {} N/mm); are they in N/m?",
+            "please check: all rates of bushings are above 1e6 N/mm (the lowest is {} N/mm); are they \
+             in N/m?",
             brief(least)
         ));
     }

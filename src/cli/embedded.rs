@@ -14,9 +14,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 pub enum NotDone {
     /// The study is wrong.
     WrongStudy(StudyErrors),
-    /// The call or the input is wrong, in words.
+    /// The call or the input is wrong. Contains the reason in words.
     WrongInput(String),
-    /// A part could not be solved or written, in words.
+    /// A part could not be solved or written. Contains the reason in words.
     Incomplete(String),
     /// The command was interrupted.
     Interrupted,

@@ -6,7 +6,7 @@ use crate::study::StudyErrors;
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
-/// Longest word in an error message, in characters. Only a cell of a hostile file is longer.
+/// Longest word in an error message, in characters. Only a cell of a malicious or broken file is longer.
 const LONGEST_WORD: usize = 300;
 /// Longest error message, in characters.
 const LONGEST_REASON: usize = 20_000;

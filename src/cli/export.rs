@@ -58,7 +58,7 @@ pub(super) struct ExportArguments {
     /// With --to bus: the hardpoint of the bushing [default: the only one]
     #[arg(long, value_name = "HARDPOINT")]
     bushing: Option<String>,
-    /// The points of one design of the study's sweep, by its number
+    /// Export the points of one design of the study's sweep, by its number
     #[arg(long, value_name = "NUMBER")]
     pub(super) design: Option<u64>,
     /// Override a field of the study, as in --set motion.rack=5.0; may be given more than once
@@ -98,7 +98,7 @@ pub(super) enum Names {
     Adams,
     /// Altair MotionView
     Altair,
-    /// The suspension parameter measuring machine: refused, since its definitions are not published
+    /// Suspension parameter measuring machine: refused, because its definitions are not published
     Spmm,
 }
 
@@ -199,13 +199,13 @@ fn check_call(arguments: &ExportArguments) -> Result<(), Stop> {
     }
     if arguments.names == Some(Names::Spmm) {
         return Err(Stop::wrong_input(
-            "--names spmm: no public source defines the channels of that machine, so no curve can have one of their \
-             names",
+            "--names spmm: no public source defines the channels of that machine, so the names of \
+             its channels are not available",
         ));
     }
     if matches!(to, Target::Xlsx | Target::Stl) && file_of_out(&arguments.out).is_none() {
         return Err(Stop::wrong_input(
-            "workbooks and solids cannot go to a terminal: give a file with --out",
+            "workbooks and solids cannot be written to a terminal: give a file with --out",
         ));
     }
     let own_axes = match to {
@@ -224,7 +224,7 @@ fn check_call(arguments: &ExportArguments) -> Result<(), Stop> {
     }
     if to == Target::Assetto && (arguments.frame.is_some() || arguments.unit.is_some()) {
         return Err(Stop::wrong_input(
-            "suspensions.ini has axes of its own and is in metres: leave out --unit and --frame",
+            "suspensions.ini has fixed axes and is in metres: leave out --unit and --frame",
         ));
     }
     if arguments.into.is_some() && arguments.unit.is_some() {
@@ -242,7 +242,7 @@ fn inputs(source: &Source, arguments: &ExportArguments) -> Vec<PathBuf> {
     inputs
 }
 
-/// Prints a note about content that the file format leaves out, and returns the file.
+/// Prints a note about content that the file format cannot contain, and returns the file.
 pub(super) fn say(written: Written) -> Vec<u8> {
     for line in written.notes {
         note(&format!("{line}\n"));
@@ -258,7 +258,8 @@ fn adams(source: &Source, arguments: &ExportArguments) -> Result<Written, Stop> 
     if outgoing.different_wheels().len() > 1 {
         return Err(Stop::in_file(
             &arguments.source,
-            "axle.right: --into writes only the left wheel, but the right wheel has points of its own; leave out --into",
+            "axle.right: --into writes only the left wheel, but the right wheel has different \
+             points; leave out --into",
         ));
     }
     let refused = |reason: String| Stop::in_file(path, reason);
@@ -297,7 +298,7 @@ fn curves(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Stop>
     let (named, left_out) = under_names_of(tool, &outgoing, &page);
     if !left_out.is_empty() {
         note(&format!(
-            "left out, because no published definition is the same: {}\n",
+            "omitted, because no published definition is the same: {}\n",
             left_out.join(", ")
         ));
     }
@@ -351,8 +352,9 @@ fn envelope(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Sto
         LengthUnit::Metre => 5,
     };
     note(&format!(
-        "{} solids, one for each pose, {} triangles; unit {unit}, frame {}. Between poses the tyre is up to {:.digits$} {unit} \
-         outside of them: more values (/N) reduce this, --grow covers it.\n",
+        "{} solids, one for each pose, {} triangles; unit {unit}, frame {}. Between the poses the \
+         tyre reaches up to {:.digits$} {unit} outside the solids: more values (/N) reduce this, \
+         --grow compensates for it.\n",
         envelope.solids.len(),
         envelope.triangles(),
         outgoing.convention.name(),
@@ -360,7 +362,8 @@ fn envelope(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Sto
     ));
     if arguments.grow.is_none() {
         note(&format!(
-            "The radius is the loaded radius, {:?} {unit}; the free tyre is larger. --grow LENGTH adds to radius and sides.\n",
+            "The radius is the loaded radius, {:?} {unit}; the unloaded tyre is larger. --grow \
+             LENGTH increases radius and width on each side.\n",
             outgoing.length(radius)
         ));
     }

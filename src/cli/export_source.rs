@@ -169,14 +169,15 @@ impl Source {
         self.path.is_dir() && self.path.join(TUNED).is_file()
     }
 
-    /// Rounds the moved or tuned coordinates, and prints the cost.
+    /// Rounds the moved or tuned coordinates, and prints the effect on the targets.
     fn round(&mut self, step: f64, all: bool, before: &[Vector3<f64>]) -> Result<(), Stop> {
         let study = self.study()?;
         let own_right = study.axle().is_some_and(|a| a.axle.right.is_some());
         if own_right {
             return Err(Stop::in_file(
                 &self.path,
-                "axle.right: --round needs a right wheel that mirrors the left one, but the right wheel has points of its own",
+                "axle.right: --round needs a right wheel that is the mirror image of the left \
+                 one, but the right wheel has different points",
             ));
         }
         let design = &study.wheel().design;
@@ -212,7 +213,7 @@ impl Source {
         Ok(())
     }
 
-    /// Renames the curves of a run if they do not belong to the exported points.
+    /// Renames the tables of curves of a run if they do not belong to the exported points.
     fn set_other_curves_aside(&mut self, before: &[Vector3<f64>]) {
         let Some(study) = &self.study else { return };
         let manifest = Manifest::read(&self.path).unwrap_or_default();
@@ -327,7 +328,7 @@ impl Source {
 fn of_sweep(study: &Study, number: u64, path: &Path) -> Result<Study, Stop> {
     let refused = |reason: &str| Stop::in_file(path, reason);
     let sweep = study.sweep.as_ref();
-    let sweep = sweep.ok_or_else(|| refused("--design needs [sweep], and the study has none"))?;
+    let sweep = sweep.ok_or_else(|| refused("--design needs [sweep], but the study has none"))?;
     let plan = SweepPlan::of(study, sweep)
         .map_err(|_| refused("the sweep cannot start; `hardpoint sweep` prints the reason"))?;
     if number >= plan.record.designs {
@@ -339,7 +340,7 @@ fn of_sweep(study: &Study, number: u64, path: &Path) -> Result<Study, Stop> {
     Ok(plan.moved(number))
 }
 
-/// Prints the cost of rounding: the misfit of the targets, and the largest change of each curve.
+/// Prints the effect of rounding: the misfit of the targets, and the largest change of each curve.
 fn say_loss(before: &Study, after: &Study, rounded: &Rounded, free: &[bool]) {
     let grid = rounded.grid;
     let (step, unit) = (grid.step, grid.unit.symbol());
@@ -350,15 +351,15 @@ fn say_loss(before: &Study, after: &Study, rounded: &Rounded, free: &[bool]) {
     );
     match &rounded.loss {
         None => note(&format!(
-            "{rounded_to}; the study has no targets, so the cost is not known\n"
+            "{rounded_to}; the study has no targets, so the change of the misfit is not known\n"
         )),
         Some(loss) => {
             let ordinary = loss
                 .ordinary
                 .map_or("no curve".to_owned(), |misfit| format!("{misfit:.4}"));
             note(&format!(
-                "{rounded_to}: misfit {:.4} -> {:.4} tolerances ({ordinary} with each coordinate rounded to its nearest multiple; \
-                 {} are rounded the other way)\n",
+                "{rounded_to}: misfit {:.4} -> {:.4} tolerances ({ordinary} with each coordinate \
+                 rounded to its nearest multiple; {} are rounded in the other direction)\n",
                 loss.exact, loss.best, loss.otherwise
             ));
         }

@@ -53,7 +53,7 @@ pub(super) struct ImportArguments {
     /// Loaded radius of the wheels, in the file's unit; of a car FRONT,REAR or one for both
     #[arg(long, value_name = "LENGTH", value_parser = length, value_delimiter = ',')]
     pub(super) radius: Vec<f64>,
-    /// Body that an end of a spring or rod sits on, as in drop_link_outer=rocker; may be given more than once
+    /// Body that carries an end of a spring or rod, as in drop_link_outer=rocker; may be given more than once
     #[arg(long, value_name = "HARDPOINT=BODY", value_parser = body)]
     body: Vec<(String, String)>,
     /// Write the bushings of an Adams/Car subsystem, for `hardpoint kc`
@@ -126,7 +126,7 @@ fn body(text: &str) -> Result<(String, String), String> {
     parts.ok_or_else(|| "expected HARDPOINT=BODY, as in drop_link_outer=rocker".to_owned())
 }
 
-/// Answers to the questions that a file leaves open.
+/// Answers to the questions that the content of a file leaves open.
 #[derive(Clone, Default)]
 pub(super) struct Answers {
     sheet: Option<String>,
@@ -156,7 +156,7 @@ impl Answers {
             "--side" => self.side = Some(side(value)?),
             "--axle" => self.axle = Some(axle(value)?),
             "--half-track" => self.half_track = Some(length(value)?),
-            _ => return Err(format!("{flag} cannot be answered here")),
+            _ => return Err(format!("{flag} cannot be asked for here")),
         }
         Ok(())
     }
@@ -360,15 +360,15 @@ fn ask(
 fn summary(imported: &Imported, out: Option<Option<&Path>>) -> String {
     let mut text = roles(imported);
     for (title, lines) in [
-        ("Read and assumed", &imported.notes),
+        ("Values read and assumed", &imported.notes),
         ("Left out", &imported.left_out),
     ] {
         text += &listed(title, lines);
     }
     match out {
-        Some(Some(out)) => text += &format!("See it: hardpoint studio {}\n", out.display()),
+        Some(Some(out)) => text += &format!("To view it: hardpoint studio {}\n", out.display()),
         Some(None) => {
-            text += "See it: write it with --out STUDY.toml, then hardpoint studio STUDY.toml\n"
+            text += "To view it: write it with --out STUDY.toml, then hardpoint studio STUDY.toml\n"
         }
         None => (),
     }
@@ -403,7 +403,8 @@ pub(super) fn roles(imported: &Imported) -> String {
 fn names(path: &Path) -> Result<BTreeMap<String, String>, Stop> {
     let refused = |reason: String| Stop::in_file(path, reason);
     let text = bytes_of(path).map_err(refused)?;
-    let text = String::from_utf8(text).map_err(|_| refused("it is no text in UTF-8".to_owned()))?;
+    let text =
+        String::from_utf8(text).map_err(|_| refused("it is not a text in UTF-8".to_owned()))?;
     toml::from_str(&text).map_err(|error| {
         refused(format!(
             "expected lines such as lower_arm_front = \"LCA 1\": {}",

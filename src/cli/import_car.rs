@@ -78,7 +78,7 @@ fn write(directory: &Path, car: &ImportedCar, force: bool) -> Result<(), Stop> {
     let taken = paths.iter().find(|path| path.exists());
     if let Some(taken) = taken.filter(|_| !force) {
         return Err(Stop::wrong_input(format!(
-            "{} exists already; --force replaces it",
+            "{} already exists; --force replaces it",
             taken.display()
         )));
     }
@@ -122,10 +122,10 @@ fn summary(file: &Path, directory: &Path, car: &ImportedCar) -> String {
         }
     }
     notes.push(
-        "rear drive, since no file of points says more: drive_share_front = 0.0 in [car]"
+        "rear drive, because files of points have no drive: drive_share_front = 0.0 in [car]"
             .to_owned(),
     );
-    text += &listed("Read and assumed", &notes);
+    text += &listed("Values read and assumed", &notes);
     text += &listed("Left out", &left_out);
     let shown = |file: &str| directory.join(file).display().to_string();
     let [whole, front, rear] = CAR_FILES.map(shown);
@@ -136,10 +136,13 @@ fn summary(file: &Path, directory: &Path, car: &ImportedCar) -> String {
                 &[errors.render(false).trim_end().replace('\n', "\n  ")],
             );
         }
-        text += &format!("See it: hardpoint check {whole}, hardpoint studio {front}\n");
+        text += &format!("To view it: hardpoint check {whole}, hardpoint studio {front}\n");
         return text;
     }
-    text += &listed("Fill in before the car can be solved", &car.missing);
-    text += &format!("See the axles: hardpoint studio {front}, hardpoint studio {rear}\n");
+    text += &listed(
+        "Missing data, needed before the car can be solved",
+        &car.missing,
+    );
+    text += &format!("To view the axles: hardpoint studio {front}, hardpoint studio {rear}\n");
     text
 }

@@ -4,11 +4,13 @@
 const INSTEAD: [(&str, &str); 8] = [
     (
         "leaf",
-        "leaf springs are not available. The nearest is solid_axle, with the front half of each leaf as its lower link",
+        "leaf springs are not available. The most similar topology is solid_axle, with the front \
+         half of each leaf as its lower link",
     ),
     (
         "dion",
-        "a De Dion axle moves as a solid_axle: give its links and its Panhard rod or Watt linkage",
+        "a De Dion axle moves like a solid_axle: give its links and its Panhard rod or Watt \
+         linkage",
     ),
     ("torsion_beam", "a torsion beam is a twist_beam"),
     (

@@ -1,6 +1,6 @@
 //! Signals. The first signal stops the command, the second one ends the process at once.
 //!
-//! A command that has results to keep checks the [`flag`], stops, and writes them. Every other command ends where it is. This is
+//! A command that has results to keep checks the [`flag`], stops, and writes them. Every other command ends immediately. This is
 //! safe: it ends between two writes, and its directories are recorded as interrupted. Both cases end within [`MOST_WORK`].
 
 use super::terminal;
@@ -58,7 +58,7 @@ pub(super) fn exit_code() -> u8 {
 /// Payload of the unwinding that ends a command inside another program.
 pub(super) struct Ended;
 
-/// Ends the command after a signal if it has nothing to keep. Ends the process, or inside another program unwinds the stack.
+/// Ends the command after a signal if it has no results to keep. Ends the process, or inside another program unwinds the stack.
 pub(super) fn end() -> ! {
     if !LISTENS.load(Ordering::SeqCst) {
         std::panic::resume_unwind(Box::new(Ended));
@@ -92,7 +92,7 @@ pub(super) fn reset() {
 /// Starts to handle signals, for the rest of the process.
 pub(super) fn listen() {
     static LISTENING: Once = Once::new();
-    // Without a handler, a signal ends the process. This is safe, because files appear whole or not at all.
+    // Without a handler, a signal ends the process. This is safe, because files are written completely or not at all.
     LISTENING.call_once(|| {
         LISTENS.store(true, Ordering::SeqCst);
         let _ = listen_on_a_thread();

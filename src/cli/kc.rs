@@ -15,8 +15,9 @@ pub(super) fn run(arguments: &KcArguments) -> Result<Exit, Stop> {
         Some(Names::Altair) => Some(OtherProgram::Altair),
         Some(Names::Spmm) => {
             return Err(Stop::wrong_input(
-                "--names spmm is not available: no published definition of these sheets gives all signs, and sheets differ \
-                 in the sign of toe and side force. kc.csv has our signs (docs/compliance.md)",
+                "--names spmm is not available: no published definition of these sheets gives all \
+                 signs, and sheets differ in the sign of toe and side force. kc.csv has the signs \
+                 in docs/compliance.md",
             ));
         }
     };
@@ -25,8 +26,8 @@ pub(super) fn run(arguments: &KcArguments) -> Result<Exit, Stop> {
     let study = Study::read_elastic(path, &arguments.study.set)?;
     if arguments.plots.is_some() {
         return Err(Stop::wrong_input(
-            "`hardpoint kc` writes no pictures of its own: --report makes a page with charts, `hardpoint solve --plots` \
-             pictures of the curves",
+            "`hardpoint kc` writes no pictures: --report makes a page with charts, and `hardpoint \
+             solve --plots` makes pictures of the curves",
         ));
     }
     let tests = RigTests::of(&study, other).map_err(|why| Stop::in_file(path, why))?;
@@ -70,9 +71,9 @@ pub(super) fn run(arguments: &KcArguments) -> Result<Exit, Stop> {
         output.text_only(&format!("\n{place}\n\n{}", table.text(terminal::width())))?;
     }
     let signs = if results.is_axle {
-        "each wheel as a left wheel, the axle per unit to the left"
+        "each wheel with the signs of a left wheel, the axle per unit to the left"
     } else {
-        "of a left wheel"
+        "with the signs of a left wheel"
     };
     output.text_only(&format!(
         "\nDerivatives at the station and secants over the window, {signs}. Signs: docs/compliance.md\n"

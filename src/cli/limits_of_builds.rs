@@ -47,10 +47,10 @@ pub(super) fn run(
     out.table("limits", table(&drawn, &least))?;
     out.say("\n")?;
     let mut counts = Table::new(["builds", "number", "first"]);
-    // The paper's drive has no comparison of limits and motion.
+    // With the drive of Attia's paper, limits and motion are not compared.
     let short = (study.motion().drive != Drive::PaperTheta).then_some(least.short);
     let rejected = if study.is_elastic() {
-        "cannot be assembled, or have no equilibrium at rest"
+        "cannot be assembled, or have no static equilibrium"
     } else {
         "cannot be assembled"
     };
@@ -92,15 +92,16 @@ pub(super) fn run(
 struct LimitRanges {
     /// Rows of the table: quantity, held quantities, lower limit and upper limit.
     rows: Vec<(String, String, [f64; 2])>,
-    /// Distance from the study's motion to the nearest limit; negative if the motion goes beyond it. `None` with the paper's
-    /// drive, and for an elastic wheel whose limit is not known. Also `None` for axles, because their motion has several quantities.
+    /// Distance from the study's motion to the nearest limit; negative if the motion goes beyond it. `None` with the drive of
+    /// Attia's paper, and for an elastic wheel whose limit is not known. Also `None` for axles, because their motion has several
+    /// quantities.
     margin: Option<f64>,
     /// True if the study's motion goes beyond the limits.
     is_short: bool,
 }
 
 impl LimitRanges {
-    /// Limits of a vehicle, which is the study's or a build. An error says why the vehicle has no limits.
+    /// Limits of a vehicle: that of the study, or a build. An error says why the vehicle has no limits.
     fn of_vehicle(study: &Study, vehicle: &Vehicle) -> Result<Self, String> {
         match vehicle {
             Vehicle::Wheel(own) => {

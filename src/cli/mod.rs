@@ -49,9 +49,9 @@ use std::process::ExitCode;
 #[derive(Parser)]
 #[command(name = "hardpoint", version, max_term_width = 100)]
 #[command(
-    after_help = "Exit codes: 0 done; 1 a part of the request could not be solved \
-                        (the rest is written); 2 the input or the call is wrong (nothing is written); \
-                        130 or 143 SIGINT or SIGTERM stopped it (finished work is kept)."
+    after_help = "Exit codes: 0 success; 1 a part of the request could not be solved (the other \
+                  results are written); 2 the input or the command line is invalid (nothing is \
+                  written); 130 or 143 stopped by SIGINT or SIGTERM (finished work is kept)."
 )]
 struct Arguments {
     /// Print errors and requested data only
@@ -78,7 +78,7 @@ enum Command {
     /// Tune the hardpoints until they meet the targets
     #[command(alias = "optimize")]
     Optimise(OptimiseArguments),
-    /// Compute adjustments that give the wanted static values, and the effect of a turn of each
+    /// Compute adjustments that give the target static values, and the effect of a turn of each
     Setup(RunArguments),
     /// Compute the effect of manufacturing scatter: sigma, percentiles, yield, contributors
     Tolerance(ToleranceArguments),
@@ -279,7 +279,7 @@ struct BenchArguments {
     /// Overwrite existing files, also those of other runs
     #[arg(long)]
     force: bool,
-    /// Threads that throughput is measured on, beside one [default: every core]
+    /// Number of threads for throughput, in addition to one thread [default: every core]
     #[arg(long, value_parser = at_least_one, value_name = "N")]
     threads: Option<usize>,
     /// Number of samples of each time; more samples reduce noise
@@ -299,13 +299,13 @@ fn at_least_one(text: &str) -> Result<usize, String> {
 enum BenchKind {
     /// Poses per second by lanes, threads and outputs, compared with the formulation of Attia's paper
     Throughput,
-    /// Cost of a digit: time against true error of poses, curves and derivatives
+    /// Computing time against true error of poses, curves and derivatives
     Accuracy,
-    /// Cost of each effect, alone and accumulated, relative to positions alone
+    /// Computing time of each requested result, alone and accumulated, relative to positions alone
     Effects,
-    /// Equilibria per second of a study with elastic parts, and a sheet of tests with derivatives
+    /// Equilibria per second of a study with elastic parts, and time of its tests with derivatives
     Equilibria,
-    /// States of a car per second, with results, member loads and derivatives, and the study's tuning
+    /// Solved states of a car per second, with results, member loads and derivatives, and time of the study's tuning
     Cars,
 }
 

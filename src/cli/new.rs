@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 #[derive(Args)]
 #[command(after_help = topologies())]
 pub(super) struct NewArguments {
-    /// Kind of suspension, such as macpherson; or a car: see the list below
+    /// Kind of suspension, such as macpherson, or kind of car; see the list below
     topology: String,
     /// Directory for the three files of a car
     #[arg(long, value_name = "DIR")]
@@ -48,13 +48,13 @@ enum Part {
     Panhard,
     /// Watt linkage and a single upper link of a solid axle
     Watt,
-    /// Panhard rod beside two upper links of a solid axle, with the stiffness of all five links
+    /// Panhard rod in addition to two upper links of a solid axle, with the stiffness of all five links
     #[value(name = "five_links")]
     FiveLinks,
     /// Drag link, kingpins and tie rod of a steered solid axle
     #[value(name = "drag_link")]
     DragLink,
-    /// Rubber bushings, for `hardpoint kc`; links that stretch of a solid axle
+    /// Rubber bushings for `hardpoint kc`; for a solid axle, links with axial stiffness
     Bushings,
 }
 
@@ -84,7 +84,7 @@ fn write_car((name, files): &CarTemplate, arguments: &NewArguments) -> Result<Ex
     let paths = files.map(|(file, _)| directory.join(file));
     if let Some(taken) = paths.iter().find(|path| path.exists()) {
         return Err(Stop::wrong_input(format!(
-            "{} is there already, and nothing is written; give another directory with --out",
+            "{} already exists, and nothing is written; give another directory with --out",
             taken.display()
         )));
     }
@@ -167,8 +167,8 @@ mod tests {
         }
     }
 
-    /// Runs each template over its whole motion with each part, with all parts together, and with all parts of one wheel. A solid
-    /// axle has a Panhard rod or a Watt linkage.
+    /// Each template runs over its whole motion: with each part, with all parts together, and with all parts of one wheel. A
+    /// solid axle gets a Panhard rod or a Watt linkage.
     #[test]
     fn every_template_runs_with_every_part() {
         for topology in Topology::ALL {

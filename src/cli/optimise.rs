@@ -31,7 +31,9 @@ pub(super) fn say_outcome(
     output.table_for_programs("misfit", || summary.misfit_table());
     if summary.has_design() {
         output.table("targets", &summary.targets_table())?;
-        output.text_only("\n  off: largest deviation from the wanted values, in their unit\n")?;
+        output.text_only(
+            "\n  off: largest deviation from the target values, in the unit of the target\n",
+        )?;
         for (_, column, by) in summary.missed() {
             output.say(&format!("  missed: {column}, by up to {by}\n"))?;
         }
@@ -68,8 +70,8 @@ pub(super) fn say_side_effects(output: &Output, effects: &[SideEffect]) -> Resul
     Ok(())
 }
 
-/// Prints the faults of the tuned design, the moves that leave the targets unchanged, and the ends of the starts. `refused` holds
-/// the errors of the tuned study, if it has any.
+/// Prints the faults of the tuned design, the moves that leave the targets unchanged, and the results of the starts. `refused`
+/// holds the errors of the tuned study, if it has any.
 pub(super) fn say_openings(
     output: &Output,
     summary: &TuningSummary,
@@ -77,7 +79,7 @@ pub(super) fn say_openings(
 ) -> Result<(), Stop> {
     if let Some(errors) = refused {
         output.say(&format!(
-            "\nwarning: other commands refuse the tuned design:\n{}\n",
+            "\nwarning: other commands do not accept the tuned design:\n{}\n",
             errors.render(false)
         ))?;
     }
@@ -245,7 +247,7 @@ impl Finished<'_> {
             output.say_remarks(yields.remark())?;
         }
         if let Some(Err(reason)) = &self.tuning.expected_yield {
-            let words = format!("the yield is not raised: {reason}");
+            let words = format!("the yield was not increased: {reason}");
             output.say_failure(&format!("\n{words}\n"))?;
         }
         let after = self.tuned.map(|(_, after)| after);

@@ -72,7 +72,7 @@ pub(super) struct Output {
     tables: RefCell<Tables>,
 }
 
-/// Files of a command, and the place for them.
+/// Files of a command, and the place to which they are written.
 pub(super) struct Destination<'a> {
     /// Value of `--out`. `-` means standard output.
     out: Option<&'a Path>,
@@ -124,8 +124,8 @@ fn default_directory(name: &str) -> Result<PathBuf, Stop> {
         Ok(PathBuf::from("out").join(name))
     } else {
         Err(Stop::wrong_input(format!(
-            "the study is called {name:?}, from its file's name, which is no name for a directory below \
-         out: give one with --out"
+            "the name of the study, {name:?}, comes from its file and cannot be the name of a \
+             directory below out: give a directory with --out"
         )))
     }
 }
@@ -275,7 +275,7 @@ impl Output {
         self.format == Format::Text
     }
 
-    /// Prints text of the summary. In other formats than text, standard output only has tables for programs, so the text goes to
+    /// Prints text of the summary. In formats other than text, standard output only has tables for programs, so the text goes to
     /// standard error.
     pub(super) fn say(&self, text: &str) -> Result<(), Stop> {
         if terminal::is_quiet() {
@@ -284,7 +284,7 @@ impl Output {
         match (self.directory.is_some(), self.is_text()) {
             (true, true) => terminal::print(text)?,
             (false, true) => terminal::note(text),
-            // Without tables around it, the text needs no empty lines.
+            // Without tables above or below, the text needs no empty lines.
             (_, false) => terminal::note(&format!("{}\n", text.trim_matches('\n'))),
         }
         Ok(())
@@ -345,7 +345,7 @@ impl Output {
         Ok(())
     }
 
-    /// Prints a table in formats for programs only. People get words instead.
+    /// Prints a table in formats for programs only. The text output has sentences instead.
     pub(super) fn table_for_programs(&self, name: &'static str, table: impl FnOnce() -> Table) {
         if !self.is_text() {
             self.tables.borrow_mut().push(name, table());
@@ -362,7 +362,7 @@ impl Output {
     /// Records the run as finished or interrupted. This happens before all printing, because the reader of the output may stop
     /// early.
     pub(super) fn finish(&self) -> Result<(), Stop> {
-        // A signal that comes now is too late to interrupt the run.
+        // A signal that arrives from here on does not interrupt the run.
         interrupt::stops_by_itself();
         match &self.directory {
             Some(directory) => directory.finish().map_err(Stop::unwritten),

@@ -27,7 +27,7 @@ impl Printer {
         }
     }
 
-    /// Prints a remark for people, except with `--quiet`. In formats for programs it does not disturb the tables.
+    /// Prints a remark for people, except with `--quiet`. In formats for programs, the remark is kept apart from the tables.
     pub(super) fn remark(&self, text: &str) -> Result<(), Stop> {
         match self.format {
             Format::Text => self.say(text)?,

@@ -15,14 +15,14 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Exit, Stop> {
     let run = FinishedRun::read(&arguments.run).map_err(Stop::wrong_input)?;
     if arguments.plots.is_some() && matches!(run, FinishedRun::Car(_)) {
         return Err(Stop::wrong_input(format!(
-            "--plots makes pictures of curves, {} is a run of a car; its page has the pictures",
+            "--plots makes pictures of curves, but {} is a run of a car; its page has pictures",
             arguments.run.display()
         )));
     }
     if arguments.plots.is_some() && matches!(run, FinishedRun::Sweep(_)) {
         return Err(Stop::wrong_input(format!(
-            "--plots makes pictures of curves, {} is a sweep; each plot of its page has a button that \
-             saves it as SVG",
+            "--plots makes pictures of curves, but {} is a sweep; each plot of its page has a \
+             button that saves it as SVG",
             arguments.run.display()
         )));
     }
@@ -126,7 +126,7 @@ fn write_page(page: &str, directory: &RunDirectory) -> Result<(), Stop> {
     written.map_err(Stop::unwritten)
 }
 
-/// Claim on the directory of the pictures.
+/// Claims the directory of the pictures.
 fn claim_of_pictures<'a>(names: &'a [&'a str], force: bool) -> Claim<'a> {
     Claim {
         command: "report --plots",

@@ -20,7 +20,7 @@ pub(super) fn save(out: &Path, bytes: &[u8], force: bool, inputs: &[PathBuf]) ->
     }
     if out.exists() && !force {
         return Err(Stop::wrong_input(format!(
-            "{} exists already; --force replaces it",
+            "{} already exists; --force replaces it",
             out.display()
         )));
     }

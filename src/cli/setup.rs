@@ -13,12 +13,13 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
     let Some(setup) = &study.setup else {
-        let what = "what may be adjusted and what is wanted";
+        let what = "the adjustments and the target values";
         return Err(Stop::no_section(path, "setup", what));
     };
     if arguments.plots.is_some() {
         return Err(Stop::wrong_input(
-            "`hardpoint setup` writes tables, curves.csv and with --report a page, but no pictures: without --plots",
+            "`hardpoint setup` writes tables, curves.csv and with --report a page, but no \
+             pictures: leave --plots out",
         ));
     }
     if arguments.report && arguments.out.as_deref() == Some(std::path::Path::new("-")) {
@@ -86,11 +87,11 @@ fn print(output: &Output, summary: &SetUpSummary) -> Result<(), Stop> {
     let results = summary.results();
     if !results.is_empty() {
         output
-            .text_only("\nwanted values: results with computed and with rounded adjustments\n\n")?;
+            .text_only("\ntarget values: results with computed and with rounded adjustments\n\n")?;
         output.text_only(&results.text(width))?;
         output.text_only(
-            "\nAllowed error: half a step of the shims, half a sixteenth of a turn of the threads. \
-             ride_height_change is positive where the car becomes higher.\n",
+            "\nAllowed error: half a step of the shims, half a sixteenth of a turn of the \
+             threads. ride_height_change is positive if the car becomes higher.\n",
         )?;
     }
     for s in summary.not_met() {

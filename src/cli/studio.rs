@@ -42,7 +42,7 @@ pub(super) fn run(arguments: &StudioArguments) -> Result<Exit, Stop> {
     terminal::note(
         "Keep this address private. Ctrl-C ends the server; unsaved changes stay in the browser.\n",
     );
-    // From here on a signal ends the server in order, so that the file with the address is removed.
+    // From here on, a signal ends the server normally, so that the file with the address is removed.
     interrupt::stops_by_itself();
     let invitation = if arguments.no_open {
         None

@@ -65,8 +65,9 @@ pub(super) fn run_study(arguments: &SweepArguments, study: &Study) -> Result<Exi
     let before = || {
         if !left_out.is_empty() {
             terminal::note(&format!(
-                "A sweep ignores {} of [outputs]: it keeps values, and slopes in the design position. Use \
-                 `hardpoint solve` for them (`--design N` prints the study of a design).\n",
+                "A sweep ignores {} of [outputs]: it stores values, and derivatives in the design \
+                 position. Use `hardpoint solve` for them (`--design N` prints the study of a \
+                 design).\n",
                 left_out.join(", ")
             ));
         }
@@ -159,7 +160,7 @@ pub(super) fn carry_out(
     }
     (ready.draw)(&output, &done.statistics)?;
     let exit = finish(&output, record, &done.statistics, arguments.report)?;
-    // For a shard, the exit code tells if its own parts are complete. Workflow engines treat every code but 0 as a failure.
+    // For a shard, the exit code states whether its own parts are complete. Workflow engines treat every code but 0 as a failure.
     Ok(if arguments.shard.is_some() && own_are_whole {
         Exit::Done
     } else {
@@ -167,12 +168,12 @@ pub(super) fn carry_out(
     })
 }
 
-/// Refuses options that need a directory if there is none.
+/// Refuses options that need a directory if the output is not a directory.
 fn needs_no_directory(arguments: &SweepArguments, format: FileFormat) -> Result<(), Stop> {
     let refused = [
         (
             arguments.resume,
-            "--resume continues the files of a directory and does not work with --out -",
+            "--resume continues a sweep in a directory and does not work with --out -",
         ),
         (
             arguments.report,
@@ -221,7 +222,7 @@ fn open(arguments: &SweepArguments, ready: &Ready<'_>) -> Result<Output, Stop> {
         ..Claim::default()
     };
     let output = Output::at(&destination, claim)?;
-    // The texts name other files relative to the directory, which exists only from here on.
+    // The texts name other files relative to the directory, which did not exist before.
     let texts = if keeps_study {
         (ready.kept)(destination.path())
     } else {
@@ -369,7 +370,7 @@ fn finish_shard(
     let own = missing.iter().filter(|part| parts.contains(part)).count() as u64;
     let count = parts.end - parts.start;
     let what = match count {
-        0 => ", has nothing to do".to_owned(),
+        0 => ", nothing to compute".to_owned(),
         1 => format!(", part {}", parts.start),
         _ => format!(", parts {} to {}", parts.start, parts.end - 1),
     };

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Width of lines if standard output is not a terminal.
 const PAPER: usize = 100;
-/// Smallest width that lines are fitted to.
+/// Smallest width to which lines are wrapped.
 const LEAST: usize = 40;
 
 static QUIET: AtomicBool = AtomicBool::new(false);
@@ -105,7 +105,7 @@ pub(super) fn print_usage(error: &clap::Error) {
     let plain = error.render().to_string();
     let captures = CAPTURED.with_borrow(Option::is_some);
     if !captures && is_printable(&plain) {
-        // An error of printing is ignored: it only means that nobody reads the text.
+        // An error of printing is ignored, because it only means that the output is closed.
         let _ = error.print();
     } else {
         eprint(&plain);

@@ -47,7 +47,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     let expansion = pool
         .install(|| Expansion::of(&problem))
         .map_err(|reason| not_aligned(&study, path, reason).after_its_input())?;
-    // The forecast precedes the builds, because after an interruption the run only writes.
+    // The forecast is computed before the builds, because after an interruption the run only writes files.
     let forecast = Forecast::of(&problem, &expansion, &drawn);
     let builds = pool
         .install(|| with_progress(&problem, tolerance, &drawn))
@@ -175,7 +175,8 @@ fn print_build(problem: &Problem, number: u64) -> Result<Exit, Stop> {
                 "as assembled"
             };
             let text = format!(
-                "# Build {number} of {} (seed {seed}, {aligned}): the design of its parts at rest.\n{built}",
+                "# Build {number} of {} (seed {seed}, {aligned}): design of the assembled parts \
+                 in the static position.\n{built}",
                 study.name,
             );
             std::io::stdout().write_all(text.as_bytes())?;

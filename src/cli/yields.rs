@@ -20,7 +20,7 @@ pub(super) fn yields(
     let tolerance = study.tolerance.as_ref().filter(|t| !t.bands.is_empty())?;
     let tuned = tuned?;
     let plain = match expected {
-        // The robust search began at this design.
+        // The search for the robust design began at the optimum without scatter.
         Some(expected) => Some(study.moved(&expected.plain)),
         None => plain_optimum(study, optimise),
     };
@@ -32,7 +32,7 @@ pub(super) fn yields(
         of(tuned),
         expected,
     );
-    // After an interruption the yields would come from different numbers of builds.
+    // After an interruption, the yields would be based on different numbers of builds.
     (!interrupt::is_raised()).then_some(yields)
 }
 

@@ -12,7 +12,7 @@ use crate::study::{Study, WheelStudy};
 /// Largest number of drawn frames and of stations with sensitivities. The page must stay small, and a run of a million stations
 /// must not be solved twice.
 const MOST_FRAMES: usize = 400;
-/// Largest number of rack displacements among them.
+/// Largest number of rack displacements among the drawn frames.
 const MOST_RACKS: usize = 9;
 
 /// A design to be recorded: label, file with its curves, wheel, and curves.

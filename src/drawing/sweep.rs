@@ -8,11 +8,11 @@ use crate::report::{CurveTable, DrawnDesigns, Record, SweepSummary, curves_csv};
 use crate::study::{Study, WheelStudy};
 use crate::sweep::SweepPlan;
 
-/// Largest number of drawn designs beside the nominal design.
+/// Largest number of drawn designs in addition to the nominal design.
 const MOST_DESIGNS: usize = 16;
 /// Largest number of stations of each design.
 const MOST_STATIONS: usize = 45;
-/// Largest number of rack displacements among them.
+/// Largest number of rack displacements among these stations.
 const MOST_RACKS: usize = 3;
 
 impl DrawnDesigns {
@@ -63,7 +63,7 @@ impl DrawnDesigns {
             .collect();
         let table = |(_, _, curves): &(_, _, crate::curves::Curves)| {
             let csv = curves_csv(curves);
-            CurveTable::read(&csv).expect("it has just been written")
+            CurveTable::read(&csv).expect("it was written just before")
         };
         Ok(DrawnDesigns {
             digest: plan.record.digest.clone(),

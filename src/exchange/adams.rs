@@ -149,7 +149,8 @@ pub(super) fn read(text: &str) -> Result<Subsystem, String> {
                 let [x, y, z] = row.fields.as_slice() else {
                     let found = row.fields.len();
                     let reason = format!(
-                        "expected name, symmetry and three coordinates, found {found} values behind the symmetry"
+                        "expected name, symmetry and three coordinates, found {found} values \
+                         after the symmetry"
                     );
                     return Err(at(reason));
                 };
@@ -161,7 +162,7 @@ pub(super) fn read(text: &str) -> Result<Subsystem, String> {
                     line: number,
                 });
                 if subsystem.points.len() > 10_000 {
-                    return Err("more than 10000 hardpoints: this is no suspension".to_owned());
+                    return Err("more than 10000 hardpoints: this is not a suspension".to_owned());
                 }
             }
             "PARAMETER" => {

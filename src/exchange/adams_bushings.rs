@@ -13,7 +13,7 @@
 //!
 //! The template contains the orientation of a bushing; these files do not. A study's bushing has x along the pivot axis. The
 //! importer assumes that Adams' z is along that axis, which is the usual practice. It only accepts bushings whose remaining
-//! orientation does not matter: the curves along and about x equal those of y, and all curves are odd functions.
+//! orientation does not matter: their curves along and about x equal those along and about y, and all curves are odd functions.
 
 use super::adams::{assignment, block, text_of};
 use super::source::bytes_of;
@@ -179,9 +179,15 @@ fn property_file(path: &Path, named: &str) -> Result<PathBuf, String> {
     let above = own.parent().unwrap_or(own);
     let name = relative.file_name().unwrap_or_default();
     let places = [above.join(relative), own.join(relative), own.join(name)];
-    places.into_iter().find(|place| place.is_file()).ok_or_else(|| {
-        format!("its property file {below} is neither in the folder above the subsystem nor beside it")
-    })
+    places
+        .into_iter()
+        .find(|place| place.is_file())
+        .ok_or_else(|| {
+            format!(
+                "its property file {below} is neither in the folder of the subsystem nor in the \
+                 folder above"
+            )
+        })
 }
 
 /// Reads the six curves of a property file in N, rad and this unit of length, sorted by deflection.

@@ -114,8 +114,9 @@ pub(super) fn meanings(links: &[Link]) -> Result<(Vec<Meaning>, Option<String>),
         ([lower, upper], [rod]) if rod.is_across() => {
             if upper.along()[0].abs() > SAME {
                 return Err(format!(
-                    "two splayed upper links ({} and its mirror image) and a Panhard rod ({}) are one link too many: with rigid \
-                     joints the axle binds in roll. Name the points of a solid_axle without one of them by --map",
+                    "two splayed upper links ({} and its mirror image) and a Panhard rod ({}) are \
+                     one link too many: with rigid joints the axle cannot move in roll. Name the \
+                     points of a solid_axle without one of them by --map",
                     upper.name(),
                     rod.name()
                 ));
@@ -125,8 +126,9 @@ pub(super) fn meanings(links: &[Link]) -> Result<(Vec<Meaning>, Option<String>),
                 end.place[0] = 0.0;
             }
             let note = format!(
-                "the upper links ({} and its mirror image) are one link in the middle: with both and a Panhard rod the axle \
-                 binds in roll. In heave this is the same, in roll it has the mean motion of both",
+                "the upper links ({} and its mirror image) are one link in the middle: with both \
+                 and a Panhard rod the axle could not move in roll. In heave the motion is the \
+                 same; in roll the link has the mean motion of both",
                 upper.name()
             );
             Ok((
@@ -195,7 +197,7 @@ mod tests {
         // With a Panhard rod, two splayed upper links bind. Two parallel ones are replaced by one link in the middle.
         let [e, f] = pair(4, [0.4, 0.1, 0.4], [0.2, 0.1, 0.0]);
         let refused = meanings(&[c.clone(), d.clone(), e, f, rod.clone()]).unwrap_err();
-        assert!(refused.contains("binds in roll"), "{refused}");
+        assert!(refused.contains("cannot move in roll"), "{refused}");
         let [e, f] = pair(4, [0.4, 0.1, 0.4], [0.4, 0.12, 0.0]);
         let (found, note) = meanings(&[c.clone(), d.clone(), e, f, rod]).unwrap();
         assert_eq!(found[1].link.ends[1].place, [0.0, 0.12, 0.0]);

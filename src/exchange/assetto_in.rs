@@ -16,7 +16,7 @@
 //! | `DWB` | `double_wishbone` |
 //! | `STRUT` | `macpherson` |
 //! | `AXLE` | `solid_axle`, see `assetto_axle` |
-//! | `ML` | refused by name |
+//! | `ML` | rejected with a message |
 //!
 //! `STATIC_CAMBER` is in degrees, negative with the top inward. `TOE_OUT` is not an angle but a length by which the steering rod
 //! moves. `SPRING_RATE` is the rate at the wheel in N/m; the file has no points of springs.
@@ -50,7 +50,7 @@ pub(super) const POINTS: &[(&str, &str)] = &[
 const LEFT_OUT: &[(&str, &str)] = &[
     (
         "ROD_LENGTH",
-        "a length at the wheel that sets the ride height, for which there is no hardpoint",
+        "a length at the wheel that sets the ride height; no hardpoint corresponds to it",
     ),
     ("DAMP_BUMP", "a study has no dampers"),
     ("DAMP_REBOUND", "a study has no dampers"),
@@ -135,8 +135,8 @@ pub(super) fn points_of(path: &Path, text: &str) -> Result<PointTable, String> {
     }
     if table.kinds.is_empty() {
         return Err(
-            "it is an .ini without the sections [FRONT] and [REAR] of a suspensions.ini of Assetto Corsa, the only \
-             .ini that is read"
+            "it is an .ini file without the sections [FRONT] and [REAR] of a suspensions.ini of \
+             Assetto Corsa; other .ini files cannot be read"
                 .to_owned(),
         );
     }
@@ -295,8 +295,8 @@ impl File<'_> {
             "STRUT" => Kind::Topology("macpherson"),
             "AXLE" => self.live_axle(axle, table)?,
             "ML" => Kind::Other(format!(
-                "[{name}] TYPE=ML is a multilink of five rods in any order, which is not read yet; give its points as a \
-                 table of a five_link"
+                "[{name}] TYPE=ML is a multilink of five rods in any order, which cannot be read \
+                 yet; give its points as a table of a five_link"
             )),
             other => Kind::Other(format!(
                 "[{name}] TYPE is {other:?}; expected DWB, STRUT or AXLE"
@@ -393,7 +393,7 @@ fn total_mass(path: &Path, notes: &mut Vec<String>) -> Result<Option<f64>, Strin
         .number("BASIC", "TOTALMASS")
         .map_err(|reason| format!("car.ini: {reason}"))?;
     if mass.is_some() {
-        notes.push("mass: TOTALMASS of car.ini beside the file".to_owned());
+        notes.push("mass: TOTALMASS of car.ini in the same folder".to_owned());
     }
     Ok(mass.filter(|mass| *mass > 0.0))
 }

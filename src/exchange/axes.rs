@@ -95,8 +95,8 @@ impl Axes {
         let ways: Option<Vec<Way>> = text.split(',').map(named).collect();
         let ways: Option<[Way; 3]> = ways.and_then(|ways| ways.try_into().ok());
         ways.and_then(Axes::new).ok_or_else(|| {
-            "expected the ways of the file's x, y and z, each of forward, rearward, left, right, up or down and \
-             one along each axis, as in --axes left,forward,up"
+            "expected the directions of the file's x, y and z, each forward, rearward, left, \
+             right, up or down, along three different axes, as in --axes left,forward,up"
                 .to_owned()
         })
     }
@@ -128,7 +128,7 @@ impl Axes {
     /// Coordinate that runs across the car, and its sign towards the left.
     pub(super) fn across(self) -> (usize, f64) {
         let column = self.0.iter().position(|way| way.axis() == 1);
-        let column = column.expect("one runs along each axis");
+        let column = column.expect("expected three different axes");
         (column, self.0[column].sign())
     }
 
@@ -297,7 +297,7 @@ pub(super) fn of_reading(reading: &crate::report::Reading, side: Side) -> Axes {
 pub(super) fn reading_of(axes: Axes, side: Side) -> crate::report::Reading {
     let at = |axis: usize| {
         let column = axes.0.iter().position(|way| way.axis() == axis);
-        let column = column.expect("one runs along each axis");
+        let column = column.expect("expected three different axes");
         (column, axes.0[column].sign())
     };
     let (across, left) = at(1);

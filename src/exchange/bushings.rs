@@ -54,8 +54,8 @@ pub(super) fn take(table: &PointTable, options: &ImportOptions<'_>, imported: &m
     }
     if !imported.bushings.is_empty() {
         imported.notes.push(
-            "bushings: z of Adams is assumed along the axis of the arm's pivots, which the subsystem does not say. They are the \
-             same along and about x and y"
+            "bushings: z of Adams is assumed along the axis of the arm's pivots, which the \
+             subsystem does not state. The rates along and about x and y are equal"
                 .to_owned(),
         );
         imported.notes.push(
@@ -78,11 +78,11 @@ fn at_hardpoint(
     let role = roles::read(plain, imported.topology, Letters::default());
     let role = role.filter(|role| imported.hardpoints.iter().any(|h| h.name == role.hardpoint));
     let Some(role) = role else {
-        return Err("its name is no hardpoint of this wheel".to_owned());
+        return Err("its name is not a hardpoint of this wheel".to_owned());
     };
     if !PIVOTS.contains(&role.hardpoint) {
         return Err(format!(
-            "it is at {}, and only for pivots of arms is the direction of a bushing known",
+            "it is at {}, and the direction of a bushing is known for pivots of arms only",
             role.hardpoint
         ));
     }
@@ -91,7 +91,7 @@ fn at_hardpoint(
         .iter()
         .any(|other| other.hardpoint == role.hardpoint)
     {
-        return Err(format!("{} has a bushing already", role.hardpoint));
+        return Err(format!("{} already has a bushing", role.hardpoint));
     }
     let laws = bushing.laws.clone()?;
     Ok((role.hardpoint, laws))

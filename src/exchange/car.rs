@@ -61,7 +61,7 @@ pub fn import_car(
     let [front, rear] = <[Imported; 2]>::try_from(axles).expect("there are two axles");
     if front.unit != rear.unit || front.frame != rear.frame {
         return Err(Refusal::Wrong(
-            "the axles have other units or axes: give --unit and --axes or --frame".to_owned(),
+            "the axles have different units or axes: give --unit and --axes or --frame".to_owned(),
         ));
     }
     let mut missing = Vec::new();
@@ -74,7 +74,7 @@ pub fn import_car(
     })
 }
 
-/// Keys that the study of an axle lacks for a car.
+/// Keys that are missing in the study of an axle, but that a car needs.
 fn needs_of(axle: &Imported) -> Vec<&'static str> {
     let mut needs = Vec::new();
     if axle.wheel_radius.is_none() {
@@ -122,7 +122,8 @@ fn car(
         (Some([x, y, z]), _) => {
             let _ = writeln!(
                 text,
-                "rear_offset = [{x:?}, {y:?}, {z:?}]      # place of the rear study's origin in the front one"
+                "rear_offset = [{x:?}, {y:?}, {z:?}]      # position of the rear study's origin \
+                 in the front study"
             );
         }
         // All points of a file share one origin.
@@ -159,8 +160,9 @@ fn car(
                      # cg = [..., 0.0, ...]         # in the front study's axes, design position\n";
         }
     }
-    text += "drive_share_front = 0.0          # assumed: rear drive; it holds the car's speed in a turn\n\
-             # brake_share_front = 0.6        # needed by cases that brake\n\
-             \n[[cases]]\nname = \"turn\"\nay = 0.5                         # g, to the left\n";
+    text += "drive_share_front = 0.0          # assumed: rear drive; it keeps the car's speed \
+             constant in a turn\n# brake_share_front = 0.6        # needed by cases that \
+             brake\n\n[[cases]]\nname = \"turn\"\nay = 0.5                         # g, to the \
+             left\n";
     text
 }

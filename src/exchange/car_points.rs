@@ -5,7 +5,7 @@ use crate::model::{FrameConvention, LengthUnit};
 use crate::number::Vector3;
 use crate::study::{CarStudy, Study};
 
-/// A table of the points of each axle, where the car has them.
+/// Table of the points of each axle, at their positions in the car.
 pub fn car_point_pages(
     study: &CarStudy,
     unit: Option<LengthUnit>,
@@ -25,7 +25,7 @@ pub fn car_point_pages(
 pub fn car_points_csv(pages: [Page; 2]) -> Vec<u8> {
     let text = |text: &str| vec![Value::Text(text.to_owned())];
     let [front, rear] = pages.map(|page| page.rows);
-    // Both have the same header.
+    // Both tables have the same header.
     let header = front.iter().take(1);
     let header = header.map(|row| [text("axle"), row.clone()].concat());
     let mut rows: Vec<Vec<Value>> = header.collect();
@@ -36,7 +36,7 @@ pub fn car_points_csv(pages: [Page; 2]) -> Vec<u8> {
     csv(&rows)
 }
 
-/// The study of an axle with its points where the car has them.
+/// Study of an axle, with its points at their positions in the car.
 fn placed(study: &CarStudy, axle: usize) -> Study {
     let mut own = study.axles[axle].clone();
     if axle == 0 {
@@ -52,7 +52,7 @@ fn placed(study: &CarStudy, axle: usize) -> Study {
     if let Some(both) = own.axle_mut()
         && let Some(right) = &mut both.axle.right
     {
-        // The right wheel is written as a left one.
+        // The right wheel is written like a left wheel.
         let mirrored = Vector3::new(offset.x, -offset.y, offset.z);
         shift(&mut right.design, mirrored);
     }

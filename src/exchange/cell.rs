@@ -29,7 +29,7 @@ pub(super) struct Sheet {
     pub name: String,
     /// Cells that are not empty.
     pub cells: BTreeMap<(u32, u32), Cell>,
-    /// Naming scheme for its places.
+    /// Naming scheme for places of cells.
     pub places: Places,
 }
 
@@ -53,7 +53,7 @@ impl Sheet {
     pub(super) fn put(&mut self, row: u32, column: u32, cell: Cell) -> Result<(), String> {
         if self.cells.len() >= Sheet::MOST_CELLS {
             return Err(format!(
-                "more than {} cells are filled: this is no table of hardpoints",
+                "more than {} cells are filled: this is not a table of hardpoints",
                 Sheet::MOST_CELLS
             ));
         }
@@ -129,7 +129,7 @@ mod tests {
     fn a_table_of_a_million_cells_is_refused() {
         let mut sheet = Sheet::new("", Places::Lines);
         let filled = (0..1_000_000).try_for_each(|row| sheet.put(row, 0, Cell::Number(1.0)));
-        assert!(filled.unwrap_err().contains("no table of hardpoints"));
+        assert!(filled.unwrap_err().contains("not a table of hardpoints"));
         assert_eq!(sheet.cells.len(), Sheet::MOST_CELLS);
     }
 }

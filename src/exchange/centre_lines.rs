@@ -38,8 +38,9 @@ fn text_height(outgoing: &Outgoing<'_>) -> f64 {
     outgoing.unit.convert(6.0, LengthUnit::Millimetre)
 }
 
-/// Prefix of a part of a solid axle through these points. `None` if the other wheel draws it. The mechanism of each wheel has
-/// both halves: each wheel draws its own half, and the left wheel draws what the axle has once.
+/// Prefix of a part of a solid axle through these points. `None` if the part is drawn with the other wheel. The mechanism of each
+/// wheel contains both halves. So each half is drawn with its own wheel, and parts that exist only once are drawn with the left
+/// wheel.
 fn prefix_on_solid_axle<'p>(
     rigid: &RigidAxle,
     side: Side,

@@ -231,19 +231,23 @@ fn refusal(template: &str) -> String {
         | "HendricksonPRIMAXX"
         | "SAELeafspringAxle"
         | "SAEToeBarLeafspringAxle" => {
-            "an axle that joins both wheels, held by other parts than links; what comes nearest is a solid_axle on four links, \
-             or on three links and a Panhard rod"
+            "an axle that joins both wheels, located by other parts than links; the most similar \
+             topology is a solid_axle on four links, or on three links and a Panhard rod"
         }
-        "RigidSuspension" | "RigidPinnedAxle" => "it has no links that a study could hold",
+        "RigidSuspension" | "RigidPinnedAxle" => "it has no links that a study could contain",
         "GenericWheeledSuspension" => {
-            "it lists bodies and joints of any kind; write the joints as hardpoints of a topology into a table"
+            "it lists bodies and joints of any kind; put the joints into a table, as hardpoints \
+             of a topology"
         }
         _ => {
             "expected DoubleWishbone, DoubleWishboneReduced, MacPhersonStrut, MultiLink, SemiTrailingArm, ThreeLinkIRS, SolidAxle or \
              SolidThreeLinkAxle"
         }
     };
-    format!("its suspension is a {template} of Project Chrono, which no topology is: {nearest}")
+    format!(
+        "its suspension is a {template} of Project Chrono, for which there is no topology: \
+         {nearest}"
+    )
 }
 
 /// Takes the ends of the spring, or of the damper if there is no spring.
@@ -261,7 +265,8 @@ fn spring(root: &Node, topology: &str, table: &mut PointTable) {
         && (upper, lower) != (other_upper, other_lower)
     {
         table.left_out.push(
-            "Shock: its ends are others than those of Spring, and a study has one spring with its damper"
+            "Shock: its ends differ from those of Spring, and in a study spring and damper have \
+             the same ends"
                 .to_owned(),
         );
     }
@@ -298,8 +303,9 @@ fn spring(root: &Node, topology: &str, table: &mut PointTable) {
 /// between the joints also moves along the link. This explanation neglects that motion.
 fn on_link(root: &Node, part: &str, topology: &str, upper: [f64; 3], lower: [f64; 3]) -> String {
     let reason = format!(
-        "{part}: its lower end is on a link, and a {topology} takes a spring on the knuckle or on a rocker. The wheel \
-         moves the same without it; motion_ratio is not asked for"
+        "{part}: its lower end is on a link, but in a {topology} it must be on the knuckle or on \
+         a rocker. The motion of the wheel is the same without the spring; motion_ratio is not \
+         requested"
     );
     let inner = location(root, ("Trailing Link", "Location Chassis"));
     let outer = location(root, ("Trailing Link", "Location Upright"));
@@ -324,9 +330,10 @@ fn on_link(root: &Node, part: &str, topology: &str, upper: [f64; 3], lower: [f64
     };
     let top: [f64; 3] = std::array::from_fn(|k| outer[k] + spring[k]);
     format!(
-        "{reason}. For its motion ratio, add a parallel spring at the link's outer joint to the study, spring_lower = {} \
-         and spring_upper = {}, and take {share:.2} of its motion_ratio: the foot is at {share:.2} of the link. This \
-         holds in the design position, about",
+        "{reason}. For its motion ratio, add a parallel spring at the link's outer joint to the \
+         study, spring_lower = {} and spring_upper = {}, and multiply its motion_ratio by \
+         {share:.2}: the lower end is at {share:.2} of the link. This applies to the design \
+         position, approximately",
         shown(outer),
         shown(top)
     )
@@ -395,8 +402,8 @@ pub(super) fn location(root: &Node, (part, key): (&str, &str)) -> Option<[f64; 3
 mod tests {
     use super::*;
 
-    /// The explanation puts a spring on the link beside the link's outer joint, and gives the fraction at which its foot is. It
-    /// does not do this for a foot beyond either joint.
+    /// For a spring on the link, the explanation describes a parallel spring at the link's outer joint, and gives the fraction at
+    /// which the spring's foot is. For a foot beyond either joint, there is no such explanation.
     #[test]
     fn a_foot_between_the_joints_has_a_share() {
         let list = |point: [f64; 3]| Node::List(Vec::from(point.map(Node::Number)));
@@ -425,7 +432,7 @@ mod tests {
             );
         }
         let text = message(0.75);
-        assert!(text.contains("take 0.75 of its motion_ratio"), "{text}");
+        assert!(text.contains("multiply its motion_ratio by 0.75"), "{text}");
         assert!(
             text.contains("spring_lower = [3.0000, 0.5000, -0.7500]"),
             "{text}"

@@ -35,11 +35,16 @@ pub(super) fn read(path: &Path, root: &Node) -> Result<Option<PointTable>, Strin
         return Ok(None);
     }
     let Some(Node::List(written)) = entry(root, "Axles") else {
-        return Err("it is a vehicle of Project Chrono without Axles; wheeled vehicles of two axles are read".to_owned());
+        return Err(
+            "it is a vehicle of Project Chrono without Axles; only wheeled vehicles with two \
+             axles can be read"
+                .to_owned(),
+        );
     };
     if written.len() != 2 {
         return Err(format!(
-            "the vehicle has {} axles, and a car has two; import the files of its suspensions by themselves",
+            "the vehicle has {} axles, but a car has two; import the files of its suspensions \
+             separately",
             written.len()
         ));
     }
@@ -70,7 +75,7 @@ pub(super) fn read(path: &Path, root: &Node) -> Result<Option<PointTable>, Strin
             .to_owned(),
     );
     table.notes.push(
-        "masses: the sprung mass is the chassis; arms, links and steering are left out".to_owned(),
+        "masses: the sprung mass is the chassis; arms, links and steering are omitted".to_owned(),
     );
     Ok(Some(table))
 }
@@ -116,14 +121,14 @@ fn axle(path: &Path, node: &Node, number: usize) -> Result<Axle, String> {
         place.ok_or_else(|| of("it has no \"Suspension Location\" of three numbers".to_owned()))?;
     if place[1] != 0.0 {
         return Err(of(format!(
-            "Suspension Location is {} m beside the centre plane; expected 0",
+            "Suspension Location is {} m from the centre plane; expected 0",
             place[1]
         )));
     }
     let root = part(path, file).map_err(of)?;
     let table = match points_of(&root) {
         Ok(Some(table)) => table,
-        Ok(None) => return Err(of(format!("{file} is no suspension of Project Chrono"))),
+        Ok(None) => return Err(of(format!("{file} is not a suspension of Project Chrono"))),
         // The other axle can still be imported.
         Err(reason) => PointTable {
             kinds: vec![(None, Kind::Other(format!("{file}: {reason}")))],
@@ -150,14 +155,18 @@ fn part(path: &Path, file: &str) -> Result<Node, String> {
     let is_plain = |part: Component<'_>| matches!(part, Component::Normal(_));
     if !relative.components().all(is_plain) {
         return Err(format!(
-            "the path of the file {file:?} leaves the folder of the vehicle; expected a path without \"..\" or a drive letter"
+            "the path of the file {file:?} is outside the folder of the vehicle; expected a path \
+             without \"..\" or a drive letter"
         ));
     }
     let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let places = path.ancestors().skip(1).map(|folder| folder.join(relative));
     let found: Option<PathBuf> = places.into_iter().find(|place| place.is_file());
     let found = found.ok_or_else(|| {
-        format!("the file {file:?} is in no folder above the vehicle; keep the folders of Project Chrono, or copy the file there")
+        format!(
+            "the file {file:?} is not in a folder above the vehicle; keep the folders of Project \
+             Chrono, or copy the file there"
+        )
     })?;
     let shown = |reason: String| format!("{file}: {reason}");
     let bytes = bytes_of(&found).map_err(shown)?;

@@ -9,7 +9,7 @@ use crate::model::Topology;
 /// Leaves out springs, rockers and bars with missing parts, each with the reason.
 ///
 /// If there is a rocker, it carries the lower end of the spring. So the spring is left out together with an incomplete rocker,
-/// because it would have a different motion ratio on the lower arm. A spring that the file puts on another body stays.
+/// because it would have a different motion ratio on the lower arm. A spring that the file attaches to another body is kept.
 pub(super) fn drop_incomplete(
     options: &ImportOptions<'_>,
     hardpoints: &mut Vec<Hardpoint>,
@@ -32,7 +32,7 @@ pub(super) fn drop_incomplete(
             continue;
         }
         has_lost_rocker |= group.what == "the rocker";
-        // If two lists are equally complete, the first one is meant: a pushrod.
+        // If two lists are equally complete, the first one is used: a pushrod.
         let nearest = lists()
             .rev()
             .max_by_key(|list| list.iter().filter(given).count());
@@ -124,7 +124,7 @@ pub(super) fn unused(
     names
 }
 
-/// Finds another topology for which no hardpoint is missing and which uses more of the points.
+/// Finds a better topology: one for which no hardpoint is missing and which uses more of the points.
 pub(super) fn rather(
     topology: &Topology,
     unused: &[String],
@@ -177,7 +177,8 @@ pub(super) fn missing(
     }
     if !unused.is_empty() {
         message += &format!(
-            "\nleft over: {}\nIf some of these are the missing ones, say so in a file for --map, as in\n  {} = {:?}",
+            "\nunused points: {}\nIf some of these are the missing points, name them in a file \
+             for --map, as in\n  {} = {:?}",
             unused.join(", "),
             missing[0].split_whitespace().next().unwrap_or(""),
             unused[0]

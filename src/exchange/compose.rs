@@ -128,7 +128,7 @@ impl Imported {
     fn running(&self, name: &str, origin: &str, part: Part<'_>) -> Result<String, String> {
         let read = |text: &str| Study::from_text(name, text, Path::new(""));
         let with = |travel: f64, outputs: &[&str]| self.text(origin, part, travel, outputs);
-        // This first read reports a fault of the points once, instead of once per output.
+        // This first read reports a fault of the points only once, not once per output.
         read(&with(TRAVELS[0], &[])).map_err(|errors| errors.render(false))?;
         let wanted: &[&str] = match part {
             Part::Wheel => &OUTPUTS,
@@ -152,8 +152,8 @@ impl Imported {
         }
         let least = TRAVELS[TRAVELS.len() - 1];
         Err(format!(
-            "the suspension that these points make does not move {least} mm up and down from where it is \
-             drawn: is it {}, and are the names right?",
+            "the suspension that these points make cannot move {least} mm up and down from the \
+             given position: is it {}, and are the names correct?",
             self.topology.name
         ))
     }

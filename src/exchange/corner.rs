@@ -13,7 +13,7 @@ pub(super) struct Named<'t> {
 }
 
 impl Named<'_> {
-    /// Wheel and axle of the point. Its own column or title comes first.
+    /// Wheel and axle of the point. The point's own column or title has priority.
     fn marks(&self) -> Marks {
         self.point.marks.or(self.role.marks)
     }
@@ -90,7 +90,7 @@ fn axle(
         (None, []) => None,
         (None, [only]) => {
             notes.push(format!(
-                "axle: {}, the only one in the file",
+                "axle: {}, the only axle in the file",
                 name_of(*only)
             ));
             Some(*only)
@@ -140,7 +140,7 @@ fn kind(
         }
         Some(Kind::Topology(name) | Kind::Unclear(name, _)) if *name != options.topology.name => {
             Err(Refusal::Wrong(format!(
-                "the file says that the suspension{} is a {name}: give --topology {name}",
+                "according to the file, the suspension{} is a {name}: give --topology {name}",
                 axle.map_or(String::new(), |axle| format!(
                     " of the {} axle",
                     name_of(axle)
@@ -178,11 +178,13 @@ pub(super) fn pick(
         return Ok(None);
     };
     let mut chosen = candidates.iter().filter(|named| rank(named) == best);
-    let first = chosen.next().expect("one has the best rank");
+    let first = chosen
+        .next()
+        .expect("at least one candidate has the best rank");
     if let Some(second) = chosen.find(|other| other.point.position != first.point.position) {
         return Err(Refusal::Wrong(format!(
-            "{:?} ({}) and {:?} ({}) both seem to be {hardpoint}, with different coordinates: say with --map which \
-             it is, or remove one",
+            "{:?} ({}) and {:?} ({}) both seem to be {hardpoint}, with different coordinates: \
+             select one with --map, or remove one",
             first.point.name, first.point.place, second.point.name, second.point.place
         )));
     }

@@ -40,8 +40,8 @@ impl Decimals {
         let place = sheet.place(row, column);
         if let Some((row, column, other)) = texts().find(|(_, _, text)| text.contains('.')) {
             return Err(format!(
-                "{place} holds {first:?}, {} holds {other:?}: commas and points are mixed, so what either \
-                 means is not certain",
+                "{place} contains {first:?}, {} contains {other:?}: commas and points are mixed, \
+                 so their meaning is not certain",
                 sheet.place(row, column)
             ));
         }
@@ -62,8 +62,8 @@ impl Decimals {
         });
         if all && (some_without || numbers) {
             return Err(format!(
-                "{place} holds {first:?}, which may be a decimal or a thousand; write it with a point, or \
-                 without the comma"
+                "{place} contains {first:?}, in which the comma may be a decimal sign or separate \
+                 thousands; write it with a point, or without the comma"
             ));
         }
         Ok(Decimals {

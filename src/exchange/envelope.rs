@@ -1,6 +1,6 @@
 //! Space that a tyre needs over travel and steer, as solids for CAD.
 //!
-//! The wheels of a solid axle or a twist beam take all combinations of both travels. Other wheels move by themselves.
+//! The wheels of a solid axle or a twist beam take all combinations of both travels. Other wheels move separately.
 //!
 //! Each pose of the wheel gives one closed solid: the tyre as a cylinder about the spin axis. Its rings are polygons
 //! circumscribed about the circle, so the tyre lies inside. The file is binary STL: an 80-byte text, the number of triangles, and
@@ -73,7 +73,7 @@ impl Envelope {
         rack: Span,
     ) -> Result<Self, String> {
         if rack.ends != [0.0; 2] && !outgoing.study.wheel().mechanism.is_steered() {
-            return Err("--rack: nothing steers this suspension".to_owned());
+            return Err("--rack: this suspension is not steered".to_owned());
         }
         let mut envelope = Envelope {
             solids: Vec::new(),
@@ -87,7 +87,7 @@ impl Envelope {
         let (travels, racks) = (travel.all(), rack.all());
         let is_rigid = outgoing.study.wheel().mechanism.rigid_axle.is_some();
         let both = if is_rigid { travels.len() } else { 1 };
-        // Numbers of values: the first varies fastest.
+        // Numbers of values of each motion. The first motion varies fastest.
         let values = [travels.len(), both, racks.len()];
         let of_wheels = match outgoing.study.axle() {
             Some(study) if is_rigid => poses_of_axle(outgoing, &study.axle, &travels, &racks)?,
@@ -254,10 +254,10 @@ fn values_of(station: &Station, unit: LengthUnit, frame: Frame) -> Result<Vec<f6
 /// Pose of a wheel with this camber, toe, and place of its centre, all as printed by the study.
 fn pose(outgoing: &Outgoing<'_>, side: Side, frame: Frame, values: &[f64]) -> WheelPose {
     let [camber, toe, x, y, z] = values[..] else {
-        unreachable!("two angles and a point were asked for")
+        unreachable!("two angles and a point were requested")
     };
     let SpinAxis::Along(axis) = SpinAxis::standing(camber.to_radians(), toe.to_radians()) else {
-        unreachable!("angles give a direction")
+        unreachable!("the angles define a direction")
     };
     let centre = frame.vector(Vector3::new(x, y, z));
     let file = outgoing.frame(side);

@@ -53,7 +53,7 @@ fn right_half<'a>(outgoing: &'a Outgoing<'_>, id: PointId) -> Half<'a> {
     let mechanism = &outgoing.study.wheel().mechanism;
     let pairs = mechanism.rigid_axle.iter().flat_map(|axle| &axle.pairs);
     let Some([near, _]) = pairs.into_iter().find(|[_, far]| *far == id) else {
-        // A point that mirrors another one is not written in the study.
+        // The study does not contain points that are mirror images of other points.
         return if mechanism.is_far(id) {
             Half::MirrorImage
         } else {
@@ -109,9 +109,11 @@ pub fn csv(rows: &[Vec<Value>]) -> Vec<u8> {
         let record: Vec<String> = (0..columns).map(cell).collect();
         writer
             .write_record(&record)
-            .expect("memory takes everything");
+            .expect("writing to memory does not fail");
     }
-    writer.into_inner().expect("memory takes everything")
+    writer
+        .into_inner()
+        .expect("writing to memory does not fail")
 }
 
 /// Converts a CSV file of results to a sheet, with numeric cells as numbers.

@@ -1,10 +1,10 @@
-//! Names of values that a file gives beside hardpoints: static angles, radius, tracks and offsets.
+//! Names of values that a file gives in addition to hardpoints: static angles, radius, tracks and offsets.
 
 use super::names::{Words, cut, end_of, marks_of};
 use super::table::Marks;
 use crate::model::{AxlePosition, LengthUnit};
 
-/// Values that a file may give beside hardpoints.
+/// Values that a file may give in addition to hardpoints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FigureKind {
     /// Camber in the design position.

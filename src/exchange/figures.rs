@@ -150,8 +150,8 @@ fn angle(
     );
     if inward && outward && value != 0.0 {
         return Err(format!(
-            "{}: {} is {value} with the remark {:?}, which names both toe-in and toe-out: name the one that is \
-             positive",
+            "{}: {} is {value} with the remark {:?}, which contains both toe-in and toe-out: give \
+             the positive one",
             row.place, row.name, row.remark
         ));
     }
@@ -163,7 +163,7 @@ fn angle(
         };
         value = -value;
         notes.push(format!(
-            "static_toe: {value:?} deg, since {:?} ({}) {why}; toe-in is positive in studies",
+            "static_toe: {value:?} deg, because {:?} ({}) {why}; toe-in is positive in studies",
             row.name, row.place
         ));
     }

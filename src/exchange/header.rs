@@ -212,7 +212,7 @@ fn columns(
         .or_else(|| name_column(sheet, row, free));
     let Some(name) = name else {
         return Err(format!(
-            "{}: x, y and z are there, but no column with names",
+            "{}: there are columns x, y and z, but no column with names",
             sheet.row_place(row)
         ));
     };

@@ -49,7 +49,7 @@ pub(super) fn to_wheel_centres(table: &mut PointTable) -> Result<(), String> {
         let inward = offset * millimetre / length;
         if !inward.is_finite() {
             return Err(format!(
-                "{}: the hub face and axle_inboard are one point, so there is no spin axis",
+                "{}: the hub face and axle_inboard coincide, so there is no spin axis",
                 face.place
             ));
         }

@@ -126,7 +126,7 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
     if is_optimum {
         optimum::bar_axis(&named, corner, &mut picked);
     }
-    // Missing names are reported first, because without points there is no size that shows the unit.
+    // Missing names are reported first, because without points there is no size from which the unit could be determined.
     let wheel: &[&str] = if is_optimum { &["wheel_centre"] } else { &[] };
     refuse_missing(table, options, &roles, &picked, wheel)?;
     let unit = unit::unit(table, options, &picked, &mut notes)?;
@@ -242,14 +242,15 @@ fn roles_of(table: &PointTable, options: &ImportOptions<'_>) -> Result<Vec<Optio
         }
         if !table.points.iter().any(|point| is_named(point, name)) {
             return Err(format!(
-                "--map: the file has no point {name:?}, which {hardpoint} is to be"
+                "--map: the file has no point {name:?} for {hardpoint}"
             ));
         }
         let mut others = options.names.iter();
         let second = others.find(|(other, theirs)| *other != hardpoint && same(theirs, name));
         if let Some((second, _)) = second {
             return Err(format!(
-                "--map: {hardpoint} and {second} are both to be {name:?}; a point is one hardpoint"
+                "--map: {hardpoint} and {second} are both assigned to {name:?}; a point can only \
+                 be one hardpoint"
             ));
         }
     }
@@ -306,7 +307,8 @@ impl Unused<'_> {
         let unused = complete::unused(table, &meanings, hardpoints);
         if let Some(other) = complete::rather(topology, &unused, table) {
             notes.push(format!(
-                "doubtful: with what is left over the points make a {}; --topology {} would use them",
+                "please check: together with the unused points, the points form a {}; --topology {} \
+                 would use them",
                 other.name.replace('_', " "),
                 other.name
             ));
@@ -339,7 +341,7 @@ impl Unused<'_> {
             more => format!(" and {more} more"),
         };
         left_out.push(format!(
-            "{}{more}: a study of kinematics has no keys for these numbers",
+            "{}{more}: a study has no keys for these numbers",
             shown.join(", ")
         ));
     }
@@ -388,7 +390,7 @@ fn radius(
     }
     if let Some(diameter) = figures.tyre_diameter {
         let tool = if is_optimum {
-            ", as OptimumKinematics takes it"
+            ", as OptimumKinematics reads it"
         } else {
             ""
         };
@@ -404,7 +406,8 @@ fn radius(
         return;
     }
     notes.push(
-        "[wheel] radius, the loaded radius, is not in the file; what needs it is not asked for"
+        "[wheel] radius, the loaded radius, is not in the file; outputs that need it are not \
+         requested"
             .to_owned(),
     );
 }
@@ -462,7 +465,8 @@ fn angles(figures: &Figures, imported: &mut Imported) {
     };
     if let Some(lacking) = lacking {
         imported.notes.push(format!(
-            "{lacking} taken as 0: the file has no point spindle_inner of the spin axis, and no such angle"
+            "{lacking} assumed to be 0: the file has no point spindle_inner of the spin axis, and \
+             no such angle"
         ));
     }
     imported.static_camber = Some(figures.camber.unwrap_or(0.0));

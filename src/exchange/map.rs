@@ -161,7 +161,7 @@ fn meaning(keys: &[&str]) -> (String, Marks) {
             _ => Marks::default(),
         };
         if !only_side.is_empty() && (!is_last || !parts.is_empty()) {
-            // In `{"LCA": {"R": ...}}` the analysis of the words decides the meaning of "R".
+            // In `{"LCA": {"R": ...}}`, the words around it decide the meaning of "R".
             if key.len() > 1 || !is_last {
                 marks = only_side.or(marks);
                 continue;
@@ -265,7 +265,7 @@ impl Reader {
                 })?;
                 if self.table.unit.is_some_and(|known| known != unit) {
                     return Err(format!(
-                        "{}: the unit differs from the one above",
+                        "{}: the unit differs from the unit above",
                         place(keys)
                     ));
                 }
@@ -278,7 +278,8 @@ impl Reader {
                 let declared = declared.unwrap_or_else(|| in_words(text));
                 if declared.is_empty() {
                     return Err(format!(
-                        "{}: the frame is {text:?}; expected iso8855, sae_j670, x_rear or the ways of x, y and z",
+                        "{}: the frame is {text:?}; expected iso8855, sae_j670, x_rear or the \
+                         directions of x, y and z",
                         place(keys)
                     ));
                 }

@@ -1,5 +1,5 @@
-//! OptimumKinematics: data that its tables give without a hardpoint of their own. The layout is known from public readers of its
-//! workbooks, not from the program itself.
+//! OptimumKinematics: data in its tables that are not hardpoints. The layout is known from public readers of its workbooks, not
+//! from the program itself.
 //!
 //! A table gives the wheel by half track, offsets and tyre diameter at the contact point. R is the loaded radius (half the
 //! diameter), c the static camber, t the toe-in, and the offsets are dx forward, dy outboard and dz up. Then the wheel centre of
@@ -30,7 +30,7 @@ pub(super) fn bar_axis(named: &[Named<'_>], corner: Corner, picked: &mut Vec<Pic
     let outer = picked
         .iter()
         .find(|p| p.hardpoint.name == "anti_roll_bar_outer");
-    let outer = outer.expect("it is there").clone();
+    let outer = outer.expect("anti_roll_bar_outer is present").clone();
     picked.push(Picked {
         hardpoint: Hardpoint {
             name: "anti_roll_bar_inner",
@@ -77,7 +77,7 @@ pub(super) fn rod(topology: &Topology, axes: Axes, picked: &mut [Picked], notes:
         }
     }
     notes.push(
-        "rod: a pullrod, since its end at the wheel is above the one at the rocker".to_owned(),
+        "rod: a pullrod, because its end at the wheel is above its end at the rocker".to_owned(),
     );
 }
 
@@ -110,7 +110,7 @@ pub(super) fn wheel_centre(
             name: "wheel_centre",
             position: placed.axes.iso_in_file(iso),
             called: "half track and tyre diameter".to_owned(),
-            place: "the wheel's figures".to_owned(),
+            place: "the data of the wheel".to_owned(),
             body: None,
             named_body: None,
         },

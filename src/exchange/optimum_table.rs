@@ -58,7 +58,8 @@ pub fn optimum_k_rows(outgoing: &Outgoing<'_>) -> Result<RowsAndNotes, String> {
     let topology = outgoing.study.wheel().mechanism.topology;
     if topology.name != "double_wishbone" {
         return Err(format!(
-            "no public description says how OptimumKinematics writes a {}; --to optimumk takes a double_wishbone",
+            "there is no public description of a {} in files of OptimumKinematics; --to optimumk \
+             is available for a double_wishbone",
             topology.name
         ));
     }
@@ -125,7 +126,7 @@ impl Table<'_> {
         for (own, name) in names {
             let mut row = vec![Value::Empty, text(name)];
             for side in Side::ALL {
-                let id = self.point(own).expect("a group is given entire");
+                let id = self.point(own).expect("a group is given completely");
                 row.extend(self.outgoing.position(side, id).map(Value::Number));
                 row.extend((side == Side::Left).then_some(Value::Empty));
             }
@@ -168,21 +169,26 @@ impl Table<'_> {
             .all(|d| d.x == 0.0 && d.z == 0.0);
         if !lies_across {
             self.notes.push(
-                "left out: the anti-roll bar, whose axis does not lie across the car (the file has one point of it)"
+                "omitted: the anti-roll bar, because its axis is not transverse to the car (the \
+                 file has one point of it)"
                     .to_owned(),
             );
             return;
         }
         self.points("U-Bar", &BAR.map(|(own, name)| (own.to_owned(), name)));
         self.written.push("anti_roll_bar_inner".to_owned());
-        self.notes
-            .push("anti_roll_bar_inner is not held: the file has one point of the bar's axis on each side".to_owned());
+        self.notes.push(
+            "anti_roll_bar_inner is not in the file, which has one point of the bar's axis on \
+             each side"
+                .to_owned(),
+        );
     }
 
     fn wheels(&mut self) -> Result<(), String> {
         let suspension = self.outgoing.study.wheel();
         let radius = suspension.wheel_radius.ok_or(
-            "[wheel] radius is missing: OptimumKinematics gives the wheel by half track and tyre diameter",
+            "[wheel] radius is missing: OptimumKinematics describes the wheel by half track and \
+             tyre diameter",
         )?;
         let radius = self.outgoing.length(radius);
         let width = suspension
@@ -230,7 +236,8 @@ impl Table<'_> {
         self.written
             .extend(["wheel_centre", "spindle_inner"].map(str::to_owned));
         self.notes.push(
-            "the wheel is given by half track, offsets, diameter and static angles; Rim Diameter is to be filled in"
+            "the file describes the wheel by half track, offsets, diameter and static angles; Rim \
+             Diameter must be filled in"
                 .to_owned(),
         );
         Ok(())
@@ -271,7 +278,7 @@ impl Table<'_> {
         let absent: Vec<String> = names.filter(|name| !self.written.contains(name)).collect();
         if !absent.is_empty() {
             self.notes.push(format!(
-                "left out, because the file cannot hold it: {}",
+                "omitted, because the file cannot contain it: {}",
                 absent.join(", ")
             ));
         }

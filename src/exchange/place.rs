@@ -89,7 +89,8 @@ fn stated(
             .convention()
             .map_or(axes.to_string(), |frame| frame.name().to_owned());
         return Err(Refusal::Wrong(format!(
-            "in these coordinates {}: that is not the {} wheel in {frame}; it would be --side {} with these axes",
+            "in these coordinates {}: this is not the {} wheel in {frame}; with these axes use \
+             --side {}",
             directions.describe(&reading_of(axes, shown)),
             stated.name(),
             shown.name()
@@ -105,7 +106,7 @@ fn stated(
             placed.side.name(),
             match shown {
                 Some(_) => "its points are on that side of the body",
-                None => "neither the file nor its points show the other one",
+                None => "neither the file nor its points show the other direction",
             }
         ));
     }
@@ -114,12 +115,14 @@ fn stated(
         let shown = directions.describe(&other);
         if !by_user {
             return Err(open_axes(
-                format!("the file says that x, y and z point {axes}, but in its points {shown}"),
+                format!(
+                    "according to the file, x, y and z point {axes}, but in its points {shown}"
+                ),
                 of_reading(&other, placed.side),
             ));
         }
         notes.push(format!(
-            "doubtful: in the points {shown}, and the stated axes x, y and z point {axes}"
+            "please check: in the points {shown}, but the stated axes x, y and z point {axes}"
         ));
     }
     Ok(placed)
@@ -160,7 +163,7 @@ fn found(
     {
         return Err(open_axes(
             format!(
-                "the headers do not fit the points, in which {}",
+                "the headers contradict the points, in which {}",
                 directions.describe(&other)
             ),
             of_reading(&other, wheel),
@@ -250,7 +253,7 @@ pub(super) fn mirror(
     placed.side = wheel;
     if !names.is_empty() {
         notes.push(format!(
-            "mirrored from the other wheel: {}",
+            "mirror images of the other wheel: {}",
             names.join(", ")
         ));
     }
@@ -299,8 +302,9 @@ pub(super) fn to_half_track(
     let Some(half_track) = half_track else {
         return Err(Refusal::Open(Question {
             reason: format!(
-                "the wheel centre is {wheel} from the centre plane, and the body's points lie beyond it: the file has \
-                 its origin at the wheel, and says no half track"
+                "the wheel centre is {wheel} from the centre plane, and the points of the body \
+                 are beyond the centre plane: the file has its origin at the wheel and gives no \
+                 half track"
             ),
             choices: Vec::new(),
             free: Some(("--half-track", "LENGTH in the file's unit")),
@@ -316,8 +320,8 @@ pub(super) fn to_half_track(
         point.hardpoint.position[across] += shift;
     }
     notes.push(format!(
-        "half track: the file has its origin at the wheel; all points are {} further out, so that the wheel centre is \
-         {half_track} from the centre plane",
+        "half track: the file has its origin at the wheel; all points are moved {} outward, so \
+         that the wheel centre is {half_track} from the centre plane",
         half_track - wheel
     ));
     Ok(())
@@ -377,7 +381,7 @@ mod tests {
             assert_eq!(placed.side, side, "{cosine}");
             let shown = notes[0].contains("on that side of the body");
             assert_eq!(shown, is_shown, "{cosine}: {notes:?}");
-            // A stated side contradicts a different side that the points show, and nothing else.
+            // A stated side is refused only if the points show the other side.
             for wheel in Side::ALL {
                 let placed = stated(axes, true, Some(wheel), &directions, &options, &mut notes);
                 assert_eq!(placed.is_ok(), !is_shown || wheel == side, "{cosine}");

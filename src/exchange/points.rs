@@ -146,8 +146,8 @@ impl Rows<'_> {
         self.points(row, name, (&columns, &numbers), marks)
     }
 
-    /// Adds the points of a row, one for each group of coordinates with numbers. `marks` are wheel and axle by the row's
-    /// words, and whether the row is for both wheels.
+    /// Adds the points of a row, one for each group of coordinates with numbers. `marks` are the wheel and the axle that the row
+    /// names, and a flag that is true if the row applies to both wheels.
     fn points(
         &mut self,
         row: u32,
@@ -201,7 +201,8 @@ impl Rows<'_> {
             return Ok(());
         }
         Err(format!(
-            "{}: {surplus} numbers have no title. If the decimal sign is a comma, separate the cells by semicolons",
+            "{}: {surplus} numbers have no column title. If the decimal sign is a comma, separate \
+             the cells by semicolons",
             self.sheet.row_place(row)
         ))
     }

@@ -41,7 +41,8 @@ pub fn property_file(outgoing: &Outgoing<'_>, hardpoint: Option<&str>) -> Result
         (None, [part]) => part,
         (None, _) => {
             return Err(format!(
-                "it has several bushings and a property file holds one: name it with --bushing, one of {}",
+                "it has several bushings, but a property file contains one: select it with \
+                 --bushing, one of {}",
                 names()
             ));
         }
@@ -95,21 +96,21 @@ fn remarks(part: &NamedBushing<'_>, relaxed: Relaxed) -> Vec<String> {
     let name = part.name;
     let mut remarks = vec![
         format!(
-            "{name}: x, y and z of the file are the axes of the study's bushing (docs/compliance.md, Axes); turn the bushing \
-             of the template likewise"
+            "{name}: x, y and z of the file are the axes of the study's bushing \
+             (docs/compliance.md, Axes); orient the bushing of the template in the same way"
         ),
-        "damping is written as 0: the study has none".to_owned(),
+        "damping is written as 0: the study has no damping".to_owned(),
     ];
     if part.preload.iter().any(|preload| *preload != 0.0) {
         remarks.push(format!(
-            "preload is left out, because it stands in the subsystem: {}",
+            "preload is omitted, because it belongs into the subsystem: {}",
             part.preload.map(shortest).join(", ")
         ));
     }
     if relaxed == Relaxed::AtDesignLoad {
         remarks.push(
-            "relaxed = \"at_design_load\": the curves begin at the relaxed bushing; the forces at the design load are \
-             preloads in the subsystem, from `hardpoint kc`"
+            "relaxed = \"at_design_load\": the curves start from the relaxed bushing; the forces \
+             at the design load are preloads in the subsystem, from `hardpoint kc`"
                 .to_owned(),
         );
     }
@@ -184,8 +185,9 @@ impl File<'_> {
                 ]
             };
             self.notes.push(format!(
-                "{}: the cubic law is written as {} points to {reach} on both sides. A straight line between them is off by up to \
-                 {:.2e} {unit}; the file does not hold the law beyond",
+                "{}: the cubic law is written as {} points to {reach} on both sides. A straight \
+                 line between them deviates by up to {:.2e} {unit}; the file does not contain the \
+                 law beyond",
                 AXES[axis],
                 2 * steps + 1,
                 0.75 * cubic * end * step * step

@@ -165,7 +165,7 @@ fn readings(words: &[String], letters: Letters) -> Vec<(Vec<String>, Marks)> {
             changed[0] = "rear".to_owned();
         }
         if last && is_r(words.last()) {
-            *changed.last_mut().expect("there is one") = "rear".to_owned();
+            *changed.last_mut().expect("the list has an element") = "rear".to_owned();
         }
         changed
     };

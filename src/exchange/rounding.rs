@@ -1,4 +1,4 @@
-//! Rounds hardpoints to a grid with the least loss.
+//! Rounds hardpoints to a grid with the smallest increase of the misfit.
 //!
 //! Let r be the residuals of a study's targets, in tolerances ([`Objective`]), and J their derivatives by all coordinates. Let d
 //! be the moves that round the coordinates, in steps g of the grid. Then the residuals after rounding are
@@ -12,9 +12,9 @@
 //!
 //! The method is *nearest plane* (L. Babai, On Lovász' lattice reduction and the nearest lattice point problem, Combinatorica 6,
 //! 1986). It rounds the coordinates one after the other. With g J = Q R it rounds the last coordinate, passes the resulting
-//! change on to the other coordinates, and continues back to the first one. A weak spring (rows s I below g J) holds coordinates
-//! that no target depends on near their places. Each coordinate goes to one of its two neighbours on the grid, so a coordinate on
-//! the grid stays.
+//! change on to the other coordinates, and continues back to the first one. A weak spring (rows s I below g J) keeps coordinates
+//! that no target depends on near their original values. Each coordinate goes to one of its two neighbours on the grid, so a
+//! coordinate on the grid stays.
 //!
 //! The result depends on the order of the coordinates. The program tries three orders and also ordinary rounding, and computes
 //! the misfit of each exactly.
@@ -37,7 +37,7 @@ pub struct Rounded {
     pub coordinates: Vec<[f64; 3]>,
     /// Grid of the coordinates.
     pub grid: Grid,
-    /// Loss of accuracy by rounding, if the study has targets.
+    /// Change of the misfit by rounding, if the study has targets.
     pub loss: Option<Loss>,
 }
 
@@ -99,7 +99,8 @@ pub fn rounded(study: &Study, grid: Grid, free: &[bool]) -> Result<Rounded, Stri
             best = Some((misfit, steps.clone()));
         }
     }
-    let (misfit, steps) = best.ok_or("rounded to this grid the design cannot be solved")?;
+    let (misfit, steps) =
+        best.ok_or("the design cannot be solved if it is rounded to this grid")?;
     let otherwise = steps.iter().zip(&ordinary).filter(|(a, b)| a != b).count();
     let loss = Loss {
         exact,
@@ -353,7 +354,7 @@ mod tests {
         let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
         let text = std::fs::read_to_string(directory.join("macpherson_front.toml")).unwrap();
         let study = Study::from_text("front.toml", &text, &directory).unwrap();
-        // No coordinate is on the grid, as after a tuning.
+        // In this design, as after a tuning, no coordinate is on the grid.
         let design = study.wheel().design.iter().zip(1..).map(|(p, n)| {
             let off = 0.37 * f64::from(n);
             *p + Vector3::new(off.sin(), off.cos(), (2.0 * off).sin()) * 0.4
@@ -361,9 +362,9 @@ mod tests {
         study.at_design(design.collect())
     }
 
-    /// The sample's targets are met to a tenth of a tolerance, and rounding to a millimetre costs several tolerances. The best
-    /// rounding must be no worse than ordinary rounding, must be on the grid, and must be within one step. This holds in any unit
-    /// of the grid.
+    /// The sample's targets are met to a tenth of a tolerance, and rounding to a millimetre raises the misfit by several
+    /// tolerances. The best rounding must be no worse than ordinary rounding, must be on the grid, and must be within one step.
+    /// This holds in any unit of the grid.
     #[test]
     fn nearest_plane_loses_no_more_than_ordinary_rounding() {
         let study = front();
@@ -380,7 +381,7 @@ mod tests {
             let loss = rounded.loss.unwrap();
             assert!(loss.best <= loss.ordinary.unwrap(), "{loss:?}");
             better += usize::from(loss.best < loss.ordinary.unwrap());
-            // A second rounding changes nothing.
+            // Rounding a second time does not change the design.
             let after = study.at_design(rounded.design.clone());
             let again = super::rounded(&after, grid, &all).unwrap();
             assert_eq!(again.coordinates, rounded.coordinates);

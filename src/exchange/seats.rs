@@ -152,7 +152,7 @@ fn nearest(
     let Some((nearest, least)) = near.first().copied() else {
         return Ok(None);
     };
-    // With a wrong body for the drop link, the bar's ratio would be wrong by a large factor.
+    // With a wrong body for the drop link, the motion ratio of the bar would be wrong by a large factor.
     let has_rocker = near.iter().any(|(body, _)| *body == "rocker");
     if name == "drop_link_outer" && has_rocker {
         if near.iter().skip(1).all(|(_, other)| least < NEARER * other) {
@@ -163,7 +163,8 @@ fn nearest(
             .map(|(body, _)| format!("--body drop_link_outer={body}"))
             .collect();
         return Err(format!(
-            "the file does not say on which body drop_link_outer sits, and it lies between several: say {}",
+            "the file does not state the body of drop_link_outer, and the point is near several \
+             bodies: give {}",
             flags.join(" or ")
         ));
     }
@@ -198,7 +199,7 @@ pub(super) fn notes(seats: &[Seat]) -> Option<String> {
             let near = if seat.body == seat.usual {
                 ""
             } else {
-                " (it lies there)"
+                " (the point is near it)"
             };
             format!(
                 "{} on the {}{near}",
@@ -209,7 +210,8 @@ pub(super) fn notes(seats: &[Seat]) -> Option<String> {
         .collect();
     (!assumed.is_empty()).then(|| {
         format!(
-            "bodies: {} is assumed, since the file says none; --body or [suspension.bodies] says others",
+            "bodies: {} is assumed, because the file states none; --body or [suspension.bodies] \
+             gives others",
             assumed.join(", ")
         )
     })

@@ -1,4 +1,4 @@
-//! Finds the sheet of a workbook that has the points: the named sheet, the sheet of the wanted axle, or the only one.
+//! Finds the sheet of a workbook that has the points: the named sheet, the sheet of the requested axle, or the only one.
 
 use super::names::{cut, marks_of_title};
 use super::refusal::{Question, Refusal};
@@ -62,12 +62,12 @@ pub(super) fn of_workbook(
     if is_by_axle {
         let others = with_points.into_iter().filter(|other| *other != name);
         table.notes.push(format!(
-            "sheet {name:?}: the one of the axle that --axle names; not read: {}",
+            "sheet {name:?}: the sheet of the axle given by --axle; not read: {}",
             quoted(others)
         ));
     } else if names.len() > 1 {
         table.notes.push(format!(
-            "sheet {name:?}: the only one whose points can be read"
+            "sheet {name:?}: the only sheet with points that can be read"
         ));
     }
     table.left_out.extend(unreadable);

@@ -82,8 +82,9 @@ fn of_plain_file(path: &Path, bytes: &[u8]) -> Result<PointTable, String> {
     table.ok_or_else(|| NO_POINTS.to_owned())
 }
 
-pub(super) const NO_POINTS: &str = "it has no table of points: a header with a column of names and the columns x, y and z, \
-                         or lines of a name and three numbers, or names with three numbers in JSON or YAML";
+pub(super) const NO_POINTS: &str = "it has no table of points: a header with a column of names \
+                                    and the columns x, y and z, or lines with a name and three \
+                                    numbers, or names with three numbers in JSON or YAML";
 
 /// Bytes of a file up to a limit. Devices and named pipes are refused.
 pub fn bytes_of(path: &Path) -> Result<Vec<u8>, String> {
@@ -113,7 +114,7 @@ pub(super) fn decoded(bytes: &[u8]) -> Result<String, String> {
         },
     };
     if text.contains('\0') {
-        Err("it is no text, no workbook and no subsystem of Adams/Car".to_owned())
+        Err("it is not a text, a workbook or a subsystem of Adams/Car".to_owned())
     } else {
         Ok(text)
     }

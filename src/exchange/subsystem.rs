@@ -58,7 +58,7 @@ pub fn into_subsystem(outgoing: &Outgoing<'_>, file: &[u8]) -> Result<Written, S
     let suspension = outgoing.study.wheel();
     let text = adams::text_of(file);
     if !adams::is_subsystem(&text) {
-        return Err("it has no block [HARDPOINT]: it is no subsystem of Adams/Car".to_owned());
+        return Err("it has no block [HARDPOINT]: it is not a subsystem of Adams/Car".to_owned());
     }
     let subsystem = adams::read(&text)?;
     let unit = subsystem.length.unwrap_or(outgoing.unit);
@@ -143,7 +143,7 @@ fn without_bodies(suspension: &Suspension) -> Vec<String> {
         Vec::new()
     } else {
         vec![format!(
-            "a subsystem cannot hold the bodies of [suspension.bodies]: {}",
+            "a subsystem cannot contain the bodies of [suspension.bodies]: {}",
             moved.join(", ")
         )]
     }

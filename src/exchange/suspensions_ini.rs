@@ -32,7 +32,7 @@ pub fn suspensions_ini(outgoing: &Outgoing<'_>) -> Result<Written, String> {
     ini.basic();
     ini.axle(None)?;
     ini.notes.push(
-        "the place of the axle in the car is left out: points are relative to the wheel centre"
+        "the position of the axle in the car is omitted: points are relative to the wheel centre"
             .to_owned(),
     );
     Ok(Written {
@@ -69,7 +69,7 @@ pub fn suspensions_ini_of_car(study: &CarStudy) -> Result<Written, String> {
             "share of the weight on the front axle; the study has the sprung mass",
         );
         ini.notes.push(
-            "CG_LOCATION and BASEY are to be filled in: the study has the sprung mass alone"
+            "CG_LOCATION and BASEY must be filled in: the study has only the sprung mass"
                 .to_owned(),
         );
     }
@@ -95,8 +95,10 @@ pub fn suspensions_ini_of_car(study: &CarStudy) -> Result<Written, String> {
     })
 }
 
-const HEAD: &str = "; suspensions.ini by hardpoint: geometry and rates of springs; dampers, stops and masses are to be added
-; metres and degrees; points relative to the wheel centre: x inboard, y up, z forward
+const HEAD: &str = "; suspensions.ini by hardpoint: geometry and rates of springs; dampers, stops \
+                    and masses must be added
+; metres and degrees; points relative to the wheel \
+                    centre: x inboard, y up, z forward
 [HEADER]
 VERSION=2
 
@@ -105,14 +107,14 @@ VERSION=2
 
 /// Rate at the left wheel in the design position, or the reason why the study has none.
 fn wheel_rate(outgoing: &Outgoing<'_>) -> Result<f64, &'static str> {
-    let needs = "a study with [axle], [spring] and [wheel] radius has it";
+    let needs = "only a study with [axle], [spring] and [wheel] radius has it";
     let both = outgoing.study.axle().ok_or(needs)?;
     let setup = &both.axle.setup;
     if setup.springs.is_none() || setup.wheel_radius.is_none() {
         return Err(needs);
     }
     if setup.rocker_springs.carry() {
-        return Err("a heave spring has another rate in roll, which the file cannot hold");
+        return Err("a heave spring has another rate in roll, which the file cannot contain");
     }
     let quantity = Quantity::Wheel(Side::Left, WheelQuantity::WheelRate);
     let plan = AxlePlan::of(both.plan.motion.clone(), vec![quantity]).at_design();
@@ -131,21 +133,22 @@ fn kind(outgoing: &Outgoing<'_>) -> Result<&'static str, String> {
         "solid_axle" => "AXLE",
         other => {
             return Err(format!(
-                "suspensions.ini has no type for a {other}; --to assetto takes double_wishbone (DWB), macpherson (STRUT) and \
-                 solid_axle (AXLE)"
+                "suspensions.ini has no type for a {other}; --to assetto is available for \
+                 double_wishbone (DWB), macpherson (STRUT) and solid_axle (AXLE)"
             ));
         }
     };
     if mechanism.strut_upper().is_some() {
         return Err(
-            "strut_upper: the axis of a STRUT runs through STRUT_CAR and STRUT_TYRE; the file cannot hold a strut whose \
-             axis does not end in strut_top"
+            "strut_upper: the axis of a STRUT runs through STRUT_CAR and STRUT_TYRE; the file \
+             cannot contain a strut whose axis does not end in strut_top"
                 .to_owned(),
         );
     }
     if kind != "AXLE" && outgoing.different_wheels().len() > 1 {
         return Err(
-            "axle.right: suspensions.ini has one wheel for both sides, and this axle's differ"
+            "axle.right: suspensions.ini has one wheel for both sides, but the sides of this axle \
+             differ"
                 .to_owned(),
         );
     }
@@ -201,7 +204,7 @@ impl<'a> Ini<'a> {
         if !absent.is_empty() {
             let absent = absent.join(", ");
             self.notes.push(format!(
-                "left out, because the file cannot hold it: {absent}"
+                "omitted, because the file cannot contain it: {absent}"
             ));
         }
         Ok(())
@@ -238,7 +241,8 @@ impl<'a> Ini<'a> {
         }
         self.file += &text;
         self.notes.push(
-            "[AXLE] has the links; TORQUE_REACTION, ATTACH_REL_POS and leaf springs are to be added".to_owned(),
+            "[AXLE] has the links; TORQUE_REACTION, ATTACH_REL_POS and leaf springs must be added"
+                .to_owned(),
         );
         ends.into_iter().flatten().collect()
     }
@@ -311,7 +315,7 @@ impl<'a> Ini<'a> {
                 let needs = "needs [wheel] radius and [vehicle] cg_height";
                 self.blank("BASEY", needs);
                 self.notes
-                    .push(format!("BASEY is to be filled in: it {needs}"));
+                    .push(format!("BASEY must be filled in: it {needs}"));
             }
         }
         if let Some(mass) = self.unsprung_mass().filter(|_| kind != "AXLE") {
@@ -327,8 +331,8 @@ impl<'a> Ini<'a> {
                 let per_metre = self.outgoing.study.wheel().length_unit.per_metre();
                 self.line("SPRING_RATE", &shortest(rate * per_metre));
                 self.notes.push(
-                    "SPRING_RATE is the rate at the wheel in the design position; ROD_LENGTH, which sets the ride height, \
-                     is to be filled in"
+                    "SPRING_RATE is the rate at the wheel in the design position; ROD_LENGTH, \
+                     which sets the ride height, must be filled in"
                         .to_owned(),
                 );
             }
@@ -347,8 +351,8 @@ impl<'a> Ini<'a> {
         self.line("TOE_OUT", what);
         if toe != 0.0 {
             self.notes.push(format!(
-                "static toe of {} deg is left out: TOE_OUT is a length, and the points of the file belong to a wheel \
-                 straight ahead",
+                "static toe of {} deg is omitted: TOE_OUT is a length, and the points in the file \
+                 are for a wheel pointing straight ahead",
                 shortest(toe)
             ));
         }

@@ -14,7 +14,7 @@ pub(super) struct Marks {
 }
 
 impl Marks {
-    /// Takes the side and the axle from another heading where this one has none.
+    /// Completes missing side and axle from another heading.
     pub(super) fn or(self, other: Marks) -> Marks {
         Marks {
             side: self.side.or(other.side),
@@ -35,7 +35,7 @@ pub(super) struct NamedPoint {
     pub name: String,
     /// Part of the name that carries its meaning.
     pub read_as: String,
-    /// Wheel and axle, if the file gives them beside the name.
+    /// Wheel and axle, if the file gives them with the name.
     pub marks: Marks,
     /// True if the point applies to the left wheel and, mirrored, to the right wheel.
     pub mirrored: bool,
@@ -56,9 +56,9 @@ pub(super) struct Figure {
     pub read_as: String,
     /// Value of the number.
     pub value: f64,
-    /// Wheel and axle, if the file gives them beside the name.
+    /// Wheel and axle, if the file gives them with the name.
     pub marks: Marks,
-    /// Remark in the file beside the number.
+    /// Remark in the file after the number.
     pub remark: String,
     /// Place in the file.
     pub place: String,
@@ -153,12 +153,12 @@ impl PointTable {
             .collect();
         match kinds.as_slice() {
             [Kind::Topology(name) | Kind::Unclear(name, _)] => {
-                Ok(Topology::named(name).expect("readers name topologies that are there"))
+                Ok(Topology::named(name).expect("readers use names of existing topologies"))
             }
             [Kind::Other(reason)] => Err(Refusal::Wrong(reason.clone())),
             [] => Err(Refusal::Wrong(
-                "the file does not say the kind of its suspension: give --topology, as in --topology double_wishbone \
-                 (`hardpoint new --help` lists all)"
+                "the file does not state the kind of its suspension: give --topology, as in \
+                 --topology double_wishbone (`hardpoint new --help` lists all)"
                     .to_owned(),
             )),
             _ => Err(Question::of(

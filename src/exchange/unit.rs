@@ -41,7 +41,7 @@ pub(super) fn unit(
         (Some(unit), written) => {
             if written.is_some_and(|written| written != unit) {
                 notes.push(format!(
-                    "the file's own unit is overruled by --unit {}",
+                    "--unit {} replaces the unit stated in the file",
                     unit.symbol()
                 ));
             }
@@ -56,7 +56,8 @@ pub(super) fn unit(
                 format!("; in {} they would be", unit.symbol())
             });
             notes.push(format!(
-                "doubtful: the points are up to {size:.4} {} from {from}, which is not the size of a car's suspension{better}",
+                "please check: the points are up to {size:.4} {} from {from}, which is not the size of \
+                 a car's suspension{better}",
                 unit.symbol()
             ));
             Ok(unit)

@@ -53,7 +53,7 @@ pub(super) fn read(text: &str) -> Result<Node, String> {
             },
             Event::Alias(_) => {
                 return Err(format!(
-                    "line {line}: an alias (*name); write out what it stands for"
+                    "line {line}: an alias (*name); write the value instead"
                 ));
             }
             Event::Nothing

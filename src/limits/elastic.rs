@@ -1,7 +1,7 @@
 //! Limits of a study with elastic parts: the values beyond which there is no equilibrium.
 //!
-//! Travel and rack end where a part gives way, a load at the largest value that the suspension carries. The limits with all
-//! parts rigid stand beside them.
+//! Travel and rack end where a part gives way. A load ends at the largest value that the suspension carries. The table also shows
+//! the limits of the mechanism with rigid parts.
 
 use super::row::{LOST, Row, columns};
 use super::{Found, travel_rows};
@@ -31,7 +31,7 @@ pub(crate) struct ElasticRow {
 }
 
 impl ElasticRow {
-    /// Row with both limits in its factor's unit. NaN for a limit beyond the search. `None` if the design position has no
+    /// Row with both limits, in the unit of its factor. NaN for a limit beyond the search. `None` if the design position has no
     /// equilibrium.
     pub(crate) fn limits(self) -> Option<(Row, [f64; 2])> {
         let ends = self.ends.ok()?.map(|end| {
@@ -99,7 +99,7 @@ fn cause(end: &EquilibriumEnd, factor: f64, unit: &str) -> String {
         }
         EndCause::Unstable { part, motion } => {
             format!(
-                "unstable beyond; softest motion: {}",
+                "unstable beyond this; softest motion: {}",
                 weakest_motion(part, *motion)
             )
         }
@@ -125,7 +125,7 @@ fn cause(end: &EquilibriumEnd, factor: f64, unit: &str) -> String {
     text
 }
 
-/// Row of the load of a test. `at` tells what is held.
+/// Row of the load of a test. `at` describes the held quantities.
 fn load_row(test: &KcTest, unit: LengthUnit, at: &str) -> Row {
     let trail = if test.load == TestLoad::Lateral && test.trail != 0.0 {
         format!("_trail_{}", as_written(test.trail))

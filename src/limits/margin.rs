@@ -48,12 +48,12 @@ pub(super) fn margin(
     let stations = match moved.failed() {
         0 => "Over the study's motion".to_owned(),
         _ => format!(
-            "Over the {reached} of {} stations that the mechanism reaches",
+            "Over the {reached} of {} stations that the mechanism can reach",
             moved.stations.len()
         ),
     };
     if reached == 0 {
-        return Ok("The mechanism reaches no station of the study's motion.".to_owned());
+        return Ok("The mechanism can reach no station of the study's motion.".to_owned());
     }
     let mut text = format!(
         "{stations} the mechanism stays at least {} {unit} away from a dead centre or fold. It is nearest at {} {}.",
@@ -66,7 +66,7 @@ pub(super) fn margin(
         let where_reached = if reached().count() == by_rack.len() {
             ""
         } else {
-            " at the rack positions that are reached"
+            " at the rack positions that can be reached"
         };
         let left = travel_left(reached().map(|(_, range)| range), values);
         text += &if left >= 0.0 {

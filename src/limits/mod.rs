@@ -277,7 +277,7 @@ pub(crate) fn rod_travel(study: &Study, rocker: RockerId) -> String {
     format!("{}_travel_{unit}", rod.replace(' ', "_"))
 }
 
-/// Travels at which the rod of a rocker is at toggle, or at which the wheel's own travel ends before.
+/// Travels at which the rod of a rocker is at toggle, or ends of the wheel's travel if these come first.
 fn toggles(range: &RockerRange, travel: &Range) -> [(f64, String); 2] {
     let end = |toggle: Option<Toggle>, end: &RangeEnd| match toggle {
         Some(Toggle { travel, rod }) => (travel, format!("the {rod} is at toggle")),

@@ -46,7 +46,9 @@ pub(crate) struct Row {
 impl Row {
     pub(crate) fn of(&self, study: &Study, lower: &RangeEnd, upper: &RangeEnd) -> [Cell; 6] {
         let beyond = match (lower, upper) {
-            (RangeEnd::FullTurn, RangeEnd::FullTurn) => "no limit: it turns all the way round",
+            (RangeEnd::FullTurn, RangeEnd::FullTurn) => {
+                "no limit: it can turn through a full circle"
+            }
             _ => "no limit within half a turn",
         };
         let end = |end: &RangeEnd, turn: f64| match end {
@@ -101,7 +103,7 @@ impl Row {
         }
     }
 
-    /// Row without a range, for a rack position that the mechanism cannot reach.
+    /// Makes the row without a range, for a rack position that the mechanism cannot reach.
     pub(super) fn of_no_rack(&self) -> [Cell; 6] {
         let [quantity, at] = [&self.quantity, &self.at].map(|text| Cell::from(text.as_str()));
         let [why, also] = [(); 2].map(|()| Cell::from("the rack cannot reach this position"));
@@ -127,13 +129,11 @@ pub(super) fn because(limit: &Limit, study: &Study) -> String {
     let links: Vec<String> = limit.dependent.iter().map(name).collect();
     match (limit.cause, &limit.nearest) {
         (LimitCause::DependentLinks, _) => {
-            format!(
-                "{} are at a dead centre with each other",
-                links.join(", ")
-            )
+            format!("{} are at a dead centre with each other", links.join(", "))
         }
         (LimitCause::AxleFolds, _) if study.wheel().mechanism.topology.is_twist_beam() => {
-            "the wheel centres rise no further: the arms stand upright, or the halves lock each other"
+            "the wheel centres rise no further: the arms are vertical, or the halves block each \
+             other"
                 .to_owned()
         }
         (cause @ LimitCause::AxleFolds, _) => {

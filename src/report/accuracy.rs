@@ -22,7 +22,7 @@ pub fn remarks(curves: &Curves, length: LengthUnit) -> Vec<String> {
         .collect()
 }
 
-/// Remark on stations where nothing can carry the loads, if there are any.
+/// Remark on stations at which no part can carry the loads, if there are any.
 fn unsupported(curves: &Curves) -> Option<String> {
     let stations = curves.stations.iter().enumerate();
     let lacks = |station: &Station| {
@@ -69,8 +69,9 @@ fn toggled(curves: &Curves) -> Vec<String> {
             let nearest = stuck().min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
             warnings.extend(nearest.map(|(nearest, _)| {
                 format!(
-                    "warning: the {of}{rod} is at toggle or beyond it at {}, the nearest at {}: it turns {} no further \
-                     there, so quantities that move with it have no values",
+                    "warning: the {of}{rod} is at toggle or beyond it at {}, the nearest at {}: \
+                     it turns {} no further there, so quantities of its rocker or bar have no \
+                     values",
                     stations_in_words(stuck().count()),
                     place_in_words(curves, nearest),
                     rod.turns()
@@ -180,7 +181,7 @@ impl CertificateSummary {
                 continue;
             };
             summary.proved += 1;
-            // If several stations have the largest error, the last one counts.
+            // If several stations have the largest error, the last one is reported.
             if summary.largest_position_error <= Some(proof.position_error) {
                 summary.largest_position_error = Some(proof.position_error);
                 summary.at = Some(StationLabel::of(curves, number));
@@ -197,8 +198,8 @@ impl CertificateSummary {
     pub(super) fn remark(&self, stations: usize, length_unit: &str) -> String {
         let mut text = format!("certificate: {} of {stations} stations proved", self.proved);
         text += &match (self.one_branch, self.unproved) {
-            (true, _) => "; the whole curve is one branch".to_owned(),
-            (false, 0) => "; what can be reached is one branch".to_owned(),
+            (true, _) => "; the whole curve is on one branch".to_owned(),
+            (false, 0) => "; all poses that can be reached are on one branch".to_owned(),
             (false, n) => format!("; {n} with a pose that could not be proved"),
         };
         if let Some(error) = self.largest_position_error {

@@ -26,7 +26,7 @@ impl Record {
         plan: &AxlePlan,
         designs: &[SolvedAxle<'_>],
     ) -> Result<Self, (Side, DesignFault)> {
-        let (_, _, axle, _) = designs.last().expect("a run is of a design at least");
+        let (_, _, axle, _) = designs.last().expect("a run has a design");
         let length = axle.left.length_unit;
         let moving = plan.motion.moving();
         let column = |coordinate: &Coordinate| coordinate.column(length);

@@ -83,7 +83,8 @@ pub fn effects_table(effects: &Effects) -> Table {
     table
 }
 
-/// Short table of the cost of accuracy, about ten rows: the fastest method for each number of digits and each kind of derivative.
+/// Short table of computing time by accuracy, with about ten rows: the fastest method for each number of digits and each kind of
+/// derivative.
 pub fn accuracy_summary(accuracy: &Accuracy) -> Table {
     let mut table = Table::new([
         "measured",
@@ -128,7 +129,7 @@ pub fn accuracy_summary(accuracy: &Accuracy) -> Table {
     table
 }
 
-/// Table of the cost of a digit, one row per method.
+/// Table of computing time against accuracy, one row per method.
 pub fn accuracy_table(accuracy: &Accuracy) -> Table {
     let mut table = Table::new([
         "family",
@@ -155,7 +156,7 @@ pub fn accuracy_table(accuracy: &Accuracy) -> Table {
     table
 }
 
-/// SVG picture of the cost of a digit.
+/// SVG picture of computing time against accuracy.
 pub fn accuracy_picture(accuracy: &Accuracy, caption: &str) -> String {
     accuracy_plot::svg(accuracy, caption)
 }

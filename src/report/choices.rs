@@ -83,7 +83,7 @@ pub fn front_remarks(optimise: &Optimise, front: &Front) -> Vec<String> {
     let mut remarks = Vec::new();
     match front.choices.len() {
         0 => remarks.push(format!(
-            "no trade-off between {}: no design keeps the constraints and the other targets",
+            "no trade-off between {}: no design satisfies the constraints and the other targets",
             names.join(", ")
         )),
         1 => remarks.push(format!(
@@ -101,7 +101,8 @@ pub fn front_remarks(optimise: &Optimise, front: &Front) -> Vec<String> {
             amounts.join(", ")
         };
         remarks.push(format!(
-            "the front is broken between points {} ({}) and {} ({}): no design was found between them",
+            "the front has a gap between points {} ({}) and {} ({}): no design was found between \
+             them",
             place + 1,
             amounts(&front.choices[*place]),
             place + 2,

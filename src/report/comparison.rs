@@ -136,7 +136,7 @@ impl Comparison {
         let rows = motion.common_rows(&tables);
         if rows.is_empty() {
             return Err(format!(
-                "the results share no value of {}: run their studies over the same motion",
+                "the results have no common value of {}: run their studies over the same motion",
                 motion.columns.join(", ")
             ));
         }
@@ -166,7 +166,7 @@ impl Comparison {
                 continue;
             }
             let values = tables.iter().enumerate().map(|(design, table)| {
-                let column = table.column(name).expect("all have it");
+                let column = table.column(name).expect("all designs have the column");
                 rows.iter().map(|rows| column[rows[design]]).collect()
             });
             outputs.push(ComparedOutput {
@@ -177,7 +177,7 @@ impl Comparison {
             });
         }
         if outputs.is_empty() {
-            return Err("they share no output".to_owned());
+            return Err("they have no common output".to_owned());
         }
         let own_stations: Vec<_> = tables.iter().map(|table| motion.places(table)).collect();
         let stations = rows.iter().map(|rows| own_stations[0][rows[0]].clone());
@@ -213,7 +213,7 @@ impl Comparison {
             all.any(|stations| stations.iter().any(|at| at[*k] != stations[0][*k]))
         };
         let mut moving: Vec<usize> = (0..self.motion.len()).filter(moves).collect();
-        // Columns that move at the common stations come first.
+        // Columns that vary at the common stations come first.
         moving.sort_by_key(|k| !self.motion[*k].moves);
         if moving.is_empty() {
             moving.push(0);
@@ -283,7 +283,7 @@ impl Comparison {
         let header = header
             .into_iter()
             .chain(["largest difference", "at"].map(str::to_owned));
-        // If only one column moves, one column is enough for the position.
+        // If only one column varies, this column is enough to give the position.
         let further = moving[1..]
             .iter()
             .map(|k| format!("at {}", self.motion[*k].column));

@@ -1,8 +1,8 @@
 //! Completeness of the requested results: stations by status, and cells that are empty by definition.
 //!
-//! A cell may be empty at a solved station because the quantity is not defined there. An example is the swing arm of a
-//! wheel that does not turn. Such a cell is not a failure; it is counted with its reason. But a column without any value counts
-//! as a request that was not met.
+//! A cell may be empty at a solved station because the quantity is not defined there. An example is the swing arm of a wheel that
+//! does not turn. Such a cell is not a failure; it is counted with its reason. But a column without any value counts as a request
+//! that could not be met.
 
 use super::table::{Cell, Table};
 use crate::curves::{Curves, Status};

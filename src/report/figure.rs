@@ -1,8 +1,8 @@
 //! Formats numbers for people: with enough digits, and without rounding errors.
 //!
-//! A value that should be zero comes out as about 1e-16 of its inputs, such as 7e-34 degrees or 2e-15 mm. Such a number has no
-//! meaning, so it is shown as 0. The unit shows the size of the inputs: coordinates of a wheel suspension are about a metre,
-//! angles about a radian. Files keep every number as it is ([`shortest`]).
+//! A value that should be zero is computed as about 1e-16 of its inputs, such as 7e-34 degrees or 2e-15 mm. Such a number has no
+//! meaning, so it is shown as 0. The size of the inputs follows from the unit: coordinates of a wheel suspension are about a
+//! metre, angles about a radian. Files keep every number as it is ([`shortest`]).
 
 use super::shortest;
 

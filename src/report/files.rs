@@ -9,8 +9,10 @@ use crate::study::Study;
 pub(super) fn csv_of(write: impl FnOnce(&mut csv::Writer<Vec<u8>>) -> csv::Result<()>) -> Vec<u8> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     // Writing to memory cannot fail, and every record has the length of its header.
-    write(&mut writer).expect("records of one length");
-    writer.into_inner().expect("memory takes everything")
+    write(&mut writer).expect("all records have the same length");
+    writer
+        .into_inner()
+        .expect("writing to memory does not fail")
 }
 
 /// Makes a CSV file from rows.

@@ -1,6 +1,6 @@
 //! Directions of the axes of points, derived from the points of a suspension.
 //!
-//! A suspension shows three directions. Each direction is a sum of differences between points, so long differences have the
+//! A suspension determines three directions. Each direction is a sum of differences between points, so long differences have the
 //! largest weight:
 //!
 //! | direction | differences |
@@ -11,9 +11,11 @@
 //!
 //! A [`Reading`] assigns a coordinate and a sign to each direction. There are 48 readings. The score of a reading is the sum of
 //! the three cosines between the directions and their coordinates. The best reading is accepted under two conditions: its score
-//! exceeds the second best by [`LEAD`], and each of its cosines is at least [`LEAST_COSINE`]. Otherwise the points do not decide.
+//! exceeds the second best by [`LEAD`], and each of its cosines is at least [`LEAST_COSINE`]. Otherwise the points do not
+//! determine the axes.
 
-/// Smallest lead of the best reading's score over the second best. An error of 90 degrees in one direction costs 1.
+/// Smallest lead of the best reading's score over the second best. An error of 90 degrees in one direction reduces the score by
+/// 1.
 pub(crate) const LEAD: f64 = 0.5;
 /// Smallest cosine of the angle between a direction and its coordinate.
 pub(crate) const LEAST_COSINE: f64 = 0.6;
@@ -124,7 +126,7 @@ pub(crate) struct Directions {
     up: Option<[f64; 3]>,
 }
 
-/// Verdict about the allowed readings.
+/// Result of comparing the allowed readings with the points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Verdict {
     /// The points show this reading.
@@ -181,7 +183,7 @@ impl Directions {
         self.cosines(reading).into_iter().flatten().sum()
     }
 
-    /// Judges the readings that satisfy `allowed`.
+    /// Compares the readings that satisfy `allowed` with the points.
     pub(crate) fn judge(&self, allowed: impl Fn(&Reading) -> bool) -> Verdict {
         let mut ranked: Vec<(f64, Reading)> = Reading::all()
             .filter(|reading| allowed(reading))

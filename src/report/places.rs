@@ -51,7 +51,7 @@ pub struct Clearance {
     pub name: String,
     /// Indices of the two end points of each member.
     pub members: [[usize; 2]; 2],
-    /// Smallest allowed distance between their centre lines.
+    /// Smallest allowed distance between the centre lines of the members.
     pub least: f64,
 }
 

@@ -36,7 +36,7 @@ const REACH: [f64; 2] = [0.05, 4.0];
 /// Largest plausible deviation of a wheel from half the track, as a fraction of it.
 const OFF_TRACK: f64 = 0.1;
 
-/// Doubts about a suspension in its design position, one line each.
+/// Warnings about a suspension in its design position, one line each.
 pub fn plausibility(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
     let mut remarks = PlausibilityRemarks {
         suspension,
@@ -83,7 +83,7 @@ pub fn rack_doubt(study: &Study) -> Option<String> {
     let moves = racks.chain(of_axle).any(|rack| *rack != 0.0);
     (moves && !mechanism.is_steered()).then(|| {
         format!(
-            "doubtful: the motion displaces the rack, but nothing of a {} is on it: its curves are the same at every rack",
+            "please check: the motion displaces the rack, but no part of a {} is attached to it: its curves are the same at every rack position",
             mechanism.topology.name
         )
     })
@@ -114,7 +114,7 @@ struct PlausibilityRemarks<'a> {
 
 impl<'a> PlausibilityRemarks<'a> {
     fn say(&mut self, doubt: String) {
-        self.found.push(format!("doubtful: {doubt}"));
+        self.found.push(format!("please check: {doubt}"));
     }
 
     fn at(&self, id: PointId) -> Vector3<f64> {
@@ -141,13 +141,13 @@ impl<'a> PlausibilityRemarks<'a> {
         let Some(other) = directions.contradict(&own) else {
             return;
         };
-        // A front pivot behind a rear pivot has its own doubt, which names the likely cause.
+        // A front pivot behind a rear pivot is reported by another doubt, which names the likely cause.
         if other.forward.0 == 0 && other.outboard.0 == 1 && other.up.0 == 2 {
             return;
         }
         self.say(format!(
-            "the axes seem to be others: with x forward, y outboard and z up as the study has them, {}. Did the \
-             coordinates stand in another order?",
+            "the axes seem to be different: with x forward, y outboard and z up as in the study, \
+             {}. Were the coordinates in another order?",
             directions.describe(&other)
         ));
     }
@@ -171,8 +171,9 @@ impl<'a> PlausibilityRemarks<'a> {
         if reach > 0.0 && wheel < WHEEL_AT_CENTRE * reach {
             let unit = self.suspension.length_unit.symbol();
             self.say(format!(
-                "the wheel centre is {wheel} {unit} from the centre plane, y = 0. Is the origin at the wheel? Roll \
-                 centre and track need true y: add half the track to every y"
+                "the wheel centre is {wheel} {unit} from the centre plane, y = 0. Is the origin \
+                 at the wheel? Roll centre and track need y from the centre plane: add half the \
+                 track to every y"
             ));
         }
     }
@@ -202,7 +203,8 @@ impl<'a> PlausibilityRemarks<'a> {
         }
         if is_near {
             self.say(format!(
-                "no point is more than {reach} {unit} away from wheel_centre. Is length_unit right?"
+                "no point is more than {reach} {unit} away from wheel_centre. Is length_unit \
+                 correct?"
             ));
         }
         let Some(radius) = suspension.wheel_radius else {
@@ -245,8 +247,8 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Doubts about bodies that the study does not name: the body of a drop link beside a rocker, and bodies of points that are
-    /// clearly nearer to another body.
+    /// Doubts about bodies that the study does not name: the body of a drop link if there is a rocker, and bodies of points that
+    /// are clearly nearer to another body.
     fn seats(&mut self) {
         let Suspension {
             mechanism,
@@ -275,14 +277,15 @@ impl<'a> PlausibilityRemarks<'a> {
                 let others = seats.iter().filter(|seat| seat.body != own.body);
                 let others: Vec<String> = others.map(away).collect();
                 self.say(format!(
-                    "the study does not say on which body {name} stands. Assumed: {}; others: {}. Name it: {}",
+                    "the study does not give the body of {name}. Assumed: {}; others: {}. Give \
+                     the body: {}",
                     away(own),
                     others.join(", "),
                     say(own.name)
                 ));
             } else if let Some([own, nearest]) = mechanism.doubtful_seat(design, id) {
                 self.say(format!(
-                    "{name} is assumed on the {}, but the {} is nearer. Name its body: {}",
+                    "{name} is assumed on the {}, but the {} is nearer. Give its body: {}",
                     away(&own),
                     away(&nearest),
                     say(nearest.name)
@@ -325,13 +328,13 @@ impl<'a> PlausibilityRemarks<'a> {
         let width = high - low;
         if absolute && holds(0.0) && (coordinate < low - width || coordinate > high + width) {
             self.say(format!(
-                "{axis} of {name} is {coordinate} in the design and is to go from {low} to {high}, as absolute = true \
-                 says. Are these offsets?"
+                "{axis} of {name} is {coordinate} in the design, and its range is {low} to \
+                 {high}, with absolute = true. Are these offsets?"
             ));
         } else if !absolute && holds(coordinate) && low.abs().min(high.abs()) > width {
             self.say(format!(
-                "{axis} of {name}, which is {coordinate} in the design, is to be moved by {low} to {high}. Are these \
-                 coordinates? In a sweep that is absolute = true"
+                "{axis} of {name}, which is {coordinate} in the design, has offsets from {low} to \
+                 {high}. Are these coordinates? In a sweep, coordinates need absolute = true"
             ));
         }
     }
@@ -345,8 +348,8 @@ impl<'a> PlausibilityRemarks<'a> {
         let [lower, upper] = [lower, upper].map(|id| self.name(id));
         if along.z <= 0.0 {
             self.say(format!(
-                "{upper} is not above {lower}, and the steering axis leads from {lower} to {upper}. Are they \
-                 swapped?"
+                "{upper} is not above {lower}, but the steering axis runs from {lower} to \
+                 {upper}. Are they swapped?"
             ));
             return;
         }
@@ -379,7 +382,7 @@ impl<'a> PlausibilityRemarks<'a> {
                 && !(least * metre..=most * metre).contains(&length)
             {
                 self.say(format!(
-                    "{name} is {length} {unit}. Every length is in length_unit"
+                    "{name} is {length} {unit}. Every length in the study must be in length_unit"
                 ));
             }
         }
@@ -394,7 +397,7 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Doubts about camber, toe and motion ratio.
+    /// Warnings about camber, toe and motion ratio.
     fn angles(&mut self) -> Result<(), DesignFault> {
         let Suspension {
             mechanism, design, ..

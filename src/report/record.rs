@@ -54,7 +54,7 @@ pub struct Record {
     pub scene: Scene,
     /// Influence of each coordinate on the last design.
     pub influences: Vec<Influence>,
-    /// Pareto front: designs that could replace the last one.
+    /// Pareto front: alternatives to the tuned design.
     #[serde(default)]
     pub front: Option<FrontRecord>,
 }
@@ -251,7 +251,7 @@ pub(crate) fn wanted_between(
     let printed = |limit: f64| limit.is_finite().then_some(limit * factor);
     let samples = target.wanted.samples(stations).into_iter();
     let limits = samples.map(|sample| {
-        // If the study's axis points in the other direction, the limits swap.
+        // If the study's axis points in the other direction, the limits are exchanged.
         let [low, high] = if factor < 0.0 {
             [sample.high, sample.low]
         } else {

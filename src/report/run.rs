@@ -95,7 +95,7 @@ impl Run {
             let mut needed = columns.chain(moving).chain(&record.further);
             if table.rows() != design.stations || table.status.len() != design.stations {
                 let message = format!(
-                    "expected the {} stations that report.json speaks of, found {}; run the study again",
+                    "expected the {} stations listed in report.json, found {}; run the study again",
                     design.stations,
                     table.rows()
                 );
@@ -103,7 +103,7 @@ impl Run {
             }
             if let Some(name) = needed.find(absent) {
                 let message = format!(
-                    "there is no column {name}, which report.json speaks of; run the study again"
+                    "there is no column {name}, which report.json lists; run the study again"
                 );
                 return Err(folder.error(Some(&design.curves), &message));
             }
@@ -150,7 +150,7 @@ impl Run {
     }
 }
 
-/// Part of the summary that tells how the run ended, and the rest of the summary.
+/// Part of the summary that states how the run ended, and the rest of the summary.
 #[derive(Deserialize)]
 struct State {
     #[serde(default)]
@@ -194,7 +194,7 @@ impl Folder<'_> {
         if Path::new(name).file_name() != Some(name.as_ref()) {
             return Err(self.error(
                 Some("report.json"),
-                &format!("{name:?} is not a file's name"),
+                &format!("{name:?} is not the name of a file"),
             ));
         }
         let bytes = match self {
@@ -210,7 +210,8 @@ impl Folder<'_> {
     }
 
     fn json<T: DeserializeOwned>(&self, name: &str) -> Result<T, NotARun> {
-        let problem = |e: serde_json::Error| format!("not as `hardpoint` writes it: {e}");
+        let problem =
+            |e: serde_json::Error| format!("not in the form that `hardpoint` writes: {e}");
         serde_json::from_slice(&self.bytes(name)?).map_err(|e| self.error(Some(name), &problem(e)))
     }
 

@@ -388,7 +388,7 @@ fn instruction(adjustment: &Adjustment, suspension: &Suspension, amount: f64) ->
     }
 }
 
-/// Direction of a displacement along an axis of the kernel's frame. A point that a solid axle has once has its true y.
+/// Direction of a displacement along an axis of the kernel's frame. A point that exists only once on a solid axle has its true y.
 fn direction(axis: Axis, amount: f64, is_single: bool) -> &'static str {
     match (axis, amount > 0.0) {
         (Axis::Y, true) if is_single => "to the left",
@@ -449,12 +449,13 @@ pub fn set_up_refusal(study: &Study, setup: &Setup, none: &SetUpError) -> String
     match none {
         SetUpError::Fault(reason) => reason.describe(&study.wheel().mechanism),
         SetUpError::AssemblyError(AssemblyError::OutOfReach { share }) => format!(
-            "the links cannot reach: they allow {:.0} % of the way from the design to the wanted height and the adjusted parts",
+            "the links are too short or too long: they allow {:.0} % of the way from the design \
+             to the target height and the adjusted parts",
             100.0 * share
         ),
         SetUpError::AssemblyError(reject) => reject.to_string(),
         SetUpError::Absurd { adjustment, amount } => format!(
-            "the wanted values need {} {} of {}, more than a tenth of the suspension's size",
+            "the target values need {} {} of {}, more than a tenth of the size of the suspension",
             brief(*amount),
             length.symbol(),
             setup.adjust[*adjustment].name
@@ -469,10 +470,10 @@ pub fn set_up_refusal(study: &Study, setup: &Setup, none: &SetUpError) -> String
                 }
             };
             let missed: Vec<String> = missed.iter().map(words).collect();
-            format!("the wanted values cannot be met: {}", missed.join("; "))
+            format!("the target values cannot be reached: {}", missed.join("; "))
         }
         SetUpError::Unsettled => {
-            "the wanted values cannot be met: the adjustments change none of them".to_owned()
+            "the target values cannot be reached: the adjustments change none of them".to_owned()
         }
     }
 }

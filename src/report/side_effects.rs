@@ -147,7 +147,8 @@ pub fn side_effects_table(effects: &[SideEffect]) -> Table {
     table
 }
 
-/// Side effects for people: the flagged ones, then others that change visibly. Also returns the number of further visible ones.
+/// Side effects for people: first the flagged ones, then other visible changes. Also returns the number of visible changes that
+/// are left out.
 pub fn shown_side_effects(effects: &[SideEffect]) -> (Vec<SideEffect>, usize) {
     let changed: Vec<SideEffect> = effects.iter().filter(|e| is_visible(e)).cloned().collect();
     let flagged = changed.iter().filter(|e| e.flagged).count();

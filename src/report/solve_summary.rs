@@ -40,12 +40,12 @@ pub struct SolveSummary {
     /// Counts of the computing work. `None` for an axle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     work: Option<Work>,
-    /// Reasons why the tracker passed stations to the continuation.
+    /// Reasons why the continuation, not the tracker, solved stations.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     left_to_continuation: Vec<Left>,
 }
 
-/// Number of stations that the tracker passed to the continuation for one reason.
+/// Number of stations that the continuation solved instead of the tracker, for one reason.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Left {
     reason: String,

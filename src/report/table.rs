@@ -20,7 +20,7 @@ pub enum Format {
     Text,
     /// Comma-separated values.
     Csv,
-    /// JSON object with a list of objects for each table.
+    /// JSON: an object that contains a list of objects for each table.
     Json,
 }
 
@@ -187,15 +187,19 @@ impl Table {
         let mut write = |first: Option<&str>, cells: Vec<String>| {
             let cells = for_programs(&cells);
             let line = first.into_iter().chain(cells.iter().map(String::as_str));
-            writer.write_record(line).expect("rows of one length");
+            writer
+                .write_record(line)
+                .expect("all rows have the same length");
         };
         let header = self.columns.iter().map(Column::key).collect();
         write(name.map(|_| "table"), header);
         for row in &self.rows {
             write(name, row.iter().map(Cell::csv).collect());
         }
-        let bytes = writer.into_inner().expect("memory takes everything");
-        String::from_utf8(bytes).expect("cells are text")
+        let bytes = writer
+            .into_inner()
+            .expect("writing to memory does not fail");
+        String::from_utf8(bytes).expect("all cells are text")
     }
 
     /// Table as a JSON list of objects.

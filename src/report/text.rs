@@ -21,7 +21,7 @@ pub(super) fn broken(text: &str, width: usize) -> Vec<String> {
     for word in text.split(' ') {
         let (line, own) = (last(&lines), word.chars().count());
         if line > 0 && line + 1 + own <= width {
-            lines.last_mut().expect("there is one").push(' ');
+            lines.last_mut().expect("the list has an element").push(' ');
         } else if line > 0 {
             lines.push(String::new());
         }
@@ -34,7 +34,7 @@ pub(super) fn broken(text: &str, width: usize) -> Vec<String> {
                 if last(&lines) >= width.max(1) {
                     lines.push(String::new());
                 }
-                lines.last_mut().expect("there is one").push(c);
+                lines.last_mut().expect("the list has an element").push(c);
             }
         }
     }
@@ -89,9 +89,12 @@ fn words_within(text: &str, width: usize) -> Vec<String> {
         if line > 0 && line + 1 + word.chars().count() > width {
             lines.push(String::new());
         } else if line > 0 {
-            lines.last_mut().expect("there is one").push(' ');
+            lines.last_mut().expect("the list has an element").push(' ');
         }
-        lines.last_mut().expect("there is one").push_str(word);
+        lines
+            .last_mut()
+            .expect("the list has an element")
+            .push_str(word);
     }
     lines
 }

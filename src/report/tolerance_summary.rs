@@ -35,7 +35,7 @@ pub struct ToleranceSummary {
     pub rejects: Vec<RejectRecord>,
     /// Number of builds that have no pose somewhere in the motion.
     pub incomplete: u64,
-    /// Number of the first such build.
+    /// Number of the first build without a pose at some station.
     pub first_incomplete: Option<u64>,
     /// For an axle: columns of the coordinates that give the position of a value on the motion.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -59,7 +59,7 @@ pub struct RejectRecord {
     pub reason: String,
     /// Number of builds rejected for this reason.
     pub builds: u64,
-    /// Number of the first such build.
+    /// Number of the first rejected build.
     pub first: u64,
     /// Explanation of the first rejection, in words.
     pub what: String,
@@ -76,7 +76,7 @@ pub struct RankingRecord {
     pub yield_halved: f64,
     /// Predicted yield with twice its tolerance.
     pub yield_doubled: f64,
-    /// True if the tolerance can be relaxed: doubling it costs almost no yield.
+    /// True if the tolerance can be relaxed: doubling it reduces the yield very little.
     pub may_be_looser: bool,
 }
 
@@ -201,10 +201,14 @@ impl ToleranceSummary {
             .collect();
         if let Some(first) = self.first_incomplete {
             lines.push(format!(
-                "{} {} no pose somewhere in the motion, build {first} the first; there {} no values",
+                "{} {} no pose somewhere in the motion, first build {first}; there {} no values",
                 counted(self.incomplete, "build"),
                 if self.incomplete == 1 { "has" } else { "have" },
-                if self.incomplete == 1 { "it has" } else { "they have" }
+                if self.incomplete == 1 {
+                    "it has"
+                } else {
+                    "they have"
+                }
             ));
         }
         lines
@@ -254,7 +258,7 @@ impl ToleranceSummary {
                     Some(true) => "",
                     _ => words,
                 };
-                // Sampled numbers are cut at the digit where sigma becomes uncertain.
+                // Sampled numbers are rounded to the digits that are certain for sigma.
                 let digits = value
                     .sigma_error
                     .filter(|error| *error > 0.0 && words != "does not scatter");
@@ -316,7 +320,7 @@ impl ToleranceSummary {
     /// Table of the contributors: the tolerances to tighten, and those that can be relaxed.
     pub fn ranking_table(&self) -> Table {
         let yields = ["yield halved", "yield doubled"].map(Column::from);
-        let relaxed = Column::named("can be relaxed", "may be looser");
+        let relaxed = Column::named("can be relaxed", "may be relaxed");
         let shares = [
             Column::for_readers("largest share"),
             Column::for_programs("share"),

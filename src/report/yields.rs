@@ -117,7 +117,7 @@ impl YieldRecord {
             format!(", {:+.1} points from the yield", 100.0 * error)
         });
         let kept = if surrogate.keeps_plain {
-            "; the search found no larger yield than that of the optimum without scatter, which is kept"
+            "; the search found no larger yield than the optimum without scatter, which is kept"
         } else {
             ""
         };
@@ -128,7 +128,7 @@ impl YieldRecord {
         ))
     }
 
-    /// Remark if the optimum without scatter has a yield that is higher by more than chance.
+    /// Remark if the optimum without scatter has a significantly higher yield.
     pub fn remark(&self) -> Option<String> {
         if self.surrogate.is_some() {
             return None;
@@ -139,9 +139,10 @@ impl YieldRecord {
         let error = (variance / self.builds as f64).sqrt();
         (plain - after > error).then(|| {
             format!(
-                "the optimum without scatter keeps more builds in all bands ({} against {}): the robust tuning lowers the \
-                 mean squared misfit, not the number of builds outside of bands. Bring targets and tolerances in line with \
-                 the bands, or ask for robust = \"yield\"",
+                "with the optimum without scatter, more builds are within all bands ({} against \
+                 {}): the robust tuning minimises the mean squared misfit, not the number of \
+                 builds outside the bands. Choose targets and tolerances that agree with the \
+                 bands, or use robust = \"yield\"",
                 percent(plain),
                 percent(after)
             )

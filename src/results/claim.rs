@@ -1,10 +1,10 @@
-//! Claim of a run on a directory. It decides if the run may replace files.
+//! Claim of a run on a directory. It decides whether the run may replace files.
 
 use super::manifest::{self, Manifest, RunRecord, matches};
 use super::{Refusal, TEMPORARY};
 use std::path::{Path, PathBuf};
 
-/// Tells if other runs may write to the directory at the same time.
+/// States whether other runs may write to the directory at the same time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sharing {
     /// Only this run may write.

@@ -114,7 +114,7 @@ impl Lock {
             // nothing here.
             if std::fs::symlink_metadata(path).is_ok_and(|there| there.is_symlink()) {
                 return Err(NotLocked::Failed(io::Error::other(
-                    "it is a symbolic link that no run created: remove it",
+                    "it is a symbolic link, which was not created by a run: remove it",
                 )));
             }
             // While this list is locked, a signal cannot end the process before the new lock is on the list.

@@ -20,7 +20,8 @@ pub(super) struct OpenRun {
     pub(super) is_alone: bool,
 }
 
-/// Lock whose holder may write results. A signal takes this lock before it ends the process, so that no write is cut.
+/// Lock whose holder may write results. A signal takes this lock before it ends the process, so that no write is interrupted
+/// halfway.
 static OPEN: Mutex<Vec<OpenRun>> = Mutex::new(Vec::new());
 
 fn open() -> MutexGuard<'static, Vec<OpenRun>> {
@@ -28,7 +29,7 @@ fn open() -> MutexGuard<'static, Vec<OpenRun>> {
     OPEN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Executes a write that no signal can cut.
+/// Executes a write that no signal can interrupt.
 pub fn undivided<T>(write: impl FnOnce() -> T) -> T {
     let _open = open();
     write()
@@ -110,7 +111,7 @@ fn clear(directory: &Path) {
     }
 }
 
-/// Writes a file under a temporary name, then renames it. Within [`undivided`] no signal can cut it.
+/// Writes a file under a temporary name, then renames it. Within [`undivided`], no signal can interrupt it.
 pub fn put(path: &Path, contents: &[u8]) -> io::Result<()> {
     let directory = path
         .parent()

@@ -45,7 +45,7 @@ pub enum Refusal {
          directory with --out, or overwrite it with --force"
     )]
     Foreign {
-        /// One of these files.
+        /// One of the files of the directory.
         file: String,
     },
     /// The directory contains the results of another run.
@@ -64,13 +64,13 @@ pub enum Refusal {
         directory: String,
         /// Command that wrote the results.
         command: String,
-        /// Name of their study.
+        /// Name of the study of the results.
         study: String,
         /// True for the same study. `None` if unknown, because sweeps and other commands use different digests.
         same_study: Option<bool>,
         /// True if that run has ended.
         is_finished: bool,
-        /// One file of that run.
+        /// A file of the other run.
         file: String,
     },
     /// The directory contains an unfinished sweep.
@@ -84,8 +84,8 @@ pub enum Refusal {
     },
     /// The record of the runs in the directory cannot be read.
     #[error(
-        "hardpoint did not write {file} in this form ({reason}), so the files beside it are unknown: \
-         give another directory with --out, or write there with --force"
+        "hardpoint did not write {file} in this form ({reason}), so the other files there are \
+         unknown: give another directory with --out, or write there with --force"
     )]
     Unreadable {
         /// Path of the record.

@@ -53,7 +53,7 @@ impl RunDirectory {
         };
         let (mut lock, is_alone) = match claim.sharing {
             Sharing::Alone => (locked(Lock::exclusive(&lock_path, &owner))?, true),
-            // A shard that is alone prepares the directory; the other shards find it prepared.
+            // The first shard prepares the directory; the other shards find it prepared.
             Sharing::Together => match Lock::at_once(&lock_path, &owner) {
                 Ok(lock) => (lock, true),
                 Err(_) => (locked(Lock::shared(&lock_path, &owner))?, false),
@@ -111,7 +111,7 @@ impl RunDirectory {
         Ok(directory)
     }
 
-    /// Checks that a directory could be claimed, and leaves no trace.
+    /// Checks that a directory could be claimed, without changing anything on disk.
     pub fn check(path: &Path, claim: &Claim<'_>) -> Result<(), Refusal> {
         // A missing directory would be created in its nearest existing parent.
         let there = path
@@ -279,8 +279,8 @@ impl RunDirectory {
         }
     }
 
-    /// Writes a file and records it as written by this run. A summary states that the run is interrupted if it is. Only
-    /// [`RunDirectory::finish`] states that the run has finished.
+    /// Writes a file and records it as written by this run. If the run has been interrupted, a summary states it. Only
+    /// [`RunDirectory::finish`] records that the run has finished.
     pub fn write(&self, name: &str, contents: &[u8]) -> Result<(), WriteError> {
         self.record(&[name])?;
         if name != SUMMARY {
@@ -302,7 +302,7 @@ impl RunDirectory {
         undivided(|| open_runs::put(&path, contents)).map_err(unwritten(&path))
     }
 
-    /// Writes a file within a step that no signal can cut.
+    /// Writes a file within a step that no signal can interrupt.
     fn put_undivided(&self, name: &str, text: &str) -> Result<(), WriteError> {
         let path = self.path.join(name);
         open_runs::put(&path, text.as_bytes()).map_err(unwritten(&path))
@@ -465,8 +465,7 @@ fn readable() -> std::fs::Permissions {
 
 #[cfg(not(unix))]
 fn readable() -> std::fs::Permissions {
-    // On other systems, permissions come from the directory. This value has no effect, but the type has no constructor of its
-    // own.
+    // On other systems, permissions come from the directory. This value has no effect, but the type has no other constructor.
     std::fs::metadata(".")
         .map(|m| m.permissions())
         .expect("the current directory exists")

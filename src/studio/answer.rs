@@ -101,7 +101,8 @@ fn solved_wheel(
     if plan.stations() < all {
         let drawn = plan.stations();
         lines.push(format!(
-            "{drawn} of {all} stations are drawn, evenly chosen, and without loads; `hardpoint solve` has all"
+            "{drawn} of {all} stations are drawn, evenly chosen and without loads; `hardpoint \
+             solve` computes all"
         ));
     }
     let (groups, drive) = grouped(&found, &plan, request);

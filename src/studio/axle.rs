@@ -191,7 +191,13 @@ pub(super) fn solved(
         found.map_or([None, None], |sides| sides.map(|side| Some(side.into())))
     };
     let [left_frame, right_frame] = frames(axle);
-    let opened_axle = || &opened.study.axle().expect("it is of an axle").axle;
+    let opened_axle = || {
+        &opened
+            .study
+            .axle()
+            .expect("the study describes an axle")
+            .axle
+    };
     Ok(SolvedAnswer {
         columns: columns(&found.curves),
         drive: places.iter().map(|place| Some(place[over])).collect(),

@@ -5,7 +5,7 @@ use crate::threads::stoppable;
 use std::panic::resume_unwind;
 use std::thread::{Builder, scope};
 
-/// Runs one task on a thread of its own and another on this one. An error says that the flag has stopped one of them.
+/// Runs one task on a new thread and another one on this thread. Returns an error if the flag has stopped one of them.
 pub(super) fn beside<A: Send, B>(
     stop: &Stop,
     aside: impl Fn() -> A + Sync,
@@ -17,7 +17,7 @@ pub(super) fn beside<A: Send, B>(
         let second = stoppable(stop, here);
         let first = match begun {
             Ok(thread) => thread.join().unwrap_or_else(|panic| resume_unwind(panic)),
-            // No thread can be started. Then this one does both.
+            // If no thread can be started, this thread runs both tasks.
             Err(_) => aside(),
         };
         (first, second)

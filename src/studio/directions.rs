@@ -1,4 +1,4 @@
-//! Remaining freedom of a design: moves that leave the targets unchanged, and the limits of the mechanism.
+//! Possible changes of a design: moves that leave the targets unchanged, and the limits of the mechanism.
 
 use super::message::{Designed, DirectionsAnswer, FreeDirection, LimitsAnswer};
 use super::study_file::Opened;
@@ -6,7 +6,7 @@ use crate::limits::LimitTable;
 use crate::optimise::{Bounds, Identifiability, assessed};
 use crate::study::Variable;
 
-/// Largest change of the misfit, in tolerances, by a move across the whole range that counts as no change.
+/// Largest change of the misfit, in tolerances, that counts as no change, for a move across the whole range.
 const UNSEEN: f64 = 0.01;
 /// Largest number of directions.
 const MOST: usize = 8;
@@ -20,7 +20,7 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
     };
     let moved = opened.moved(&of.design)?;
     let suspension = moved.wheel();
-    // A turn moves points along arcs, not straight lines, and a rate moves no point.
+    // A rotation moves points along arcs, not straight lines, and a rate moves no point.
     let is_straight = |v: &&Variable| v.turn.is_none() && v.rate.is_none();
     let straight = optimise.variables.iter().filter(is_straight);
     let variables: Vec<_> = straight.cloned().collect();

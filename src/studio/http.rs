@@ -6,7 +6,7 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-/// Longest head of a request, in bytes. The next constant is the largest number of headers.
+/// Longest head of a request, in bytes. The number of headers has a separate limit.
 const LONGEST_HEAD: usize = 16 << 10;
 const MOST_HEADERS: usize = 64;
 /// Longest body of a request, in bytes. A design with a thousand points needs a tenth of it.
@@ -158,7 +158,7 @@ fn parsed(bytes: &[u8]) -> Result<Option<(Head, usize)>, Unread> {
             "transfer-encoding" => {
                 return Err(Unread::Refused(
                     501,
-                    "bodies come with a length, in one piece",
+                    "a body needs a length and must not be in chunks",
                 ));
             }
             "connection" => {
@@ -168,7 +168,7 @@ fn parsed(bytes: &[u8]) -> Result<Option<(Head, usize)>, Unread> {
             _ => continue,
         };
         if place.replace(value.trim().to_owned()).is_some() {
-            return refused("a header is there twice");
+            return refused("a header occurs twice");
         }
     }
     if let Some(length) = length {
@@ -176,7 +176,7 @@ fn parsed(bytes: &[u8]) -> Result<Option<(Head, usize)>, Unread> {
         head.length = match length.parse() {
             Ok(length) if is_number && length <= LONGEST_BODY => length,
             _ if is_number => return Err(Unread::Refused(413, "the body is too long")),
-            _ => return refused("the length of the body is no number"),
+            _ => return refused("the length of the body is not a number"),
         };
     }
     Ok(Some((head, used)))

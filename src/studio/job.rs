@@ -15,25 +15,27 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Refusal to tune a study without goals.
+/// Message that refuses to tune a study without goals.
 pub(super) const NO_SECTION: &str =
     "the study has no [optimise] section with variables and targets";
-/// Refusal to tune where nothing may move.
+/// Message that refuses to tune a design in which every coordinate is locked.
 pub(super) const ALL_LOCKED: &str = "every variable of the study moves a point that is locked";
 
-/// The message of a tuning that has panicked.
+/// Message for a tuning that has panicked.
 fn panicked(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
     format!(
-        "the tuning failed by a fault of the program ({}); the study is unchanged, please report it",
+        "the tuning failed because of an error in the program ({}); the study is unchanged, \
+         please report it",
         text.unwrap_or("no message")
     )
 }
 
-/// A range that counts from the design in the file, seen from the present design, where its points have moved by `moved`
-/// units. The present place stays within it. Points that were moved apart keep the range about their present places. The
-/// second value says in words if the tuning may therefore leave the file's range.
+/// Converts a range that counts from the design in the file to one that counts from the present design. The points of the
+/// variable have moved by `moved` units since. The result always contains the present position. If these points have moved by
+/// different amounts, the range counts from their present positions. The second value is a note if the tuning may therefore leave
+/// the range in the file.
 pub(super) fn counted_from_file(
     name: &str,
     [low, high]: [f64; 2],
@@ -45,7 +47,8 @@ pub(super) fn counted_from_file(
     let is_together = |by: &f64| (by - first).abs() <= 1e-9 * (high - low);
     if !moved.iter().all(is_together) {
         let remark = format!(
-            "{name}: its points were moved apart, so its range counts from their present places"
+            "{name}: its points were moved differently, so its range is relative to their present \
+             positions"
         );
         return ([low, high], Some(remark));
     }
@@ -53,7 +56,8 @@ pub(super) fn counted_from_file(
     let outside = (low - first).max(first - high);
     let remark = (outside > 1e-9 * (high - low)).then(|| {
         format!(
-            "{name} is {} outside of its range in the file, {} to {}: the tuning used a range widened to the present place",
+            "{name} is {} outside of its range in the file, {} to {}: the tuning used a range \
+             extended to the present position",
             brief(outside),
             brief(low),
             brief(high)
@@ -62,7 +66,7 @@ pub(super) fn counted_from_file(
     (range, remark)
 }
 
-/// Makes the range of a variable count from the design in the file, wherever the page has moved its points since.
+/// Shifts the range of a variable so that it counts from the design in the file, although the page has moved its points since.
 fn count_from_file(
     variable: &mut Variable,
     file: &Suspension,
@@ -93,7 +97,7 @@ pub(super) struct Job {
 }
 
 impl Job {
-    /// Begins a tuning on a thread of its own.
+    /// Starts a tuning on a new thread.
     pub(super) fn begin(number: u64, tuning: Tuning) -> Result<Arc<Job>, String> {
         let job = Arc::new(Job {
             number,
@@ -105,7 +109,7 @@ impl Job {
         });
         let own = job.clone();
         let run = move || {
-            // A panic ends this job alone: the page is told, and the next tuning can begin.
+            // A panic ends only this job. The page gets a message, and the next tuning can begin.
             let ended = catch_unwind(AssertUnwindSafe(|| tuning(&own)));
             let ended = ended.unwrap_or_else(|panic| Err(panicked(&*panic)));
             *own.ended.lock().unwrap_or_else(PoisonError::into_inner) = Some(ended);
@@ -115,7 +119,7 @@ impl Job {
         Ok(job)
     }
 
-    /// The tuning of a design of a wheel or an axle.
+    /// Tuning of a design of a wheel or an axle.
     pub(super) fn of_study(opened: Arc<Opened>, request: &TuneRequest) -> Result<Tuning, String> {
         let mut study = opened.moved(&request.of.design)?;
         let study_design = study.wheel().design.clone();
@@ -159,21 +163,21 @@ impl Job {
         })
     }
 
-    /// Returns true if it was asked to end.
+    /// Returns true if the end of the tuning was requested.
     pub(super) fn is_cancelled(&self) -> bool {
         self.interrupt.load(Ordering::SeqCst)
     }
 
     fn run(&self, study: &Study, text: &str, remarks: Vec<String>) -> Result<Proposal, String> {
         let suspension = study.wheel();
-        let optimise = study.optimise.as_ref().expect("it was asked for");
+        let optimise = study.optimise.as_ref().expect("the tuning was requested");
         let fault = |fault: crate::mechanism::DesignFault| fault.describe(&suspension.mechanism);
         let tuning = self.controlled(|control| tune(&study.vehicle, optimise, control));
         let tuning = tuning.map_err(fault)?;
         let Some(best) = &tuning.best else {
             let first = tuning.starts.starts.first();
             let why = first.and_then(|start| start.outcome.as_ref().err());
-            return Err(why.map_or("no start came to an end".to_owned(), |w| w.to_string()));
+            return Err(why.map_or("no start was completed".to_owned(), |w| w.to_string()));
         };
         let mut summary = TuningSummary::of(study, optimise, &tuning, None);
         let tuned = study.moved(&best.offsets);

@@ -61,7 +61,8 @@ pub(super) struct SolveRequest {
     pub curves_rack: Option<f64>,
     /// Index of the slider on the horizontal axis of curves.
     pub over: usize,
-    /// Number of the page, and of its request. A later request of the same page stops this one. `None` if none does.
+    /// Number of the page, and of its request. A later request of the same page stops this one. `None` if later requests must not
+    /// stop it.
     #[serde(default)]
     pub turn: Option<[u64; 2]>,
 }
@@ -100,7 +101,7 @@ pub(super) struct JobRequest {
 #[serde(deny_unknown_fields)]
 pub(super) struct SaveRequest {
     pub of: Designed,
-    /// File name, without folders, beside the study. `None` for the study itself.
+    /// File name, without folders, in the folder of the study. `None` for the study itself.
     pub name: Option<String>,
     /// True to write the moved coordinates although the file has changed, or to replace an existing file of that name.
     pub anyway: bool,
@@ -153,11 +154,11 @@ pub(super) struct Slider {
     pub home: f64,
     /// Values over the motion.
     pub values: Vec<f64>,
-    /// Names of the values, if they are a choice: then the number is the place in this list.
+    /// Names of the values, if the slider selects from a list. The number is then the index in this list.
     pub names: Vec<String>,
 }
 
-/// The drawing of the left side, with its wheels.
+/// Drawing of the left side, with its wheels.
 #[derive(Serialize)]
 pub(super) struct WholeScene {
     #[serde(flatten)]
@@ -167,12 +168,12 @@ pub(super) struct WholeScene {
 
 #[derive(Serialize)]
 pub(super) struct WheelDrawn {
-    /// Point at its centre.
+    /// Point at the centre of the wheel.
     pub centre: usize,
     pub radius: f64,
 }
 
-/// The text of a file now, and the text that saving would write.
+/// Present text of a file, and the text that saving would write.
 #[derive(Serialize)]
 pub(super) struct TextChange {
     pub file: String,
@@ -186,7 +187,7 @@ pub(super) struct PointOverview {
     pub about: String,
     /// Axle of a car, and the point's name in its study.
     pub axle: Option<[String; 2]>,
-    /// Displacement from its coordinates to its place in a drawing of the whole vehicle.
+    /// Displacement from the point's coordinates to its position in a drawing of the whole vehicle.
     pub shift: [f64; 3],
 }
 
@@ -222,7 +223,7 @@ pub(super) struct VariableOverview {
     pub name: String,
     /// Point, axis, and displacement per unit of the variable.
     pub moves: Vec<(usize, usize, f64)>,
-    /// True if the variable turns points about an axis, so that they do not move on straight lines.
+    /// True if the variable rotates points about an axis, so that they do not move on straight lines.
     pub is_turn: bool,
     pub range: [f64; 2],
 }
@@ -242,9 +243,9 @@ pub(super) struct SolvedAnswer {
     pub rack: f64,
     pub status: Vec<&'static str>,
     pub failures: Vec<FailureRange>,
-    /// The mechanism where it is drawn, and the study's own design there.
+    /// Mechanism at the drawn station, and the study's own design at the same station.
     pub frame: Option<Drawn>,
-    /// The right wheel of an axle, or the right side of a car.
+    /// Right wheel of an axle, or right side of a car.
     pub right: Option<Drawn>,
     pub opened: Option<Drawn>,
     pub misfit: Option<Misfit>,
@@ -259,7 +260,7 @@ pub(super) struct SolvedAnswer {
 pub(super) enum Drawn {
     /// Of one wheel.
     Wheel(Box<Frame>),
-    /// Of one side of a car.
+    /// Drawing of one side of a car.
     Side {
         pose: Result<Box<SidePlacement>, String>,
     },
@@ -271,16 +272,16 @@ impl From<Frame> for Drawn {
     }
 }
 
-/// One side of a car over the ground, along the axes of the front study.
+/// One side of a car over the ground, in the axes of the front study.
 #[derive(Clone, Serialize)]
 pub(super) struct SidePlacement {
-    /// Points of the front, then of the rear axle.
+    /// Points of the front axle, then of the rear axle.
     pub points: Vec<[f64; 3]>,
     pub spin_axes: [[f64; 3]; 2],
     pub contacts: [[f64; 3]; 2],
     /// Centre of gravity of the sprung mass.
     pub sprung_cg: [f64; 3],
-    /// Axes of the drawing along those of the body, as rows.
+    /// Axes of the drawing, as rows, in the axes of the body.
     pub axes: [[f64; 3]; 3],
 }
 
@@ -321,9 +322,9 @@ pub(super) struct TargetMisfit {
     pub column: String,
     pub rms: f64,
     pub worst: f64,
-    /// Place of the largest deviation; none for a result of a load case.
+    /// Position of the largest deviation. `None` for a result of a load case.
     pub worst_at: Option<f64>,
-    /// Unit of that place, or the load case.
+    /// Unit of that position, or the load case.
     pub worst_at_unit: String,
     pub gradient: Coordinates,
 }
@@ -376,7 +377,7 @@ pub(super) struct LimitsAnswer {
 }
 
 impl LimitsAnswer {
-    /// Some columns of a table, in its order.
+    /// Selects some columns of a table, in the table's order.
     pub(super) fn of(
         title: &'static str,
         table: &Table,
@@ -423,7 +424,7 @@ pub(super) struct Proposal {
     pub interrupted: bool,
 }
 
-/// Table of the changes that no target asks for.
+/// Table of the changes that no target requests.
 #[derive(Clone, Serialize)]
 pub(super) struct SideEffectRows {
     pub header: Vec<String>,

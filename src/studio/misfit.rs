@@ -1,4 +1,4 @@
-//! The misfit of a design and its exact gradient by every coordinate.
+//! Misfit of a design and its exact gradient by every coordinate.
 //!
 //! With r the residuals, J their Jacobian and m their number, the misfit is M = |r| / sqrt(m), so
 //!
@@ -21,7 +21,7 @@ use crate::optimise::{Assessment, TargetLayout, assessed};
 use crate::study::{Optimise, Study};
 use nalgebra::{DMatrix, DVector};
 
-/// Constraints violated by less than this, in visible units such as a millimetre, are kept.
+/// Violation below which a constraint counts as satisfied, in visible units such as a millimetre.
 pub(super) const VIOLATED: f64 = 1e-6;
 
 /// Misfit of a design, if its study has targets.
@@ -30,7 +30,7 @@ pub(super) fn misfit(opened: &Opened, study: &Study) -> Result<Option<Misfit>, D
         return Ok(None);
     };
     let suspension = study.wheel();
-    // The layout contains the coordinates of the right wheel, so it must be made again if that wheel has its own points.
+    // The layout contains the coordinates of the right wheel. So it must be made again if that wheel has its own points.
     let has_own = study.axle().is_some_and(|both| both.axle.right.is_some());
     let own = has_own.then(|| TargetLayout::of(optimise, &study.vehicle));
     let found = assessed(suspension, &opened.every, own.as_ref().unwrap_or(layout))?;
@@ -89,7 +89,7 @@ pub(super) fn of_assessment(
     }
 }
 
-/// r . J over some rows, divided by a factor, for each point: (1), (2).
+/// Product r . J over some rows, divided by a factor, for each point: (1), (2).
 fn gradient(
     residuals: &DVector<f64>,
     jacobian: &DMatrix<f64>,

@@ -14,7 +14,7 @@ use crate::plan::Plan;
 use crate::report::{Scene, wanted_between};
 use crate::study::{Drive, Optimise, Study, Target, TargetKind, Vehicle, WheelStudy};
 
-/// The overview of a study that was read.
+/// Overview of a study that was read.
 pub(super) fn overview(opened: &Opened) -> Overview {
     let (file, study) = (&opened.file, &opened.study);
     let suspension = study.wheel();
@@ -118,7 +118,7 @@ fn written(text: &str) -> serde_json::Value {
     shown
 }
 
-/// These sections of a text, as they are written.
+/// Returns these sections of a text as they are written.
 pub(super) fn sections(text: &str, shown: &[&str]) -> serde_json::Value {
     chosen(text.parse().unwrap_or_default(), shown)
 }
@@ -165,7 +165,7 @@ fn catalogue(own: &WheelStudy, optimise: Option<&Optimise>) -> Vec<Characteristi
     let figures = figures.iter().map(|figure| CharacteristicOverview {
         name: figure.name.clone(),
         unit: figure.unit.suffix(suspension.length_unit),
-        positive: "as docs/compliance.md says",
+        positive: "as in docs/compliance.md",
         asked: wanted.figures.iter().any(|own| own.value == figure.value),
         available: true,
     });

@@ -1,4 +1,4 @@
-//! A study that was read, whatever it describes: the answers that the page can ask for.
+//! Answers about a study that was read. The study may describe a wheel, an axle or a car.
 
 use super::job::{Job, Tuning};
 use super::message::{
@@ -15,17 +15,17 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Texts of a study that were read, and their meaning.
+/// Texts of a study that were read, with the resolved study.
 pub(super) trait Reading: Send + Sync {
     /// SHA-256 of the texts.
     fn digest(&self) -> &str;
-    /// The study, as far as it stays while points move.
+    /// Data of the study that do not change while points move.
     fn overview(&self) -> Overview;
     /// Answers a dragged point. The flag stops the work.
     fn solved(&self, request: &SolveRequest, stop: &Stop) -> Result<SolvedAnswer, String>;
     /// Derivatives of every column by a coordinate.
     fn influence(&self, request: &InfluenceRequest) -> Result<InfluenceAnswer, String>;
-    /// Moves that the targets do not see.
+    /// Moves that leave the targets unchanged.
     fn directions(&self, of: &Designed) -> Result<DirectionsAnswer, String>;
     /// Limits of the mechanism.
     fn limits(&self, of: &Designed) -> Result<LimitsAnswer, String>;
@@ -37,26 +37,26 @@ pub(super) trait Reading: Send + Sync {
     fn drawing(&self, of: &Designed) -> Result<Vec<u8>, String>;
     /// Report page of a design.
     fn report(&self, of: &Designed) -> Result<String, String>;
-    /// A tuning of a design, ready to run.
+    /// Tuning of a design, ready to run.
     fn tuning(self: Arc<Self>, request: &TuneRequest) -> Result<Tuning, String>;
-    /// The texts with further changes of their values.
+    /// Returns the texts with further changes of their values.
     fn edited(&self, edits: &[ValueEdit]) -> Result<Arc<dyn Reading>, String>;
     /// Texts of the files now, and the texts that saving a design would write.
     fn texts(&self, design: &Coordinates) -> Result<Vec<TextChange>, String>;
-    /// Writes a design into the files. Returns what they have then.
+    /// Writes a design into the files. Returns the new state of the files.
     fn save(&self, design: &Coordinates, anyway: bool) -> Result<Arc<dyn Reading>, NotSaved>;
-    /// Writes the texts with a design beside the files. Returns the names.
+    /// Writes the texts with a design to new files in the same folder. Returns their names.
     fn save_as(&self, design: &Coordinates, name: &str, anyway: bool) -> Result<String, NotSaved>;
 }
 
-/// The files that the studio was opened with.
+/// Files with which the studio was opened.
 pub(super) enum Files {
     Study(StudyFile),
     Car(car::CarFiles),
 }
 
 impl Files {
-    /// Follows a link now, so that later writes go to the file it led to.
+    /// Resolves a symbolic link now, so that later writes go to the same file.
     pub(super) fn at(path: &Path) -> io::Result<Self> {
         let file = StudyFile::at(path)?;
         Ok(if CarStudy::is_at(file.path()) {
@@ -73,7 +73,7 @@ impl Files {
         }
     }
 
-    /// Reads them as they are now, or returns their fault in words.
+    /// Reads the present files, or returns the reason in words why they cannot be read.
     pub(super) fn read(&self) -> Result<Arc<dyn Reading>, String> {
         Ok(match self {
             Files::Study(file) => Arc::new(file.read()?),

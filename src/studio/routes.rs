@@ -35,7 +35,7 @@ pub(super) struct ServerState {
     pub visited: AtomicBool,
     /// Folder for a new study.
     directory: PathBuf,
-    /// The study; without one the page asks for it.
+    /// File of the study. Without a study, the page asks for one.
     file: OnceLock<Files>,
     /// The latest last.
     texts: Mutex<VecDeque<Arc<dyn Reading>>>,
@@ -66,7 +66,7 @@ impl ServerState {
         }
     }
 
-    /// Takes a study that was read. A server has one; a second one is refused.
+    /// Starts to serve a study that was read. A server has only one study, so a second one is refused.
     pub(super) fn take(&self, file: Files, opened: Arc<dyn Reading>) -> Result<(), String> {
         let taken = self.file.set(file);
         taken.map_err(|_| "another tab has chosen a study: reload the page".to_owned())?;
@@ -116,7 +116,8 @@ impl ServerState {
         }
         let Some(rest) = self.access.rest(&head.path) else {
             return refused(
-                "the token in the address is missing, or belongs to a server that has ended",
+                "the token in the address is missing, or belongs to a server that is no longer \
+                 running",
             );
         };
         match head.method.as_str() {
@@ -178,7 +179,7 @@ impl ServerState {
         let texts = locked(&self.texts);
         let found = texts.iter().rev().find(|text| text.digest() == digest);
         found.cloned().ok_or_else(|| {
-            let why = "the server has not read this text of the study: reload the page";
+            let why = "the server has another version of the study: reload the page";
             (409, why.to_owned())
         })
     }
@@ -193,7 +194,7 @@ impl ServerState {
         opened
     }
 
-    /// Overview of the study as it is in the file now.
+    /// Overview of the study in the present file.
     fn study(&self, body: &[u8]) -> Result<Response, Refused> {
         let () = message(body)?;
         let opened = self.file()?.read().map_err(|why| (422, why))?;
@@ -201,7 +202,7 @@ impl ServerState {
         json(&opened.overview())
     }
 
-    /// SHA-256 of the file's text as it is now.
+    /// SHA-256 of the present text of the file.
     fn digest(&self, body: &[u8]) -> Result<Response, Refused> {
         let () = message(body)?;
         json(&self.file()?.digest().map_err(|why| (422, why))?)
@@ -258,7 +259,7 @@ impl ServerState {
         answer.unwrap_or_else(|| Err(STOPPED.to_owned()))
     }
 
-    /// Answers with an exported file of a design, of this media type.
+    /// Answers with an exported file of a design. The file has this media type.
     fn file_of(
         &self,
         body: &[u8],
@@ -277,7 +278,7 @@ impl ServerState {
         if job.as_ref().is_some_and(|job| job.is_running()) {
             return Err((
                 409,
-                "another tuning is under way, perhaps in another tab".into(),
+                "another tuning is running, perhaps in another tab".into(),
             ));
         }
         let number = job.as_ref().map_or(1, |job| job.number() + 1);

@@ -44,7 +44,7 @@ pub struct Studio {
 }
 
 impl Studio {
-    /// Reads a study, and listens on a port of 127.0.0.1. Without `port` it takes the default port, or any free port.
+    /// Reads a study, and listens on a port of 127.0.0.1. Without `port` it uses the default port, or any free port.
     ///
     /// # Errors
     /// If the study is wrong or the port is taken.

@@ -48,7 +48,7 @@ pub(super) fn choices() -> Vec<Choice> {
 /// Writes a new study into a directory. It does not change an existing file.
 ///
 /// # Errors
-/// The reason in words: the name, the points or the disk.
+/// The reason in words: the name or the points are invalid, or the file cannot be written.
 pub(super) fn start(directory: &Path, request: &StartRequest) -> Result<PathBuf, String> {
     check_name(&request.name)?;
     let known = Topology::named(&request.topology);
@@ -132,7 +132,7 @@ fn in_form(refusal: &crate::exchange::Refusal) -> String {
         .iter()
         .fold(words, |words, (flag, field)| words.replace(flag, field));
     // The form has no file of names. The user can rename points in the pasted text.
-    match words.split_once("say so in a file for --map, as in") {
+    match words.split_once("name them in a file for --map, as in") {
         Some((before, example)) => {
             let hardpoint = example.split('=').next().unwrap_or_default().trim();
             format!("{before}rename them in the points, for example to {hardpoint}")

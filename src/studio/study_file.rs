@@ -19,7 +19,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// A study text that was read, and its meaning.
+/// A study text that was read, with the resolved study.
 pub(super) struct Opened {
     /// Place of the study.
     pub file: StudyFile,
@@ -74,14 +74,14 @@ impl Opened {
         Ok(study)
     }
 
-    /// A design that came from the page, in the kernel's frame.
+    /// A design from the page, in the kernel's frame.
     pub(super) fn design(&self, coordinates: &[[f64; 3]]) -> Result<Vec<Vector3<f64>>, String> {
         let suspension = self.study.wheel();
         in_kernel(coordinates, suspension, suspension.frame)
     }
 }
 
-/// Refuses points that form no suspension, as the reader of a file does: the solver does not accept them.
+/// Refuses points that do not form a suspension, as the reader of a file does, because the solver does not accept them.
 pub(super) fn check_geometry(study: &Study) -> Result<(), String> {
     let right = study.axle().and_then(|both| both.axle.right.as_ref());
     for (wheel, side) in [(Some(study.wheel()), ""), (right, "right wheel: ")] {
@@ -107,7 +107,7 @@ pub(super) fn in_kernel(
     }
     for (point, place) in suspension.mechanism.points.iter().zip(coordinates) {
         for (axis, coordinate) in Axis::ALL.into_iter().zip(place) {
-            // The bounds of the file: what no study may say no page may ask for.
+            // Values must be within the bounds for study files.
             checked_number(*coordinate).map_err(|expected| {
                 let (name, axis) = (&point.name, axis.name());
                 format!("{name} {axis}: expected {expected}, found {coordinate:e}")
@@ -118,7 +118,7 @@ pub(super) fn in_kernel(
     Ok(coordinates.iter().map(inside).collect())
 }
 
-/// The file the studio was opened with, and its neighbours.
+/// File with which the studio was opened, and other files in its folder.
 #[derive(Clone)]
 pub(super) struct StudyFile {
     path: PathBuf,
@@ -141,14 +141,14 @@ impl StudyFile {
         name_of(&self.path)
     }
 
-    /// Reads the file as it is now, or returns its fault in words.
+    /// Reads the present file, or returns the reason in words why it cannot be read.
     pub(super) fn read(&self) -> Result<Opened, String> {
         // The file is read only once, so that the digest belongs to the text that was parsed.
         let text = self.text()?;
         Opened::of(&self.path, text).map_err(|errors| errors.render(false))
     }
 
-    /// SHA-256 of the file's text as it is now.
+    /// SHA-256 of the present text of the file.
     pub(super) fn digest(&self) -> Result<String, String> {
         Ok(digest(&self.text()?))
     }
@@ -157,7 +157,7 @@ impl StudyFile {
         text_of(&self.path)
     }
 
-    /// Text that was read, with further changes of its values.
+    /// Returns the text that was read, with further changes of its values.
     pub(super) fn edited(&self, opened: &Opened, edits: &[ValueEdit]) -> Result<Opened, String> {
         let text = edited_text(&opened.text, edits)?;
         let edited = Opened::of(&self.path, text).map_err(|errors| errors.render(false))?;
@@ -199,7 +199,7 @@ impl StudyFile {
             let merged = moved_in(wheels, design).map_err(NotSaved::Refused)?;
             edited(&now.study, &now.text, &merged)
         } else {
-            let message = format!("{} has been changed since it was opened", self.name());
+            let message = format!("{} has changed since it was opened", self.name());
             return Err(NotSaved::Changed(message));
         };
         let edited = self.understood(&self.path, edited)?;
@@ -219,9 +219,11 @@ impl StudyFile {
         anyway: bool,
     ) -> Result<String, NotSaved> {
         let path = new_path(&self.path, name)?;
-        // On some file systems one file has many spellings.
+        // On some file systems, several spellings of a name denote the same file.
         if fs::canonicalize(&path).is_ok_and(|other| other == self.path) {
-            return Err(NotSaved::Refused("that is the study itself".to_owned()));
+            return Err(NotSaved::Refused(
+                "this is the name of the study itself".to_owned(),
+            ));
         }
         let edited = edited(&opened.study, &opened.text, design);
         let edited = self.understood(&path, edited)?;
@@ -235,15 +237,15 @@ impl StudyFile {
     }
 }
 
-/// Refuses to save a text that no command would read.
+/// Message that refuses to save a text which no command could read.
 pub(super) fn not_understood(errors: &StudyErrors) -> NotSaved {
     NotSaved::Refused(format!(
-        "a study with these points is refused, nothing is written:\n{}",
+        "a study with these points is invalid, and nothing is written:\n{}",
         errors.render(false)
     ))
 }
 
-/// Text of a file as it is now.
+/// Present text of a file.
 pub(super) fn text_of(path: &Path) -> Result<String, String> {
     let text = read_regular_text(path, LONGEST_TEXT);
     text.map_err(|e| format!("{}: {e}", path.display()))
@@ -255,7 +257,7 @@ pub(super) fn name_of(path: &Path) -> String {
     name.to_string_lossy().into_owned()
 }
 
-/// A new text of a file, written beside it and not yet in its place.
+/// New text of a file, written to a temporary file in the same folder.
 pub(super) struct Prepared<'a> {
     path: &'a Path,
     before: &'a str,
@@ -264,7 +266,7 @@ pub(super) struct Prepared<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    /// Writes the text that is to take the place of `before`.
+    /// Writes the text that is to replace `before`.
     pub(super) fn replacing(
         path: &'a Path,
         before: &'a str,
@@ -294,7 +296,7 @@ impl<'a> Prepared<'a> {
         Err(NotSaved::Changed(message))
     }
 
-    /// Puts the text in its place.
+    /// Replaces the file by the new text.
     pub(super) fn put(self) -> Result<(), NotSaved> {
         let written = undivided(|| replace(self.temporary, self.path, self.text));
         written.map_err(|e| refused(self.path, &e))
@@ -305,13 +307,13 @@ fn refused(path: &Path, error: &io::Error) -> NotSaved {
     NotSaved::Refused(format!("{}: {error}", path.display()))
 }
 
-/// Path of a new file beside a study.
+/// Path of a new file in the folder of a study.
 pub(super) fn new_path(study: &Path, name: &str) -> Result<PathBuf, NotSaved> {
     check_name(name).map_err(NotSaved::Refused)?;
     Ok(study.with_file_name(name))
 }
 
-/// Writes a new file. An existing file of that name is left alone, or replaced `anyway`.
+/// Writes a new file. An existing file of that name is only replaced with `anyway`.
 pub(super) fn write_new(path: &Path, text: &str, anyway: bool) -> Result<(), NotSaved> {
     let name = name_of(path);
     let refused = |e: io::Error| refused(path, &e);
@@ -367,32 +369,32 @@ fn replace(temporary: NamedTempFile, path: &Path, text: &str) -> io::Result<()> 
     })
 }
 
-/// True if a file has further names.
+/// True if a file has further names (hard links).
 #[cfg(unix)]
 fn has_other_names(path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
     fs::symlink_metadata(path).is_ok_and(|there| there.is_file() && there.nlink() > 1)
 }
 
-/// On other systems the standard library has no way to find out.
+/// On other systems, the standard library cannot find this out.
 #[cfg(not(unix))]
 fn has_other_names(_: &Path) -> bool {
     false
 }
 
-/// A text of a study with another design; of an axle with both wheels.
+/// Returns the text of a study with another design. For an axle, it contains both wheels.
 pub(super) fn edited(study: &Study, text: &str, design: &[Vector3<f64>]) -> String {
     study.text_with_points_of(text, &study.at_design(design.to_vec()))
 }
 
-/// The design of a changed text with the coordinates of another design that differ from the opened text. The wheels are those
-/// of the opened and of the changed text.
+/// Returns the design of a changed text, with those coordinates of another design that differ from the opened text. The wheels
+/// are those of the opened and of the changed text.
 pub(super) fn moved_in(
     [from, to]: [&Suspension; 2],
     design: &[Vector3<f64>],
 ) -> Result<Vec<Vector3<f64>>, String> {
     if from.frame != to.frame || from.length_unit != to.length_unit {
-        return Err("the file now has other axes or another unit: reload it".to_owned());
+        return Err("the file now has different axes or another unit: reload it".to_owned());
     }
     let mut merged = to.design.clone();
     for (number, point) in from.mechanism.points.iter().enumerate() {
@@ -424,7 +426,9 @@ pub(super) fn check_name(name: &str) -> Result<(), String> {
         return Err("expected a name that ends in .toml, as in mine.toml".to_owned());
     }
     if !is_name || !name.chars().all(is_plain) || name.len() > 200 {
-        return Err("expected the name of a file beside the study, without a folder".to_owned());
+        return Err(
+            "expected the name of a file in the folder of the study, without a folder".to_owned(),
+        );
     }
     if !is_printable(name) {
         return Err(
@@ -439,7 +443,7 @@ pub(super) fn check_name(name: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// True if Windows interprets a name as a device. The part after the first dot does not matter.
+/// True if Windows interprets a name as a device. The part after the first dot is ignored.
 fn is_reserved(name: &str) -> bool {
     let stem = name.split('.').next().unwrap_or("").trim_end();
     let stem = stem.to_ascii_uppercase();

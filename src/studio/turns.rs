@@ -1,14 +1,14 @@
 //! Requests that a later one of the same page stops.
 //!
-//! A page that drags a point asks for one design after the other. If the search for an equilibrium takes long, the page asks
-//! for the next design before the answer. The earlier search then stops at its next checkpoint.
+//! A page that drags a point asks for one design after the other. If the search for an equilibrium takes long, the page asks for
+//! the next design before it has the answer. The earlier search then stops at its next checkpoint.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Reason in the answer to a request that was stopped. The page has dropped the request by then.
-pub(super) const STOPPED: &str = "a later request of the page has stopped this one";
+pub(super) const STOPPED: &str = "a later request of the page has replaced this request";
 
 /// Running request of each page: its number, and the flag that stops it.
 #[derive(Default)]
@@ -17,7 +17,7 @@ pub(super) struct Turns(Mutex<HashMap<u64, (u64, Stop)>>);
 /// Flag that stops a request.
 pub(super) type Stop = Arc<AtomicBool>;
 
-/// The turn of a request. It ends when this is dropped.
+/// Entry of a running request. The entry is removed when this value is dropped.
 pub(super) struct Turn<'t> {
     turns: &'t Turns,
     page: u64,
@@ -25,8 +25,8 @@ pub(super) struct Turn<'t> {
 }
 
 impl Turns {
-    /// Begins the turn of a request of a page, and stops the page's earlier one. A request that arrives after a later one of
-    /// its page is stopped itself.
+    /// Registers a request of a page, and stops the earlier request of this page. If a later request of the page has arrived
+    /// before, this request is stopped itself.
     pub(super) fn begin(&self, [page, number]: [u64; 2]) -> Turn<'_> {
         let stop = Stop::default();
         let mut running = self.running();
@@ -46,7 +46,7 @@ impl Turns {
     }
 
     fn running(&self) -> MutexGuard<'_, HashMap<u64, (u64, Stop)>> {
-        // A panic in a thread leaves complete entries.
+        // The entries are complete even after a panic in a thread.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -69,7 +69,7 @@ mod tests {
         turn.stop.load(Ordering::Relaxed)
     }
 
-    /// The later request of a page stops the earlier one, in whatever order they arrive. Other pages go on.
+    /// The later request of a page stops the earlier one, in whatever order they arrive. Requests of other pages continue.
     #[test]
     fn the_latest_request_of_a_page_goes_on() {
         let turns = Turns::default();

@@ -101,7 +101,7 @@ pub fn read(source: &Arc<Source>) -> Result<BushingFile, StudyErrors> {
             block = CURVES.iter().position(|curve| *curve == name);
             if let Some(k) = block {
                 if seen[k] {
-                    return wrong(place, format!("the block [{name}] is there already"));
+                    return wrong(place, format!("the block [{name}] already exists"));
                 }
                 seen[k] = true;
             }
@@ -174,10 +174,7 @@ fn units(source: &Arc<Source>) -> Result<Units, StudyErrors> {
             _ => force(&word),
         };
         if found[k].is_none() {
-            let message = format!(
-                "{word:?} is no unit of {} that is known",
-                key.to_lowercase()
-            );
+            let message = format!("{word:?} is not a known unit of {}", key.to_lowercase());
             return Err(StudyError::new(source.clone(), Some(place), message).into());
         }
     }
@@ -237,7 +234,7 @@ mod tests {
             (
                 text(["furlong", "degrees", "newton"], "0 0\n1 1"),
                 5,
-                "no unit of length",
+                "not a known unit of length",
             ),
             (
                 text(["mm", "degrees", "newton"], "0 zero\n1 1"),

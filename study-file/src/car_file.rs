@@ -342,7 +342,7 @@ pub struct Optimise {
     pub starts: Option<Whole>,
     /// Seed of the starts.
     pub seed: Option<Whole>,
-    /// True if changes that no target asks for are reported.
+    /// True if changes that no target requests are reported.
     pub side_effects: Option<Spanned<bool>>,
     /// Design variables.
     pub variables: Spanned<Vec<Spanned<Variable>>>,

@@ -21,7 +21,10 @@ fn set(document: &mut DocumentMut, written: &str) -> Result<(), String> {
         .split_once('=')
         .ok_or("expected path=value, like motion.rack=5.0")?;
     let path = Key::parse(path.trim()).map_err(|_| {
-        format!("{path:?} is no path; expected keys and places with dots between, like motion.rack")
+        format!(
+            "{path:?} is not a path; expected keys and positions separated by dots, like \
+             motion.rack"
+        )
     })?;
     let value = value.trim();
     let value: Value = value.parse().unwrap_or_else(|_| value.into());
@@ -112,7 +115,7 @@ impl<'a> KeyPath<'a> {
 fn index(key: &Key, count: usize) -> Result<usize, String> {
     key.get().parse().map_err(|_| {
         format!(
-            "{:?} is no place in a list of {count}; places count from 0",
+            "{:?} is not a position in a list of {count}; positions count from 0",
             key.get()
         )
     })
@@ -120,7 +123,7 @@ fn index(key: &Key, count: usize) -> Result<usize, String> {
 
 fn no_element(key: &Key, count: usize) -> String {
     format!(
-        "the list has {count} elements, so there is none at {}; places count from 0",
+        "the list has {count} elements and none at {}; positions count from 0",
         key.get()
     )
 }

@@ -62,7 +62,8 @@ fn parse_as<T: DeserializeOwned>(source: &Arc<Source>) -> Result<T, StudyErrors>
 fn replaced_key(root: &DeTable, text: &str, key: Option<&str>, message: &str) -> Option<String> {
     if root.get("car").is_some() && message.starts_with("unknown field `relative`") {
         return Some(
-            "relative is percent in the study of a car: write percent = 30.0 instead of relative = 0.3"
+            "the study of a car has percent instead of relative: write percent = 30.0 instead of \
+             relative = 0.3"
                 .to_owned(),
         );
     }

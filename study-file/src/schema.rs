@@ -1,10 +1,10 @@
 //! The JSON schema of studies, for editors.
 //!
 //! The reader itself gives the schema. The program reads the types of [`file`](mod@crate::file) from a source that has no text.
-//! The source notes the kind of value that each type asks for (a text, a list, a table with these keys), and returns a value of
-//! this kind. If a type accepts any kind, the source offers every kind. It withholds each key to find out if the key is required.
-//! So the schema has exactly the reader's keys, and no second list of them exists. The descriptions of keys come from `keys.md`,
-//! which the manual (`docs/study.md`) contains.
+//! The source records the kind of value that each type requests (a text, a list, a table with these keys), and returns a value of
+//! this kind. If a type accepts any kind, the source offers every kind. It withholds each key once to find out whether the key is
+//! required. So the schema has exactly the reader's keys, and no second list of them exists. The descriptions of keys come from
+//! `keys.md`, which the manual (`docs/study.md`) contains.
 //!
 //! A study of one wheel or an axle and the study of a car are two kinds of file ([`Root`]). The schema covers both.
 //!
@@ -70,7 +70,7 @@ pub struct Allowed {
     pub pattern: Option<String>,
 }
 
-/// Everything that the reader asks for, by place, and the keys that it requires.
+/// Values that the reader requests, by place, and the keys that it requires.
 fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
     let notes = RefCell::new(Notes::default());
     let read = || {
@@ -81,7 +81,7 @@ fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
         };
         root.is_read(source)
     };
-    // After a refused offer the next kind is offered, until a reading succeeds.
+    // If the reader refuses the offered kind of value, the next kind is offered, until it accepts one.
     let settle = || {
         for _ in 0..1000 {
             if read() {
@@ -104,7 +104,7 @@ fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
         false
     };
     let comes_through = settle();
-    debug_assert!(comes_through, "the reader's types can be read from nothing");
+    debug_assert!(comes_through, "the types of the reader have a schema");
     // At each place that accepts any kind, all other kinds are offered, until nothing new appears.
     let mut tried = BTreeSet::new();
     loop {
@@ -121,7 +121,7 @@ fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
             tried.insert((path.clone(), kind));
             let before = notes.borrow().offers.clone();
             notes.borrow_mut().offers.insert(path.clone(), kind);
-            // The keys of a table are known after it was offered once.
+            // The keys of a table become known when it is offered for the first time.
             if !read() && std::mem::take(&mut notes.borrow_mut().has_learnt) {
                 read();
             }

@@ -18,7 +18,9 @@ pub fn read_text(path: &Path, longest: u64) -> Result<String, String> {
 /// Reads a text like [`read_text`], but only from a regular file.
 pub fn read_regular_text(path: &Path, longest: u64) -> Result<String, String> {
     match path.metadata() {
-        Ok(there) if !there.is_file() && !there.is_dir() => Err("it is no regular file".to_owned()),
+        Ok(there) if !there.is_file() && !there.is_dir() => {
+            Err("it is not a regular file".to_owned())
+        }
         _ => read_text(path, longest),
     }
 }

@@ -173,7 +173,7 @@ fn an_axle_is_told_what_it_does_not_have() {
         (
             "position=\"front\", drive_torque=\"shafts\", drive_share_front=1.0",
             "anti_squat",
-            "has anti_lift",
+            "use anti_lift",
         ),
         (
             "position=\"rear\", drive_torque=\"shafts\", drive_share_front=1.0",
@@ -183,7 +183,7 @@ fn an_axle_is_told_what_it_does_not_have() {
         (
             "position=\"front\", drive_torque=\"shafts\", drive_share_front=0.0",
             "anti_lift",
-            "has anti_dive",
+            "use anti_dive",
         ),
         (
             "position=\"front\", brakes=\"outboard\", brake_share_front=0.6",
@@ -193,7 +193,7 @@ fn an_axle_is_told_what_it_does_not_have() {
         (
             "position=\"rear\", brakes=\"inboard\", brake_share_front=0.6",
             "anti_dive",
-            "has anti_lift",
+            "use anti_lift",
         ),
         (
             "brake_share_front=0.6",

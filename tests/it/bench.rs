@@ -157,7 +157,7 @@ fn every_topology_can_be_measured() {
             let mut found = effects.measurements.iter();
             found.find(|m| m.effect.starts_with(name)).unwrap().work
         };
-        assert_eq!(work("position"), work("everything declared"), "{name}");
+        assert_eq!(work("position"), work("all outputs declared"), "{name}");
         assert!(work("rates").right_hand_sides > work("position").right_hand_sides);
     }
 }
@@ -238,7 +238,7 @@ fn cars_and_equilibria_are_timed() {
             &[
                 "state from its neighbour",
                 "state from its neighbour with all results",
-                "state by itself",
+                "state without a neighbour",
                 "all results of a state",
                 "member loads of a state",
                 "all derivatives of the wheel loads of a state",

@@ -128,7 +128,7 @@ fn a_curve_has_two_points_and_a_value_stands_at_one_travel() {
         Target::at(&suspension, Characteristic::Toe, travel, value, tolerance)
     };
     assert!(words(at(f64::NAN, 0.0, 0.02)).starts_with("a travel is NaN"));
-    assert!(words(at(3.0, f64::INFINITY, 0.02)).starts_with("a wanted value is inf"));
+    assert!(words(at(3.0, f64::INFINITY, 0.02)).starts_with("a target value is inf"));
     assert!(words(at(3.0, 0.0, 0.0)).starts_with("the tolerance is 0"));
 
     // One variable meets one value, that of a point 2 mm higher, at a travel where the motion has no station.

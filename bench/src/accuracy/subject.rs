@@ -105,7 +105,7 @@ impl<'s> Subject<'s> {
         Ok(subject)
     }
 
-    /// Exact poses at rising travels. Travels without a pose are left out.
+    /// Exact poses at rising travels. Travels without a pose are omitted.
     pub fn exact(&self, travels: &[f64]) -> Result<Vec<(f64, Pose<DoubleDouble>)>, Unmeasurable> {
         let design = self.design::<DoubleDouble>();
         let mechanism = &self.suspension.mechanism;

@@ -68,7 +68,7 @@ const GAINS: &str = "four angles and their gains";
 const POINTS: &str = "four angles and two points";
 const MOTION_RATIO: &str = "motion ratio of the spring";
 const JACOBIAN: &str = "four angles by every hardpoint";
-const DEVIATION: &str = "sum of their squared deviations by every hardpoint";
+const DEVIATION: &str = "sum of squared deviations of four angles by every hardpoint";
 
 impl Throughput {
     /// Measures the suspension of a study over its travels, on up to `threads` threads. An axle is measured over its whole
@@ -233,7 +233,7 @@ impl<'a> Planned<'a> {
         }
         self.add(JACOBIAN, one_by_one(), 1, sweep.gradients::<1>(angles));
         let job = sweep.gradients::<3>(angles);
-        self.add("all of it by every hardpoint", one_by_one(), 1, job);
+        self.add("all of these by every hardpoint", one_by_one(), 1, job);
     }
 
     /// Times the jobs. Jobs with several threads run alone. Between samples of other jobs their threads would lose their cores,
@@ -261,7 +261,7 @@ impl<'a> Planned<'a> {
                 1 => of_one.next(),
                 _ => of_several.next(),
             }
-            .expect("a time for each job"),
+            .expect("each job has a time"),
         });
         measurements.collect()
     }

@@ -172,7 +172,8 @@ impl<'a> Sweep<'a> {
     ) -> Job<'a> {
         let sweep = *self;
         let mechanism = &self.suspension.mechanism;
-        let mut solver = Solver::new(mechanism, &self.suspension.design).expect("it was solved");
+        let mut solver =
+            Solver::new(mechanism, &self.suspension.design).expect("the design was solved before");
         let mut design_series = DesignSeries::<N>::new(mechanism, &self.suspension.design);
         let drive = self.stations.drive;
         let station_order = &self.stations.station_order;
@@ -210,7 +211,7 @@ impl<'a> Sweep<'a> {
             items: FEW * self.stations.count(),
             work: Box::new(move || {
                 for design in sweep.few() {
-                    let strut = Strut::of(mechanism, design).expect("it is a strut");
+                    let strut = Strut::of(mechanism, design).expect("the suspension is a strut");
                     let travel = hardpoint_attia::Drive::Travel;
                     let equations = PointCoordinates::new(&strut, StrutPoints::Spread, travel);
                     let Ok(equations) = equations else { continue };

@@ -63,7 +63,7 @@ impl BeamForce {
         })
     }
 
-    /// Returns true for a force or moment that the beam has once.
+    /// Returns true for a force or moment of the whole beam, as opposed to one at each wheel.
     pub(crate) fn is_single(self) -> bool {
         matches!(self, BeamForce::Force(_) | BeamForce::Moment(_))
     }

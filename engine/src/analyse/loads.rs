@@ -12,8 +12,8 @@
 //! vertical force at the wheel centre. A spring on a rocker acts through the rod, whose tension follows from the moments
 //! about the rocker's axis.
 //!
-//! A rigid axle has two supports, one at each wheel. The far one stands in the row of the held travel, which is no part of
-//! the mechanism.
+//! A rigid axle has two supports, one at each wheel. The support of the far wheel takes the row of the held travel, which is not
+//! a constraint of the mechanism.
 //!
 //! All of it is generic over the number. On series along a design variable, a force comes with its derivative by that
 //! variable. The factors of the matrix are those of its constant part.
@@ -34,7 +34,7 @@ use members::sprung_joint;
 
 /// Prefix of the names of members of the far half of a rigid axle.
 pub const FAR: &str = "right_";
-/// Index of the row of a rigid axle's held travel: its last constraint.
+/// Index of the row for a rigid axle's held travel. It is the last row.
 const FAR_ROW: usize = 4;
 
 /// Point at which a load acts.
@@ -291,7 +291,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
         }
     }
 
-    /// Value of one reaction; `None` if it names nothing in the mechanism.
+    /// Value of one reaction; `None` if the mechanism has no such member.
     pub fn force(&self, carried: &Reactions<T>, what: Carried) -> Option<T> {
         match what {
             Carried::Tension(inner, outer) => tension(&carried.constraints, inner, outer),

@@ -133,7 +133,7 @@ impl Alignment {
             *parts = aligned;
             return assembler.place_checked(parts, &pose, into);
         }
-        // Far from nominal, the parts are assembled anew after every correction.
+        // Far from nominal, the parts are assembled again after every correction.
         let mechanism = &assembler.suspension().mechanism;
         for _ in 0..MOST_ROUNDS {
             assembler.assemble(parts, 0.0, into)?;

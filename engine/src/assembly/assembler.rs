@@ -7,10 +7,10 @@
 //! q <- q - A F(q, parts)
 //! ```
 //!
-//! reduces the error in proportion to the deviation of the parts, to about a thousandth each time (module `settle`). The
-//! same few lines serve plain numbers, SIMD lanes and derivative numbers. They correct derivatives order by order. If the
-//! error does not halve, the assembler changes the nominal parts to the built ones step by step, with the Jacobian of each
-//! step. The determinant keeps its sign. So a build is always the assembly connected to the nominal one.
+//! reduces the error in proportion to the deviation of the parts, to about a thousandth each time (module `settle`). The same
+//! code serves plain numbers, SIMD lanes and derivative numbers. For derivative numbers, it corrects the derivatives order by
+//! order. If a correction does not halve the error, the assembler changes the nominal parts to the built ones step by step, with
+//! the Jacobian of each step. The determinant keeps its sign. So a build is always the assembly connected to the nominal one.
 //!
 //! Other carriers then follow:
 //!
@@ -79,7 +79,7 @@ impl Assembler {
         Ok(assembler)
     }
 
-    /// Takes another nominal design of the same suspension. Fails if it cannot move.
+    /// Changes to another nominal design of the same suspension. Fails if it cannot move.
     pub fn redraw(&mut self, design: &[Vector3<f64>]) -> Result<(), DesignFault> {
         self.suspension.design.copy_from_slice(design);
         self.drawn = Parts::of_drawing(&self.suspension.mechanism, design);
@@ -144,8 +144,8 @@ impl Assembler {
         self.check_rods(into)
     }
 
-    /// Checks that every member has a positive length, and names one that has not. The equations contain squares of lengths,
-    /// so they would accept a negative length.
+    /// Checks that every member has a positive length, and names a member that has none. The equations contain squares of
+    /// lengths, so they would accept a negative length.
     fn check_lengths(&self, parts: &Parts<f64>) -> Result<(), AssemblyError> {
         let mut pairs = parts.lengths.iter().zip(&self.drawn.lengths);
         // Only rods have a length; other constraints store 0.
@@ -185,7 +185,7 @@ impl Assembler {
         }
     }
 
-    /// Changes the nominal parts to these step by step, and follows the pose.
+    /// Changes the nominal parts to the given parts step by step, and follows the pose.
     fn approach(&self, parts: &Parts<f64>, height: f64) -> Result<Pose<f64>, AssemblyError> {
         let (mut reached, mut step) = (0.0, 0.25_f64);
         let mut place = self.home;
@@ -287,8 +287,8 @@ impl Assembler {
         )
     }
 
-    /// Equation for the wheel centre at a height above its nominal height, for any position of it in the carrier. Both centres of a
-    /// solid axle have this height, so their difference drives it.
+    /// Equation for the wheel centre at a height above its nominal height, for any position of it in the carrier. Both wheel
+    /// centres of a solid axle have this height.
     #[inline(always)]
     fn driver<T: Real>(&self, parts: &Parts<T>, height: T) -> Driver<T> {
         if self.suspension.mechanism.rigid_axle.is_some() {

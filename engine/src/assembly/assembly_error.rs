@@ -6,24 +6,24 @@ use crate::model::Rod;
 /// Reason why parts cannot be assembled.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum AssemblyError {
-    /// Between the nominal parts and these, the mechanism reaches a singular position. Beyond it, the links are too short or
-    /// too long.
+    /// Between the nominal parts and the built parts, the mechanism reaches a singular position. Beyond it, the links are too
+    /// short or too long.
     #[error(
         "the links cannot reach: the mechanism can be assembled with up to {:.0} % of these deviations",
         100.0 * share
     )]
     OutOfReach {
-        /// Share of the deviations with which it can still be assembled, from 0 to 1.
+        /// Share of the deviations up to which the mechanism can be assembled, from 0 to 1.
         share: f64,
     },
     /// The rod of a rocker is too short or too long, or at a toggle.
-    #[error("the {0} cannot reach, or is at toggle")]
+    #[error("the {0} is too short, too long or at its toggle")]
     Rod(Rod),
     /// The named member would have a length of zero or less.
     #[error("{0} would have no length")]
     NoLength(String),
-    /// The spring does not have its length at any height nearby.
-    #[error("at no height nearby does the spring have its length")]
+    /// There is no height near the nominal one at which the spring has its length.
+    #[error("at all heights near the design height the spring has another length")]
     Spring,
     /// Toe and camber cannot be set to their nominal values.
     #[error("toe and camber cannot be set to their design values")]

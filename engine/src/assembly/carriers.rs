@@ -26,7 +26,7 @@ impl Assembler {
         turned
     }
 
-    /// The same in place.
+    /// Turns the rockers in place, as [`Assembler::turned`] does for a copy.
     #[inline(always)]
     pub(super) fn turn_rockers<T: Real>(&self, parts: &mut Parts<T>) {
         let mechanism = &self.suspension().mechanism;

@@ -7,7 +7,7 @@ use crate::mechanism::DesignFault;
 use crate::model::PointId;
 use crate::plan::Plan;
 
-/// Curves of a built mechanism.
+/// Curves of a built mechanism, with derivatives.
 #[derive(Clone, Debug)]
 pub struct BuiltCurves {
     /// Curves, without sensitivities.

@@ -73,8 +73,8 @@ pub enum BuildParameter {
 }
 
 impl BuildParameter {
-    /// Returns true for a dimension of a part that a solid axle has once: of a Panhard rod, a Watt linkage, a single upper link, a drag
-    /// link or a tie rod.
+    /// Returns true for a dimension of a part that exists only once on a solid axle: a Panhard rod, a Watt linkage, a single
+    /// upper link, a drag link or a tie rod.
     pub(crate) fn is_single(self, mechanism: &Mechanism) -> bool {
         let Some(rigid) = &mechanism.rigid_axle else {
             return false;
@@ -91,8 +91,8 @@ impl BuildParameter {
         }
     }
 
-    /// The same dimension of a solid axle as its other wheel has it, with the factor of its changes. `None` if that wheel's mechanism
-    /// does not have the part.
+    /// The same dimension of a solid axle in the mechanism of its other wheel, and the factor from a change here to a change
+    /// there. `None` if that wheel's mechanism does not have the part.
     pub(crate) fn seen_from_other(self, mechanism: &Mechanism) -> Option<(BuildParameter, f64)> {
         let rigid = mechanism.rigid_axle.as_ref()?;
         match self {
@@ -107,7 +107,7 @@ impl BuildParameter {
                 let other = members.find(|member| member.ends(mechanism) == ends)?;
                 Some((BuildParameter::Length(other), 1.0))
             }
-            // The mechanism of each wheel has the lever of its own anti-roll bar alone.
+            // The mechanism of each wheel contains only its own lever of the anti-roll bar.
             BuildParameter::Length(_) => self.is_single(mechanism).then_some((self, 1.0)),
         }
     }

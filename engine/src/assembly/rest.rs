@@ -88,7 +88,7 @@ impl Assembler {
             if step.is_nan() || step.abs() > size {
                 return Err(AssemblyError::Spring);
             }
-            // The last step is accepted if it no longer halves: it is rounding.
+            // Accepts the last step if steps no longer halve, because the rest is rounding error.
             if step.abs() <= 1e-13 * size || (step.abs() <= 1e-10 * size && step.abs() >= before) {
                 return Ok(());
             }
@@ -154,7 +154,7 @@ impl Assembler {
         self.placed_series(built, parts, height, orders).1
     }
 
-    /// Derivatives of every point of the built design, and of the static height, along a direction of the parts.
+    /// Derivatives of the static height and of every point of the built design along a direction of the parts.
     pub fn design_by(&self, built: &Built, direction: &Direction) -> (Vec<Vector3<f64>>, f64) {
         let rise = match built.rest {
             Rest::Height(_) => 0.0,

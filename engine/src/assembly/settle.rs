@@ -27,9 +27,9 @@ use crate::number::{Each, Jet, Matrix3, Outlined, Real, SimdReal, Vector3};
 
 /// Maximum number of corrections. A build whose corrections halve each time settles much earlier.
 const MOST_ROUNDS: usize = 40;
-/// Largest move of the carrier in one correction, relative to the size, and largest rotation in rad.
+/// Largest move of the carrier in one correction, relative to the mechanism's size, and largest rotation in rad.
 const FARTHEST: f64 = 0.2;
-/// Smallest squared leverage of a rocker of a build in lanes. With more leverage, a toggle is far away.
+/// Smallest squared leverage of a rocker of a build in lanes. A rocker with more leverage is far from its toggle.
 const LEAST_LEVERAGE: f64 = 0.0625;
 
 /// Settles a pose.
@@ -62,7 +62,7 @@ impl<B: SimdReal> Outlined for Settling<'_, B> {
         let like = parts.points[0].x;
         let (one, height) = (like.one(), like.constant(height));
         let size = like.constant(assembler.size());
-        // Adjustments have the rounding of the angles that they set.
+        // The rounding error of an adjustment comes from the angles that it sets.
         let rounding = like.constant(match alignment {
             None => assembler.rounding(),
             Some(_) => assembler.rounding().max(ROUNDING * assembler.size()),
@@ -198,7 +198,7 @@ impl Assembler {
         }
     }
 
-    /// Writes the built designs of such builds as series. The values of `parts` must be those after assembly. Returns the
+    /// Writes the built designs of assembled builds as series. The values of `parts` must be those after assembly. Returns the
     /// accepted lanes.
     #[inline(always)]
     pub(crate) fn series_in_lanes<B: SimdReal>(

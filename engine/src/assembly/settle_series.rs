@@ -133,7 +133,7 @@ fn constant<B: SimdReal>(pose: &Pose<B>) -> Pose<Series<B>> {
     }
 }
 
-/// Values of `no`, with the derivatives of `yes` in the lanes of the mask and of `no` in the others.
+/// Values of `no`. Derivatives of `yes` in the lanes of the mask, and of `no` in the others.
 #[inline(always)]
 fn selected<B: SimdReal>(
     mask: B::Mask,

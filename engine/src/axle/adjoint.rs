@@ -9,7 +9,7 @@ use std::cell::Cell;
 
 /// Largest number of coefficients of a number along a line.
 const MOST_POWERS: usize = 4;
-/// Largest count of numbers of a wheel. A wheel of bytes has one number per byte.
+/// Largest count of numbers of a wheel: the size of a wheel whose numbers are bytes.
 const MOST_NUMBERS: usize = size_of::<WheelPose<u8>>();
 
 impl<'t> Reading<Tracked<'t>> {
@@ -42,7 +42,7 @@ impl<'t> Reading<Tracked<'t>> {
     }
 }
 
-/// Count of numbers that a reading with `lines` lines puts on a tape.
+/// Number of inputs that a reading with `lines` lines puts on the tape.
 pub(super) fn inputs_on_tape<const N: usize>(parts: &Parts, lines: usize) -> usize {
     parts.count * N * lines
 }
@@ -74,7 +74,7 @@ pub(super) fn add_gradient<const N: usize>(
     }
 }
 
-/// Pushes the seeds of all parts that the formulas read.
+/// Adds the seeds of all parts that the formulas read.
 fn push<const N: usize>(
     linearised: &Linearised<'_, N>,
     parts: &Parts,

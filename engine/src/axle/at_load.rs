@@ -1,7 +1,7 @@
 //! Poses in roll at constant load: the mean travel is a result.
 //!
-//! The body of a car that rolls keeps its weight, not its height. At the mean travel z, the sum of the wheel loads equals
-//! that of the level axle with the rack centred, F(z) = F_0. F grows with z, by twice the ride rate without the tyre.
+//! When a car rolls, its body keeps its weight, but its height may change. At the mean travel z, the sum of the wheel loads
+//! equals that of the level axle with the rack centred, F(z) = F_0. F grows with z, by twice the ride rate without the tyre.
 //! Newton's method finds the root. For the design p and a given roll angle,
 //!
 //! ```text
@@ -100,7 +100,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         })
     }
 
-    /// Derivative of the mean travel by the hardpoints of both sides, at constant load.
+    /// Derivatives of the mean travel by the hardpoints of both sides, at constant load.
     pub(super) fn heave_by_design(
         &mut self,
         level: f64,

@@ -184,14 +184,15 @@ impl AxleMotion {
         Some(self.steering_wheel.as_ref()?[station / per_rack])
     }
 
-    /// The same motion for another axle, with lengths in its unit and angles of its steering wheel.
+    /// Returns this motion for another axle, with lengths in its unit and angles of its steering wheel.
     ///
     /// # Errors
     ///
     /// A sentence that names the key which is missing in the other study.
     pub fn for_axle(&self, own: &Axle, other: &Axle) -> Result<AxleMotion, String> {
         let mut motion = self.clone();
-        let lacks = |key: &str, of: &str| Err(format!("{of} needs {key}, which this study lacks"));
+        let lacks =
+            |key: &str, of: &str| Err(format!("{of} needs {key}, which this study does not give"));
         if self.shows_roll() && other.setup.wheel_radius.is_none() {
             return lacks("radius in [wheel]", "a plane ground");
         }

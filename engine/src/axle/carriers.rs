@@ -6,12 +6,12 @@ use crate::model::AxleTravel;
 /// Bodies that carry the wheels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Carriers {
-    /// Each wheel has its own carrier, which moves with its own travel and the rack.
+    /// Each wheel has its own carrier, which moves with the wheel's travel and the rack.
     Independent,
     /// One body carries both wheels. Readings are functions of its two travels. The first is the one that is not held; the
     /// held one takes the place of the rack.
     Rigid(AxleTravel),
-    /// The same, but each wheel is on a knuckle that turns in this body.
+    /// One body carries both wheels. Each wheel is on a knuckle that turns in this body.
     Steered(AxleTravel),
 }
 

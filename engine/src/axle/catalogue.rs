@@ -22,7 +22,7 @@ const ISO: &str = "ISO 8855";
 const VELOCITIES: &str = "velocities of the contact points; agrees with the statics of the links";
 const LINK_LOADS: &str =
     "virtual work along both travels of the axle; agrees with the statics of the links";
-const VIRTUAL_WORK: &str = "virtual work of springs and anti-roll bar; parts weigh nothing";
+const VIRTUAL_WORK: &str = "virtual work of springs and anti-roll bar; parts have no weight";
 
 /// Defines the catalogue. A line has, in this order:
 ///
@@ -72,7 +72,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Value at one wheel. Each formula is compiled as a function of its own.
+            /// Value at one wheel. Each formula is compiled as a separate function.
             pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &AxleState<T, W>, side: Side) -> T {
                 match self {
                     $(WheelQuantity::$wheel => call_outlined((state, side), |(state, side)| $wfunction(state, side)),)*
@@ -110,7 +110,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Value. Each formula is compiled as a function of its own.
+            /// Value. Each formula is compiled as a separate function.
             pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &AxleState<T, W>) -> T {
                 match self {
                     $(AxleQuantity::$axle => call_outlined(state, $function),)*
@@ -151,7 +151,7 @@ catalogue! {
         RollCamber, "roll_camber", Unit::AnglePerAngle, "camber grows with the roll angle", "d camber/d phi, mean travel and rack held", "derivative along roll on a plane ground", [WheelRadius], [], 1, lanes, roll::roll_camber;
         RollCamberToRoad, "roll_camber_to_road", Unit::AnglePerAngle, "camber to the road grows with the roll angle", "d camber_to_road/d phi, mean travel and rack held", "derivative along roll on a plane ground", [WheelRadius], [], 1, lanes, roll::roll_camber_to_road;
         WheelLoad, "wheel_load", Unit::Force, "pressed to the ground; below 0 the wheel would lift", "U_z/(n.C'), U the energy of springs and bars", VIRTUAL_WORK, [WheelRadius, Springs], [SpringLength, BarAngle, RockerAngle, HeaveSpring], 1, one_by_one, loads::wheel_load;
-        WheelRate, "wheel_rate", Unit::ForcePerLength, "the load grows as the wheel's pad rises", "load by height of its level pad, by the springs alone: body, rack and the other wheel's pad held, without anti-roll bar and tyre", VIRTUAL_WORK, [WheelRadius, SpringForce], [SpringLength], 2, one_by_one, loads::wheel_rate;
+        WheelRate, "wheel_rate", Unit::ForcePerLength, "the load grows as the wheel's pad rises", "derivative of the load by the height of the wheel's level pad, from the springs only: body, rack and the other pad held, without anti-roll bar and tyre", VIRTUAL_WORK, [WheelRadius, SpringForce], [SpringLength], 2, one_by_one, loads::wheel_rate;
         SpringForce, "spring_force", Unit::Force, "compressed", "force of the spring, bump stop included", "the spring's law", [SpringForce], [SpringLength], 0, one_by_one, loads::spring_force;
         WheelRollSteer, "roll_steer", Unit::AnglePerAngle, "steers to the left when rolled as in a left turn", "d steer/d phi, mean travel and rack held", "derivative along roll on a plane ground; other tools take left jounce as positive roll", [WheelRadius], [], 1, lanes, steering::roll_steer;
     }
@@ -172,14 +172,14 @@ catalogue! {
         AckermannByInner, "ackermann_by_inner", PERCENT, "the inner wheel steers more than the outer one", "100 (i - o)/(ideal_inner - o), ideal_inner = atan2(L sin o, L cos o - T sin o), T of the wheel centres in the design position", "Simscape Vehicle Templates, sm_car_knc_calc_susp_metrics", [Wheelbase], [], 0, false, lanes, steering::ackermann_by_inner, Some(NoValue::StraightAhead);
         AckermannByCotangents, "ackermann_by_cotangents", PERCENT, "the inner wheel steers more than the outer one", "100 L (cot o - cot i)/T, T of the wheel centres in the design position", "geometry of the turn", [Wheelbase], [], 0, false, lanes, steering::ackermann_by_cotangents, Some(NoValue::StraightAhead);
         TurningCircle, "turning_circle", LENGTH, "always", "2 |C_o - Z| from above, Z midway between where the spin axes meet the other axle's line", ISO, [WheelRadius, Wheelbase], [], 0, false, lanes, steering::turning_circle, Some(NoValue::StraightAhead);
-        SteeringRatio, "steering_ratio", RATIO, "steering wheel and wheels turn the same way", "2 pi/(c d mean_steer/d rack), local: on a plane ground roll angle and mean travel held, on pads both travels", "angle of the steering wheel by mean steer", [WheelRadius, CFactor], [], 1, true, lanes, steering::steering_ratio, None;
+        SteeringRatio, "steering_ratio", RATIO, "steering wheel and wheels turn in the same direction", "2 pi/(c d mean_steer/d rack), local: on a plane ground roll angle and mean travel held, on pads both travels", "angle of the steering wheel by mean steer", [WheelRadius, CFactor], [], 1, true, lanes, steering::steering_ratio, None;
         RollSteer, "roll_steer", Unit::AnglePerAngle, "steers to the left when rolled as in a left turn", "d mean_steer/d phi, mean travel and rack held", "derivative along roll on a plane ground; other tools take left jounce as positive roll", [WheelRadius], [], 1, false, lanes, steering::axle_roll_steer, None;
         BarTorque, "anti_roll_bar_torque", Unit::Torque, "the left lever is pushed further", "k_b (b_l - b_r)", VIRTUAL_WORK, [BarRate], [BarAngle], 0, false, one_by_one, loads::bar_torque, None;
         HeaveSpringForce, "heave_spring_force", Unit::Force, "compressed", "force + rate (l0 - l), l the distance of the points heave_spring of both rockers", "the spring's law", [HeaveSpring], [HeaveSpring], 0, false, one_by_one, loads::heave_spring_force, None;
         HeaveSpringLength, "heave_spring_length", LENGTH, "always", "l, the distance of the points heave_spring of both rockers", "the distance of two points", [HeaveSpring], [HeaveSpring], 0, false, one_by_one, loads::heave_spring_length, None;
         HeaveSpringMotionRatio, "heave_spring_motion_ratio", RATIO, "the heave spring shortens in heave", "-d l/d heave, equal travels on level pads", "installation ratio of the heave spring", [HeaveSpring], [HeaveSpring], 1, false, one_by_one, loads::heave_spring_motion_ratio, None;
         TBarTorque, "t_bar_torque", Unit::Torque, "the left rocker is turned further", "k (rho_l - rho_r), rho rocker_angle", VIRTUAL_WORK, [TBar], [RockerAngle], 0, false, one_by_one, loads::t_bar_torque, None;
-        HeaveBarTorque, "heave_bar_torque", Unit::Torque, "turned by jounce", "torque + k (rho_l + rho_r), rho rocker_angle", VIRTUAL_WORK, [HeaveBar], [RockerAngle], 0, false, one_by_one, loads::heave_bar_torque, None;
+        HeaveBarTorque, "heave_bar_torque", Unit::Torque, "in the direction in which jounce turns it", "torque + k (rho_l + rho_r), rho rocker_angle", VIRTUAL_WORK, [HeaveBar], [RockerAngle], 0, false, one_by_one, loads::heave_bar_torque, None;
         RollMoment, "roll_moment", Unit::Torque, "resists a positive roll angle", "track (F_r - F_l)/2", VIRTUAL_WORK, [WheelRadius, Springs], [SpringLength, BarAngle, RockerAngle, HeaveSpring], 1, false, one_by_one, loads::roll_moment, None;
         RollStiffness, "roll_stiffness", Unit::TorquePerAngle, "always", "d roll_moment/d phi on a rig: body level, rack held, equal opposite travels on level pads, phi of the line through both contact points", "K&C rigs", [WheelRadius, Springs], [SpringLength, BarAngle, RockerAngle, HeaveSpring], 2, false, one_by_one, loads::roll_stiffness, None;
         RollStiffnessWithTyres, "roll_stiffness_with_tyres", Unit::TorquePerAngle, "always", "1/(1/roll_stiffness + 2/(c track^2)), c the rate of one tyre: the rig with both tyres in series", "K&C rigs", [WheelRadius, Springs, TyreRate], [SpringLength, BarAngle, RockerAngle, HeaveSpring], 2, false, one_by_one, loads::roll_stiffness_with_tyres, None;
@@ -195,10 +195,10 @@ catalogue! {
         RigidAntiSquat, "anti_squat", PERCENT, "the rear resists squatting under drive", "of a solid axle: 100 d (L/h)(f_l + f_r), f the loads that balance a unit drive force, half at each wheel", LINK_LOADS, [WheelRadius, Wheelbase, CgHeight, RearDrive], [], 1, false, lanes, rigid::anti_squat, None;
         RigidAntiLift, "anti_lift", PERCENT, "the rear resists lifting in braking, or a driven front under drive", "of a solid axle: 100 p (L/h)(f_l + f_r) at the rear, -100 d (L/h)(f_l + f_r) in front", LINK_LOADS, [WheelRadius, Wheelbase, CgHeight, RearBrakingOrFrontDrive], [], 1, false, lanes, rigid::anti_lift, None;
         RigidAntiDive, "anti_dive", PERCENT, "the front resists diving in braking", "of a solid axle: -100 p (L/h)(f_l + f_r)", LINK_LOADS, [WheelRadius, Wheelbase, CgHeight, FrontBraking], [], 1, false, lanes, rigid::anti_dive, None;
-        DriveLoadTransfer, "drive_load_transfer", RATIO, "the right wheel gains load under drive", "of a solid axle: (f_r - f_l)/2 for a unit drive force; the torque of the propeller shaft is left out", LINK_LOADS, [WheelRadius, RearDrive], [], 1, false, lanes, rigid::drive_load_transfer, None;
+        DriveLoadTransfer, "drive_load_transfer", RATIO, "the right wheel gains load under drive", "of a solid axle: (f_r - f_l)/2 for a unit drive force; without the torque of the propeller shaft", LINK_LOADS, [WheelRadius, RearDrive], [], 1, false, lanes, rigid::drive_load_transfer, None;
         BeamTwist, "beam_twist", ANGLE, "twisted by a positive roll angle: the right wheel in jounce", "angle by which the right half of a twist beam has turned against the left one", "kinematics of a twist beam", [], [BarAngle], 0, false, one_by_one, rigid::beam_twist, None;
         BeamTorque, "beam_torque", Unit::Torque, "twisted by a positive roll angle", "torsional_rate beam_twist", "kinematics of a twist beam", [TorsionalRate], [BarAngle], 0, false, one_by_one, rigid::beam_torque, None;
-        WheelHopFrequency, "wheel_hop_frequency", Unit::Frequency, "always", "sqrt(2 (wheel_rate + tyre rate)/unsprung mass)/(2 pi), wheel_rate the mean of both; of a solid axle the rate of both wheels together", "natural frequency of the wheels, the body held", [WheelRadius, SpringForce, TyreRate, UnsprungMass], [SpringLength, BarAngle], 2, false, one_by_one, loads::wheel_hop_frequency, None;
+        WheelHopFrequency, "wheel_hop_frequency", Unit::Frequency, "always", "sqrt(2 (wheel_rate + tyre rate)/unsprung mass)/(2 pi), wheel_rate the mean of both; of a solid axle the rate of both wheels together", "natural frequency of the wheels with the body held", [WheelRadius, SpringForce, TyreRate, UnsprungMass], [SpringLength, BarAngle], 2, false, one_by_one, loads::wheel_hop_frequency, None;
     }
 }
 
@@ -351,7 +351,7 @@ impl Quantity {
     /// Largest height difference of two contact points that count as on one plane, in tracks.
     pub(super) const SAME_PLANE: f64 = 1e-9;
 
-    /// Returns true if the quantity is a derivative along a motion on a plane ground.
+    /// Returns true if the quantity is a derivative along a motion on a plane ground, for example along roll.
     pub(super) fn is_of_the_plane(self) -> bool {
         matches!(
             self,

@@ -60,7 +60,7 @@ const WIDEST_ROLL: f64 = 0.1;
 
 /// A proved root.
 struct Root {
-    /// Bound on the distance between the root and the number found.
+    /// Bound on the distance between the root and the computed number.
     off: f64,
     /// Half-width of the interval in which it is proved to be the only root.
     alone: f64,

@@ -17,9 +17,9 @@ pub struct AxleColumn {
     pub name: String,
     /// Content of the column.
     pub of: Of,
-    /// The motion along which it is a derivative; `None` for a value.
+    /// The motion by which the column is differentiated; `None` for a value.
     pub by: Option<Motion>,
-    /// True for a derivative by time, in a motion along `by`.
+    /// True if the derivative is by time, while `by` moves.
     pub is_by_time: bool,
     /// Order of the derivative; 0 for a value.
     pub order: usize,
@@ -61,7 +61,7 @@ pub enum Of {
 }
 
 impl AxleColumn {
-    /// Quantity of the column, if it contains one.
+    /// Quantity in the column, if there is one.
     pub fn quantity(&self) -> Option<Quantity> {
         match &self.of {
             Of::Quantity(quantity) => Some(*quantity),

@@ -119,7 +119,7 @@ impl Placement {
 }
 
 impl AxleMotion {
-    /// Coordinates that move, at least one. Curves are over the first one.
+    /// Coordinates that move, at least one. The first one is the abscissa of curves.
     pub fn moving(&self) -> Vec<Coordinate> {
         let mut motion = self.clone();
         let by_wheel = motion.steering_wheel.is_some();
@@ -135,7 +135,7 @@ impl AxleMotion {
         if moving.is_empty() {
             moving.push(available[0]);
         }
-        // Steering comes before the other coordinates that curves are not over.
+        // Steering comes before the other coordinates that are not the abscissa of curves.
         let steers = |c: &Coordinate| matches!(c, Coordinate::Rack | Coordinate::SteeringWheel);
         moving[1..].sort_by_key(|c| !steers(c));
         moving

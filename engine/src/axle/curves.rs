@@ -48,7 +48,7 @@ impl AxlePlan {
         }
     }
 
-    /// The plan without sensitivities and proofs.
+    /// This plan without sensitivities and proofs.
     pub fn values_alone(&self) -> AxlePlan {
         AxlePlan {
             sensitivities: Vec::new(),
@@ -57,7 +57,7 @@ impl AxlePlan {
         }
     }
 
-    /// Plan with only the same quantities over the same motion.
+    /// Plan for the same quantities over the same motion, without any other result.
     pub fn quantities_alone(&self) -> AxlePlan {
         AxlePlan::of(self.motion.clone(), self.quantities.clone())
     }
@@ -303,7 +303,7 @@ impl WheelCurves {
         let wheel = |side: usize| {
             let mut values = self.travels[side].iter();
             let station = values.position(|travel| *travel == travels[side]);
-            let station = station.expect("a station of the motion");
+            let station = station.expect("the travel belongs to a station of the motion");
             self.wheels[side][station]
                 .as_ref()
                 .map_err(|failure| *failure)
@@ -411,7 +411,7 @@ fn gradients<const N: usize>(
                     add(Some(Side::Left), by[0] * frames[0].sign(axis));
                     add(Some(Side::Right), by[1] * frames[1].sign(axis));
                 } else {
-                    // The mirror image moves with it.
+                    // The right wheel is its mirror image and moves with it.
                     add(None, (by[0] + by[1]) * frames[0].sign(axis))
                 }
             }

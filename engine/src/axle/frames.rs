@@ -84,8 +84,8 @@ fn carrier_at<'a>(
     (Configuration::new(mechanism, design, pose, rack), contact)
 }
 
-/// Both wheels in the equilibria at these placements. The body is level and each wheel stands on a pad of its own. The mean
-/// height of the pads is that of the ground in the design position.
+/// Both wheels in the equilibria at these placements. The body is level and each wheel stands on its own pad. The mean height of
+/// the pads is that of the ground in the design position.
 fn equilibrium_frames(
     axle: &Axle,
     elastic: &AxleComplianceStudy,

@@ -59,7 +59,7 @@ impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
         }
     }
 
-    /// Lanes have the angular velocities of the carrier. They have its rotation, along x and y, if it is a rigid axle.
+    /// Lanes have the angular velocities of the carrier. For a rigid axle they also have its rotation, along x and y.
     #[inline(always)]
     fn column(&self, i: usize, powers: [usize; 2]) -> Vector3<B> {
         if self.axle.is_steered {

@@ -51,12 +51,12 @@ pub struct AxleEnd {
     pub end: RangeEnd,
 }
 
-/// Share of the roll angle at the end that must be reachable. Otherwise the end is not reported.
+/// Share of the roll angle at the end up to which the axle must have a pose. Otherwise the end is not reported.
 const BEFORE_END: f64 = 0.999;
-/// The same share for a rigid axle. Near its fold the heights of the wheels change with the square root of the distance to
-/// the fold.
+/// The share [`BEFORE_END`] for a rigid axle. Near its fold the heights of the wheels change with the square root of the distance
+/// to the fold.
 const BEFORE_FOLD: f64 = 0.97;
-/// Displacement of a steering gear, in sizes, beyond which no toggle is sought.
+/// Displacement of a steering gear, relative to the mechanism's size, beyond which toggles are not searched for.
 const FARTHEST_GEAR: f64 = 2.0;
 
 impl Axle {
@@ -118,7 +118,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         })
     }
 
-    /// The range of the steering gear of a steered axle, up to which it has a position at zero travel. `None` for other axles.
+    /// Range of the steering gear of a steered axle, within which the axle has a position at zero travel. `None` for other axles.
     fn drag_link_range(&mut self) -> Option<[AxleEnd; 2]> {
         if !self.is_steered() {
             return None;
@@ -129,7 +129,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         Some(ends)
     }
 
-    /// The end of this range to one side: by equal steps, then by halving the last one.
+    /// Finds one end of this range: first by equal steps, then by halving the last step.
     fn drag_link_end(&mut self, sign: f64) -> AxleEnd {
         let size = self.size();
         let level = |displacement: f64| Placement::Travels {

@@ -84,7 +84,7 @@ pub enum AxleKind {
     Independent,
     /// One body carries both wheels.
     Solid,
-    /// The same, with wheels that a drag link steers.
+    /// One body carries both wheels, and a drag link steers them.
     SteeredSolid,
     /// Two halves that twist against each other.
     TwistBeam,
@@ -99,8 +99,7 @@ impl Axle {
         }
     }
 
-    /// Right wheel with hardpoints of its own that no other wheel decides. `None` for a mirror image, and if one mechanism
-    /// carries both wheels.
+    /// Right wheel with its own independent hardpoints. `None` for a mirror image, and if one mechanism carries both wheels.
     pub fn own_right(&self) -> Option<&Suspension> {
         self.right.as_ref().filter(|_| !self.is_rigid())
     }
@@ -134,7 +133,7 @@ impl Axle {
     pub fn describe_fault(&self, (side, fault): (Side, DesignFault)) -> String {
         let words = fault.describe(&self.suspension(side).mechanism);
         match fault {
-            // The description already names the wheel, if one wheel is the reason.
+            // If one wheel is the reason, the description already names it.
             DesignFault::Elastic(_) => words,
             _ => side.about(&words),
         }
@@ -175,8 +174,8 @@ impl Axle {
         )
     }
 
-    /// Completes a left design after its points have moved, as the reader of a study does. The far half of a rigid axle
-    /// follows the near half, and points that a study does not give are computed anew.
+    /// Completes a left design after its points have moved, as the reader of a study does. The far half of a rigid axle follows
+    /// the near half, and points that a study does not give are computed again.
     pub fn complete(&self, left: &mut [Vector3<f64>]) {
         let Some(rigid) = &self.left.mechanism.rigid_axle else {
             return;
@@ -190,8 +189,8 @@ impl Axle {
         }
     }
 
-    /// Returns the axle with other wheels of the same topology at rest. `right` is `None` for a mirror image. The springs
-    /// stay the same parts: a spring that is shorter now exerts more force.
+    /// Returns the axle with other wheels of the same topology in the design position. `right` is `None` for a mirror image. The
+    /// springs stay the same parts: a spring that is shorter now exerts more force.
     pub fn with_wheels(&self, left: Suspension, right: Option<Suspension>) -> Axle {
         let mut changed = Axle {
             left,

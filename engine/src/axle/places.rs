@@ -80,7 +80,7 @@ fn degrees(angle: f64) -> f64 {
     }
 }
 
-/// Returns two flags: true if the travels are results, and true if the roll angle is a result.
+/// Returns two flags: whether the travels are results, and whether the roll angle is a result.
 fn follows(plan: &AxlePlan) -> [bool; 2] {
     let rolls = matches!(plan.motion.wheels, WheelMotion::Roll { .. });
     [rolls, plan.motion.shows_roll() && !rolls]

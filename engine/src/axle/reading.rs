@@ -121,7 +121,7 @@ impl Parts {
 pub struct Snapshot<const N: usize>(pub(super) WheelPose<Jet<f64, N>>);
 
 impl<const N: usize> Snapshot<N> {
-    /// A snapshot without any values: all NaN.
+    /// A wheel without known parts: all numbers are NaN.
     pub fn unknown() -> Self {
         Snapshot(WheelPose::filled(Jet::constant(f64::NAN)))
     }
@@ -184,7 +184,7 @@ impl<T: Real> Reading<T> {
         }
     }
 
-    /// The wheel about a point with a slightly different travel; see [`Taylor::shifted`].
+    /// The wheel as series about a slightly different travel; see [`Taylor::shifted`].
     pub fn shifted(&self, travel: T) -> Self {
         let shifted = |polynomial: Taylor<T>| polynomial.shifted(travel);
         Reading {
@@ -276,10 +276,10 @@ pub trait WheelParts<T: Real>: Copy {
     /// The wheel in the design position.
     fn design(&self) -> DesignWheel<T>;
 
-    /// Any number of the wheel, as a model for constants.
+    /// Any number of the wheel. Constants get its number type and length.
     fn like(&self) -> T;
 
-    /// The same as [`WheelParts::read_vector`], compiled as a separate function.
+    /// Returns a vector like [`WheelParts::read_vector`], compiled as a separate function.
     #[inline(always)]
     fn vector(&self, part: VectorPart, powers: [usize; 2]) -> Vector3<T> {
         outlined!(

@@ -145,7 +145,7 @@ impl<T: Real> RockerSprings<T> {
 }
 
 impl<T: Real> RockerForces<T> {
-    /// Forces of an axle without such springs. `like` is a model for constants.
+    /// Forces of an axle without such springs. Constants get the number type and length of `like`.
     pub fn none(like: T) -> Self {
         let none = like.constant(f64::NAN);
         RockerForces {

@@ -114,7 +114,7 @@ const MOST_STEPS: usize = 80;
 const TERMS: usize = 4;
 /// Rounds that solve all open placements together. Placements that are open after these rounds are solved one by one.
 const MOST_ROUNDS: usize = 4;
-/// Largest step along a pose's series, in sizes of the mechanism. Within it, four terms leave less than rounding error.
+/// Largest step along a pose's series, relative to the mechanism's size. Within it, the error of four terms is below rounding.
 const NEAR: f64 = 1e-4;
 
 /// Returns true if the wheels rise with their travels, given the slopes of both heights. Independent wheels must both rise.
@@ -213,7 +213,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let parts = Parts::of(&slots, Carriers::of(axle));
         let order = |q: &Quantity| q.rate_order();
         let orders_by_rack = quantities.iter().filter(|q| q.info().by_rack).map(order);
-        // Terms beyond those that the quantities need serve derivatives along motions.
+        // Terms beyond the needs of the quantities are for derivatives along motions.
         let further = (N - 1).saturating_sub(quantities.iter().map(order).max().unwrap_or(0));
         let degree_with_rack = if by_rack {
             N - 1
@@ -385,7 +385,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    /// The same for complete designs, such as builds. There, no point follows another one.
+    /// Takes complete designs of both sides, such as builds, in which no point follows another one.
     pub(crate) fn prepare_whole(
         &mut self,
         designs: [&[Vector3<f64>]; 2],
@@ -439,7 +439,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.corners[side as usize].configuration(placed.poses[side as usize])
     }
 
-    /// The same, with the rack of an independent suspension at the displacement of this position.
+    /// One wheel in a position, with the rack of an independent suspension at the displacement of this position.
     pub(super) fn drawn_configuration(
         &self,
         side: Side,
@@ -450,7 +450,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         at
     }
 
-    /// A solid axle as its left wheel sees it, at rest. Its steering gear is at the last displacement.
+    /// A solid axle in the design position, as seen from its left wheel. Its steering gear is at the last displacement.
     pub(super) fn configuration_at_rest(&self) -> Configuration<'_, f64> {
         let [left, _] = &self.corners;
         left.configuration(left.solver.design_pose())

@@ -55,8 +55,8 @@ pub enum Motion {
     Heave,
     /// Displacement of the rack towards the left wheel. The other coordinates that the station gives are constant.
     Rack,
-    /// The same displacement, whatever coordinates the station gives. On a plane the roll angle and the mean travel are
-    /// constant, on pads both travels.
+    /// Displacement of the rack towards the left wheel, whatever coordinates the station gives. On a plane the roll angle and the
+    /// mean travel are constant, on pads both travels.
     Steering,
     /// Travel of the left wheel, with everything else constant.
     TravelLeft,
@@ -218,7 +218,7 @@ impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
 }
 
 impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
-    /// Left and right wheel.
+    /// Returns the left and the right wheel.
     #[inline(always)]
     pub fn wheels(&self) -> [WheelState<'_, T, W>; 2] {
         [self.wheel(Side::Left), self.wheel(Side::Right)]
@@ -245,13 +245,13 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         left.half_track() + right.half_track()
     }
 
-    /// Any number of the state, as a model for constants.
+    /// Any number of the state. Constants get its number type and length.
     #[inline(always)]
     pub fn like(&self) -> T {
         self.roll
     }
 
-    /// The same wheels with the body level, each on a level pad at its travel.
+    /// Returns the wheels with the body level, each on a level pad at its travel.
     #[inline(always)]
     pub fn on_pads(&self) -> Self {
         AxleState {
@@ -262,7 +262,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         }
     }
 
-    /// The same wheels on the plane under both, whatever coordinates the station gives. Roll angle and mean travel are
+    /// Returns the wheels on the plane under both, whatever coordinates the station gives. Roll angle and mean travel are
     /// constant in motions.
     #[inline(always)]
     pub fn on_plane(&self) -> Self {
@@ -431,9 +431,9 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
 }
 
 impl<T: Real> AxleState<'_, T> {
-    /// The state with travels or roll angle corrected to first order, so that both wheels stand on one ground. For numbers
-    /// with gradients, this adds the gradient of those travels or roll angle that are results. The arguments are the plain
-    /// values of F and track.
+    /// The state with travels or roll angle corrected to first order, so that both wheels stand on the same ground. For numbers
+    /// with gradients, this adds the gradient of those travels or roll angle that are results. The arguments are the plain values
+    /// of F and track.
     pub fn settled(&self, [rise, track]: [f64; 2]) -> Self {
         let like = self.like();
         match self.hold {

@@ -74,7 +74,7 @@ impl<T: Real> Taylor<T> {
         Taylor(coefficients)
     }
 
-    /// Makes a polynomial with unknown coefficients: all NaN. `like` is a model for constants.
+    /// Makes a polynomial with unknown coefficients: all NaN. Constants get the number type and length of `like`.
     pub fn unknown(like: T) -> Self {
         Taylor([like.constant(f64::NAN); COEFFICIENTS])
     }

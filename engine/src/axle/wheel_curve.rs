@@ -33,13 +33,13 @@ const CHECK: f64 = 0.31;
 /// Largest error, relative to the size of the number and the length of the piece.
 const TOLERANCE: f64 = 4e-13;
 
-/// Vectors that a curve holds, besides the columns of the carrier's rotation.
+/// Vectors in a curve, besides the columns of the carrier's rotation.
 const VECTORS: [VectorPart; 3] = [
     VectorPart::Centre,
     VectorPart::SpinAxis,
     VectorPart::HeaveSpring,
 ];
-/// Numbers that a curve holds.
+/// Numbers in a curve.
 const SINGLE: [NumberPart; 3] = [
     NumberPart::SpringLength,
     NumberPart::BarAngle,
@@ -51,7 +51,8 @@ const COLUMNS: usize = 3 * VECTORS.len();
 const NUMBERS: usize = COLUMNS + 9;
 /// Count of all numbers, rounded up to whole bundles of [`LANES`]. The last ones are unused.
 const COUNT: usize = (NUMBERS + SINGLE.len()).next_multiple_of(LANES);
-/// Numbers that are evaluated at a time, on processors that can. Wider registers would leave a part of the last bundle empty.
+/// Count of numbers that are evaluated at a time, on processors with such registers. In wider registers, a part of the last
+/// bundle would be unused.
 const LANES: usize = 8;
 const WIDTH: Width = Width::Avx2;
 
@@ -73,7 +74,7 @@ pub(crate) struct CurveWheel {
 }
 
 impl CurveWheel {
-    /// A wheel whose numbers are all NaN.
+    /// Makes a wheel whose numbers are all NaN.
     pub(crate) fn unknown() -> Self {
         CurveWheel {
             coefficients: [[f64::NAN; COUNT]; 4],
@@ -81,7 +82,7 @@ impl CurveWheel {
         }
     }
 
-    /// Keeps the numbers of a reading that curves hold.
+    /// Copies the numbers of a reading that curves contain.
     fn of(reading: &Reading<f64>) -> Self {
         let mut wheel = CurveWheel::unknown();
         for (k, numbers) in wheel.coefficients.iter_mut().enumerate() {
@@ -117,7 +118,7 @@ impl CurveWheel {
     }
 }
 
-/// Coefficients by the rack, and parts that no curve holds, are NaN.
+/// Coefficients by the rack are NaN, and so are parts that curves do not contain.
 impl WheelParts<f64> for CurveWheel {
     #[inline(always)]
     fn like(&self) -> f64 {

@@ -27,9 +27,9 @@ pub struct CarRequest<'c> {
 pub struct FailedCases {
     /// Number of cases that failed.
     pub count: usize,
-    /// Index of the first of them.
+    /// Index of the first failed case.
     pub first: usize,
-    /// Reason for the first of them.
+    /// Reason of the first failed case.
     pub why: NoEquilibrium,
 }
 
@@ -37,7 +37,7 @@ pub struct FailedCases {
 pub type CarFault = (usize, Side, DesignFault);
 
 impl<'c> CarRequest<'c> {
-    /// Every result in every case in which it is defined, and `further` ones.
+    /// Requests every result in every case in which it is defined, and the `further` ones.
     pub fn of(
         cases: &'c [Case],
         quantities: &[CarQuantity],

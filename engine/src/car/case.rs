@@ -112,7 +112,7 @@ pub enum NoEquilibrium {
     },
     /// Newton's method does not converge.
     NotFound,
-    /// The equations are singular.
+    /// The equations of equilibrium are singular.
     Singular,
     /// No set of wheels in contact satisfies the equations.
     NoContactSet {
@@ -160,16 +160,17 @@ impl NoEquilibrium {
                 format!("{} axle, {reason}", end(*axle))
             }
             NoEquilibrium::NotFound => "no equilibrium was found".to_owned(),
-            NoEquilibrium::Singular => "the equations of equilibrium are singular: a wheel's travel does not change its height, or \
-                 nothing takes a force"
+            NoEquilibrium::Singular => "the equations of equilibrium are singular: a wheel's \
+                                        travel does not change its height, or no part carries a \
+                                        force"
                 .to_owned(),
             NoEquilibrium::NoContactSet {
                 wheel,
                 equal_shares,
             } => {
                 let reason = format!(
-                    "no set of wheels in contact fits: {} pulls on the ground where it stands, and is below the ground where it \
-                     is lifted",
+                    "no set of wheels in contact is possible: {} would pull on the ground in \
+                     contact, and would be below the ground if lifted",
                     wheel.words()
                 );
                 if *equal_shares {
@@ -184,11 +185,12 @@ impl NoEquilibrium {
                 "all wheels lift: no weight presses them to the ground".to_owned()
             }
             NoEquilibrium::AxleLifted { axle } => format!(
-                "both wheels of the {} axle lift, and it should carry a force",
+                "both wheels of the {} axle lift, but the axle has to carry a force",
                 end(*axle)
             ),
             NoEquilibrium::Tips => {
-                "the car tips: beyond this state its weight turns it further than springs turn it back"
+                "the car tips: beyond this state the moment of its weight grows faster than the \
+                 moment of its springs"
                     .to_owned()
             }
             NoEquilibrium::Sinks => {

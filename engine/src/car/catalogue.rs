@@ -45,7 +45,7 @@ pub enum AxleEnd {
 }
 
 impl AxleEnd {
-    /// Both of them.
+    /// Both axles.
     pub const ALL: [AxleEnd; 2] = [AxleEnd::Front, AxleEnd::Rear];
 
     /// Name in studies and columns.
@@ -111,7 +111,7 @@ macro_rules! catalogue {
                     }
                 }
 
-                #[allow(unused_variables, reason = "derivatives do not read the place")]
+                #[allow(unused_variables, reason = "derivatives do not use the position")]
                 fn evaluate_state<T: Scalar>(self, state: &Balance<T>, $parameter: $Place) -> T {
                     match self {
                         $($Kind::$entry => catalogue!(@state $how, $function, state, $place),)*
@@ -125,7 +125,7 @@ macro_rules! catalogue {
 catalogue! {
     WheelResult of place: WheelPlace, (place) {
         Travel, "travel", Length, "jounce", "z", [], state, wheel::travel;
-        Load, "wheel_load", Force, "pressed to the ground", "N, all of it", [], state, wheel::load;
+        Load, "wheel_load", Force, "pressed to the ground", "N, the total load", [], state, wheel::load;
         Elastic, "wheel_load_elastic", Force, "pressed to the ground", "U_z/(n.C')", [], state, wheel::elastic;
         Geometric, "wheel_load_geometric", Force, "pressed to the ground", "-S lambda.C'/(n.C')", [], state, wheel::geometric;
         Longitudinal, "wheel_load_longitudinal", Force, "pressed to the ground", "-X t.B'/(n.C')", [], state, wheel::longitudinal;
@@ -140,15 +140,15 @@ catalogue! {
         CamberToRoad, "camber_to_road", Angle, "top of the wheel outboard", "-asin(a.n)", [], state, wheel::camber_to_road;
         Toe, "toe", Angle, "front of the wheel inboard", "atan2(a_x, a_y outboard)", [], state, wheel::toe;
         Steer, "steer", Angle, "steered to the left, at both wheels", "-toe at the left, +toe at the right wheel", [], state, wheel::steer;
-        SteerToRoad, "steer_to_road", Angle, "steered to the left, at both wheels", "the same against i and e", [], state, wheel::steer_to_road;
+        SteerToRoad, "steer_to_road", Angle, "steered to the left, at both wheels", "steer with the axes i and e of the ground", [], state, wheel::steer_to_road;
         ContactX, "contact_point_x", Length, "forward", "C_x, body axes", [], state, wheel::contact_x;
         ContactY, "contact_point_y", Length, "left", "C_y, body axes", [], state, wheel::contact_y;
         ContactZ, "contact_point_z", Length, "upward", "C_z, body axes", [], state, wheel::contact_z;
         SpringForce, "spring_force", Force, "compressed", "force of the spring, stops included", [Spring], state, wheel::spring_force;
         SpringLength, "spring_length", Length, "always", "length of the spring", [Spring], state, wheel::spring_length;
-        SpringTravel, "spring_travel", Length, "compressed", "length in the design position less the present one", [Spring], state, wheel::spring_travel;
-        BumpStopCompression, "bump_stop_compression", Length, "always; 0 out of touch", "shortening of the spring beyond the gap", [BumpStop], state, wheel::bump_stop_compression;
-        ReboundStopExtension, "rebound_stop_extension", Length, "always; 0 out of touch", "lengthening of the spring beyond the gap", [ReboundStop], state, wheel::rebound_stop_extension;
+        SpringTravel, "spring_travel", Length, "compressed", "length in the design position minus the present length", [Spring], state, wheel::spring_travel;
+        BumpStopCompression, "bump_stop_compression", Length, "always; 0 without contact", "shortening of the spring beyond the gap", [BumpStop], state, wheel::bump_stop_compression;
+        ReboundStopExtension, "rebound_stop_extension", Length, "always; 0 without contact", "lengthening of the spring beyond the gap", [ReboundStop], state, wheel::rebound_stop_extension;
         Jacking, "jacking_coefficient", Ratio, "a side force inboard lifts the body", "(C'.o)/(C'.n), o outboard along the ground", [Independent], state, wheel::jacking;
         SideForceJacking, "side_force_jacking", Ratio, "a side force inboard lifts the body", "(C'.o)/(C'.n), o across the wheel in the ground", [Independent], state, wheel::side_force_jacking;
         CamberGradient, "camber_gradient", AnglePerG, "camber to the road grows with ay", "d camber_to_road/d ay", [], rate, wheel::camber_gradient;
@@ -156,10 +156,10 @@ catalogue! {
     AxleResult of place: usize, (place) {
         RideHeight, "ride_height_{}", Length, "above the ground", "n.P - gamma", [RideHeight], state, axle::ride_height;
         Transfer, "lateral_load_transfer_{}", Force, "to the right, as in a left turn", "(N_r - N_l)/2", [], state, axle::load_transfer;
-        Elastic, "lateral_load_transfer_{}_elastic", Force, "to the right", "the same of U_z/(n.C')", [], state, axle::elastic;
-        Geometric, "lateral_load_transfer_{}_geometric", Force, "to the right", "the same of -S lambda.C'/(n.C')", [], state, axle::geometric;
-        Longitudinal, "lateral_load_transfer_{}_longitudinal", Force, "to the right", "the same of -X t.B'/(n.C')", [], state, axle::longitudinal;
-        Unsprung, "lateral_load_transfer_{}_unsprung", Force, "to the right", "the same of m_b alpha.W'/(n.C')", [], state, axle::unsprung;
+        Elastic, "lateral_load_transfer_{}_elastic", Force, "to the right", "(p_r - p_l)/2, p the part U_z/(n.C') of the load", [], state, axle::elastic;
+        Geometric, "lateral_load_transfer_{}_geometric", Force, "to the right", "(p_r - p_l)/2, p the part -S lambda.C'/(n.C') of the load", [], state, axle::geometric;
+        Longitudinal, "lateral_load_transfer_{}_longitudinal", Force, "to the right", "(p_r - p_l)/2, p the part -X t.B'/(n.C') of the load", [], state, axle::longitudinal;
+        Unsprung, "lateral_load_transfer_{}_unsprung", Force, "to the right", "(p_r - p_l)/2, p the part m_b alpha.W'/(n.C') of the load", [], state, axle::unsprung;
         Load, "axle_load_{}", Force, "pressed to the ground", "N_l + N_r", [], state, axle::load;
         SideForce, "axle_side_force_{}", Force, "on the car to the left", "A", [], state, axle::side_force;
         Track, "track_{}", Length, "always", "e.(C_l - C_r)", [], state, axle::track;
@@ -172,9 +172,9 @@ catalogue! {
         BeamTorque, "beam_torque_{}", Torque, "twisted by a positive roll angle", "torsional_rate times the twist of the twist beam", [Beam], state, axle::beam_torque;
         HeaveSpringForce, "heave_spring_force_{}", Force, "compressed", "force + rate (l0 - l)", [HeaveSpring], state, axle::heave_spring_force;
         HeaveSpringLength, "heave_spring_length_{}", Length, "always", "distance of the points heave_spring of both rockers", [HeaveSpring], state, axle::heave_spring_length;
-        HeaveSpringTravel, "heave_spring_travel_{}", Length, "compressed", "length in the design position less the present one", [HeaveSpring], state, axle::heave_spring_travel;
+        HeaveSpringTravel, "heave_spring_travel_{}", Length, "compressed", "length in the design position minus the present length", [HeaveSpring], state, axle::heave_spring_travel;
         TBarTorque, "t_bar_torque_{}", Torque, "the left rocker is turned further", "k (rho_l - rho_r)", [TBar], state, axle::t_bar_torque;
-        HeaveBarTorque, "heave_bar_torque_{}", Torque, "turned by jounce", "torque + k (rho_l + rho_r)", [HeaveBar], state, axle::heave_bar_torque;
+        HeaveBarTorque, "heave_bar_torque_{}", Torque, "in the direction in which jounce turns it", "torque + k (rho_l + rho_r)", [HeaveBar], state, axle::heave_bar_torque;
         Downforce, "downforce_{}", Force, "down", "force of the air along -n", [Air], state, axle::downforce;
         RollSteerGradient, "roll_steer_gradient_{}", AnglePerG, "steers to the left as ay grows", "d mean_steer/d ay, rack held", [], rate, axle::roll_steer_gradient;
         PitchSteerGradient, "pitch_steer_gradient_{}", AnglePerG, "steers to the left as ax grows", "d mean_steer/d ax, rack held", [], rate, axle::pitch_steer_gradient;
@@ -185,26 +185,26 @@ catalogue! {
         Roll, "roll", Angle, "right side down", "phi", [], state, car::roll;
         Pitch, "pitch", Angle, "nose down", "theta", [], state, car::pitch;
         Heave, "heave", Length, "body down", "gamma - n.P0, P0 the mean contact point in the design position", [], state, car::heave;
-        JackingHeave, "jacking_heave", Length, "body up", "heave of the car at rest less heave", [], rate, car::jacking_heave;
+        JackingHeave, "jacking_heave", Length, "body up", "static heave minus heave", [], rate, car::jacking_heave;
         Energy, "energy", Torque, "stored since the design position", "U of springs, stops and bars", [], state, car::energy;
-        WarpStiffness, "warp_stiffness", ForcePerLength, "always", "d(N_fl - N_fr - N_rl + N_rr)/4 by the height of the ground under front left and rear right, that under the others as much lower; body free", [], rate, car::warp_stiffness;
+        WarpStiffness, "warp_stiffness", ForcePerLength, "always", "d(N_fl - N_fr - N_rl + N_rr)/4 by the height of the ground under front left and rear right, the ground under the other wheels lower by the same height; body free", [], rate, car::warp_stiffness;
         Rake, "rake", Length, "nose down", "ride_height_rear - ride_height_front", [RideHeights], state, car::rake;
         Wheelbase, "wheelbase_at_contact", Length, "always", "i.(mid contact points front - rear)", [], state, car::wheelbase;
-        CgHeight, "cg_height", Length, "above the ground", "of all masses", [], state, car::cg_height;
+        CgHeight, "cg_height", Length, "above the ground", "height of the centre of gravity of all masses", [], state, car::cg_height;
         SprungCgHeight, "sprung_cg_height", Length, "above the ground", "n.G - gamma", [], state, car::sprung_cg_height;
-        RollCentreInclination, "roll_centre_inclination", Angle, "rises to the front", "atan2(h_f - h_r, L) of roll_centre_height", [], state, car::roll_centre_inclination;
-        RollCentreAtCg, "roll_centre_height_at_cg", Length, "above the ground", "on the line of roll centres at G", [], state, car::roll_centre_height_at_cg;
+        RollCentreInclination, "roll_centre_inclination", Angle, "rises to the front", "atan2(h_f - h_r, L), h roll_centre_height", [], state, car::roll_centre_inclination;
+        RollCentreAtCg, "roll_centre_height_at_cg", Length, "above the ground", "height at G of the line through the roll centres", [], state, car::roll_centre_height_at_cg;
         RollCentreArm, "roll_centre_moment_arm", Length, "G above the line", "n.G - gamma - roll_centre_height_at_cg", [], state, car::roll_centre_moment_arm;
-        RollAxisInclination, "roll_axis_inclination", Angle, "rises to the front", "atan2(h_f - h_r, L) of roll_axis_height", [], state, car::roll_axis_inclination;
-        RollAxisAtCg, "roll_axis_height_at_cg", Length, "above the ground", "on the roll axis at G", [], state, car::roll_axis_height_at_cg;
+        RollAxisInclination, "roll_axis_inclination", Angle, "rises to the front", "atan2(h_f - h_r, L), h roll_axis_height", [], state, car::roll_axis_inclination;
+        RollAxisAtCg, "roll_axis_height_at_cg", Length, "above the ground", "height of the roll axis at G", [], state, car::roll_axis_height_at_cg;
         RollAxisArm, "roll_axis_moment_arm", Length, "G above the axis", "n.G - gamma - roll_axis_height_at_cg", [], state, car::roll_axis_moment_arm;
         LongitudinalForce, "longitudinal_force", Force, "forward", "B", [], state, car::longitudinal_force;
         Transfer, "lateral_load_transfer", Force, "to the right, as in a left turn", "front + rear", [], state, car::load_transfer;
         Distribution, "lateral_load_transfer_distribution", Percent, "always", "100 front/(front + rear)", [], state, car::distribution;
-        DistributionElastic, "lateral_load_transfer_distribution_elastic", Percent, "with the whole transfer", "100 elastic part front/(front + rear)", [], state, car::distribution_elastic;
-        DistributionGeometric, "lateral_load_transfer_distribution_geometric", Percent, "with the whole transfer", "100 geometric part front/(front + rear)", [], state, car::distribution_geometric;
-        DistributionLongitudinal, "lateral_load_transfer_distribution_longitudinal", Percent, "with the whole transfer", "100 longitudinal part front/(front + rear)", [], state, car::distribution_longitudinal;
-        DistributionUnsprung, "lateral_load_transfer_distribution_unsprung", Percent, "with the whole transfer", "100 unsprung part front/(front + rear)", [], state, car::distribution_unsprung;
+        DistributionElastic, "lateral_load_transfer_distribution_elastic", Percent, "in the direction of the total transfer", "100 elastic part front/(front + rear)", [], state, car::distribution_elastic;
+        DistributionGeometric, "lateral_load_transfer_distribution_geometric", Percent, "in the direction of the total transfer", "100 geometric part front/(front + rear)", [], state, car::distribution_geometric;
+        DistributionLongitudinal, "lateral_load_transfer_distribution_longitudinal", Percent, "in the direction of the total transfer", "100 longitudinal part front/(front + rear)", [], state, car::distribution_longitudinal;
+        DistributionUnsprung, "lateral_load_transfer_distribution_unsprung", Percent, "in the direction of the total transfer", "100 unsprung part front/(front + rear)", [], state, car::distribution_unsprung;
         LocalDistribution, "lateral_load_transfer_distribution_local", Percent, "always", "100 front/(front + rear) of d(load transfer)/d ay", [], rate, car::local_distribution;
         RollGradient, "roll_gradient", AnglePerG, "rolls to the right as ay grows", "d phi/d ay", [], rate, car::roll_gradient;
         PitchGradient, "pitch_gradient", AnglePerG, "the nose dips as ax grows; below 0 it dips in braking", "d theta/d ax", [], rate, car::pitch_gradient;
@@ -278,7 +278,7 @@ impl CarQuantity {
         };
         let mut found = CarQuantity::all();
         found.retain(matches);
-        // The car's own result takes precedence over those of both axles.
+        // If the car itself has a result of this name, it takes precedence over those of both axles.
         if let Some(whole) = found.iter().find(|q| matches!(q, CarQuantity::Whole(_))) {
             return vec![*whole];
         }
@@ -441,8 +441,12 @@ impl CarQuantity {
             {
                 Some("at ay = 0 no load is transferred across the car")
             }
-            AntiDive | AntiLiftRear if !is_braked => Some("it is of braking, and the case drives"),
-            AntiLiftFront | AntiSquat if is_braked => Some("it is of drive, and the case brakes"),
+            AntiDive | AntiLiftRear if !is_braked => {
+                Some("it applies to braking, but the case has drive")
+            }
+            AntiLiftFront | AntiSquat if is_braked => {
+                Some("it applies to drive, but the case has braking")
+            }
             AntiDive | AntiLiftRear | AntiLiftFront | AntiSquat if case.ax == 0.0 => {
                 Some("at ax = 0 no load is transferred along the car")
             }

@@ -1,20 +1,20 @@
-//! Places of a car's points over the ground, for drawings.
+//! Positions of a car's points over the ground, for drawings.
 
 use super::{CarQuantity, CarSolver, Case, Equilibrium, NoEquilibrium, WheelPlace, WheelResult};
 use crate::mechanism::Configuration;
 use crate::model::{PointId, Side};
 use crate::number::{Each, Vector3};
 
-/// Places in the axes of the ground under the car: forward, left, height above the ground.
+/// Positions in the axes of the ground under the car: forward, left, height above the ground.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarDrawing {
     /// Points of each axle: first those of the left wheel, then those of the right wheel.
     pub points: [Vec<[f64; 3]>; 2],
     /// Lowest point of each wheel: front left, front right, rear left, rear right.
     pub contacts: [[f64; 3]; 4],
-    /// Wheel centres, in the same order.
+    /// Wheel centres, in the order of `contacts`.
     pub centres: [[f64; 3]; 4],
-    /// Unit vectors along the spin axes, outboard, in the same order.
+    /// Unit vectors along the spin axes, outboard, in the order of `contacts`.
     pub spin_axes: [[f64; 3]; 4],
     /// Centre of gravity of the sprung mass.
     pub sprung_cg: [f64; 3],
@@ -23,7 +23,7 @@ pub struct CarDrawing {
 }
 
 impl CarSolver<'_> {
-    /// Computes the places of all points in a state.
+    /// Computes the positions of all points in a state.
     ///
     /// # Errors
     /// The reason, if a wheel has no pose.

@@ -7,10 +7,10 @@
 //! s' = s + min over the wheels with N_s < 0 of N/(-N_s)                                                       (1)
 //! ```
 //!
-//! N_s comes from the state's exact derivatives by ax and ay. A bracket keeps the iteration safe: at its lower end all
-//! wheels are down, and its upper end is beyond. No equation gives the end of equilibrium, so bisection finds it. Within a
-//! bracket, the solver starts each state from the last one, which is close if the bracket is narrow. The full search takes
-//! far longer where no equilibrium exists, so it only confirms the end.
+//! N_s comes from the state's exact derivatives by ax and ay. A bracket keeps the iteration safe. At its lower end all wheels are
+//! on the ground; its upper end is beyond the first lift. No equation gives the end of equilibrium, so bisection finds it. Within
+//! a bracket, the solver starts each state from the previous one. It is close if the bracket is narrow. The full search takes far
+//! longer where no equilibrium exists, so it only confirms the end.
 
 use super::catalogue::{CarQuantity, WheelPlace, WheelResult};
 use super::parameters::{BodyParameter, Parameter};
@@ -47,7 +47,7 @@ pub struct Lift {
     pub acceleration: f64,
     /// Wheel that lifts.
     pub wheel: WheelPlace,
-    /// True if all other wheels carry load there.
+    /// True if all other wheels carry load in this state.
     pub others_loaded: bool,
 }
 
@@ -105,10 +105,11 @@ impl At {
 }
 
 impl Case {
-    /// Makes a case with 1 g along the ground, in a direction in degrees from forward to the left. Both axles share their
-    /// forces by load, as in a map of states.
+    /// Makes a case with 1 g along the ground, in a direction in degrees from forward to the left. Each axle distributes its
+    /// forces in proportion to the wheel loads, as in a map of states.
     pub fn along(name: &str, degrees: f64, at_rest: &Case) -> Case {
-        // Exact zeros along the axes avoid a request for the share of a zero force.
+        // Along the axes one acceleration must be exactly zero. Otherwise the case would need the share of a force that is only
+        // rounding error.
         let [ax, ay] = match degrees.rem_euclid(360.0) {
             0.0 => [1.0, 0.0],
             90.0 => [0.0, 1.0],
@@ -183,7 +184,7 @@ impl CarSolver<'_> {
         })
     }
 
-    /// Finds the last state with all wheels down between a state and an acceleration beyond it.
+    /// Finds the last state with all wheels on the ground between a state and an acceleration beyond it.
     fn last_down(&mut self, ray: &Ray<'_>, from: At, beyond: f64) -> At {
         let (mut low, mut high) = (from, beyond);
         for _ in 0..MOST_STATES {
@@ -197,7 +198,7 @@ impl CarSolver<'_> {
                 Some(found) if found.lifted == [false; 4] => low = At { g, found },
                 _ => {
                     high = g;
-                    // Newton's method came from the upper side, so the bracket is halved as well.
+                    // Newton's method approaches the lift from above only, so the lower end needs bisection.
                     let g = 0.5 * (low.g + high);
                     match self.solve_beside(&ray.at(g), &low.found) {
                         Some(found) if found.lifted == [false; 4] => low = At { g, found },

@@ -81,7 +81,7 @@ impl CarMember {
     }
 }
 
-/// Lists the members of one wheel: links, forces at points, joints of arms that carry a spring or a rod, rods, spring.
+/// Lists the members of one wheel: links, forces at points, rods, the spring, and joints of arms that carry a spring or a rod.
 fn members(mechanism: &Mechanism) -> Vec<(String, What)> {
     let mut found = Vec::new();
     let borne = |outer: PointId| {
@@ -247,7 +247,7 @@ impl CarSolver<'_> {
         let moment = if self.car.carrier_takes_torque(axle, setting.longitudinal) {
             nothing
         } else {
-            // Shafts from the body take the torque about the spin axis.
+            // Shafts from the body carry the torque about the spin axis.
             let spin = wheel.corner.spin;
             let lever = wheel.contact - wheel.corner.centre;
             spin * -spin.dot(lever.cross(push))

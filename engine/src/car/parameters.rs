@@ -43,7 +43,7 @@ pub enum AxleParameter {
 /// A parameter of the body or of the case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BodyParameter {
-    /// Mass of the whole car, or the sprung mass if the study gives that.
+    /// Mass of the whole car, or the sprung mass if the study gives the sprung mass.
     Mass,
     /// Forward coordinate of the centre of gravity.
     CgX,

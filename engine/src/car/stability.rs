@@ -38,8 +38,8 @@
 //! (2) holds there, or (2) holds at rest and det G_x keeps its sign on the whole path from rest.                   (5)
 //! ```
 //!
-//! The motion at the end of stability has a name. Let f and e be the heights of the body over the middle of the front and the
-//! rear axle, and r half the difference of its heights over the left and the right wheels:
+//! The motion of the body at the end of stability is classified as follows. Let f and e be the heights of the body over the
+//! middle of the front and the rear axle, and r half the difference of its heights over the left and the right wheels:
 //!
 //! ```text
 //! (f, e, r) = T q,      S = T C T^T.                                                                              (6)
@@ -125,7 +125,7 @@ impl Equilibrium {
         }
     }
 
-    /// Describes the instability of a state at rest, by (6).
+    /// Describes the instability of a static state, by (6).
     fn instability_at_rest(&self, car: &Car) -> NoEquilibrium {
         let columns = self.flexibility_of_heights(car);
         let unstable = (0..3).filter(|k| columns[*k][*k] < 0.0);
@@ -133,8 +133,8 @@ impl Equilibrium {
         softest.map_or(NoEquilibrium::Tips, |k| motion(columns[k]))
     }
 
-    /// Returns true if the path from an accepted state leads to this one. det G_x must keep its sign, and body and wheels
-    /// must move by no more than a Newton step allows.
+    /// Returns true if the path from an accepted state leads to this one. det G_x must keep its sign, and body and wheels must
+    /// move by no more than the limit of a Newton step.
     pub(super) fn follows(&self, from: &Equilibrium, car: &Car) -> bool {
         let near = |k: usize| {
             let longest = match k {
@@ -170,7 +170,7 @@ impl CarSolver<'_> {
         let at_rest = at.clone();
         let (mut part, mut step) = (0.0, LONGEST);
         let mut evaluations = at.evaluations;
-        // Nearest part of the load at which the last search failed.
+        // Smallest part of the load at which the last search failed.
         let mut failed = f64::INFINITY;
         for _ in 0..MOST_STEPS {
             let next = f64::min(part + step, 1.0);

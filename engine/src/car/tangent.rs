@@ -45,7 +45,7 @@ impl Factors {
 /// Numbers with derivatives by all unknowns.
 type Wide = Dual<f64, UNKNOWNS>;
 
-/// Gives a number with derivatives by some unknowns, in this order, derivatives by all of them.
+/// Extends a number with derivatives by some unknowns (in this order) to derivatives by all unknowns.
 fn widened<const N: usize>(narrow: Dual<f64, N>, unknowns: [usize; N]) -> Wide {
     let mut wide = Wide {
         value: narrow.value,
@@ -57,8 +57,7 @@ fn widened<const N: usize>(narrow: Dual<f64, N>, unknowns: [usize; N]) -> Wide {
     wide
 }
 
-/// Unknowns on which a wheel depends before its forces: attitude of the body, its own travel, and for a solid axle the
-/// other travel.
+/// Unknowns on which the pose of a wheel depends: attitude of the body, its own travel, and for a solid axle the other travel.
 fn unknowns_of<const N: usize>(number: usize) -> [usize; N] {
     let all = [
         ROLL,
@@ -92,8 +91,8 @@ fn stance<const N: usize>(
     placed.stance.map(|c| widened(c, unknowns))
 }
 
-/// Residuals and their derivatives by the unknowns. A wheel depends only on the travels of its own axle, and before its
-/// forces on the attitude and the travels alone. So most arithmetic carries four or five derivatives.
+/// Residuals and their derivatives by the unknowns. The pose of a wheel depends only on the attitude and on the travels of its
+/// own axle. So most arithmetic carries four or five derivatives.
 pub(super) fn tangent<R: WheelParts<f64>>(
     base: &Base<'_, '_, R>,
     parameters: &Parameters<f64>,

@@ -26,7 +26,7 @@ pub struct CarTarget {
     pub quantity: CarQuantity,
     /// Index of the case.
     pub case: usize,
-    /// Lowest and highest wanted value, in the printed unit. Both are equal for a single value.
+    /// Lowest and highest target value, in the printed unit. Both are equal for a single value.
     pub wanted: [f64; 2],
     /// Tolerance: a deviation of this size counts as 1.
     pub tolerance: f64,
@@ -35,7 +35,7 @@ pub struct CarTarget {
 }
 
 impl CarTarget {
-    /// Deviation of a printed value from the wanted value; 0 inside a band.
+    /// Deviation of a printed value from the target value; 0 inside a band.
     pub fn deviation(&self, found: f64) -> f64 {
         let [low, high] = self.wanted;
         found - found.clamp(low, high)
@@ -53,7 +53,7 @@ pub struct CarConstraint {
     pub case: usize,
     /// Lowest and highest value, in the printed unit; infinite without a limit.
     pub between: [f64; 2],
-    /// Visible difference of the printed value, which counts as 1.
+    /// Difference of the printed value that counts as a violation of 1.
     pub visible: f64,
 }
 
@@ -77,7 +77,7 @@ pub struct CarGoals<'a> {
     pub targets: &'a [CarTarget],
     /// Constraints of cases.
     pub constraints: &'a [CarConstraint],
-    /// Goals of the front and the rear axle on their rigs, each with its axle.
+    /// Goals of the front and the rear axle on their rigs, together with these axles.
     pub rigs: [Option<(&'a Vehicle, &'a RigGoals)>; 2],
 }
 
@@ -332,7 +332,7 @@ pub fn tune(
         let rows = layouts.map(|(vehicle, own, layout)| RigRows::new(vehicle, own, layout));
         rows.collect::<Result<Vec<_>, _>>()
     };
-    // Axles that are accepted here are accepted in every start.
+    // An axle that is accepted here is accepted in every start.
     let accepted = rigs().map_err(|fault| format!("{fault:?}"))?;
     let residuals: usize = accepted.iter().map(|rig| rig.shape().goal).sum();
     let of_cases: f64 = goals.targets.iter().map(|target| target.weight).sum();
@@ -353,7 +353,7 @@ pub fn tune(
             objective, &bounds, &start, starts, run.seed, &options, control,
         ),
     };
-    // If no start succeeds, the error is that of the design.
+    // If no start succeeds, the error of the first start (the design) is returned.
     match (found.best, &found.starts[0].outcome) {
         (None, Err(fault)) => Err(fault.to_string()),
         _ => Ok(found),

@@ -14,7 +14,7 @@ formulas! {
         unit: Unit::Angle,
         positive: "strut_upper outboard of lower_ball_joint",
         formula: "atan((y7 - y5)/(z7 - z5)), 5 lower_ball_joint, 7 strut_upper",
-        source: "Attia 2003, equation (16); a strut steers about 5-4, so it is no kingpin inclination",
+        source: "Attia 2003, equation (16); a strut steers about 5-4, so the angle is not a kingpin inclination",
         reads: &[Slot::SteeringPoint, Slot::StrutUpper],
         needs: &[Need::SteeringAxis, Need::StrutUpper],
     } = |inputs| {

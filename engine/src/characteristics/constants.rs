@@ -20,9 +20,9 @@ pub struct Constants {
     pub brake_share: f64,
     /// This axle's share of the drive force.
     pub drive_share: f64,
-    /// 1 if the carrier takes the torque of the brakes, 0 if a shaft does.
+    /// 1 if the carrier carries the reaction to the brake torque, 0 if a shaft carries it.
     pub brake_torque_by_carrier: f64,
-    /// 1 if the carrier takes the torque of the drive, 0 if a shaft does.
+    /// 1 if the carrier carries the reaction to the drive torque, 0 if a shaft carries it.
     pub drive_torque_by_carrier: f64,
 }
 

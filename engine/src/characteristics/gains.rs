@@ -41,7 +41,7 @@ fn moving<T: Real>(
     )
 }
 
-/// Inputs with these two directions, which are all that an angle reads. Every other number is `filling`.
+/// Inputs with these two directions, the only inputs of an angle. Every other number is `filling`.
 #[inline(always)]
 fn of_directions<T: Real>(
     spin_axis: Vector3<T>,
@@ -164,7 +164,7 @@ macro_rules! gains {
             }
         )*
 
-        /// Angle whose gain this is.
+        /// Angle of which this quantity is the gain.
         pub(super) fn angle_of_gain(c: Characteristic) -> Option<Characteristic> {
             match c {
                 $(Characteristic::$gain => Some(Characteristic::$angle),)*

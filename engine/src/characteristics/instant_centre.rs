@@ -5,8 +5,8 @@
 //! In side view w_y (x_ic - x_C) = C_z'. All follow from the true velocities, which include the effect of the tie rod. The
 //! construction with arm planes ignores the tie rod and can differ by tens of millimetres.
 //!
-//! A wheel that does not rotate in a view has its centre at infinity. Its computed angular velocity is then rounding, and a
-//! centre from it could be anywhere. [`turning`] separates the two cases.
+//! A wheel that does not rotate in a view has its centre at infinity. Its computed angular velocity is then only rounding error,
+//! so a centre computed from it would be meaningless. [`turning`] separates the two cases.
 
 use super::{Constants, Formula, Inputs, Need, Slot, Slots, Unit, WheelReading, formulas};
 use crate::mechanism::Configuration;
@@ -16,12 +16,12 @@ use crate::number::{Jet, Real, Vector3};
 /// Inputs of the velocity of the contact point.
 pub(super) const CONTACT_VELOCITY: &[Slot] = &[Slot::SpinAxis, Slot::CentreRate, Slot::Turn];
 
-/// Largest distance of an instantaneous centre, in sizes of the mechanism; a farther one counts as infinite. With rounding,
-/// a wheel that does not rotate has an angular velocity of about 1e-16 over the size. In badly conditioned poses it is up to
-/// a million times as large.
+/// Largest distance of an instantaneous centre, relative to the mechanism's size. A farther centre counts as infinite. With
+/// rounding, a wheel that does not rotate has an angular velocity of about 1e-16 over the size. In badly conditioned poses it is
+/// up to a million times as large.
 const FARTHEST_CENTRE: f64 = 1e10;
 
-/// Angular velocity in one view, in which the contact point has these velocities. It is zero if the instantaneous centre is
+/// Angular velocity in one view. The contact point has these velocities in the view. It is zero if the instantaneous centre is
 /// farther than [`FARTHEST_CENTRE`].
 #[inline(always)]
 fn turning<T: Real>(turn: T, velocity: [T; 2], size: f64) -> T {
@@ -32,7 +32,7 @@ fn turning<T: Real>(turn: T, velocity: [T; 2], size: f64) -> T {
 }
 
 impl<T: Real> Inputs<T> {
-    /// Velocity of the contact point, and the angular velocity about x that has a centre in front view.
+    /// Velocity of the contact point, and the angular velocity about x, zero if the front-view centre counts as infinite.
     #[inline(always)]
     fn in_front_view(&self) -> (Vector3<T>, T) {
         let velocity = self.contact_velocity();
@@ -40,7 +40,7 @@ impl<T: Real> Inputs<T> {
         (velocity, turn)
     }
 
-    /// Velocity of the contact point, and the angular velocity about y that has a centre in side view.
+    /// Velocity of the contact point, and the angular velocity about y, zero if the side-view centre counts as infinite.
     #[inline(always)]
     fn in_side_view(&self) -> (Vector3<T>, T) {
         let velocity = self.contact_velocity();

@@ -56,7 +56,7 @@ pub enum Measure {
         point: PointId,
         /// A point of the line.
         through: Vector3<f64>,
-        /// Unit vector along it.
+        /// Unit vector along the line.
         along: Vector3<f64>,
     },
     /// Distance of a point from a box along the axes. Negative inside the box.

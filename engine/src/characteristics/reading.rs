@@ -173,15 +173,14 @@ impl<T: Real> Inputs<T> {
         }
     }
 
-    /// Reads these slots from a configuration without its rates. The rates, and everything that is not among the slots, are
-    /// NaN.
+    /// Reads these slots from a configuration without its rates. The rates and all other slots are NaN.
     #[inline]
     pub fn without_rates(at: &Configuration<T>, constants: Constants, slots: Slots) -> Self {
         let nothing = at.rack.constant(f64::NAN);
         Inputs::of_configuration(at, nothing, constants, slots)
     }
 
-    /// The same as [`Inputs::without_rates`], with `nothing` instead of NaN.
+    /// Reads like [`Inputs::without_rates`], with `nothing` instead of NaN.
     #[inline(always)]
     pub(super) fn of_configuration(
         at: &Configuration<T>,
@@ -276,7 +275,7 @@ mod tests {
     use std::cell::Cell;
     use std::path::Path;
 
-    /// Each slot, requested alone, fills the number that formulas read for it, in a suspension with this part.
+    /// In a suspension with the part of a slot, requesting that slot alone fills the input that formulas read for it.
     #[test]
     fn every_slot_is_read_to_where_it_is_kept() {
         let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies");

@@ -13,7 +13,7 @@ const GROUND: &[Slot] = &[
     Slot::SteeringDirection,
 ];
 
-/// Vector G - C.
+/// Vector G - C, from the contact point to the steering axis at the ground.
 #[inline(always)]
 fn contact_to_axis<T: Real>(inputs: &Inputs<T>) -> Vector3<T> {
     let contact = inputs.contact_point();
@@ -55,7 +55,7 @@ formulas! {
         unit: Unit::Length,
         positive: "ahead of the study's x = 0",
         formula: "G_x",
-        source: "the place that castor offset and steering-axis offset at ground of ISO 8855 are measured to",
+        source: "the point to which castor offset and steering-axis offset at ground of ISO 8855 are measured",
         reads: GROUND,
         needs: &[Need::WheelRadius, Need::SteeringAxis],
     } = |inputs| inputs.now.steering_axis_at(inputs.contact_point().z).x;
@@ -66,7 +66,7 @@ formulas! {
         unit: Unit::Length,
         positive: "on the wheel's own side of the centre plane y = 0",
         formula: "G_y",
-        source: "the place that castor offset and steering-axis offset at ground of ISO 8855 are measured to",
+        source: "the point to which castor offset and steering-axis offset at ground of ISO 8855 are measured",
         reads: GROUND,
         needs: &[Need::WheelRadius, Need::SteeringAxis],
     } = |inputs| inputs.now.steering_axis_at(inputs.contact_point().z).y;
@@ -93,7 +93,7 @@ formulas! {
     SpindleTrail {
         name: "spindle_trail",
         unit: Unit::Length,
-        positive: "steering axis ahead of the wheel centre (Lotus' hub trail has the other sign)",
+        positive: "steering axis ahead of the wheel centre (Lotus' hub trail has the opposite sign)",
         formula: "x of the steering axis at height W_z - W_x",
         source: "castor offset at wheel centre of ISO 8855",
         reads: AT_CENTRE,

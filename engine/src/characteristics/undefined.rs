@@ -30,8 +30,8 @@ impl Characteristic {
             | C::KingpinOffset
             | C::SpindleTrail => "the steering axis is level there",
             C::Toe => "the wheel lies flat there",
-            C::AttiaCamber => "wheel_centre and strut_upper are at one place",
-            C::AttiaKingpin => "strut_upper and lower_ball_joint are at one place",
+            C::AttiaCamber => "wheel_centre and strut_upper coincide",
+            C::AttiaKingpin => "strut_upper and lower_ball_joint coincide",
             _ => "it is not a finite number there",
         }
     }

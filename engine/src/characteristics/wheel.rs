@@ -380,7 +380,7 @@ impl<T: Real> Wheel<T> {
         Wheel::heading_and_outboard_of(self.spin_axis)
     }
 
-    /// The same vectors for a wheel with this spin axis.
+    /// Heading and outboard direction in the ground plane, for a wheel with this spin axis.
     #[inline(always)]
     pub(crate) fn heading_and_outboard_of(a: Vector3<T>) -> (Vector3<T>, Vector3<T>) {
         let zero = a.x.zero();

@@ -27,7 +27,7 @@ impl<const N: usize> WheelReading<N> {
         WheelReading::reading(at, constants, Slots::ALL)
     }
 
-    /// The same as [`WheelReading::of`], for quantities that read only these slots. The rest is not computed and is NaN.
+    /// Reads a configuration as [`WheelReading::of`] does, but only these slots. All other slots are NaN.
     pub fn reading(at: &Configuration<Jet<f64, N>>, constants: Constants, slots: Slots) -> Self {
         let nothing = Jet([f64::NAN; N]);
         let mut inputs = Inputs::of_configuration(at, nothing, constants, slots);

@@ -171,8 +171,8 @@ impl<T: Real> Placed<T> {
         rotation
     }
 
-    /// The same position as the pose of the knuckle. Both points are in the design position: the reference point of this body,
-    /// and the origin of the knuckle.
+    /// Converts the position to the pose of the knuckle. Both points are in the design position: the reference point of this
+    /// body, and the origin of the knuckle.
     pub(super) fn as_pose(&self, reference: Vector3<T>, origin: Vector3<T>) -> Pose<T> {
         Pose {
             origin: origin + self.displacement(origin - reference),

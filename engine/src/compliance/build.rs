@@ -25,7 +25,7 @@ pub(super) struct Built<T> {
     pub(super) reference: Vector3<T>,
     pub(super) bushings: Vec<BushingPlace>,
     pub(super) links: Vec<LinkPlace>,
-    /// Names of the limbs, for messages.
+    /// Names of the parts with inner unknowns, for messages.
     pub(super) names: Vec<String>,
     pub(super) places: Places,
 }
@@ -36,7 +36,7 @@ pub(super) struct OfAxle<'a, T> {
     pub(super) subframe: Option<&'a Subframe<T>>,
     /// Rate of the anti-roll bar: torque per angle between its levers.
     pub(super) bar_rate: Option<T>,
-    /// The half of a solid axle that is this wheel's.
+    /// Half of a solid axle on the side of this wheel.
     pub(super) half: Option<HalfOfAxle>,
 }
 
@@ -192,7 +192,7 @@ impl<T: Scalar> Builder<'_, T> {
         bushing(&part.shapes, &part.preload, axes)
     }
 
-    /// Builds the arms with a bushing. Returns the limb of each arm.
+    /// Builds the arms with a bushing. Returns the part of each arm in the system.
     fn arms(&mut self) -> Vec<Option<usize>> {
         let arms = self.mechanism.arms.clone();
         let hinged = self
@@ -296,7 +296,7 @@ impl<T: Scalar> Builder<'_, T> {
         let slope = rates
             .flat_map(|number| self.compliance.bushings[number].shapes.iter().take(3))
             .fold(along.x.zero(), |sum, shape| sum + shape.slope(along.x));
-        // Nothing turns the link about its own line, so any stiffness there will do.
+        // No force turns the link about its own line, so any stiffness against that rotation is right.
         let spin = along * slope.constant(slope.value().sqrt().max(1.0));
         match (at_inner, at_outer) {
             (None, None) => self.rod(inner, outer, along),
@@ -438,7 +438,7 @@ impl<T: Scalar> Builder<'_, T> {
                     self.system.bushings.push(CarrierBushing { lever, bushing });
                     self.system.holders.bushings.push(self.holder(id));
                 }
-                // If both joints of the line are rigid, the second one must not hold along the line again.
+                // If both joints of the arm's axis are rigid, only the first may fix the position along that axis.
                 None if numbers == [None, None] && k == 1 => {
                     for direction in normals(along) {
                         let pin = Joint::Pin { lever, direction };

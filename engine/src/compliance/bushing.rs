@@ -82,7 +82,7 @@ fn coefficient<T: Scalar>(rotation: &Logarithm<T>) -> (T, T) {
         return (value, slope + slope);
     }
     let inverse = one / square;
-    // This is cot(t/2)/(2t), since the vectors of sine and angle are parallel.
+    // This is cot(t/2)/(2t), because the sine vector and the rotation vector are parallel.
     let sine_by_angle = rotation.sine.dot(rotation.vector);
     let cotangent = (one + rotation.cosine) / (sine_by_angle + sine_by_angle);
     let half = one.constant(0.5);
@@ -180,7 +180,7 @@ impl<T: Scalar> Bushing<T> {
         }
     }
 
-    /// Stiffness without deflection and torsion, for the forces at the design load.
+    /// Stiffness at zero deflection and torsion, used to find the forces at the design load.
     pub(super) fn slack(&self) -> BushingForce<T> {
         let like = self.axes.columns[0].x;
         let nothing = Matrix3::null(like);
@@ -228,8 +228,8 @@ mod tests {
         Bushing { axes, laws }
     }
 
-    /// The tangents equal the derivatives of force and moment by small rotations, on both sides of the change of formula. Up
-    /// to the moment, they are symmetric, as for an energy.
+    /// The tangents equal the derivatives of force and moment by small rotations, on both sides of the change of formula. Except
+    /// for a term with the moment, they are symmetric, because the forces have an energy.
     #[test]
     fn tangents_are_derivatives() {
         for angle in [0.0, 0.1, 0.4999, 0.5001, 1.3] {

@@ -1,8 +1,8 @@
 //! Forces that links, joints, bushings and springs carry in an equilibrium.
 //!
-//! Every part adds its force on the carrier to the sum of `gather.rs`, with the opposite sign. Here each part has a sum of its
-//! own. So these forces and the loads balance the carrier. A bushed link is a rigid body without load between its ends; its
-//! tension is the part of its force on the carrier along its line.
+//! Every part adds its force on the carrier to the sum of `gather.rs`, with the opposite sign. Here the force of each part is
+//! kept separately. So the carrier is in balance under these forces and the loads. A bushed link is a rigid body without load
+//! between its ends; its tension is the part of its force on the carrier along its line.
 
 use super::build::{Built, JointPlace, LimbPlace};
 use super::ground::{Holder, Surroundings};

@@ -8,9 +8,9 @@ use super::wheel::{Change, ElasticWheel, Equilibrium};
 use crate::characteristics::{Characteristic, Inputs};
 use crate::number::{Dual, Jet, Scalar};
 
-/// Counterparts in equilibrium of some quantities of the rigid mechanism, in words.
-const INSTEAD: &str = "with [compliance] ask jacking_by_lateral_force, jacking_by_braking, compliant_wheel_rate or \
-                       compliant_ride_rate";
+/// Text that names, for some quantities of the rigid mechanism, the quantity to use in an equilibrium instead.
+const INSTEAD: &str = "with [compliance] use jacking_by_lateral_force, jacking_by_braking, \
+                       compliant_wheel_rate or compliant_ride_rate";
 
 /// Reason why an equilibrium does not have a characteristic, and the alternatives; `None` if it has the characteristic.
 pub fn not_of_equilibrium(of: Characteristic) -> Option<[&'static str; 2]> {
@@ -43,14 +43,14 @@ pub fn not_of_equilibrium(of: Characteristic) -> Option<[&'static str; 2]> {
         | C::SideViewCentreHeight
         | C::AntiDive
         | C::AntiLift
-        | C::AntiSquat => Some(["applies to the rigid mechanism alone", INSTEAD]),
+        | C::AntiSquat => Some(["applies to the rigid mechanism only", INSTEAD]),
         C::SpringInclination
         | C::RockerAngle
         | C::AntiRollBarAngle
         | C::AntiRollBarMotionRatio
         | C::AttiaKingpin
         | C::AttiaCamber => Some([
-            "applies to the rigid mechanism alone",
+            "applies to the rigid mechanism only",
             "with [compliance] it is not available; remove [compliance], [bushings] and [links] for the rigid mechanism",
         ]),
     }

@@ -80,7 +80,7 @@ impl<T: Scalar> InFrame<T> {
     }
 
     pub(super) fn add_beside(&mut self, of: &Beside<T>) {
-        // The twist is last there and has index 1 here.
+        // The twist is the last of the shared unknowns, and has index 1 here.
         let number = |k: usize| if k == TWIST_BESIDE { 1 } else { 2 + k };
         for k in 0..BESIDE {
             let i = number(k);

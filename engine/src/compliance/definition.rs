@@ -197,8 +197,8 @@ impl<T> Compliance<T> {
     }
 }
 
-/// The hardpoints that may have a bushing, in the order of the mechanism's points.
-/// Of a solid axle those of the left half and those that it has once.
+/// The hardpoints that may have a bushing, in the order of the mechanism's points. For a solid axle: those of the left half, and
+/// those that exist only once.
 pub fn bushing_points(mechanism: &Mechanism) -> Vec<PointId> {
     let mut points = Vec::new();
     for constraint in &mechanism.constraints {
@@ -221,8 +221,8 @@ pub fn bushing_points(mechanism: &Mechanism) -> Vec<PointId> {
     points
 }
 
-/// The members that may have axial stiffness, with their names. Of a solid axle those of the left half and those that it
-/// has once.
+/// The members that may have axial stiffness, with their names. For a solid axle: those of the left half, and those that exist
+/// only once.
 pub fn link_members(mechanism: &Mechanism) -> Vec<(String, LinkMember)> {
     let mut members = Vec::new();
     for constraint in &mechanism.constraints {

@@ -113,7 +113,7 @@ impl<T: Scalar> ElasticWheel<T> {
         Some(self.moving(&tangent.state, &rate))
     }
 
-    /// Same as `figures_along`, with the tangent of an equilibrium.
+    /// Computes the same derivatives as `figures_along`, with the tangent of an equilibrium.
     pub fn figures_by(
         &self,
         at: &Equilibrium<T>,
@@ -160,7 +160,7 @@ impl<T: Scalar> ElasticWheel<T> {
 }
 
 impl<T: Scalar> System<T> {
-    /// Same state, with another quantity held.
+    /// This state, with another quantity held.
     pub(super) fn held_as(
         &self,
         state: &State<T>,

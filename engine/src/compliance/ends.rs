@@ -1,9 +1,9 @@
 //! Ends of equilibrium: the travel, rack displacement or load at which a part of the suspension gives way.
 //!
-//! A value moves outward from a known equilibrium, in steps of at most a twentieth of its size. Each state starts Newton's
-//! method for the next one. A step without a stable equilibrium is halved, and the step after a success is doubled. The
-//! search ends when the step is 1e-10 of the value. The last state has an equilibrium, and the search found no larger value
-//! with one.
+//! The search increases a value outward from a known equilibrium, in steps of at most a twentieth of its size. Each state starts
+//! Newton's method for the next one. A step without a stable equilibrium is halved, and the step after a success is doubled. The
+//! search ends when the step is 1e-10 of the value. The last state has an equilibrium, and the search found no larger value with
+//! one.
 //!
 //! At such an end the tangent is singular: a motion has no stiffness. With the tangent K and the motion x that inverse
 //! iteration finds, a part gives way if
@@ -67,7 +67,7 @@ pub enum EndCause {
     },
     /// The force that drives the motion reaches [`LARGEST_FORCE`]: rigid parts are at full stretch or in contact.
     Force(DrivingForce),
-    /// The search reached its largest value, and equilibria go on beyond it.
+    /// The search reached its largest value. Equilibria may exist beyond it.
     SearchEnds,
     /// Newton's method found no further equilibrium, but every motion has stiffness.
     Unresolved,
@@ -136,25 +136,25 @@ impl Way {
         })
     }
 
-    /// Both directions of a travel or a rack displacement.
+    /// Ranges of a search in both directions of a travel or a rack displacement.
     pub(super) fn of_motion(millimetre: f64, force: DrivingForce) -> [Self; 2] {
         let (usual, farthest) = (USUAL_TRAVEL * millimetre, LONGEST_TRAVEL * millimetre);
         Way::both(usual, farthest, Some(force))
     }
 
-    /// Both directions of a force.
+    /// Ranges of a search in both directions of a force.
     pub(super) fn of_load() -> [Self; 2] {
         Way::both(USUAL_LOAD, LARGEST_LOAD, None)
     }
 
-    /// Both directions of a moment.
+    /// Ranges of a search in both directions of a moment.
     pub(super) fn of_moment(length: LengthUnit) -> [Self; 2] {
         let metre = length.per_metre();
         Way::both(USUAL_MOMENT * metre, LARGEST_MOMENT * metre, None)
     }
 }
 
-/// Reason to refuse a value.
+/// Reason why a search does not accept a value.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Refusal {
     /// No equilibrium; for an axle, with the index of the wheel.

@@ -7,14 +7,14 @@ use crate::model::{Axis, Side, Suspension};
 /// Reason why a suspension has no elastic model.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ElasticFault {
-    /// Nothing holds a motion of a part.
+    /// A part has a motion without stiffness.
     Loose {
         /// Name of the part.
         part: String,
         /// Free direction.
         motion: Motion,
     },
-    /// Forces at the design load cannot be found: nothing but torsion holds a motion.
+    /// Forces at the design load cannot be found: a motion has no stiffness except in torsion.
     NoBalance {
         /// Name of the part.
         part: String,
@@ -53,7 +53,7 @@ pub enum Motion {
 pub struct NoEquilibrium {
     /// Fraction of the change that was reached, 0 to 1.
     pub share: f64,
-    /// True if no fraction was reached because the equilibrium found is not stable.
+    /// True if no fraction was reached because the equilibrium that was found is not stable.
     pub is_unstable: bool,
     /// Part that gives way, and its motion.
     pub softest: Option<(String, Motion)>,

@@ -81,7 +81,7 @@ impl<T: Scalar> Floating<T> {
         let (f, k, n) = (outer.force, outer.by_shift, outer.by_turn);
         let f_q = cross_matrix(f).negated().plus(&k.times_cross(lever));
         let m_q = cross_matrix(outer.moment).negated().plus(&n.negated());
-        // The force f at p and a torque act on the link. Its unknowns are the shift v and the rotation w.
+        // The outer bushing exerts the force f at p and a torque on the link. The link's unknowns are its shift v and rotation w.
         let k_arm = k.times_cross(arm).negated();
         let mut own_rows = [[Matrix3::null(like); 2]; 2];
         own_rows[0] = [k, k_arm];
@@ -151,7 +151,7 @@ struct LinkBlocks<T> {
     carrier_by_link: [[Matrix3<T>; 2]; 2],
     /// Length of the link.
     length: f64,
-    /// Same as [`Conditions::is_correction`].
+    /// True as in [`Conditions::is_correction`].
     is_correction: bool,
 }
 

@@ -13,14 +13,14 @@ pub(super) struct Gathered<T> {
     pub(super) sums: [Sum<T>; 3],
     /// Gap of each rigid joint and its row by the carrier's motion, in the axes of the joint's holder.
     pub(super) joints: [(T, [T; 6]); MOST_JOINTS],
-    /// Parts that move with coordinates other than the carrier's: index of the limb, holder, forces. A bar without a limb
+    /// Parts that also move with coordinates other than the carrier's: index of the part, holder, forces. A bar on a rigid part
     /// has the index [`MOST_LIMBS`].
     pub(super) beside: Vec<(usize, Holder, Beside<T>)>,
 }
 
 impl<T: Scalar> System<T> {
-    /// Sums forces and tangents of elastic parts and joints, each as seen from the body that holds it. With `is_apart`,
-    /// body, subframe and rack have separate sums; otherwise the first sum takes all. The responses of parts go into
+    /// Sums forces and tangents of elastic parts and joints, each as seen from the body that holds it. With `is_apart`, body,
+    /// subframe and rack have separate sums. Otherwise the first sum contains all of them. The responses of parts are written to
     /// `equations`.
     #[inline]
     pub(super) fn gather(

@@ -1,8 +1,8 @@
 //! Bodies that hold the inner ends of a wheel's parts: body, subframe and rack.
 //!
-//! The energy of parts on the subframe depends only on the carrier's pose as seen from the subframe. So they are evaluated
-//! in the subframe's axes, with the formulas for a body at rest. With the carrier's reference point O, that of the subframe
-//! S, r = O - S, the subframe's rotation R, and the force f and moment m on the carrier,
+//! The energy of parts on the subframe depends only on the carrier's pose as seen from the subframe. So these parts are evaluated
+//! in the subframe's axes, with the formulas for a body at rest. With the carrier's reference point O, that of the subframe S, r
+//! = O - S, the subframe's rotation R, and the force f and moment m on the carrier,
 //!
 //! ```text
 //! du' = R'(du - ds - w_s x r),   dw' = R'(dw - w_s)                                               (1)
@@ -67,15 +67,15 @@ impl Holders {
     }
 }
 
-/// Subframe as one wheel's parts connect to it.
+/// Connection of one wheel's parts to the subframe.
 #[derive(Clone, Debug)]
 pub(super) struct SubframePart<T> {
     /// Vector from the subframe's reference point to the carrier's, in the design position.
     pub(super) to_carrier: Vector3<T>,
     /// Mounts at the body, with levers from the subframe's reference point.
     pub(super) mounts: Vec<CarrierBushing<T>>,
-    /// Vector from the subframe's reference point to the spring's upper end at the body. `None` unless the spring stands on
-    /// an arm of the subframe.
+    /// Vector from the subframe's reference point to the spring's upper end at the body. `None` unless the spring acts on an arm
+    /// of the subframe.
     pub(super) upper: Option<Vector3<T>>,
 }
 
@@ -97,7 +97,7 @@ impl<T: Scalar> Surroundings<T> {
         }
     }
 
-    /// Same positions, in the axes of the other wheel.
+    /// The same positions in the axes of the other wheel.
     pub(super) fn mirrored(&self) -> Self {
         let Placed { shift, turn } = &self.subframe;
         let [a, b, c] = turn.columns;
@@ -121,7 +121,7 @@ impl<T: Scalar> Surroundings<T> {
 /// Signs of the shared unknowns in the axes of the other wheel.
 pub(super) const MIRROR: [f64; SHARED] = [1.0, -1.0, 1.0, -1.0, 1.0, -1.0, -1.0, 1.0];
 
-/// Conditions as seen from the body and from the subframe.
+/// Conditions for a wheel's parts, as seen from the body and from the subframe.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frames<T> {
     pub(super) body: Conditions<T>,
@@ -129,7 +129,7 @@ pub(super) struct Frames<T> {
 }
 
 impl<T: Scalar> Frames<T> {
-    /// Same conditions, for the step that [`Conditions::is_correction`] describes.
+    /// These conditions, for the step that [`Conditions::is_correction`] describes.
     #[inline]
     pub(super) fn for_correction(mut self) -> Self {
         self.body.is_correction = true;
@@ -153,7 +153,7 @@ pub(super) struct Coupling<T> {
     pub(super) own: [[T; SHARED]; SHARED],
     pub(super) by_corner: [[T; MOST]; SHARED],
     pub(super) corner_by: [[T; SHARED]; MOST],
-    /// Limbs that move with coordinates other than the carrier's, with their responses.
+    /// Parts with inner unknowns that also move with coordinates other than the carrier's, with their responses.
     pub(super) beside: Vec<(usize, [[T; BESIDE]; 6])>,
 }
 
@@ -244,7 +244,7 @@ impl<T: Scalar> System<T> {
         coupling
     }
 
-    /// Step of the carrier and of the coordinates of [`Beside`], as seen from a limb.
+    /// Step of the carrier and of the coordinates of [`Beside`], as seen from a part with inner unknowns.
     pub(super) fn seen_step(
         &self,
         limb: usize,
@@ -264,7 +264,7 @@ impl<T: Scalar> System<T> {
         )
     }
 
-    /// Same step, as seen from a holder.
+    /// Step of the carrier and of the coordinates of [`Beside`], as seen from a holder.
     pub(super) fn seen_by(
         &self,
         holder: Holder,
@@ -317,12 +317,12 @@ pub(super) struct Pose<T> {
     pub(super) lever: Vector3<T>,
     /// Vector p of the spring's upper end.
     pub(super) upper: Option<Vector3<T>>,
-    /// Same as [`Conditions::balance_only`]: forces do not rotate with the subframe, and they keep their levers.
+    /// True as in [`Conditions::balance_only`]: forces do not rotate with the subframe, and their levers stay constant.
     balance_only: bool,
 }
 
 impl<T: Scalar> Pose<T> {
-    /// Cross-product matrix of a force, for its change with rotation or with its lever.
+    /// Cross-product matrix of a force, which gives its change by a rotation or by its lever.
     pub(super) fn turning(&self, force: Vector3<T>) -> Matrix3<T> {
         if self.balance_only {
             Matrix3::null(force.x)

@@ -92,8 +92,8 @@ impl Compliance {
         }
     }
 
-    /// Changes the number of a parameter, by a fraction of itself if `is_relative` is true. Returns false if it is not above 0
-    /// then.
+    /// Changes the number of a parameter, by a fraction of itself if `is_relative` is true. Returns false if the new number is
+    /// not above 0.
     pub(crate) fn change_rate(
         &mut self,
         parameter: Parameter,
@@ -113,7 +113,7 @@ pub struct OnTape<'t> {
     added: Vec<(Parameter, Tracked<'t>)>,
 }
 
-/// Changes a rate, by a fraction of itself if `is_relative` is true. Returns false if it is not above 0 then.
+/// Changes a rate, by a fraction of itself if `is_relative` is true. Returns false if the new rate is not above 0.
 pub(super) fn scatter_rate(rate: &mut f64, change: f64, is_relative: bool) -> bool {
     *rate += if is_relative { *rate * change } else { change };
     *rate > 0.0

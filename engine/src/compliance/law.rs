@@ -114,7 +114,7 @@ impl<T: Scalar> Shape<T> {
             }
             at = next;
         }
-        // One more step in the number type of the force gives its derivatives.
+        // One more Newton step in the number type of the force adds the derivatives.
         let (found, slope) = self.at(force.constant(at));
         Some(force.constant(at) - (found - force) / slope)
     }
@@ -142,7 +142,7 @@ impl<T: Scalar> Law<T> {
         }
     }
 
-    /// Converts the law to another kind of number, with its shape given.
+    /// Converts the law to another kind of number. `shape` is its converted shape.
     pub(super) fn with<U>(&self, shape: Shape<U>, f: impl Fn(T) -> U) -> Law<U> {
         Law {
             shape,

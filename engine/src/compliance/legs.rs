@@ -38,7 +38,7 @@ pub(super) struct LegSeat<T> {
     pub(super) seat: Seat<T>,
 }
 
-/// Frame of an arm with legs: r, n/l, the arm b n - c r and the displacement of the point.
+/// Frame of an arm with legs: r, n/l, the vector b n - c r from the joint's line to the point, and the displacement of the point.
 struct LegFrame<T> {
     radial: Vector3<T>,
     normal: Vector3<T>,

@@ -1,4 +1,4 @@
-//! Parts between body and wheel carrier with own degrees of freedom, which are eliminated from the equations.
+//! Parts between body and wheel carrier with their own degrees of freedom, which are eliminated from the equations.
 //!
 //! Each part has inner unknowns y besides the displacement x of its outer support. That support is the joint of an arm, or
 //! the whole carrier. With the derivatives f and m of the energy by x and y,
@@ -15,7 +15,7 @@
 //! force F, moment r x F;   tangents K, -K r^, r^ K, -r^ K r^ + F^ r^                              (3)
 //! ```
 //!
-//! F^ r^ uses the force before inner unknowns are eliminated.
+//! The term F^ r^ uses the force before inner unknowns are eliminated.
 
 use super::algebra::Placed;
 use super::bushing::{Bushing, BushingForce};
@@ -234,7 +234,7 @@ impl<T: Scalar> Followers<T> {
         }
     }
 
-    /// Response of one inner unknown, the sliding displacement of a strut.
+    /// Makes the response of a part with one inner unknown, such as the sliding displacement of a strut.
     pub(super) fn of_one(like: T) -> Self {
         Followers {
             count: 1,
@@ -242,7 +242,7 @@ impl<T: Scalar> Followers<T> {
         }
     }
 
-    /// Response of a rocker behind a seat on the joint. `slide` has its derivative by the seat and the rest.
+    /// Makes the response of a rocker whose seat moves with a joint. `slide` has its derivative by the seat and the rest.
     pub(super) fn of_joint(joint: Vector3<T>, slide: Option<(Vector3<T>, T)>) -> Self {
         let slide = slide.map(|(by, rest)| (joint.zero(), by, rest));
         Followers {
@@ -252,7 +252,7 @@ impl<T: Scalar> Followers<T> {
         }
     }
 
-    /// Response of a rocker behind a seat on the carrier.
+    /// Makes the response of a rocker whose seat is on the carrier.
     pub(super) fn of_carrier(like: T, slide: Option<(Vector3<T>, Vector3<T>, T)>) -> Self {
         Followers {
             slide,
@@ -312,8 +312,8 @@ pub(super) struct Evaluated<T> {
     pub(super) inner: [T; 7],
     /// False if the inner unknowns are unstable by themselves.
     pub(super) is_stable: bool,
-    /// Ratio of the smallest and the largest pivot of the inner equations, 0 if nothing holds a motion. Rotations compare
-    /// with shifts at the part's length.
+    /// Ratio of the smallest and the largest pivot of the inner equations, 0 if a motion has no stiffness. Rotations compare with
+    /// shifts at the part's length.
     pub(super) least_pivot: f64,
 }
 
@@ -324,7 +324,7 @@ pub(super) struct Eliminated<T, const N: usize, const C: usize> {
     pub(super) least_pivot: f64,
 }
 
-/// Entry of a tangent: constant in a correction, as [`Conditions::is_correction`] says.
+/// Entry of a tangent. It is a constant in a correction (see [`Conditions::is_correction`]).
 #[inline]
 pub(super) fn tangent_of<T: Scalar>(entry: T, is_correction: bool) -> T {
     if is_correction {

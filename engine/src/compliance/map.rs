@@ -1,4 +1,4 @@
-//! Conversion of the system to another kind of number, for derivatives in a state.
+//! Conversion of the system to another kind of number, which gives derivatives in a state.
 
 use super::bushing::Bushing;
 use super::floating::Floating;

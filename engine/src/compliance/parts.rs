@@ -188,7 +188,7 @@ impl<T: Scalar> Mount<T> {
     }
 }
 
-/// Seat of a spring on the carrier.
+/// Spring seat on the carrier.
 #[derive(Clone, Debug)]
 pub(super) struct CarrierSeat<T> {
     /// Vector from the carrier's reference point to the seat.

@@ -10,8 +10,8 @@
 //! The stretch of a rod is l - L = (2 v0.d + d.d)/(l + L), with the relative displacement d of its ends (2). This form keeps
 //! all digits.
 //!
-//! A rod with axial stiffness turns a rocker by theta about its axis. Balance about the axis is a scalar equation, which
-//! eliminates theta. With the moment g,
+//! A rod with axial stiffness turns a rocker by theta about the rocker's axis. The balance of moments about this axis is a scalar
+//! equation, which eliminates theta. With the moment g,
 //!
 //! ```text
 //! K - k k'/g',   F - k g/g',   dtheta = -(g + k.dp)/g'                                            (3)
@@ -19,8 +19,8 @@
 //!
 //! With a rigid rod, theta is a function of the rod's outer end, and so is the length of the spring: see `rod_turn.rs`.
 //!
-//! An anti-roll bar of the rate k acts between levers at the angles b_l and b_r. It equals two bars of the rate 2 k, joined
-//! at a middle with the twist t:
+//! An anti-roll bar of the rate k acts between levers at the angles b_l and b_r. It equals two bars of the rate 2 k, joined in
+//! the middle, where the twist is t:
 //!
 //! ```text
 //! k (b_l - b_r)^2/2 = min over t of k (b_l - t)^2 + k (b_r - t)^2                                 (4)
@@ -57,7 +57,8 @@ impl<T: Scalar> PointForce<T> {
         }
     }
 
-    /// Removes the change of the moment with the lever, for the forces at the design load.
+    /// Removes the part of the tangent by which the moment changes with the lever. It is not needed for the forces at the design
+    /// load.
     #[inline]
     pub(super) fn leverless_if(mut self, balance_only: bool) -> Self {
         if balance_only {

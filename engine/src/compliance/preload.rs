@@ -18,7 +18,7 @@ use super::system::{Equations, LOOSE, Limb, Singular, State, Step};
 use crate::linear::square::SquareLu;
 use crate::number::{Each, Scalar, Vector3};
 
-/// Reason for no preload.
+/// Reason why no forces at the design load exist.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NoPreload {
     /// A motion has no stiffness.
@@ -134,7 +134,7 @@ impl<T: Scalar> Built<T> {
                 if slope.value() == 0.0 {
                     continue;
                 }
-                // The offset of `preload` is part of f0, and the law gives the rest.
+                // The constant offset is part of f0. The law must give the remaining force.
                 if !law.preloaded(slope * along) {
                     return Err(NoPreload::OutOfReach {
                         bushing: number,

@@ -37,7 +37,7 @@ pub(super) enum SteeringJoints<T> {
     Strut {
         lower: Vector3<T>,
         top: Vector3<T>,
-        /// Index of the limb with the mount, and direction of the strut.
+        /// Index of the part with the mount among the parts with inner unknowns, and direction of the strut.
         mount: Option<(usize, Vector3<T>)>,
     },
 }

@@ -52,7 +52,7 @@ impl<T: Scalar> Built<T> {
                 };
                 let found = self.system.mount(&frames, state)?;
                 let ([x, y], [a, b]) = (found.tilt, found.tilt_torque);
-                // The law's force acts on the body, as in `BushingState`.
+                // The force of the law acts on the moving body, as in `BushingState`.
                 let state = BushingState {
                     deflection: found.deflection,
                     rotation: Vector3::new(x, y, x.zero()),

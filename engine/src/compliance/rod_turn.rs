@@ -45,7 +45,7 @@ impl<T: Scalar> RodTurn<T> {
             by: nothing.columns[0],
             second: nothing,
         };
-        // Here the angle is positive about the axis. The sense of the rod decides the sign of the results.
+        // Here the angle is positive about the axis. In results, the sign depends on whether the rod pushes or pulls.
         let [end, along, bend] = found.moved_about(inner);
         let rod = end - now;
         let inverse = now.x.one() / rod.dot(along);

@@ -4,13 +4,13 @@
 //! whole change. A fraction of it is halved if
 //!
 //! - the first correction exceeds 60 mm or 0.3 rad: the linear prediction is not reliable,
-//! - a correction exceeds 0.8 of the one before: the method does not contract,
+//! - a correction exceeds 0.8 of the previous one: the method does not contract,
 //! - the result is not stable.
 //!
 //! Corrections s converge as s_(k+1) <= C s_k^2, since the tangents are exact. C is the largest s_(k+1) / s_k^2 so far (P.
-//! Deuflhard, *Newton Methods for Nonlinear Problems*, Springer 2004, section 2.1, estimates contraction in this way). The
-//! next correction is left out if this estimate is far below the required last correction. In 1,300 equilibria the
-//! corrections left out were below 0.13 of that bound.
+//! Deuflhard, *Newton Methods for Nonlinear Problems*, Springer 2004, section 2.1, estimates contraction in this way). The next
+//! correction is omitted if this estimate is far below the limit for the last correction. In 1,300 equilibria, the omitted
+//! corrections were below 0.13 of that limit.
 //!
 //! A state is stable if the symmetric part of the tangent is positive definite on the free motions. Rigid joints and the
 //! held height restrict these motions. This is checked first in every eliminated part, then in the remaining equations of
@@ -27,14 +27,14 @@ use crate::threads::checkpoint;
 const LONGEST_SHIFT: f64 = 60.0;
 /// Largest first correction in rotation, radians.
 const LARGEST_TURN: f64 = 0.3;
-/// Largest ratio of a correction to the one before.
+/// Largest ratio of a correction to the previous one.
 const CONTRACTION: f64 = 0.8;
 /// Largest last correction in shift, mm.
 const LAST_SHIFT: f64 = 1e-11;
 /// Largest last correction in rotation, radians.
 const LAST_TURN: f64 = 1e-13;
-/// Correction, mm, below which lack of contraction means rounding error, since Newton's method would square it. Near the
-/// limit of a wheel's capacity, rounded forces move the wheel further than the last correction.
+/// Correction, mm, below which a lack of contraction means rounding error, because Newton's method would otherwise converge
+/// quadratically. Near the limit of a wheel's capacity, rounded forces move the wheel further than the last correction.
 const ROUNDING: f64 = 1e-8;
 /// Ratio by which an estimated correction must be below the last correction of an equilibrium.
 const FORESEEN: f64 = 100.0;
@@ -43,10 +43,10 @@ const LEAST_SHARE: f64 = 1e-6;
 /// Largest number of Newton steps for one fraction. Contraction by 0.8 takes 60 mm to 1e-11 mm in that number.
 const MOST_STEPS: usize = 140;
 
-/// Reason for no equilibrium at a fraction of the change.
+/// Reason why there is no equilibrium at a fraction of the change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Obstacle {
-    /// Nothing holds a motion.
+    /// A motion has no stiffness.
     Singular(Singular),
     /// Newton's method does not converge.
     Diverges,
@@ -63,7 +63,7 @@ pub(super) struct Solution<T> {
     pub(super) steps: usize,
 }
 
-/// Report about an equilibrium that could not be reached.
+/// Result of a search for an equilibrium that was not reached.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stuck {
     /// Fraction of the change that was reached.
@@ -181,7 +181,7 @@ impl System<f64> {
     }
 }
 
-/// Report about a change that did not reach its end.
+/// Result of a load change that stopped before its end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Unraised<S> {
     pub(super) share: f64,
@@ -238,7 +238,7 @@ pub(super) fn raised<S: Copy>(
 pub(super) struct Judge {
     bounds: Bounds,
     before: f64,
-    /// Largest ratio of a correction to the square of the one before.
+    /// Largest ratio of a correction to the square of the previous one.
     quotient: f64,
     steps: usize,
 }

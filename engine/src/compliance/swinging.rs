@@ -209,7 +209,7 @@ struct OwnSum<T> {
     moment: Vector3<T>,
     moment_by_joint: Matrix3<T>,
     by_turn: Matrix3<T>,
-    /// Same as [`Conditions::is_correction`].
+    /// True as in [`Conditions::is_correction`].
     is_correction: bool,
 }
 

@@ -73,7 +73,7 @@ pub(super) struct System<T> {
     pub(super) wheel: WheelPart<T>,
     /// Bodies that hold the inner ends of the parts.
     pub(super) holders: Holders,
-    /// Subframe as the wheel's parts connect to it.
+    /// Connection of the wheel's parts to the subframe.
     pub(super) subframe: Option<SubframePart<T>>,
     /// Drop link, if it is on the carrier or on an arm with legs.
     pub(super) bar: Option<BarPart<T>>,
@@ -334,7 +334,7 @@ impl<T: Scalar> System<T> {
         [shift, turn]
     }
 
-    /// States of a limb's bushings, in the order of its ends.
+    /// States of the bushings of a part with inner unknowns, in the order of its ends.
     pub(super) fn limb_bushings(
         &self,
         limb: usize,

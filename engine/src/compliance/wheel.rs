@@ -14,7 +14,7 @@ use crate::linear::square::MOST;
 use crate::model::{Axis, Suspension};
 use crate::number::{Scalar, Vector3, array_of};
 
-/// Distance, mm, at which the movement by a rotation is compared with a shift.
+/// Lever, mm, by which a rotation is converted to a movement for comparison with a shift.
 pub(super) const TURN_LEVER: f64 = 300.0;
 /// Number of inverse iterations that find the softest motion.
 const SOFT_STEPS: usize = 8;
@@ -99,7 +99,7 @@ pub struct ElasticWheel<T = f64> {
     pub(super) constants: Constants,
     pub(super) bounds: Bounds,
     pub(super) relaxed: Relaxed,
-    /// True if a bushing has a constant force or torque. The wheel then leaves the design position.
+    /// True if a bushing has a constant force or torque. It moves the wheel away from the design position.
     pub(super) has_offset: bool,
     pub(super) start: State<T>,
 }
@@ -143,7 +143,7 @@ impl<T: Scalar> ElasticWheel<T> {
         Ok(wheel)
     }
 
-    /// Same as `of`, in the design position and without forces at the design load.
+    /// Makes the elastic suspension like `of`, in the design position and without forces at the design load.
     pub(super) fn unloaded(
         suspension: &Suspension,
         design: &[Vector3<T>],
@@ -283,7 +283,7 @@ impl ElasticWheel {
             .map_err(|stuck| self.explained(&stuck))
     }
 
-    /// Equilibrium under other loads, from a known one. The height or the wheel load of that one is held.
+    /// Equilibrium under other loads, from a known equilibrium. The height or the wheel load of the known equilibrium is held.
     pub fn loaded(
         &self,
         from: &Equilibrium,

@@ -1,4 +1,4 @@
-//! Motion of a study, expressed by one of the kernel's drives.
+//! Motion of a study, expressed by one of the drives that the solver supports.
 
 use super::PaperTheta;
 use crate::derive::MotionPoint;
@@ -9,19 +9,19 @@ use crate::plan::Plan;
 use crate::solve::StationOrder;
 use crate::study::Drive;
 
-/// Stations of a motion on the kernel's drive, and the order of the visit.
+/// Stations of a motion as values of a drive that the solver supports, and the order in which they are visited.
 pub struct DriveLaw {
     drive: Drive,
-    /// Law of the drive, if the study's drive is not one of the kernel's.
+    /// Conversion of the drive, if the solver does not support the study's drive directly.
     law: Option<PaperTheta>,
-    /// Order of the kernel's drive values.
+    /// Order of the solver's drive values.
     pub station_order: StationOrder,
     /// Index in the motion of each of these stations.
     pub stations: Vec<usize>,
 }
 
 impl DriveLaw {
-    /// Expresses the motion of a plan for this design. Stations that the kernel's drive cannot express are left out.
+    /// Expresses the motion of a plan for this design. Stations that the solver's drive cannot express are left out.
     pub fn of(suspension: &Suspension, plan: &Plan) -> Result<Self, DesignFault> {
         let law = match plan.drive {
             Drive::Travel | Drive::ArmAngle => None,
@@ -48,7 +48,7 @@ impl DriveLaw {
         })
     }
 
-    /// The kernel's drive as a series along the study's drive, at a station with this drive value.
+    /// The solver's drive as a series along the study's drive, at a station with this drive value.
     pub fn motion<const N: usize>(&self, value: f64, rack: f64) -> MotionPoint<Jet<f64, N>> {
         let along = Jet::variable(value);
         MotionPoint {
@@ -57,7 +57,7 @@ impl DriveLaw {
                 None => along,
                 Some(law) => law
                     .arm_angle(along)
-                    .expect("stations of the drive_law are no dead centres"),
+                    .expect("stations of the drive law are not dead centres"),
             },
             rack: Jet::constant(rack),
         }

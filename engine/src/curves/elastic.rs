@@ -46,7 +46,7 @@ fn columns(length: LengthUnit, plan: &Plan) -> Vec<(Column, Read)> {
 }
 
 /// Reference to the signs of test figures.
-const SIGNS: &str = "as docs/compliance.md says";
+const SIGNS: &str = "as in docs/compliance.md";
 
 impl ElasticFigure {
     /// The test figure as a column of results.
@@ -126,7 +126,7 @@ pub(super) fn elastic_curves(
     Ok(curves)
 }
 
-/// Values of a station, and derivatives by `parameters` of those that exist, with their numbers.
+/// Values of a station, and the derivatives of existing values by `parameters`, each with the index of its value.
 type ValuesAndGradients = (Vec<Option<f64>>, Vec<(usize, Vec<f64>)>);
 
 /// Values at a travel and a rack displacement, with their derivatives by `parameters`.

@@ -27,8 +27,8 @@ impl MemberColumns {
         }
     }
 
-    /// Columns of a load: the forces of its members, then the vertical force or the travel that it leaves open. `prefix` names the
-    /// wheel.
+    /// Columns of a load: the forces of its members, then the vertical force or the travel, whichever the load does not
+    /// prescribe. `prefix` names the wheel.
     pub(crate) fn columns<'s>(
         &'s self,
         load: &'s str,
@@ -63,7 +63,7 @@ impl MemberColumns {
     }
 
     /// Values of the columns, in their units. Forces at joints are along the study's axes. `left` is the vertical force or the
-    /// travel that the load leaves open.
+    /// travel, whichever the load does not prescribe.
     pub(crate) fn values<'s>(
         &'s self,
         carried: &'s CarriedForces,
@@ -84,8 +84,8 @@ impl MemberColumns {
 }
 
 impl Load {
-    /// Loads to add to an equilibrium that carries `wheel_load` alone. A load that holds the wheel load replaces it, because such a
-    /// load is complete.
+    /// Loads to add to an equilibrium that carries `wheel_load` alone. A load of the kind that prescribes the wheel load already
+    /// contains it, so it replaces `wheel_load`.
     pub(crate) fn in_equilibrium(&self, held: HeldQuantity, wheel_load: f64) -> WheelLoads {
         let mut loads = WheelLoads::none(0.0);
         match self.at {

@@ -8,7 +8,7 @@ use crate::plan::{Output, Plan};
 use crate::study::WheelStudy;
 use serde::{Deserialize, Serialize};
 
-/// Influence of a hardpoint coordinate on an output over the motion.
+/// Influence of a hardpoint coordinate on an output over the motion, from its derivatives.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Influence {
     /// Column of the output.
@@ -54,7 +54,7 @@ pub fn influences(own: &WheelStudy, plan: &Plan) -> Result<Vec<Influence>, Desig
             ..plan.clone()
         },
     )?;
-    // Every station lists its derivatives in the same order: by output, point and axis.
+    // Each station lists its derivatives in the same order: by output, then point, then axis.
     let stations = found.stations.len() - found.failed();
     let stride = found.sensitivities.len() / stations.max(1);
     let mut influences = Vec::new();

@@ -17,8 +17,8 @@ pub(crate) struct Loads<'a> {
     members: Vec<Member>,
 }
 
-/// Adds the name of its side to a member of a rigid axle's halves. Both halves carry a load on one wheel. A member that the
-/// axle has only once keeps its name.
+/// Adds the name of its side to a member of a rigid axle's halves. A load on one wheel loads both halves, so names need the side.
+/// A member that the axle has only once keeps its name.
 fn with_side(member: Member, mechanism: &Mechanism, frame: Frame) -> Member {
     if mechanism.rigid_axle.is_none() {
         return member;

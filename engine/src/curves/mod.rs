@@ -42,7 +42,7 @@ pub fn wheel_curves(own: &WheelStudy, plan: &Plan) -> Result<Curves, DesignFault
     }
 }
 
-/// Status of a station: whether it is solved, and the quality of its values.
+/// Status of a station: solved or not, and the quality of its values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Status {
     /// Solved; every value that exists is present.

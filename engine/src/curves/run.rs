@@ -48,7 +48,7 @@ pub(super) struct Run<'a, const N: usize> {
     pub(super) toggles: Toggles,
     stations: Vec<Station>,
     sensitivities: Vec<Sensitivity>,
-    /// Numbers of stations that the tracker left to the continuation, by reason.
+    /// Numbers of stations that the continuation solved instead of the tracker, by reason.
     left_to_continuation: BTreeMap<Rejection, usize>,
     /// Work counted by the solver.
     pub(super) work: Work,
@@ -83,7 +83,7 @@ impl<'a, const N: usize> Run<'a, N> {
             for (number, value) in plan.station_order.values().iter().enumerate() {
                 stations.push(Station {
                     at: place(plan, number, *value, *rack),
-                    // Stations keep this status if the kernel's drive cannot reach their drive value.
+                    // Stations keep this status if the solver's drive cannot reach their drive value.
                     status: Status::Failed(Failure::DeadCentre.into()),
                     values: vec![Err(NoValue::NoPose); columns.len()],
                     condition: None,
@@ -195,7 +195,7 @@ impl<'a, const N: usize> Run<'a, N> {
         let station = &mut self.stations[index];
         match found {
             Ok(findings) => {
-                // Positions lose half as many digits as derivatives and sensitivities do.
+                // Positions lose half as many digits as derivatives and sensitivities.
                 let differentiated =
                     self.plan.coefficients > 1 || !self.plan.sensitivities.is_empty();
                 let digits = findings.condition.map(rate_digits);
@@ -357,7 +357,7 @@ impl<'a, const N: usize> Run<'a, N> {
         let mut buffer = vec![zero; self.suspension.design.len()];
         let count = self.columns.len() * plan.sensitivities.len() * Axis::ALL.len();
         let mut gradients = Vec::with_capacity(count);
-        // By order, point and axis, before the conversion to derivatives by time.
+        // Gradients by order, point and axis, before the conversion to derivatives by time.
         let mut found: Vec<[Vector3<f64>; 3]> = vec![[Vector3::default(); 3]; buffer.len()];
         let mut index = 0;
         for (columns, output) in self.columns_by_output() {

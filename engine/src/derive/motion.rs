@@ -35,7 +35,7 @@ impl MotionPoint<f64> {
         }
     }
 
-    /// The same point with the drive as the variable of a power series. The rack does not move.
+    /// This point with the drive as the variable of a power series. The rack does not move.
     pub fn along_drive<const N: usize>(&self) -> MotionPoint<Jet<f64, N>> {
         MotionPoint {
             drive: self.drive,
@@ -67,7 +67,7 @@ impl<const N: usize> MotionPoint<Jet<f64, N>> {
     }
 }
 
-/// A configuration along the motion, and the factors of its Jacobian if they were needed.
+/// A configuration along the motion, and the factors of its Jacobian if they were computed.
 pub(crate) type Factorised<'a, const N: usize> = (Configuration<'a, Jet<f64, N>>, Option<Lu6<f64>>);
 
 /// A design over power series with `N` coefficients, and its closure equations.

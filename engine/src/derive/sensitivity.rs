@@ -8,7 +8,7 @@
 //!
 //! y_x is a wrench on the knuckle, and mu are the forces with which the six constraints balance it. So one output costs one
 //! back-substitution, whatever the number of hardpoints. The design moves with the hardpoint: lengths and the shape of the
-//! knuckle are computed anew, while the drive value stays.
+//! knuckle are computed again, while the drive value stays.
 //!
 //! On power series in the drive, the same code gives d/ds(dy/dp). This equals d/dp(dy/ds), the sensitivity of rates and
 //! curvatures.
@@ -242,7 +242,7 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
         self.adjoint.hardpoint(id, gradient);
     }
 
-    /// Adds the derivative by the rotation of the mechanism's knuckle; of a steered axle, that of the axle.
+    /// Adds the derivative by the rotation of the mechanism's knuckle. For a steered axle, this is the rotation of the axle.
     #[inline(always)]
     pub fn turn(&mut self, moment: Vector3<T>) {
         self.adjoint.wrench(moment.zero(), moment);

@@ -21,22 +21,22 @@ pub(crate) struct AxleStations<'s> {
     pub quantities: Vec<Quantity>,
     /// Derivatives in the design position that the study requests, quantity by quantity.
     pub gains: Vec<AxleColumn>,
-    /// True if some of these derivatives are by the rack.
+    /// True if some of these derivatives are derivatives by the rack.
     pub steers: bool,
     /// Placements of the motion, then the design position, then placements of targets that the motion does not contain.
     pub placements: Vec<Placement>,
     of_motion: usize,
     pub(super) design: usize,
-    /// True for builds. Each half of a solid axle then moves by itself.
+    /// True for builds. Each half of a solid axle then moves separately.
     pub of_builds: bool,
-    /// Further data of an axle with elastic parts. `None` for a rigid one.
+    /// Values and rates to read, for an axle with elastic parts. `None` for a rigid one.
     pub elastic: Option<ElasticAxleParts>,
     /// Printed value of the first moving coordinate, for each placement.
     values: Vec<f64>,
 }
 
 impl<'s> AxleStations<'s> {
-    /// Stations of a plan, and further ones.
+    /// Stations of a plan, and further stations.
     pub(crate) fn of(
         axle: Cow<'s, Axle>,
         plan: &AxlePlan,
@@ -93,7 +93,7 @@ impl<'s> AxleStations<'s> {
     pub(crate) fn place(&self, quantity: Quantity, placement: Placement) -> [usize; 2] {
         let quantity = self.quantities.iter().position(|q| *q == quantity);
         let station = self.placements.iter().position(|p| *p == placement);
-        [quantity, station].each(|place| place.expect("the plan has what is looked at"))
+        [quantity, station].each(|place| place.expect("the plan contains the requested value"))
     }
 
     /// Placements as stations of a sweep.
@@ -126,7 +126,7 @@ impl<'s> AxleStations<'s> {
         };
         let mut evaluator = Evaluator::of(self.axle.left.design.len(), one_by_one);
         evaluator.axle = Some(&self.axle);
-        // Gains need one derivative more than the values. Lanes do not compute it.
+        // Gains need one more order of derivatives than the values. Lanes do not compute it.
         let quantities = self.gains.iter().filter_map(|gain| gain.quantity());
         if let Some(order) = quantities.map(|q| q.rate_order()).max() {
             evaluator.slopes = Some(match order {
@@ -194,7 +194,7 @@ impl<'a, const N: usize> OneByOne<'a, N> {
         }))
     }
 
-    /// Reads the design position, with the derivatives of the gains by a steering gear.
+    /// Reads the design position, with the derivatives by a steering gear that gains need.
     fn read_design(&mut self, wheels: Pairs<'_>) -> Option<(Read<'a>, Vec<Option<f64>>)> {
         self.stations.prepare(&mut self.solver, wheels).ok()?;
         let design = self.stations.placements[self.stations.design];

@@ -14,8 +14,8 @@ struct OneByOne<'a, const N: usize> {
 }
 
 impl AxleStations<'_> {
-    /// Makes a solver of values with gradients. On a plane ground the travels depend on the design, which takes one
-    /// derivative more than the values need. An error says why the axle's own design cannot be solved.
+    /// Makes a solver of values with gradients. On a plane ground the travels depend on the design, so one more order of
+    /// derivatives is needed than for the values. An error says why the axle's own design cannot be solved.
     pub(super) fn differentiating(
         &self,
     ) -> Result<Box<dyn DifferentiatesOneByOne + '_>, (Side, DesignFault)> {

@@ -33,7 +33,8 @@ pub(super) struct AxleLanes<'a> {
     stations: &'a AxleStations<'a>,
 }
 
-/// Displacement of the steering gear of a steered axle, with the groups of its stations. Other axles have a single one, 0.
+/// Displacement of the steering gear of a steered axle, with the groups of its stations. Other axles have a single group with
+/// displacement 0.
 struct Gear {
     displacement: f64,
     /// Number of steps to the displacement. Between two steps, the rods of the knuckles must keep their leverage.
@@ -135,8 +136,8 @@ fn grouped(placements: &[Placement], carriers: Carriers) -> Option<Vec<Together>
     Some(groups)
 }
 
-/// Largest lift of a wheel centre of an axle's own design by its steering gear, while the axle rests. At most the displacement
-/// of the gear.
+/// Largest lift of a wheel centre of an axle's own design by its steering gear, while the axle rests. The result is at most the
+/// displacement of the gear.
 fn lift(suspension: &Suspension, gear: f64) -> f64 {
     let mut design = suspension.design.clone();
     let [difference, mean] = displace(&suspension.mechanism, &mut design, gear);

@@ -50,8 +50,8 @@ pub(super) trait FindsSlopes: Send {
 
 /// Evaluator of blocks of designs of a wheel or an axle. Each thread has its own.
 ///
-/// Designs are solved in SIMD lanes if lanes can read every requested quantity. Designs that the tracker rejects, and all
-/// designs otherwise, are solved one by one. The design alone decides which.
+/// Designs are solved in SIMD lanes if lanes can read every requested quantity. Designs that the tracker rejects are solved one
+/// by one; without lanes, all designs are. The choice of method depends on the design alone.
 pub struct Evaluator<'a> {
     /// Number of points of a wheel.
     points: usize,
@@ -77,7 +77,7 @@ impl<'a> Evaluator<'a> {
         Evaluator::with_width(suspension, stations, quantities, Some(Width::widest()))
     }
 
-    /// The same as [`Evaluator::new`], with lanes of this width, or without lanes.
+    /// Makes an evaluator like [`Evaluator::new`], with lanes of this width, or without lanes.
     pub fn with_width(
         suspension: &'a Suspension,
         stations: &'a Stations,
@@ -93,8 +93,8 @@ impl<'a> Evaluator<'a> {
         Ok(evaluator)
     }
 
-    /// The same as [`Evaluator::new`], with every pose from the continuation. It gives the same values, more slowly, for
-    /// comparison.
+    /// Makes an evaluator like [`Evaluator::new`] that finds every pose by continuation. It gives the same values more slowly,
+    /// and serves for comparison.
     pub fn by_continuation(
         suspension: &'a Suspension,
         stations: &'a Stations,

@@ -1,8 +1,8 @@
 //! Quantities at stations with their gradients by the hardpoints, for several designs at a time.
 //!
-//! SIMD lanes differentiate designs that the tracker accepts, if they support the quantities. (For a single design the lanes
-//! hold its stations, with the same bits.) The others follow one by one, with the adjoint of the closure equations. The
-//! design alone decides which.
+//! SIMD lanes differentiate designs that the tracker accepts, if they support the quantities. (For a single design the lanes hold
+//! its stations, and results are equal to the last bit.) Other designs are differentiated one by one, with the adjoint of the
+//! closure equations. The choice of method depends on the design alone.
 
 use super::gradients_one_by_one::{DifferentiatesOneByOne, OneByOne};
 use super::{AxleStations, Gradients, Jacobians, Pairs, Stations};

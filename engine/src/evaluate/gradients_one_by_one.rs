@@ -1,4 +1,4 @@
-//! One design at a time, with the adjoint of the closure equations.
+//! Gradients of one design at a time, with the adjoint of the closure equations.
 
 use super::{Evaluated, Pairs, Stations};
 use crate::characteristics::{Constants, Quantity, Slots, WheelReading};

@@ -46,7 +46,7 @@ pub struct Gradients<'a> {
     found: Found,
     /// Directions that are the same in every lane.
     spread: Vec<f64>,
-    /// Unknowns of a single design at the places of its routes.
+    /// Unknowns of a single design at the stations of its routes.
     history: Vec<f64>,
 }
 
@@ -114,8 +114,8 @@ impl<'a> Gradients<'a> {
         self.evaluate(designs, None, Task::Jacobians(&mut visit));
     }
 
-    /// The same as [`Gradients::jacobians`], along directions. `along` holds the rate of every coordinate in each direction,
-    /// `[direction][point][axis][lane]`, with [`at_once`](Self::at_once) lanes.
+    /// Visits the stations like [`Gradients::jacobians`], with derivatives along directions. `along` holds the rate of every
+    /// coordinate in each direction, `[direction][point][axis][lane]`, with [`at_once`](Self::at_once) lanes.
     pub fn slopes(
         &mut self,
         designs: &[Vector3<f64>],
@@ -127,9 +127,9 @@ impl<'a> Gradients<'a> {
         self.evaluate(designs, None, Task::Slopes { along, visit });
     }
 
-    /// The same as [`Gradients::jacobians`] for a single design, with one station per lane. The visitor gets the stations of
-    /// [`Jacobians::side_by_side`] in place of designs. Returns true if the design was accepted. If not, the visited values
-    /// must not be used. No design is accepted if [`Gradients::takes_one`] is false.
+    /// Visits the stations of a single design, with one station per lane. Otherwise like [`Gradients::jacobians`]. The visitor
+    /// gets the stations of [`Jacobians::side_by_side`] in place of designs. Returns true if the design was accepted. If not, the
+    /// visited values must not be used. No design is accepted if [`Gradients::takes_one`] is false.
     pub fn jacobians_of_one(
         &mut self,
         design: &[Vector3<f64>],
@@ -138,7 +138,8 @@ impl<'a> Gradients<'a> {
         self.evaluate_one(design, Task::Jacobians(&mut visit))
     }
 
-    /// The same as [`Gradients::jacobians_of_one`], along directions. `along` is that of [`Gradients::slopes`] for one lane.
+    /// Visits the stations like [`Gradients::jacobians_of_one`], with derivatives along directions. `along` is that of
+    /// [`Gradients::slopes`] for one lane.
     pub fn slopes_of_one(
         &mut self,
         design: &[Vector3<f64>],
@@ -166,7 +167,7 @@ impl<'a> Gradients<'a> {
         is_accepted
     }
 
-    /// Makes room for slopes along directions that are given as `along` numbers, for `lanes` lanes.
+    /// Allocates memory for slopes along directions. `along` is the count of their numbers, for `lanes` lanes.
     fn make_room(&mut self, along: usize, lanes: usize) {
         let one = self.found.points * 3 * lanes;
         assert!(along.is_multiple_of(one), "whole directions");
@@ -207,7 +208,7 @@ impl<'a> Gradients<'a> {
         wanted: &[AngleTarget],
     ) -> Deviations<'_> {
         let all = self.reader.quantities().len() * self.stations.count();
-        assert_eq!(wanted.len(), all, "one for each angle and station");
+        assert_eq!(wanted.len(), all, "each angle has a value at each station");
         self.found.gradient.fill(0.0);
         self.evaluate(designs, None, Task::Deviations(wanted));
         Deviations { found: &self.found }

@@ -1,4 +1,4 @@
-//! Designs in SIMD lanes.
+//! Evaluates designs in SIMD lanes.
 
 use super::Stations;
 use super::block::{Block, SIDE_BY_SIDE};
@@ -36,7 +36,7 @@ impl NotInLanes {
                 "the tracker does not support this drive or this design (a linkage driven by its arm's angle, a design \
                  close to a singularity or far from the origin)"
             }
-            NotInLanes::Elastic => "equilibria of elastic parts are found one by one",
+            NotInLanes::Elastic => "equilibria of elastic parts are computed one by one",
             NotInLanes::Stations => "two stations coincide, or one is far out of reach",
             NotInLanes::Reading => "lanes do not support a requested output",
             NotInLanes::Travels => {

@@ -1,4 +1,4 @@
-//! Designs one at a time, with every check.
+//! Evaluates designs one at a time, with every check.
 
 use super::Stations;
 use super::block::Block;

@@ -82,7 +82,7 @@ impl FindsSlopes for RateSlopes<'_> {
                 !block.value(number, *k, self.station).is_nan()
             };
             if self.quantities.iter().any(has_value) {
-                // A fault of the design has been reported before, with its values.
+                // The evaluation of the values has already reported a fault of the design.
                 let _: Result<(), DesignFault> = self.evaluate_design(number, design, block);
             }
         }

@@ -78,8 +78,8 @@ impl<'s> Request<'s> {
         }
     }
 
-    /// Adds derivatives by the drive in the design position, for those quantities of one wheel for which `is_wanted` is
-    /// true. An axle's request already contains its own.
+    /// Adds derivatives by the drive in the design position, for those quantities of one wheel for which `is_wanted` is true. The
+    /// request for an axle already contains these derivatives.
     pub(crate) fn with_slopes(mut self, is_wanted: impl Fn(usize) -> bool) -> Self {
         if let Requested::Corner(corner) = &mut self.of {
             for (number, has_slope) in corner.has_slope.iter_mut().enumerate() {

@@ -48,8 +48,8 @@ impl Stations {
         }
     }
 
-    /// Stations that are a list, not combinations. `values` name them, the first `of_motion` are those of the motion, and
-    /// number `design` is the design position.
+    /// Stations from a list instead of combinations. `values` are their drive values. The first `of_motion` stations are those of
+    /// the motion, and the station with index `design` is the design position.
     pub(super) fn listed(values: &[f64], of_motion: usize, design: usize) -> Self {
         Stations {
             of_motion,
@@ -117,7 +117,7 @@ impl Stations {
     }
 }
 
-/// Index of `place` in the list. If it is missing, it is appended.
+/// Returns the index of `place` in the list. A missing `place` is appended.
 pub(crate) fn index_or_push<P: PartialEq>(places: &mut Vec<P>, place: P) -> usize {
     let known = places.iter().position(|p| *p == place);
     known.unwrap_or_else(|| {

@@ -156,7 +156,7 @@ impl Study {
             moves: variable.moves.clone(),
             rate: variable.rate,
             absolute: false,
-            // The range of a rate as a design variable is in logarithms or changes. Here it is in factors or rates.
+            // As a design variable, a rate has a range of logarithms or changes. Here its range is in factors or rates.
             range: match &variable.rate {
                 Some(rate) if rate.is_relative => variable.range.each(f64::exp),
                 Some(rate) => variable.range.each(|change| rate.design + change),
@@ -272,7 +272,7 @@ impl Target {
                 "a finite number above the one before",
                 |t| t.is_finite() && t > last,
             )?;
-            finite("a wanted value", *value)?;
+            finite("a target value", *value)?;
             last = *travel;
         }
         Target::of(suspension, characteristic, tolerance, |of| {
@@ -301,7 +301,7 @@ impl Target {
         tolerance: f64,
     ) -> Result<Self, Error> {
         let drive = finite("a travel", travel)?;
-        let printed = finite("a wanted value", value)?;
+        let printed = finite("a target value", value)?;
         Target::of(suspension, characteristic, tolerance, |of| {
             let value = of.from_printed(printed);
             (Wanted::At { drive, value }, vec![drive])
@@ -361,7 +361,7 @@ fn ends(what: &str, range: &RangeInclusive<f64>) -> Result<[f64; 2], Error> {
 /// Returns the number of values of each variable in a grid of `points` points, if there is such a grid.
 fn steps_of_grid(points: u64, variables: usize) -> Option<u64> {
     let variables = u32::try_from(variables).ok().filter(|n| *n > 0)?;
-    // Below 2^53 the nearest whole number is the exact root, if there is one. Larger numbers are refused in any case.
+    // Below 2^53 the nearest whole number is the exact root, if there is one. Larger numbers are refused elsewhere.
     let steps = (points as f64).powf(1.0 / f64::from(variables)).round() as u64;
     (steps >= 2 && steps.checked_pow(variables) == Some(points)).then_some(steps)
 }

@@ -1,4 +1,4 @@
-//! Suspensions from numbers, with a design position that can be solved.
+//! Makes suspensions from numbers, with a check that the design position can be solved.
 
 use crate::curves::{Status, curves};
 use crate::mechanism::{BuildError, SuspensionBuilder};

@@ -46,11 +46,11 @@ pub enum Error {
     #[error("no {0} is given; expected at least one")]
     Empty(&'static str),
     /// The study describes an axle, and the called function is for one wheel.
-    #[error("the study is of an axle: {0}")]
+    #[error("the study describes an axle: {0}")]
     Axle(&'static str),
     /// A variable of a sweep moves no coordinate.
     #[error(
-        "{0} moves no coordinate: a sweep takes variables that move coordinates, and not turns"
+        "{0} moves no coordinate: a sweep accepts variables that move coordinates, but not turns"
     )]
     MovesNothing(String),
     /// The design itself cannot be solved.
@@ -98,7 +98,7 @@ impl Error {
         }
     }
 
-    /// Returns an error if the suspension lacks something that a characteristic needs.
+    /// Returns an error if the suspension lacks an input or part that a characteristic needs.
     pub(super) fn if_lacking(
         suspension: &Suspension,
         characteristic: Characteristic,

@@ -58,7 +58,7 @@ impl Suspension {
     ///     .static_angles_deg(-1.0, 0.1)
     ///     .build()?;
     /// let pose = suspension.pose_at(40.0, 0.0)?;
-    /// let [_, _, z] = pose.point("wheel_centre").expect("every suspension has one");
+    /// let [_, _, z] = pose.point("wheel_centre").expect("every suspension has a wheel_centre");
     /// assert!((z - 340.0).abs() < 1e-10);
     /// println!("camber {:?} deg", pose.characteristic(Characteristic::Camber));
     /// let design = suspension.pose_at(0.0, 0.0)?;

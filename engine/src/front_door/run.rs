@@ -70,8 +70,8 @@ impl Study {
     ///         vec![Target::curve(&suspension, Characteristic::Toe, &[[-30.0, 0.0], [30.0, 0.0]], 0.02)?],
     ///     );
     /// let tuning = study.tune(Control::default())?;
-    /// let best = tuning.best.expect("it can be solved");
-    /// assert!(best.after.misfit <= tuning.before.expect("so can the design").misfit);
+    /// let best = tuning.best.expect("the tuning has a result");
+    /// assert!(best.after.misfit <= tuning.before.expect("the design can be solved").misfit);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
@@ -155,7 +155,7 @@ impl Study {
     }
 }
 
-/// Refuses the same sampling errors as the reader of studies.
+/// Refuses the same errors in the sampling as the reader of studies.
 fn refuse_wrong(sampled: &Sampled) -> Result<(), Error> {
     let variables = &sampled.variables;
     if variables.is_empty() {
@@ -197,7 +197,7 @@ fn refuse_wrong(sampled: &Sampled) -> Result<(), Error> {
         Sampling::Saltelli if variables.len() > MOST_EXCHANGED => number(
             "the number of variables that are exchanged one by one",
             count,
-            "no more than a block of designs holds",
+            "no more than a block of designs contains",
         ),
         _ => Ok(()),
     }

@@ -15,7 +15,7 @@ pub enum FunctionError {
     )]
     Formulation,
     /// The study has elastic parts. Their equilibria depend on more than positions.
-    #[error("DesignFunction is of the rigid mechanism; the study has [compliance]")]
+    #[error("DesignFunction is for rigid mechanisms only; the study has [compliance]")]
     Elastic,
     /// The study has no output that is a function of position.
     #[error("the study requests no characteristic and no point")]
@@ -25,8 +25,8 @@ pub enum FunctionError {
     Design(String),
     /// No variable has this name.
     #[error(
-        "there is no variable {0:?}; expected a hardpoint and how it moves, as in tie_rod_inner_dz for an offset \
-         or tie_rod_inner_z for a coordinate{1}"
+        "there is no variable {0:?}; expected a hardpoint with its movement, as in \
+         tie_rod_inner_dz for an offset or tie_rod_inner_z for a coordinate{1}"
     )]
     UnknownVariable(String, String),
 }

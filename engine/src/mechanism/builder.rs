@@ -73,7 +73,7 @@ fn meant(fault: &HardpointFault) -> String {
     }
 }
 
-/// A suspension in the making: hardpoints by name, in the axes and the unit of whoever gives them.
+/// A suspension that is being built from hardpoints. They have names, and coordinates in the axes and the unit of the caller.
 ///
 /// ```
 /// # extern crate hardpoint_engine as hardpoint;

@@ -13,7 +13,7 @@ use crate::number::{Each, Matrix3, Outlined, Real, Vector3};
 /// Sixth equation: the drive with its present value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Driver<T> {
-    /// Height of the wheel centre above its design position. For a rigid axle: the travel that is not held.
+    /// Height of the wheel centre above its design position. For a rigid axle, the drive is the travel that is not held.
     Travel(T),
     /// Angle of the first arm, from its design position.
     ArmAngle {
@@ -65,10 +65,10 @@ pub struct Closure<T> {
     driven: Option<TravelRow<T>>,
 }
 
-/// Dimensions from which rows are made. A trait, unlike an enum, keeps rows of parts out of code that only knows designs.
-/// Its function is inlined, since a call would not be compiled for SIMD lanes.
+/// Dimensions from which rows are made. With a trait instead of an enum, code for designs contains no code for built parts. Its
+/// function is inlined, because a call would not be compiled for SIMD lanes.
 trait Dimensions<T>: Copy {
-    /// Any number of the dimensions, for constants of its kind.
+    /// Any number of the dimensions. Constants get its number type and length.
     fn like(self) -> T;
     /// Makes a row. `constraint` is the index of its constraint, and `number` is its index among the rows of that
     /// constraint.
@@ -155,7 +155,7 @@ impl<T: Real> Closure<T> {
         Closure { rows, driven }
     }
 
-    /// Takes a new design of the same mechanism.
+    /// Changes to a new design of the same mechanism.
     pub fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<T>]) {
         *self = Closure::new(mechanism, design);
     }
@@ -173,7 +173,7 @@ impl<T: Real> Closure<T> {
         self.residuals_inlined(at, driver)
     }
 
-    /// Same as [`Closure::residuals`], for SIMD lanes.
+    /// Residuals as in [`Closure::residuals`], for SIMD lanes.
     #[inline(always)]
     pub(crate) fn residuals_inlined(&self, at: &Configuration<T>, driver: Driver<T>) -> Vector6<T> {
         let mut residuals = [at.rack.zero(); 6];
@@ -258,7 +258,7 @@ impl<T: Real> Closure<T> {
         self.differential_inlined(rows, at, driver, weights, &mut sink);
     }
 
-    /// Same as [`Closure::differential`], for SIMD lanes.
+    /// Adds differentials as [`Closure::differential`] does, for SIMD lanes.
     #[inline(always)]
     pub(crate) fn differential_inlined(
         &self,
@@ -435,8 +435,8 @@ static_toe = 0.0
 heave = [0.0]
 "#;
 
-    /// The rates of all rows along a motion of the knuckle are those of series, also those of rods on knuckles and on the half of a
-    /// twist beam. Both halves of an axle are seen.
+    /// The rates of all rows along a motion of the knuckle equal the derivatives of series. The test covers rods on knuckles and
+    /// on a half of a twist beam, and both halves of an axle.
     #[test]
     fn rates_of_rows_are_those_of_series() {
         let beam = crate::model::Topology::named("twist_beam")

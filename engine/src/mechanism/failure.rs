@@ -77,11 +77,11 @@ impl fmt::Display for FormulationFailure {
             FormulationFailure::DriveEnds { value, cause, .. }
             | FormulationFailure::ThetaEnds { value, cause } => write!(
                 f,
-                "unreachable: the motion ends where the drive is {value}; there, {cause}"
+                "unreachable: the motion ends at the drive value {value}: {cause}"
             ),
             FormulationFailure::RackEnds { cause } => write!(
                 f,
-                "unreachable: the rack does not get there; where it stops, {cause}"
+                "unreachable: the rack ends before this position: {cause}"
             ),
             FormulationFailure::NotFinite => f.write_str("the input is not finite"),
         }
@@ -134,7 +134,7 @@ impl fmt::Display for LimitCause {
         f.write_str(match self {
             LimitCause::TieRodToggle => "the tie rod is at toggle",
             LimitCause::UpperArmStraight => "the upper arm is in line with the steering axis",
-            LimitCause::StrutSquare => "the strut is square to the steering axis",
+            LimitCause::StrutSquare => "the strut is perpendicular to the steering axis",
             LimitCause::DependentLinks => "links are at a dead centre with each other",
             LimitCause::AxleFolds => "the links of the axle are at a dead centre",
             LimitCause::CentreHighest => {
@@ -144,10 +144,10 @@ impl fmt::Display for LimitCause {
                 "the wheel centre is at its lowest point, no part is at a singularity"
             }
             LimitCause::ArmStandsStill => {
-                "the arm stands still while the wheel moves on, no part is at a singularity"
+                "the arm stops while the wheel moves on, no part is at a singularity"
             }
             LimitCause::RackStandsStill => {
-                "the rack stands still while the wheel steers on, no part is at a singularity"
+                "the rack stops while the wheel steers on, no part is at a singularity"
             }
             LimitCause::Unresolved => "the path meets another assembly there",
         })
@@ -157,7 +157,7 @@ impl fmt::Display for LimitCause {
 /// Distance of a part from its singular position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PartMeasure {
-    /// The part, named by the cause for which it would be responsible.
+    /// The part, identified by the cause that its singular position would be.
     pub cause: LimitCause,
     /// Sine of the angle between the part and its singular position.
     pub sine: f64,
@@ -187,7 +187,9 @@ impl fmt::Display for Unproven {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Unproven::Singular => "the pose is singular in double precision",
-            Unproven::TooClose => "another assembly is too close to tell apart in double precision",
+            Unproven::TooClose => {
+                "another assembly is too close to be distinguished in double precision"
+            }
             Unproven::Branch => "the path from the design position could not be proved",
         })
     }
@@ -234,7 +236,7 @@ pub enum DesignFault {
     },
     /// The formulation in point coordinates cannot describe the design.
     PointCoordinates(FormulationFailure),
-    /// The program lacks the formulation of this name.
+    /// The program does not contain the formulation of this name.
     NoFormulation(&'static str),
     /// The constraints are dependent and do not hold the knuckle, or the drive cannot move it.
     Singular,
@@ -252,7 +254,10 @@ impl DesignFault {
         match self {
             DesignFault::NotFinite(id) => format!("{} is not a finite point", name(id)),
             DesignFault::ArmWithoutRadius { outer } => {
-                format!("{} lies on the axis of its arm, so the arm cannot move it", name(outer))
+                format!(
+                    "{} lies on the axis of its arm, so the arm cannot move it",
+                    name(outer)
+                )
             }
             DesignFault::NoSteering { end } => format!(
                 "{} lies on the steering axis, so the tie rod does not hold the wheel's heading",
@@ -263,14 +268,17 @@ impl DesignFault {
                 name(first),
                 name(second)
             ),
-            DesignFault::OutOfScale => "the points are too far from the origin, or too large or small, \
-                 for double precision to tell them apart"
+            DesignFault::OutOfScale => "the points are too far from the origin, or too large or \
+                                        small, to be distinguished in double precision"
                 .to_owned(),
-            DesignFault::Toggle => "the tie rod is at toggle in the design position: its ends lie in one \
+            DesignFault::Toggle => {
+                "the tie rod is at toggle in the design position: its ends lie in one \
                  plane with the steering axis"
-                .to_owned(),
+                    .to_owned()
+            }
             DesignFault::NoStrutLength => {
-                "the strut has no length: its mount is at the foot of the ball joint on the strut axis"
+                "the strut has no length: its mount is at the foot of the perpendicular from the \
+                 ball joint to the strut axis"
                     .to_owned()
             }
             DesignFault::UpperArmInLine { outer } => format!(
@@ -282,23 +290,24 @@ impl DesignFault {
                  \"paper_theta\" is singular",
                 name(outer)
             ),
-            DesignFault::PointCoordinates(failure) => format!(
-                "the design position cannot be solved in point coordinates: {failure}"
-            ),
+            DesignFault::PointCoordinates(failure) => {
+                format!("the design position cannot be solved in point coordinates: {failure}")
+            }
             DesignFault::NoFormulation(name) => format!(
                 "this program has no formulation = \"{name}\": use \"knuckle_pose\", or call hardpoint_attia::register() \
                  before solving"
             ),
             DesignFault::Singular => {
-                "the design position is singular: the drive cannot move the wheel from it".to_owned()
+                "the design position is singular: the drive cannot move the wheel from it"
+                    .to_owned()
             }
             DesignFault::Elastic(reason) => reason.clone(),
         }
     }
 }
 
-/// Shows points by their index from 0, in the order of the topology's hardpoints. [`DesignFault::describe`] uses their
-/// names.
+/// Writes the fault with indices of points, from 0, in the order of the topology's hardpoints. [`DesignFault::describe`] writes
+/// names instead.
 impl fmt::Display for DesignFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.words(|id| format!("point number {}", id.0)))
@@ -365,8 +374,8 @@ impl Failure {
     }
 }
 
-/// Shows lengths in the unit of the hardpoints and the rack in the kernel's axes, because a failure knows no others.
-/// [`Failure::describe`] uses those of a study.
+/// Writes the reason with lengths in the unit of the hardpoints and the rack in the kernel's axes. [`Failure::describe`] uses the
+/// unit and axes of a study.
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.words(None, 1.0))

@@ -50,7 +50,7 @@ impl<T: Real> Ground<T> {
         }
     }
 
-    /// The same ground in the other wheel's frame.
+    /// Returns the ground in the other wheel's frame.
     #[inline(always)]
     pub fn mirrored(self) -> Self {
         Ground {

@@ -29,13 +29,13 @@ pub enum NoPose {
         /// Wheel whose frame this is.
         side: Side,
     },
-    /// No difference of travels puts both wheels on the ground at this roll angle. Either a wheel falls where it should
-    /// rise, or the iteration did not settle.
-    #[error("at no difference of the travels do both wheels touch the ground")]
+    /// No difference of travels puts both wheels on the ground at this roll angle. Either a wheel falls where it should rise, or
+    /// the iteration did not converge.
+    #[error("there is no difference of the travels at which both wheels touch the ground")]
     NoGround,
     /// No mean travel gives the axle the required load. Either the load does not grow with the travel, or a wheel cannot
     /// reach it.
-    #[error("at no mean travel do the wheels carry the held load")]
+    #[error("there is no mean travel at which the wheels carry the held load")]
     NoLoad,
     /// A proof was requested. The poses of both wheels are proved, but it is not proved that the ground under them is
     /// unique.
@@ -43,20 +43,22 @@ pub enum NoPose {
     Unproven,
     /// The elastic parts have no equilibrium.
     #[error(
-        "no equilibrium: the wheel holds {share:.6} of the way from the design position; `hardpoint kc` names the part that gives way"
+        "no equilibrium: equilibria exist for {share:.6} of the way from the design position; \
+         `hardpoint kc` names the part that limits them"
     )]
     NoEquilibrium {
         /// Share of the distance from the design position that was reached.
         share: f64,
     },
     /// The elastic parts have an equilibrium, but it is unstable.
-    #[error("the equilibrium is not stable: a small push ends it")]
+    #[error("the equilibrium is not stable")]
     Unstable,
 }
 
 impl NoPose {
-    /// Describes the reason in words, with lengths in this unit and the rack in the axes of this frame. The frame is that of
-    /// a single wheel, or of an axle's left wheel. If the rack is the limit, the wheel's travel is irrelevant and left out.
+    /// Describes the reason in words, with lengths in this unit and the rack in the axes of this frame. The frame is that of a
+    /// single wheel, or of an axle's left wheel. If the rack is the limit, the text leaves out the wheel's travel, which is
+    /// irrelevant.
     pub fn describe(&self, unit: LengthUnit, frame: Frame) -> String {
         let frame_of = |side: Side| match side {
             Side::Left => frame,

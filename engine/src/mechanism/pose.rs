@@ -192,7 +192,7 @@ impl<'a, T: Real> Configuration<'a, T> {
         )
     }
 
-    /// The same as [`Configuration::point`], inlined, for a point that is not on a rocker.
+    /// Present position of a point that is not on a rocker. Inlined, unlike [`Configuration::point`].
     #[inline(always)]
     pub(crate) fn place(&self, id: PointId) -> Vector3<T> {
         match self.mechanism.body(id) {
@@ -279,7 +279,7 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
-    /// Position to which the knuckle carries the place that this point has in the design position.
+    /// Present position of the place of the knuckle at which this point is in the design position.
     #[inline(always)]
     pub(crate) fn carried(&self, id: PointId) -> Vector3<T> {
         if id == self.mechanism.origin {

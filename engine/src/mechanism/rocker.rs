@@ -1,7 +1,7 @@
 //! Angle to which a rod turns a rocker.
 //!
-//! A rocker turns about a line fixed in its base, along the unit vector e. The base is the vehicle or a solid axle. On a
-//! solid axle, all vectors below are in the axle's frame in the design position, and (12) joins both frames.
+//! A rocker turns about an axis fixed in its base, along the unit vector e. The base is the vehicle or a solid axle. On a solid
+//! axle, all vectors below are in the axle's frame in the design position, and (12) joins both frames.
 //!
 //! A rod of constant length turns the rocker; it is the vector l in the design position. c is the foot of the perpendicular
 //! from the rod's inner end to the axis. r is the lever from c to that end in the design position, and t = e x r. d is the
@@ -37,7 +37,7 @@
 //! M = (x' - f) x g - k (n' - f) x s',   h = g - k s'                                            (9)
 //! ```
 //!
-//! A couple m on the rocker, the derivative by its rotation, joins (x' - f) x g in (8) and (9). The derivatives of
+//! A couple m on the rocker, which is the derivative by its rotation, is added to (x' - f) x g in (8) and (9). The derivatives of
 //! g.x' + t theta are
 //!
 //! ```text
@@ -92,7 +92,7 @@ impl<T: Real> Turn<T> {
         let e = rod.dot(way) - way.norm_squared().scaled(0.5);
         let h = a * a + b * b;
         let square = b * b - e * (a + a + e);
-        // B of the design position is t.l.
+        // In the design position, B is t.l.
         let pushed = turned.dot(rod).sign();
         let w = -(pushed * square.sqrt());
         let inverse = h.one() / h;
@@ -127,8 +127,8 @@ impl<T: Real> Turn<T> {
         v - lever + lever * self.cosine - self.axis.cross(lever) * self.sine
     }
 
-    /// The derivatives of `gradient . moved(point)`, plus `couple` by the rotation, plus `moment` times the angle: by each of
-    /// the inputs, and by the point.
+    /// Derivatives by each of the inputs and by the point. The differentiated quantity is `gradient . moved(point)`, plus
+    /// `couple` times the rotation, plus `moment` times the angle.
     #[inline(always)]
     fn gradient(
         &self,
@@ -279,8 +279,8 @@ impl<T: Real> Configuration<'_, T> {
         )
     }
 
-    /// Angle of a rocker from its design position, positive where its rod has pushed it, or a pullrod pulled
-    /// it. NaN beyond a toggle.
+    /// Angle of a rocker from its design position, positive if its rod has pushed it, or if a pullrod has pulled it. NaN beyond a
+    /// toggle.
     #[inline(always)]
     pub fn rocker_angle(&self, id: RockerId) -> T {
         outlined!(
@@ -340,7 +340,7 @@ impl<T: Real> Configuration<'_, T> {
             sink.hardpoint(*id, by[k]);
         }
         let by_outer = if self.is_on_axle(rocker) {
-            // Second form of (12): the outer end goes into the frame of the axle.
+            // The second form of (12) converts the outer end to the frame of the axle.
             let pull = self.pose.rotation.apply(by[4]);
             let lever = self.point(rocker.outer) - self.pose.origin;
             sink.wrench(-pull, -lever.cross(pull));
@@ -388,7 +388,7 @@ impl<T: Real> Configuration<'_, T> {
         let turn = Turn::of(ends);
         let zero = self.rack.zero();
         let none = Vector3::new(zero, zero, zero);
-        // Angle and rotation have no point: a point of the axis with no gradient stands for it.
+        // Angle and rotation need no point. A point of the axis with a zero gradient replaces it.
         let (designed, gradients, moment) = match seed {
             RockerSeed::Point { designed, gradient } => (designed, [gradient, none], zero),
             RockerSeed::Angle(gradient) => (ends[0], [none; 2], gradient * turn.sense(rocker.rod)),
@@ -416,7 +416,7 @@ impl Configuration<'_, f64> {
         turn.leverage_squared.sqrt()
     }
 
-    /// Rod that keeps a rocker from turning here: its own rod, or that of a rocker that turns it.
+    /// Rod at a toggle that stops a rocker here: its own rod, or that of a rocker that turns it.
     pub(crate) fn toggle(&self, id: RockerId) -> Option<Rod> {
         let before = self
             .mechanism

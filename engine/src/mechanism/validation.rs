@@ -81,7 +81,7 @@ impl HardpointFault {
     ) -> Option<HardpointFault> {
         let is_given = |name: &&str| given.contains(name);
         let count = |list: &[&'static str]| list.iter().filter(|name| is_given(name)).count();
-        // List with the most given hardpoints. If there are several, the first one.
+        // Returns the list with the most given hardpoints; the first one, if several are equal.
         let nearest = group.complete.iter().rev().max_by_key(|list| count(list));
         let is_beside = group.beside.iter().any(is_given);
         let list = nearest.filter(|list| count(list) > 0 || is_beside)?;
@@ -166,7 +166,7 @@ pub enum GeometryFault {
         turned: &'static str,
     },
     /// The suspension is too large or too small, probably because of a wrong unit of length.
-    #[error("the hardpoints are {size:.3} {} apart, which is no suspension", unit.symbol())]
+    #[error("the hardpoints are {size:.3} {} apart, which is impossible for a suspension", unit.symbol())]
     ImplausibleSize {
         /// Largest distance of a hardpoint from the wheel carrier's origin.
         size: f64,
@@ -182,7 +182,7 @@ pub enum GeometryFault {
 }
 
 impl GeometryFault {
-    /// Returns the first fault of a suspension; `None` for a sound one.
+    /// Returns the first fault of a suspension; `None` if it has none.
     pub fn first_of(suspension: &Suspension) -> Option<GeometryFault> {
         GeometryFault::all_of(suspension).into_iter().next()
     }
@@ -287,7 +287,7 @@ fn right_side(suspension: &Suspension) -> Vec<GeometryFault> {
         .collect();
     let mean = inboard.iter().sum::<f64>() / inboard.len() as f64;
     let centre = mechanism.wheel_centre;
-    // A twist beam without springs has no point on the body, and no mean.
+    // A twist beam without springs has no point on the body, so there is no mean.
     if design[centre.0].y < mean {
         vec![GeometryFault::WrongSide {
             wheel_centre: name(suspension, centre),

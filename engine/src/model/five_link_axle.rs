@@ -1,8 +1,8 @@
-//! Five links of a solid axle: two lower and two upper links, and a Panhard rod.
+//! Solid axle on five links: two lower and two upper links, and a Panhard rod.
 //!
 //! Two heights and five lengths are seven rows for the six unknowns of the axle. So rigid links bind, and links with axial
 //! stiffness take the pose of least energy ([`crate::compliance`]). The constraints of the mechanism leave out the upper link of
-//! the far half: they are those of an axle that moves nearly alike, by which a study is checked and drawn.
+//! the far half. They are those of an axle with nearly the same motion, which serves to check and draw a study.
 
 use super::{Mechanism, Point, PointId};
 use crate::number::Each;
@@ -11,7 +11,7 @@ use crate::number::Each;
 const UPPER_LINK: [&str; 2] = ["upper_link_chassis", "upper_link_axle"];
 
 impl Mechanism {
-    /// Gives a solid axle with a single upper link one on each side. The points of the far half are the last ones.
+    /// Replaces the single upper link of a solid axle by one on each side. The points of the far half are the last ones.
     pub fn pair_upper_links(&mut self) {
         let near = UPPER_LINK.each(|name| self.point(name));
         let (Some(rigid), [Some(chassis), Some(axle)]) = (&mut self.rigid_axle, near) else {
@@ -31,7 +31,7 @@ impl Mechanism {
         rigid.extra_links.push(far);
     }
 
-    /// Returns true for a solid axle that rigid links do not fit.
+    /// Returns true for a solid axle with more links than rigid links allow.
     pub fn has_extra_links(&self) -> bool {
         let rigid = self.rigid_axle.as_ref();
         rigid.is_some_and(|rigid| !rigid.extra_links.is_empty())

@@ -163,7 +163,7 @@ impl LengthUnit {
         }
     }
 
-    /// The same unit of length, with forces in newtons.
+    /// Returns the unit with the same lengths, but with forces in newtons.
     fn with_newtons(self) -> LengthUnit {
         match self {
             LengthUnit::InchPound => LengthUnit::Inch,

@@ -47,10 +47,10 @@ pub enum Body {
     Chassis,
     /// Moved sideways by the steering rack.
     Rack,
-    /// Held in the vehicle, but displaced sideways: as far to one side as a point of the knuckle has moved to the other. For
-    /// the mounts of a twist beam.
+    /// Fixed in the vehicle, except that it moves sideways by the opposite of a knuckle point's displacement. For the mounts of a
+    /// twist beam.
     Opposite(PointId),
-    /// Held by the steering gear, at the place that another point has in the design.
+    /// Moved by the steering gear from the place that another point has in the design position.
     SteeringGear(PointId),
     /// The wheel carrier.
     Knuckle,
@@ -235,7 +235,7 @@ pub struct Mechanism {
     pub points: Vec<Point>,
     /// Bodies that a study may assign to points, with their names.
     pub bodies: Vec<(&'static str, Body)>,
-    /// Points that could be on several bodies, and for which the study names none. Their bodies are assumed.
+    /// Points that could be on several bodies, if the study does not name their body. The program assumes these bodies.
     pub unsaid_seats: Vec<PointId>,
     /// Constraints, five scalar equations in total.
     pub constraints: Vec<Constraint>,
@@ -281,7 +281,7 @@ impl Mechanism {
         self.has_rack() || self.axle_steering().is_some()
     }
 
-    /// Point that moves with a point of a part: the added point of the spin axis moves with its wheel centre.
+    /// Second point that moves with a given point of a part. The added point of the spin axis moves with its wheel centre.
     #[inline(always)]
     pub(crate) fn moves_with(&self, leader: PointId) -> Option<PointId> {
         let mut pairs = self.parallel_axes.iter();
@@ -290,8 +290,8 @@ impl Mechanism {
             .map(|[_, beside]| *beside)
     }
 
-    /// Name of a point. A built wheel has an additional point if the study gives camber and toe as angles. Errors of builds
-    /// may name it, so it has a name, too.
+    /// Name of a point. A built wheel has an additional point if the study gives camber and toe as angles. Errors of builds may
+    /// refer to it, so it also has a name.
     pub fn name(&self, id: PointId) -> &str {
         self.points
             .get(id.0)
@@ -313,7 +313,7 @@ impl Mechanism {
         }
     }
 
-    /// The mechanism with this travel of its rigid axle held, and the other travel as its drive.
+    /// Returns the mechanism with this travel of its rigid axle held. The other travel is then its drive.
     pub fn holding(&self, travel: AxleTravel) -> Mechanism {
         let mut mechanism = self.clone();
         if let Some(rigid) = &mut mechanism.rigid_axle {
@@ -334,7 +334,7 @@ impl Mechanism {
             .is_some_and(|rigid| rigid.is_far(id))
     }
 
-    /// Returns true for a point that a rigid axle has once, such as an end of a Panhard rod.
+    /// Returns true for a point that exists only once on a rigid axle, such as an end of a Panhard rod.
     pub fn is_single(&self, id: PointId) -> bool {
         let rigid = self.rigid_axle.as_ref();
         rigid.is_some_and(|rigid| rigid.singles.contains(&id))
@@ -404,7 +404,7 @@ impl Mechanism {
         let links = self.constraints.iter().any(|constraint| match *constraint {
             Constraint::Link { inner, outer } => are(inner, outer),
             Constraint::Revolute { first, second } => {
-                // The hinge's own points are fixed, and the wheel carrier rotates about them.
+                // The points of the hinge are fixed, and the wheel carrier rotates about them.
                 let of_axis = |id| id == first || id == second;
                 let carried = |id| self.body(id) == Body::Knuckle;
                 of_axis(a) && carried(b) || of_axis(b) && carried(a)

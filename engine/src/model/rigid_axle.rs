@@ -54,7 +54,8 @@ pub struct RigidAxle {
     pub far_centre: PointId,
     /// Travel that a constraint holds. The other travel is the drive.
     pub held: AxleTravel,
-    /// Links of the far half that no constraint holds: rigid ones do not fit, elastic ones do.
+    /// Links of the far half that have no constraint. They would overconstrain the axle if they were rigid; as elastic links they
+    /// are possible.
     pub extra_links: Vec<[PointId; 2]>,
     /// Further points, if the axle is a twist beam.
     pub twist_beam: Option<TwistBeam>,
@@ -62,7 +63,7 @@ pub struct RigidAxle {
     pub steering: Option<AxleSteering>,
 }
 
-/// Mirror image of a position in the middle plane of the vehicle.
+/// Mirror image of a position about the middle plane of the vehicle.
 #[inline(always)]
 pub fn mirrored<T: Real>(position: Vector3<T>) -> Vector3<T> {
     Vector3::new(position.x, -position.y, position.z)
@@ -97,8 +98,8 @@ impl RigidAxle {
         }
     }
 
-    /// Moves the far half with the near half. `own` is a design with both halves. Differences between its far half and a
-    /// mirror image stay.
+    /// Moves the far half with the near half. `own` is a design with both halves. Differences between its far half and a mirror
+    /// image stay constant.
     #[inline(always)]
     pub fn complete<T: Real>(&self, own: &[Vector3<f64>], design: &mut [Vector3<T>]) {
         for [near, far] in &self.pairs {
@@ -112,8 +113,8 @@ impl RigidAxle {
         }
     }
 
-    /// Writes the axle as seen from its other wheel, in the frame of that side, into `into`. Points that are neither in a
-    /// pair nor single belong to each wheel and stay.
+    /// Writes the axle as seen from its other wheel, in the frame of that side, into `into`. Points that are neither in a pair
+    /// nor single are the same for both wheels.
     #[inline(always)]
     pub fn turn_over<T: Real>(&self, design: &[Vector3<T>], into: &mut [Vector3<T>]) {
         into.copy_from_slice(design);
@@ -129,7 +130,7 @@ impl RigidAxle {
         }
     }
 
-    /// Returns true if the far half is the mirror image of the near half. The drag link of a steered axle has none.
+    /// Returns true if the far half is the mirror image of the near half. The drag link of a steered axle has no mirror image.
     pub fn is_symmetric(&self, design: &[Vector3<f64>]) -> bool {
         if self.steering.is_some() {
             return false;

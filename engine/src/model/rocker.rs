@@ -40,7 +40,7 @@ pub enum Rod {
     WattLink,
     /// Turns the left knuckle of a steered solid axle.
     DragLink,
-    /// Turns the right knuckle of a steered solid axle by the left one.
+    /// Connects the knuckles of a steered solid axle, so that the left one turns the right one.
     TieRod,
     /// No real rod: a mount of a twist beam, which turns its half of the beam against the other half.
     TwistBeam,
@@ -182,7 +182,7 @@ const WATT_ON_AXLE: [&str; 4] = [
     "watt_pivot",
     "watt_axis",
 ];
-/// The same linkage with the rocker on the body.
+/// Watt linkage with its rocker on the body.
 const WATT_ON_CHASSIS: [&str; 4] = [
     "watt_upper_axle",
     "watt_upper_rocker",
@@ -201,7 +201,7 @@ pub(super) struct Carriers {
 }
 
 impl Carriers {
-    /// Assigns all of them to one body.
+    /// Assigns all ends to one body.
     pub(super) const fn all(body: Body) -> Self {
         Carriers {
             pushrod: body,
@@ -324,7 +324,7 @@ impl Mechanism {
         found.map_or_else(String::new, |(name, _)| name.replace('_', " "))
     }
 
-    /// The same mechanism with each hardpoint on the body that the topology assigns to it.
+    /// Returns the mechanism with each hardpoint on the body that the topology assigns to it.
     fn usual(&self) -> Mechanism {
         let known = self.points.iter();
         let known = known.filter_map(|point| self.topology.hardpoint(&point.name));

@@ -1,10 +1,10 @@
-//! Steering of a solid axle: a drag link turns the left knuckle about its kingpin, and a tie rod turns the right knuckle by the
-//! left one.
+//! Steering of a solid axle: a drag link turns the left knuckle about its kingpin, and a tie rod transmits this rotation to the
+//! right knuckle.
 //!
-//! Each knuckle is a rocker of the axle (see `mechanism/rocker.rs`). The rod of the left one is the drag link, from the
-//! steering gear to the knuckle. The rod of the right one is the tie rod, from the left to the right knuckle. Wheel centre and
-//! spin axis are on the knuckle. So the pose of the axle stays the only unknown of the closure equations. Both angles follow from
-//! it by (3) of `mechanism/rocker.rs`, the left one first.
+//! Each knuckle is a rocker of the axle (see `mechanism/rocker.rs`). The rod of the left knuckle is the drag link, from the
+//! steering gear to the knuckle. The rod of the right knuckle is the tie rod, from the left to the right knuckle. Wheel centre
+//! and spin axis are on the knuckle. So the pose of the axle stays the only unknown of the closure equations. Both steering
+//! angles follow from this pose by (3) of `mechanism/rocker.rs`, the left one first.
 //!
 //! # The steering gear
 //!
@@ -15,7 +15,7 @@
 //! p' = p + s d                                                                                 (1)
 //! ```
 //!
-//! The design holds p' as a point of its own, so that s is no input of the mechanism. In `mechanism/rocker.rs`, p' is the present
+//! The design contains p' as a separate point, so s is not an input of the mechanism. In `mechanism/rocker.rs`, p' is the present
 //! place o' of the rod's outer end, and p its place o in the design position. Let g be the gradient of a number y by p', as the
 //! adjoint of the closure equations yields it for every point. Then
 //!
@@ -27,8 +27,8 @@
 //! # Travels
 //!
 //! While the axle rests, steering lifts or lowers the wheel centres. Let w_n and w_f be the hardpoints of the near and the far
-//! wheel centre, and c_n and c_f their places after the turn, the axle at rest. The closure equations count the travels from c_n
-//! and c_f. They find both from p' when they take a design; no design stores them:
+//! wheel centre, and c_n and c_f their positions after the knuckles have turned, with the axle at rest. The closure equations
+//! count the travels from c_n and c_f. They compute both from p' for each new design; designs do not store them:
 //!
 //! ```text
 //! mean of the equations        = mean travel - (c_n.z - w_n.z + c_f.z - w_f.z)/2               (4)
@@ -77,7 +77,7 @@ pub(super) static STEERING: Group = Group {
     ],
 };
 
-/// Steering of a solid axle, as the near wheel sees it.
+/// Steering of a solid axle, as seen from the near wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxleSteering {
     /// Knuckle of the near wheel.
@@ -93,7 +93,7 @@ pub struct AxleSteering {
 }
 
 impl AxleSteering {
-    /// Point that a study does not give, with the hardpoint at which it is while the wheels are not steered.
+    /// Point that a study does not give, with the hardpoint at which it lies while the wheels are straight ahead.
     pub(super) fn follower(&self) -> [PointId; 2] {
         [self.place, self.end]
     }
@@ -154,7 +154,7 @@ pub(super) fn knuckles(find: impl Fn(&str) -> PointId) -> [Rocker; 2] {
     ]
 }
 
-/// Makes a mechanism of a solid axle steered.
+/// Adds steering to the mechanism of a solid axle.
 pub(super) fn steer(mechanism: &mut Mechanism, steering: AxleSteering) {
     let id = |name: &str| {
         let found = mechanism.point(name);
@@ -175,7 +175,8 @@ pub(super) fn steer(mechanism: &mut Mechanism, steering: AxleSteering) {
 }
 
 impl RigidAxle {
-    /// The far partner of a point of a pair, or the near one. A point that is in no pair is its own partner.
+    /// The other point of a pair: the far one of a near point, or the near one of a far point. A point that is in no pair is its
+    /// own partner.
     pub(crate) fn partner(&self, id: PointId) -> PointId {
         let pair = self.pairs.iter().find(|pair| pair.contains(&id));
         pair.map_or(id, |[near, far]| if *near == id { *far } else { *near })
@@ -189,8 +190,8 @@ impl Mechanism {
         self.rigid_axle.as_ref()?.steering.as_ref()
     }
 
-    /// The mechanism of a rigid axle as its other wheel sees it. It has the same points. In a steered axle, the drag link
-    /// then turns the far knuckle, and the tie rod the near one.
+    /// Returns the mechanism of a rigid axle as seen from its other wheel. It has the same points. In a steered axle, the drag
+    /// link then turns the far knuckle, and the tie rod the near one.
     pub fn from_other_wheel(&self) -> Mechanism {
         let mut turned = self.clone();
         let Some(rigid) = &mut turned.rigid_axle else {

@@ -18,9 +18,9 @@ pub struct VehicleFigures {
     pub drive_share_front: Option<f64>,
     /// Position of the axle with this suspension.
     pub position: Option<AxlePosition>,
-    /// Part that takes the torque of the brakes.
+    /// Part that carries the reaction to the torque of the brakes.
     pub brakes: Option<TorquePath>,
-    /// Part that takes the torque of the drive.
+    /// Part that carries the reaction to the torque of the drive.
     pub drive_torque: Option<TorquePath>,
 }
 
@@ -33,7 +33,7 @@ pub enum AxlePosition {
     Rear,
 }
 
-/// Part that takes the torque of brakes or drive about the wheel's spin axis.
+/// Part that carries the reaction to the torque of brakes or drive about the wheel's spin axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TorquePath {
     /// The wheel carrier: outboard brakes, hub motors.

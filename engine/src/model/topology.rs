@@ -14,7 +14,7 @@ pub struct Hardpoint {
     pub name: &'static str,
     /// Description of the hardpoint, for messages and templates.
     pub about: &'static str,
-    /// True if a study must give it.
+    /// True if a study must give the hardpoint.
     pub required: bool,
 }
 

@@ -5,11 +5,11 @@
 //! directions. Each half has six unknowns. The hinge removes five of these twelve, the mounts five, and the two travels
 //! determine the rest.
 //!
-//! The mechanism is that of the near half. Let M be the far mount, and S and T two points of the hinge. The near mount takes
-//! two rows. M keeps its distances from S and T, each of which is a link. The travels are two rows (see `rigid_axle.rs`).
-//! The far half is a rocker on the near half, with the hinge as its axis. Every point P of the far half keeps its distance
-//! from M, so that a rod from M to P rotates this rocker. Any P will do. It is chosen so that the rod is perpendicular to
-//! its lever.
+//! The mechanism is that of the near half. Let M be the far mount, and S and T two points of the hinge. The near mount gives two
+//! rows. M keeps its distances from S and T, each of which is a link. The travels are two rows (see `rigid_axle.rs`). The far
+//! half is a rocker on the near half, with the hinge as its axis. Every point P of the far half keeps its distance from M, so
+//! that a rod from M to P rotates this rocker. Every P gives the same motion. The program chooses it so that the rod is
+//! perpendicular to its lever.
 
 use super::rigid_axle::{AxleTravel, RigidAxle};
 use super::rocker::Carriers;

@@ -66,7 +66,7 @@ fn odd<B: SimdReal, const N: usize>(x: B, coefficients: &[f64; N]) -> B {
         before = x.constant(coefficients[k - 2]).plus_product(before, v);
         k -= 2;
     }
-    // If N is odd, one coefficient remains.
+    // If the number of coefficients is odd, one remains.
     let (even, odd) = if k == 1 {
         (x.constant(coefficients[0]).plus_product(last, v), before)
     } else {
@@ -86,7 +86,7 @@ pub(super) fn asin<B: SimdReal>(x: B) -> B {
     x.outlined(AnyArc(x))
 }
 
-/// Arc sine of any argument. Used less often than the form for small arguments.
+/// Piece for the arc sine of any argument. It is used less often than the form for small arguments.
 struct AnyArc<B>(B);
 
 impl<B: SimdReal> Outlined for AnyArc<B> {
@@ -114,7 +114,7 @@ pub(super) fn atan2<B: SimdReal>(y: B, x: B) -> B {
     x.outlined(AnyAngle { y, x })
 }
 
-/// Angle of any vector. Used less often than the form for small angles, and larger.
+/// Piece for the angle of any vector. It is larger than the form for small angles, and used less often.
 struct AnyAngle<B> {
     y: B,
     x: B,

@@ -181,7 +181,7 @@ impl Sub for Interval {
 
 impl Mul for Interval {
     type Output = Self;
-    // A separate function, like division. With these inlined, a closed form would be a single function of 160 kB.
+    // A separate function, like division. If both were inlined, a closed form would be a single function of 160 kB.
     #[inline(never)]
     fn mul(self, other: Self) -> Self {
         let is_zero = |i: Interval| i.low == 0.0 && i.high == 0.0;

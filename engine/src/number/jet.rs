@@ -7,7 +7,7 @@
 
 #![allow(
     clippy::needless_range_loop,
-    reason = "recurrences read as in the book, by index"
+    reason = "recurrences use indices, as in the literature"
 )]
 
 use super::{Outlined, Real, Scalar, call_outlined, outlined};
@@ -71,7 +71,7 @@ impl<const N: usize> Jet<f64, N> {
         let rate = self.differentiated();
         let (s, c) = self.0[0].sin_cos();
         let (mut sine, mut cosine) = (Jet::constant(s), Jet::constant(c));
-        // Each series is the integral of the other, so every pass makes one more coefficient correct.
+        // Each of the two series follows from the integral of the other, so every pass makes one more coefficient correct.
         for _ in 1..N {
             (sine, cosine) = (
                 Jet::integrated(s, cosine * rate),
@@ -156,7 +156,8 @@ impl<T: Real, const N: usize> Mul for Jet<T, N> {
     }
 }
 
-/// Associated constants, because a comparison of `N` in a function would leave both branches to the compiler.
+/// Associated constants are used, because with a comparison of `N` in a function the compiler would have to compile both
+/// branches.
 impl<T: Real, const N: usize> Jet<T, N> {
     const IS_SINGLE: bool = N == 1;
     const IS_PAIR: bool = N == 2;

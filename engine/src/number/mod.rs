@@ -98,7 +98,7 @@ pub trait Real:
         piece.work_outlined()
     }
 
-    /// The same number, given that it also equals the argument. An interval is reduced to the intersection of both; other
+    /// Returns the number, given that it also equals the argument. An interval is reduced to the intersection of both; other
     /// number types do not change.
     #[inline(always)]
     fn intersected_with(self, _: Self) -> Self {
@@ -177,12 +177,9 @@ impl<T: Copy, const N: usize> Each<T, N> for [T; N] {
     }
 }
 
-/// Array of `entry(0)`, `entry(1)`, and so on.
+/// Returns the array of `entry(0)`, `entry(1)`, and so on.
 #[inline(always)]
-#[allow(
-    clippy::needless_range_loop,
-    reason = "a plain loop is what this is for"
-)]
+#[allow(clippy::needless_range_loop, reason = "a plain loop is intended here")]
 pub(crate) fn array_of<T: Copy, const N: usize>(mut entry: impl FnMut(usize) -> T) -> [T; N] {
     let mut array = [entry(0); N];
     for k in 1..N {

@@ -1,11 +1,11 @@
 //! Operations of each instruction set, on a pair of registers at a time. One chain of dependent operations leaves a
 //! processor idle most of the time. A second, independent chain fills the gaps.
 //!
-//! [`Single`] is one number at a time with the instructions of a set. It serves chains of dependent steps, for which
-//! registers full of the same number would only be slower.
+//! [`Single`] works on one number at a time with the instructions of a set. It serves chains of dependent steps, for which
+//! registers filled with copies of one number would be slower.
 //!
-//! The code is written separately for each set ([`super::x86`]), not generically. A product is then two instructions. A
-//! generic function would be a stack of calls that costs the compiler more than all the arithmetic built on it.
+//! The code is written separately for each set ([`super::x86`]), not generically. A product is then two instructions. A generic
+//! function would consist of nested calls, which would take the compiler longer than all the arithmetic built on it.
 
 use super::lanes::{LaneMask, Lanes};
 use std::fmt::Debug;
@@ -22,7 +22,7 @@ pub trait Registers: Copy + Debug {
 
     /// Does a piece of work in a separate function, compiled for the set.
     fn outlined<P: crate::number::Outlined>(self, piece: P) -> P::Output;
-    /// The same number in every lane.
+    /// Copies a number to every lane.
     fn splat(self, value: f64) -> Lanes<Self>;
     /// a + b
     fn add(a: Lanes<Self>, b: Lanes<Self>) -> Lanes<Self>;
@@ -46,7 +46,7 @@ pub trait Registers: Copy + Debug {
     fn copysign(a: Lanes<Self>, b: Lanes<Self>) -> Lanes<Self>;
     /// a < b; false for NaN
     fn less(a: Lanes<Self>, b: Lanes<Self>) -> LaneMask<Self>;
-    /// `yes` in lanes where `holds` is true, else `no`.
+    /// Returns `yes` in lanes in which `holds` is true, else `no`.
     fn select(holds: LaneMask<Self>, yes: Lanes<Self>, no: Lanes<Self>) -> Lanes<Self>;
     /// Logical and, lane by lane.
     fn and(a: LaneMask<Self>, b: LaneMask<Self>) -> LaneMask<Self>;

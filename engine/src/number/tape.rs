@@ -29,7 +29,7 @@ struct Adjoints {
 }
 
 impl Adjoints {
-    /// Makes room for this count of numbers.
+    /// Allocates memory for this count of numbers.
     fn fit(&mut self, numbers: usize) {
         let length = self.of.len().max(numbers);
         self.of.resize(length, [0.0; AT_ONCE]);
@@ -161,8 +161,8 @@ impl Tape {
     }
 }
 
-/// Follows a number back through operations with one operand. Returns the number where they start, and the derivative by it.
-/// Numbers that differ by a factor so share their derivatives.
+/// Follows a number back through operations with one operand. Returns the number where they start, and the derivative by it. In
+/// this way, numbers that differ only by a factor share their derivatives.
 fn origin_of(number: usize, inputs: usize, nodes: &[[(usize, f64); 2]]) -> (usize, f64) {
     let (mut number, mut factor) = (number, 1.0);
     while number >= inputs {
@@ -265,7 +265,7 @@ impl Neg for Tracked<'_> {
 }
 
 impl Real for Tracked<'_> {
-    /// A record costs more than a function call.
+    /// True, because a record takes longer than a function call.
     const IS_NESTED: bool = true;
 
     fn constant(self, value: f64) -> Self {
@@ -304,7 +304,7 @@ mod tests {
         (x.sqrt() / (x.one() + y * y)).asin() + (x * y - x).atan2(x.constant(0.3) + y) - (-y)
     }
 
-    /// Backward and forward differentiation agree, also for the slope of a series.
+    /// Backward and forward differentiation give the same derivatives, also for the slope of a series.
     #[test]
     fn agrees_with_dual_numbers() {
         let tape = Tape::default();
@@ -321,8 +321,8 @@ mod tests {
         });
     }
 
-    /// Results that share a pass have the same bits as alone. Some results are constants or inputs, or have undefined
-    /// slopes.
+    /// Results that share a pass have the same bits as results of separate passes. Some results are constants or inputs, or have
+    /// undefined slopes.
     #[test]
     fn results_do_not_touch_each_other() {
         let tape = Tape::default();

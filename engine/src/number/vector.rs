@@ -1,7 +1,7 @@
 //! Vectors and rotations over any [`Real`].
 //!
-//! nalgebra's vectors require more of their scalar than a derivative number or a bundle of SIMD lanes can offer. So the
-//! kernel has its own; at the crate's edges plain `[f64; 3]` is used.
+//! nalgebra's vectors require more of their scalar than a derivative number or a bundle of SIMD lanes can offer. So the kernel
+//! has its own vectors. The public interface uses plain `[f64; 3]`.
 
 use super::{Jet, Real, call_outlined, outlined};
 use std::ops::{Add, Mul, Neg, Sub};
@@ -25,8 +25,8 @@ impl<T> Vector3<T> {
     }
 }
 
-/// Copies need no destructor. Without this bound, most of a function would be code that drops its arguments when a call
-/// unwinds.
+/// Types that implement `Copy` need no destructor. Without this bound, most of the compiled code of a function would drop its
+/// arguments if a call unwinds.
 impl<T: Copy> Vector3<T> {
     /// Applies `f` to each component.
     #[inline(always)]
@@ -59,11 +59,11 @@ impl<T> From<[T; 3]> for Vector3<T> {
 }
 
 impl<T: Real> Vector3<T> {
-    /// True if sums are function calls. They are for nested numbers, except those in a few registers, whose sum is shorter
+    /// True if sums are function calls. This holds for nested numbers, except for those in a few registers, whose sum is shorter
     /// than a call.
     const ADDS_IN_CALLS: bool = T::IS_NESTED && !T::IN_REGISTERS;
-    /// True if products are small pieces. They are for numbers in registers, so that the compiler optimises each operation
-    /// once instead of at each use, and for nested numbers.
+    /// True if products are small pieces. This holds for nested numbers, and for numbers in registers. The compiler then
+    /// optimises each operation once instead of at each use.
     const IN_PIECES: bool = T::IS_NESTED || T::IN_REGISTERS;
 }
 

@@ -8,12 +8,12 @@
 //! lower <= d <= upper
 //! ```
 //!
-//! with R upper triangular and regular. The method begins at the minimum without constraints, -R^-1 q. It adds the most
-//! violated constraint, moves to the minimum under the constraints that it holds, and repeats this (D. Goldfarb, A. Idnani,
-//! A numerically stable dual method for solving strictly convex quadratic programs, Mathematical Programming 27, 1983). So
-//! it needs no feasible point to begin with. If there is none, it ends at a constraint whose gradient is a combination of
-//! the held gradients, all of which push against it. By Farkas' lemma these constraints exclude one another. The held
-//! gradients are independent, so none of these constraints can be left out.
+//! with R upper triangular and regular. The method begins at the minimum without constraints, -R^-1 q. It adds the most violated
+//! constraint to the set of held constraints, moves to the minimum under them, and repeats this (D. Goldfarb, A. Idnani, A
+//! numerically stable dual method for solving strictly convex quadratic programs, Mathematical Programming 27, 1983). So it needs
+//! no feasible point to begin with. If there is none, it ends at a constraint whose gradient is a combination of the held
+//! gradients, all of which push against it. By Farkas' lemma these constraints exclude one another. The held gradients are
+//! independent, so none of these constraints can be left out.
 //!
 //! The method works on a matrix J with J^T R^T R J = 1. The first columns of J span the held gradients. A move along the
 //! other columns leaves the values of the held constraints unchanged. J begins as R^-1, so the normal equations are never
@@ -49,8 +49,9 @@ pub struct Rows<'a> {
     pub offsets: &'a [f64],
     /// Number of rows that must be zero. The others must not be positive.
     pub equalities: usize,
-    /// Violation, in the unit of the rows, up to which a row counts as kept when its gradient depends on the gradients
-    /// of the constraints held. Duplicate rows agree up to rounding only; without this they exclude one another.
+    /// Violation, in the unit of the rows, up to which a row counts as satisfied if its gradient depends on the gradients of the
+    /// held constraints. Without this limit, duplicate rows would exclude one another, because they are equal only up to
+    /// rounding.
     pub slack: f64,
 }
 
@@ -59,7 +60,7 @@ pub struct Rows<'a> {
 pub enum Outcome {
     /// The step is the minimum of the program.
     Solved,
-    /// These constraints exclude one another. Without any one of them, the rest could be met.
+    /// These constraints exclude one another. If any one of them were removed, the others could be met.
     Infeasible(Vec<Held>),
     /// The method did not end because of rounding.
     Stalled,
@@ -95,8 +96,8 @@ const ROUNDING: f64 = 1e-13;
 /// Threshold of dependence: a gradient depends on the held gradients if less than this share of its squared length lies
 /// outside their span.
 const DEPENDENT: f64 = 1e-25;
-/// The same threshold for a row that is violated by no more than [`Rows::slack`]. Duplicate rows differ by the rounding of
-/// their gradients.
+/// The threshold [`DEPENDENT`] for a row that is violated by no more than [`Rows::slack`]. Duplicate rows differ by the rounding
+/// of their gradients.
 const NEARLY_DEPENDENT: f64 = 1e-18;
 /// Share of [`Rows::slack`] up to which a violation of any row counts as met.
 const UNFELT: f64 = 1e-2;
@@ -158,7 +159,8 @@ impl ActiveSet {
                 return outcome;
             }
         }
-        // Every round adds a constraint and raises the minimum. So the rounds would end without a cap, except for rounding.
+        // Every round adds a constraint and raises the minimum. So the rounds would end without this limit if there were no
+        // rounding.
         for _ in 0..20 * (n + rows.offsets.len()) + 100 {
             let Some((constraint, slack)) = self.most_violated(rows, lower, upper) else {
                 return Outcome::Solved;
@@ -314,7 +316,7 @@ impl ActiveSet {
                 return Ok(());
             }
             slack += moved * gain;
-            self.release(nearest.expect("the length is that of one held"));
+            self.release(nearest.expect("the step is limited by a held row"));
         }
         Err(Outcome::Stalled)
     }

@@ -1,8 +1,8 @@
-//! Targets of an axle: rows of the least-squares problem beside those of one wheel.
+//! Targets of an axle: rows of the least-squares problem, in addition to the rows of one wheel.
 //!
-//! A variable moves the same points of both wheels, each in the frame of its side. So the derivative of a row is the sum of
-//! both wheels' gradients along the variable's rates. If the right wheel has its own hardpoints, the variables move them as
-//! mirror images of the left ones. The two wheels of a build differ in any case.
+//! A variable moves the same points of both wheels, each in the frame of its side. So the derivative of a row is the sum of both
+//! wheels' gradients along the variable's rates. If the right wheel has its own hardpoints, the variables move them as mirror
+//! images of the left ones. The two wheels of a build always differ.
 
 use super::elastic_axle::elastic_axle_rows;
 use super::layout::{LimitedValue, TargetSample};
@@ -128,7 +128,7 @@ pub(super) struct Moved<'m> {
     pub wheels: [WheelMoved<'m>; 2],
     /// Scatter of elastic rates in a build. Empty for the nominal design.
     pub scattered: &'m [ScatteredRate],
-    /// True for a build. Its points move independently of each other, also on the far half of a solid axle.
+    /// True for a build. Its points move independently of each other, including those of the far half of a solid axle.
     pub is_build: bool,
 }
 
@@ -144,7 +144,7 @@ pub(super) struct ScatteredRate {
 }
 
 impl Moved<'_> {
-    /// Derivative of a build's rate by the nominal rate.
+    /// Derivative of the rate in a build by the nominal rate.
     pub(super) fn gain(&self, of: AxleParameter) -> f64 {
         let is_own = |own: &&ScatteredRate| {
             let is_of_side = own.of.side.is_none() || own.of.side == of.side;
@@ -164,8 +164,8 @@ impl Moved<'_> {
         })
     }
 
-    /// Gives the elastic parts of the nominal design the rates of this design. `set` sets a rate of the parts. `change` changes
-    /// one, and returns false if it is not above 0 then.
+    /// Sets the rates of elastic parts of the nominal design to those of this design. `set` sets a rate of the parts. `change`
+    /// changes one, and returns false if it is not above 0 then.
     pub(super) fn set_rates<P>(
         &self,
         parts: &mut P,
@@ -204,7 +204,7 @@ pub(super) trait RowsBeside: Send {
     ) -> Result<(), Infeasible>;
 }
 
-/// The rows of a layout, for an axle whose points move.
+/// Makes the rows of a layout, for an axle whose points move.
 pub(super) fn axle_rows<'a>(
     layout: &'a AxleLayout,
     axle: &'a Axle,

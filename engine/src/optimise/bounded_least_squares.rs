@@ -110,8 +110,8 @@ impl BoundedLeastSquares {
         }
         self.descend(damping, lower, upper);
 
-        // Each round lowers the objective. So no set of held variables comes twice, and the rounds end. The cap only guards
-        // against rounding; even then the step is feasible and a descent.
+        // Each round lowers the objective. So no set of held variables occurs twice, and the rounds end. The limit on their
+        // number only guards against rounding. Even then the step is feasible and lowers the objective.
         self.turned_back.fill(false);
         for _ in 0..10 * self.variables {
             let Some(j) = self.worst_multiplier(damping) else {
@@ -317,7 +317,7 @@ mod tests {
     }
 
     impl Case {
-        /// A random problem with n variables and m residuals. Every third has low rank. In every second, some bounds are
+        /// A random problem with n variables and m residuals. Every third has low rank. In every second problem, some bounds are
         /// active from the beginning.
         fn random(seed: u64, n: usize, m: usize) -> Self {
             let mut noise = Noise::new(seed);
@@ -359,7 +359,7 @@ mod tests {
             (&self.jacobian * s + &self.residuals).norm_squared() + self.damping * s.norm_squared()
         }
 
-        /// Least objective over all sets of held variables for which the free variables are feasible.
+        /// Smallest objective over all sets of held variables for which the free variables are feasible.
         fn by_enumeration(&self) -> f64 {
             let n = self.lower.len();
             let mut least = f64::INFINITY;
@@ -456,8 +456,8 @@ mod tests {
         }
     }
 
-    /// With two equal columns and one residual, damping divides the move between both. A bound on one variable passes the
-    /// rest to the other.
+    /// With two equal columns and one residual, damping divides the move between both. If a bound stops one variable, the other
+    /// moves by the rest.
     #[test]
     fn equal_columns_share_the_move() {
         let mut solver = BoundedLeastSquares::new(2, 1);

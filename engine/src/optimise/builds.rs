@@ -7,10 +7,10 @@
 //! db_s/dx = db/da da/dp dp/dx + db/dp dp/dx
 //! ```
 //!
-//! The second term is the movement of the axes in which carriers are drawn: they move with the nominal design. Derivative
-//! numbers pass through the same code as plain numbers, for a few variables at a time.
+//! The second term comes from the axes in which the points of carriers are given: these axes move with the nominal design. The
+//! same code processes plain numbers and derivative numbers, the latter for a few variables at a time.
 //!
-//! Each wheel of an axle is assembled by itself, from the numbers of z_s that belong to it.
+//! Each wheel of an axle is assembled separately, from the numbers of z_s that belong to it.
 //!
 //! The rate k(x) of an elastic part is k(x) (1 + z) or k(x) + z in a build.
 
@@ -97,7 +97,7 @@ impl<'a> Builds<'a> {
         self.draws.len()
     }
 
-    /// Makes these the builds of nominal designs, one for each wheel.
+    /// Changes the nominal designs of the builds, one for each wheel.
     pub(super) fn redraw<'d>(
         &mut self,
         designs: impl IntoIterator<Item = &'d [Vector3<f64>]>,
@@ -145,7 +145,7 @@ impl<'a> BuiltWheel<'a> {
         })
     }
 
-    /// The assembler of builds of the latest nominal design.
+    /// Assembler for builds of the latest nominal design.
     pub(super) fn assembler(&self) -> &Assembler {
         &self.assembler
     }

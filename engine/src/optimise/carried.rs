@@ -1,7 +1,7 @@
 //! Member forces under load, as residuals and rows.
 //!
 //! A force is a multiplier of the closure equations under a load. So its derivatives need those of the equations' Jacobian.
-//! They are computed forwards: the design is a series along a variable, and the pose and the balance of forces follow as
+//! Forward differentiation gives them: the design is a series along a variable, and the pose and the balance of forces follow as
 //! series.
 
 use super::moves::PointRate;
@@ -40,7 +40,7 @@ impl AlongVariables {
             })
     }
 
-    /// Takes a design and the rates at which the variables move it.
+    /// Changes to a design, with the rates at which the variables move its points.
     pub(super) fn prepare(
         &mut self,
         solver: &Solver,

@@ -41,7 +41,7 @@ fn triad(corners: [Vector3<f64>; 3]) -> [Vector3<f64>; 3] {
     [x, z.cross(x), z]
 }
 
-/// Transforms a vector: its coordinates in the first triad become coordinates in the second.
+/// Transforms a vector: the result has the same coordinates in the second triad as the vector in the first triad.
 fn carried(from: &[Vector3<f64>; 3], to: &[Vector3<f64>; 3], v: Vector3<f64>) -> Vector3<f64> {
     let [x, y, z] = from.map(|axis| axis.dot(v));
     to[0] * x + to[1] * y + to[2] * z

@@ -1,4 +1,4 @@
-//! Alternatives to the tuned design: the trade-off between a study's goals, and the price list.
+//! Alternatives to the tuned design: the trade-off between a study's goals, and the price list (misfit against size of change).
 
 use super::constrained::Constrained;
 use super::front::{Found, Tracer};
@@ -10,8 +10,7 @@ use crate::mechanism::DesignFault;
 use crate::study::{Optimise, Scatter, Vehicle};
 use nalgebra::DVector;
 
-/// Allowance for targets outside the front: they keep their tolerances, or this multiple of their misfit after the tuning of
-/// all targets.
+/// Limit for targets outside the front: their tolerances, or this multiple of their misfit after the tuning of all targets.
 const AS_GOOD: f64 = 1.01;
 /// Number of steps in a price list.
 const STEPS: usize = 10;
@@ -25,8 +24,8 @@ pub struct Choice {
     /// all targets, and the size of the change. The size is the root of the sum of squared moves, each in ranges times the
     /// cost of its variable.
     pub amounts: Vec<f64>,
-    /// Weight of each criterion; the weights add up to 1. One unit less of criterion i costs weight i / weight j units of
-    /// criterion j. All are zero if there is no trade-off.
+    /// Weight of each criterion; the weights add up to 1. To reduce criterion i by one unit, criterion j must grow by weight i /
+    /// weight j units. All are zero if there is no trade-off.
     pub weights: Vec<f64>,
 }
 

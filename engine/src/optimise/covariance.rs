@@ -33,7 +33,7 @@ impl Covariance {
             at.jacobian[(i, variables[j])] * bounds.width()[variables[j]]
         });
         let (values, vectors) = right_singular_vectors(&scaled);
-        // Singular values up to this are rounding: the measurements do not determine their directions.
+        // Singular values up to this limit are rounding errors: the measurements do not determine their directions.
         let nothing = 1e-13 * values[0];
         let inverse: Vec<f64> = values
             .iter()
@@ -43,7 +43,7 @@ impl Covariance {
             let hidden = (0..k).filter(|d| values[*d] <= nothing);
             hidden.map(|d| vectors[(j, d)].powi(2)).sum::<f64>() > 1e-12
         };
-        // A^-1 times the rows, weighted once more. The square of this matrix is the covariance.
+        // A^-1 times the rows, multiplied by the weights again. The product of this matrix and its transpose is the covariance.
         let a_inverse =
             &vectors * DMatrix::from_diagonal(&DVector::from_vec(inverse)) * vectors.transpose();
         let mut weighed = scaled;
@@ -58,7 +58,7 @@ impl Covariance {
         })
     }
 
-    /// Ratio k_j between the variance of a variable and its variance with the weights 1/variance. 1 if it is not known.
+    /// Ratio k_j: variance of a variable, divided by its variance with the weights 1/variance. 1 if it is not known.
     pub(super) fn ratio(&self, variable: usize) -> f64 {
         let Some(j) = self.variables.iter().position(|v| *v == variable) else {
             return 0.0;
@@ -128,8 +128,8 @@ mod tests {
         }
     }
 
-    /// Variables with equal columns count as not determined; the others as determined. With weights of 1 every ratio of
-    /// variances is 1.
+    /// Variables with equal columns count as not determined, all others as determined. With weights of 1 every ratio of variances
+    /// is 1.
     #[test]
     fn twins_are_unseen() {
         let bounds = Bounds::new(&[[-1.0, 1.0]; 3]).unwrap();

@@ -127,7 +127,7 @@ impl ElasticLayout {
             .map(|station| &mut station.limits[..])
     }
 
-    /// Travel of a station, if the part is limited at several stations.
+    /// Travel of a station. `None` unless the part is limited at several stations.
     pub(super) fn place_of(&self, part: usize, station: usize) -> Option<f64> {
         let own = self.limits().flatten().filter(|own| own.part == part);
         (own.count() > 1).then(|| self.stations[station].travel)

@@ -73,7 +73,8 @@ struct Rows<'a> {
     slopes: Vec<f64>,
 }
 
-/// Indices of the quantities, among `count`, that targets or limits of a station use. Targets count if they are sought.
+/// Indices of the quantities, among `count`, that targets or limits of a station use. Targets are included only if the evaluation
+/// needs them.
 fn used_by(station: &AxleStation, count: usize, seeks_targets: bool) -> Vec<usize> {
     let is_used = |k: &usize| {
         let is_wanted = seeks_targets && station.samples.iter().any(|own| own.of == *k);
@@ -133,9 +134,9 @@ impl RowsBeside for Rows<'_> {
             if into.is_none() && limits.is_empty() {
                 continue;
             }
-            let at = placement
-                .on_level_pads()
-                .ok_or_else(|| Infeasible::Refused(format!("{placement} is of rigid axles")))?;
+            let at = placement.on_level_pads().ok_or_else(|| {
+                Infeasible::Refused(format!("{placement} is a placement of rigid axles"))
+            })?;
             let used = used_by(station, layout.quantities.len(), into.is_some());
             let reads = used.iter().map(|k| layout.quantities[*k].into());
             let reads: Vec<AxleRead> = reads.collect();
@@ -160,7 +161,7 @@ impl RowsBeside for Rows<'_> {
                 }
             };
             let found = if moved.variables.is_empty() {
-                // Builds that judge a design need no derivatives.
+                // Builds that only evaluate a design need no derivatives.
                 equilibria.values(at, &reads).map(|values| {
                     let found = values.into_iter().enumerate();
                     found

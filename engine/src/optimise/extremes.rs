@@ -1,28 +1,28 @@
 //! Extremes between stations, for constraints that also hold there.
 //!
-//! If a value is more extreme at a station than at both neighbours, an extreme lies nearby. The search begins at the extreme
-//! of the parabola through the three values, and uses the value's derivative by the drive. At an end of the motion it begins
-//! with the parabola through the last three values, if that has its extreme within the motion. The row of the station then
-//! holds the value at the extreme. Its slopes need no derivative of the place, because at an extreme the value has zero
-//! slope along the drive. So limits hold at all extremes. While the design changes, an extreme may move past a station. The
-//! neighbour's row then takes it over halfway, and the largest row stays continuous.
+//! If a value is more extreme at a station than at both neighbours, an extreme lies nearby. The search begins at the extreme of
+//! the parabola through the three values, and uses the value's derivative by the drive. At an end of the motion it begins with
+//! the parabola through the last three values, if that has its extreme within the motion. The row of the station then holds the
+//! value at the extreme. Its slopes do not need the derivative of the extreme's position, because at an extreme the value has
+//! zero slope along the drive. So limits hold at all extremes. While the design changes, an extreme may move past a station.
+//! Halfway between two stations, the row of the other station starts to contain it, so the largest row stays continuous.
 
 use super::Linearisation;
 use super::layout::{Extremes, Leg, Part};
 
 /// Largest number of steps in a search.
 pub(super) const SEARCHES: usize = 8;
-/// Tolerance for the place of an extreme, as a share of the distance between stations. The error of the value is
-/// proportional to its square.
+/// Tolerance for the position of an extreme, as a share of the distance between stations. The error of the value is proportional
+/// to its square.
 const PLACED: f64 = 1e-9;
-/// Smallest rise above the station that counts as a separate extreme, in units of the rows. It is a hundredth of the
-/// violation that counts as kept.
+/// Smallest rise above the station that counts as a separate extreme, in units of the rows. It is a hundredth of the largest
+/// violation that still counts as satisfied.
 const FLAT: f64 = 1e-9;
 /// Distance from the limit beyond which a row needs no search, in the same units. Four times the rise of the parabola is
 /// subtracted from the distance first.
 const FAR: f64 = 1.0;
 
-/// Search for the place of an extreme, where the slope vanishes.
+/// Search for the position of an extreme, where the slope vanishes.
 pub(super) struct Search {
     /// Index of the extreme to follow among [`Leg::extremes`].
     pub of: usize,
@@ -35,7 +35,7 @@ pub(super) struct Search {
     /// True if the search has ended.
     pub is_found: bool,
     ends: [f64; 2],
-    /// Latest place and slope.
+    /// Latest position and slope.
     before: Option<(f64, f64)>,
     /// Second derivative of the parabola through three stations.
     curvature: f64,
@@ -43,7 +43,7 @@ pub(super) struct Search {
     rise: f64,
 }
 
-/// Writes the searches of a leg. Inputs are the values of the parts at its stations, and the rows there.
+/// Writes the searches of a leg, from the values of the parts at its stations and the rows there.
 pub(super) fn searches(
     leg: &Leg,
     parts: &[Part],
@@ -77,8 +77,8 @@ pub(super) fn searches(
 }
 
 impl Search {
-    /// Begins a search from the parabola through the station of this number and its neighbours. `None` if the parabola
-    /// has no extreme about the station.
+    /// Begins a search from the parabola through the station of this number and its neighbours. `None` if the parabola has no
+    /// extreme near the station.
     fn about(k: usize, count: usize, at: impl Fn(usize) -> (f64, f64), sign: f64) -> Option<Self> {
         let first = k.checked_sub(1);
         let beyond = |other: usize| sign * at(other).1 > sign * at(k).1;
@@ -113,7 +113,7 @@ impl Search {
         })
     }
 
-    /// Takes a step with the slope at the place. Returns true if the place was close enough.
+    /// Makes a step with the slope at the current position. Returns true if that position was close enough.
     pub(super) fn advance(&mut self, slope: f64) -> bool {
         if let Some((place, before)) = self.before
             && place != self.place

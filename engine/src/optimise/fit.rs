@@ -47,7 +47,7 @@ pub struct Iteration {
     pub held: usize,
     /// Number of points evaluated during the iteration.
     pub evaluations: u32,
-    /// Number of those evaluations without residuals.
+    /// Number of evaluations without residuals.
     pub infeasible: u32,
 }
 
@@ -72,14 +72,15 @@ impl Iteration {
 pub enum Termination {
     /// The misfit is at or below [`Options::misfit_below`].
     MisfitReached,
-    /// The misfit of the targets that variables move is at or below [`Options::misfit_below`]; other targets are missed.
+    /// The misfit of the targets that variables move is at or below [`Options::misfit_below`]; the other targets are missed, but
+    /// no variable changes them.
     MovedTargetsMet,
     /// No step lowers the cost by more than the share [`Options::reduction_below`].
     NoFurtherDescent,
     /// The step would be shorter than [`Options::step_below`].
     StepBelowResolution,
-    /// The residuals are orthogonal to all columns of the Jacobian, within [`Options::gradient_below`]. Variables that a
-    /// bound keeps from descending do not count.
+    /// The residuals are orthogonal to all columns of the Jacobian, within [`Options::gradient_below`]. Variables that a bound
+    /// stops do not count.
     Stationary,
     /// Every step that would lower the cost, however short, leads to a point without residuals.
     NoFeasibleStep(Infeasible),
@@ -153,7 +154,7 @@ impl fmt::Display for Termination {
         f.write_str(match self {
             Termination::MisfitReached => "converged: the targets are met",
             Termination::MovedTargetsMet => {
-                "converged: all targets that a variable moves are met, the others are missed"
+                "converged: all targets that a variable affects are met, the others are missed"
             }
             Termination::NoFurtherDescent => "converged: no further descent",
             Termination::StepBelowResolution => "converged: the step is below resolution",
@@ -174,7 +175,7 @@ impl fmt::Display for Termination {
             Termination::NotStationary => {
                 "not converged: no step improves the design, but the slope is not zero"
             }
-            Termination::ConstraintsExcludeEachOther => "the constraints exclude one another",
+            Termination::ConstraintsExcludeEachOther => "the constraints contradict each other",
             Termination::IterationLimit => "the limit of iterations was reached",
             Termination::EvaluationLimit => "the limit of evaluations was reached",
             Termination::Interrupted => "interrupted",
@@ -214,7 +215,7 @@ pub struct ConstraintState {
     /// Derivative of half the sum of squared residuals by each row's limit, negated. `None` if the run did not end at a
     /// minimum of that sum.
     pub multipliers: Option<Vec<f64>>,
-    /// Other multipliers that balance as well. They exist if gradients are linearly dependent.
+    /// Other multipliers that also balance the slope. They exist if gradients are linearly dependent.
     pub alternatives: Option<Vec<f64>>,
     /// Rows and bounds that exclude one another, if there are any.
     pub culprits: Vec<Held>,

@@ -23,19 +23,17 @@ pub(super) fn execute<P, S: Solver<P, ArgminState>>(
         .run();
     match result {
         Ok(result) => Ok((result.solver, result.state)),
-        Err(error) => Err(error
-            .downcast()
-            .expect("the only error of a solver is that of its start")),
+        Err(error) => Err(error.downcast().expect("a solver fails only at its start")),
     }
 }
 
-/// Returns the problem itself. argmin lends it only as `&P`, but an evaluation needs `&mut` for its workspace. The history
-/// counts the calls.
+/// Returns the problem for an evaluation. argmin gives access only as `&P`, but an evaluation needs `&mut` for its workspace. The
+/// history counts the calls.
 pub(super) fn of<P>(problem: &mut Problem<P>) -> &mut P {
     problem
         .problem
         .as_mut()
-        .expect("argmin gives the problem back")
+        .expect("argmin returns the problem")
 }
 
 /// Record of a run: its start, its iterations and the reason for its end.
@@ -123,7 +121,7 @@ impl<'a> FitRecord<'a> {
         }
         match &self.termination {
             None => TerminationStatus::NotTerminated,
-            // The text of our own reason. argmin has fewer reasons, and nothing reads them.
+            // Only the text of our own reason is passed on. argmin has fewer reasons, and no code reads them.
             Some(reason) => {
                 let reason = TerminationReason::SolverExit(reason.to_string());
                 TerminationStatus::Terminated(reason)

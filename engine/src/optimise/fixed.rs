@@ -1,12 +1,12 @@
-//! Residuals that no variable moves, removed during a tuning.
+//! Constant residuals, which no variable changes, are removed during a tuning.
 //!
-//! A target that no variable moves adds a constant to the squared misfit. If it is missed by far, that constant hides the
-//! other targets. A run stops once the misfit falls only by a small share, so it would stop too early. Designs within a
-//! hundredth of the best misfit could still miss everything else. So such a residual counts as zero while a tuning runs.
-//! Afterwards it is restored, and the target is named.
+//! A target that no variable changes adds a constant to the squared misfit. If it is missed by far, that constant hides the other
+//! targets. A run stops once the misfit falls only by a small share, so it would stop too early. Designs within a hundredth of
+//! the best misfit could still miss all other targets. So such a residual counts as zero while a tuning runs. Afterwards it is
+//! restored, and the target is named.
 //!
-//! A residual stands still if a move across the range of any variable changes it by less than [`UNMOVED`]. The tuning checks
-//! this at its start and at every evaluation. If such a residual moves after all, the tuning runs again with it. Only
+//! A residual counts as constant if a move of any variable across its range changes it by less than [`UNMOVED`]. The tuning
+//! checks this at its start and at every evaluation. If such a residual changes later, the tuning runs again with it. Only
 //! residuals of more than one tolerance are removed, because smaller ones hide nothing. So bands remain: they have no effect
 //! inside the band and count once a value leaves it.
 
@@ -15,29 +15,29 @@ use super::{Bounds, Fit, Infeasible, LeastSquares, Linearisation, Termination};
 use nalgebra::DVector;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Change of a residual, in tolerances, below which it stands still, for a move across the range of any variable. Rounding
-/// of curves that are some thousand tolerances high, amplified a thousand times, has this size.
+/// Change of a residual, in tolerances, below which it counts as constant, if any variable moves across its range. Rounding of
+/// curves that are some thousand tolerances high, amplified a thousand times, has this size.
 pub(super) const UNMOVED: f64 = 1e-9;
 
 /// Residual above which a target is missed, in tolerances.
 const MISSED: f64 = 1.0;
 
-/// Returns true if a move across the range of some variable changes a residual.
+/// Returns true if a move of some variable across its range changes a residual.
 pub(super) fn moves(at: &Linearisation, row: usize, bounds: &Bounds) -> bool {
     let entries = at.jacobian.row(row);
     let mut entries = entries.iter().zip(bounds.width().iter());
     entries.any(|(j, width)| (j * width).abs() > UNMOVED)
 }
 
-/// Residuals that are missed and that no variable moves.
+/// Residuals of missed targets that no variable changes.
 #[derive(Debug, Default)]
 pub(super) struct FixedRows {
-    /// Row, value, and a flag that is true if the row was seen to move.
+    /// Row, value, and a flag that is true if an evaluation has changed the row.
     rows: Vec<(usize, f64, AtomicBool)>,
 }
 
 impl FixedRows {
-    /// Finds the rows that stand still at a point.
+    /// Finds the constant rows at a point.
     pub(super) fn at(at: &Linearisation, bounds: &Bounds) -> Self {
         let rows = at.residuals.iter().enumerate();
         let rows = rows.filter(|(row, value)| value.abs() > MISSED && !moves(at, *row, bounds));
@@ -56,7 +56,7 @@ impl FixedRows {
         self.rows.iter().map(|(_, value, _)| value * value).sum()
     }
 
-    /// Returns the rows that were never seen to move, or `None` if none has moved.
+    /// Returns the rows that never changed, or `None` if no row has changed.
     pub(super) fn without_moved(&self) -> Option<Self> {
         let has_moved = |moved: &AtomicBool| moved.load(Ordering::Relaxed);
         if !self.rows.iter().any(|(.., moved)| has_moved(moved)) {
@@ -69,7 +69,7 @@ impl FixedRows {
         })
     }
 
-    /// Sets the residuals to zero, and marks those that move.
+    /// Sets the residuals to zero, and marks those that change.
     fn take_out(&self, at: &mut Linearisation, bounds: &Bounds) {
         for (row, _, moved) in &self.rows {
             if moves(at, *row, bounds) {
@@ -100,7 +100,7 @@ impl FixedRows {
     }
 }
 
-/// A problem without the residuals that no variable moves.
+/// A problem without the constant residuals.
 pub(super) struct Without<'a, P> {
     pub problem: P,
     pub fixed: &'a FixedRows,

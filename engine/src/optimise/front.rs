@@ -1,20 +1,20 @@
 //! Trade-off between goals: the front of two or three goals, and the price list of the design change.
 //!
-//! A design is on the *front* of some criteria f_1, f_2, ... if no design within ranges and constraints is better in one and
-//! no worse in the others. Minima of one criterion with bounds on the others trace the front (Y. Haimes, L. Lasdon, D.
-//! Wismer, On a bicriterion formulation of the problems of integrated system identification and system optimization, IEEE
-//! Trans. Systems, Man, Cybernetics 1, 1971):
+//! A design is on the *front* of some criteria f_1, f_2, ... if no design within ranges and constraints is better in one and no
+//! worse in the others. The front consists of minima of one criterion with bounds on the others (Y. Haimes, L. Lasdon, D. Wismer,
+//! On a bicriterion formulation of the problems of integrated system identification and system optimization, IEEE Trans. Systems,
+//! Man, Cybernetics 1, 1971):
 //!
 //! ```text
 //! minimise f_g(x)   subject to   f_h(x) <= level_h,  h != g,  and the constraints            (1)
 //! ```
 //!
-//! This also reaches concave parts, where no weighted sum has a minimum. For two criteria, the search first finds the two
-//! ends: the least value of one criterion and, among the designs with it, the least of the other. Then it halves the widest
-//! gap. In the wider direction of the gap, it limits one criterion to the middle. Starting from the points on either side,
-//! it lowers the other criterion. If this finds nothing better than a known point, no design lies in that part, and the gap
-//! shrinks. In this way the search detects a broken front. For three criteria the limits form a grid, and each criterion is
-//! lowered in turn. The points farthest apart are kept.
+//! This also reaches concave parts, where no weighted sum has a minimum. For two criteria, the search first finds the two ends:
+//! the least value of one criterion and, among the designs with it, the least of the other. Then it halves the widest gap. In the
+//! wider direction of the gap, it limits one criterion to the middle. Starting from the points on either side, it lowers the
+//! other criterion. If this finds no design that is better than a known point, no design lies in that part, and the gap shrinks.
+//! In this way the search detects a front with gaps. For three criteria the limits form a grid, and each criterion is lowered in
+//! turn. The points farthest apart are kept.
 //!
 //! The program (1) minimises and limits half the squares of the norms r_h = u_h f_h. With its multipliers L_h,
 //!
@@ -22,8 +22,8 @@
 //! sum_h m_h df_h = 0 along the front,   m_g = u_g^2 f_g,   m_h = L_h u_h^2 f_h                (2)
 //! ```
 //!
-//! The m, scaled to a sum of 1, are the weights of the criteria at that point. A reduction of criterion 1 by one tolerance
-//! costs m_1/m_2 tolerances of criterion 2.
+//! The m, scaled to a sum of 1, are the weights of the criteria at that point. If criterion 1 falls by one tolerance, criterion 2
+//! rises by m_1/m_2 tolerances.
 
 use super::constrained::{Assessment, Constrained, constrained_fit};
 use super::trade::{ConstrainedTrade, Criterion, Distance};
@@ -172,7 +172,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
                 Some(found) => vec![&found.x],
             };
             let Some(next) = self.lower(*aim, &held, &from) else {
-                // The previous result is an end, though perhaps not an exact one.
+                // The previous result is an end of the front, though perhaps not an exact one.
                 break;
             };
             held.push((
@@ -245,7 +245,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             }
             gaps.extend(parts);
         }
-        // Widest gap between neighbours in which no design was sought. Wider gaps were searched and hold none.
+        // Widest gap between neighbours that was not searched. Wider gaps were searched and contain no design.
         let unknown = gaps.iter().map(|gap| gap.width(extent)).fold(0.0, f64::max);
         let mut kept: Vec<usize> = best_of(&points);
         kept.sort_by(|a, b| points[*a].amounts[0].total_cmp(&points[*b].amounts[0]));
@@ -324,7 +324,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         kept
     }
 
-    /// Least amounts of the first criterion for `steps` rising limits of the second. The limits go from the design to the
+    /// Smallest amounts of the first criterion for `steps` rising limits of the second. The limits go from the design to the
     /// design with the least first criterion.
     pub(super) fn list(
         &self,
@@ -343,7 +343,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             }
             let level = most * step as f64 / steps as f64;
             let before = found.last().map_or(from, |f| &f.x);
-            // A point towards the end, as far as the level allows.
+            // Starts from a point in the direction of the end, as far as the level allows.
             let ahead = from + (&last.x - from) * (step as f64 / steps as f64);
             found.extend(self.lower(0, &[(1, level)], &[before, &ahead]));
         }
@@ -359,7 +359,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
     }
 }
 
-/// The end that is the whole front, if one criterion is equally good along all of it: the end that is best in the other
+/// Returns the only point of the front, if one criterion is equally good along all of it. It is the end that is best in the other
 /// criterion.
 fn single_end([first, last]: [&Found; 2], extent: [f64; 2], good: f64) -> Option<&Found> {
     let same = |k: usize, most: f64| extent[k] <= (NO_BETTER * most).max(good);

@@ -69,10 +69,10 @@ pub struct Identifiability {
     /// Singular values in falling order, one for each variable: change of the residuals (norm, in tolerances) per fraction
     /// of the ranges.
     pub singular_values: Vec<f64>,
-    /// Number of directions that change the residuals: those with an effect above the given one.
+    /// Number of directions that change the residuals, with an effect above the given limit.
     pub rank: usize,
-    /// Basis of the other directions: combinations of variables that leave all targets unchanged. In each, one variable
-    /// moves across its range that does not occur in the others.
+    /// Basis of the other directions: combinations of variables that leave all targets unchanged. In each direction, one variable
+    /// moves across its range that does not occur in the other directions.
     pub unseen: Vec<Direction>,
 }
 
@@ -133,7 +133,7 @@ pub(super) fn right_singular_vectors(a: &DMatrix<f64>) -> (Vec<f64>, DMatrix<f64
     let mut columns = a.clone();
     let mut vectors = DMatrix::identity(n, n);
     let rounding = f64::EPSILON * (a.nrows() as f64).sqrt();
-    // Convergence is quadratic after a few sweeps; the cap is never met in practice.
+    // Convergence is quadratic after a few sweeps; the limit is never reached in practice.
     for _ in 0..60 {
         let mut rotated = false;
         for p in 0..n {
@@ -244,7 +244,7 @@ mod tests {
         }
     }
 
-    /// A direction is free while the misfit rises by less than 0.1 and the variables stay in their ranges. The test has
+    /// A direction is free while the misfit rises by less than 0.1 and the variables stay in their ranges. The test covers
     /// directions without effect, and directions with a known end.
     #[test]
     fn directions_are_free_until_they_are_felt() {

@@ -80,7 +80,7 @@ impl LaneBuilds {
         self.accepted[build] = false;
     }
 
-    /// Assembles the builds of a wheel's nominal design. `drawn` are the rates of the nominal design.
+    /// Assembles the builds of a wheel's nominal design. `drawn` has the rates at which the variables move the nominal design.
     pub(super) fn assemble(&mut self, wheel: &BuiltWheel<'_>, drawn: &[PointRate]) {
         let (mechanism, parts) = (wheel.mechanism(), wheel.assembler().drawn());
         let along: Vec<Parts<Jet<f64, 2>>> = (0..self.variables)

@@ -1,7 +1,7 @@
 //! Constraints of designs that are solved in SIMD lanes.
 //!
-//! Lanes give positions of points and their rates by the variables as coordinates, and the spin axis as angles. From these,
-//! the chain rule leads from a formula's derivatives to derivatives by the variables, station by station.
+//! Lanes give positions of points and their rates by the variables as coordinates, and the spin axis as angles. With these, the
+//! chain rule converts the derivatives of a formula to derivatives by the variables, station by station.
 
 use super::carried_triangle::CarriedTriangle;
 use crate::characteristics::{Characteristic, Input, Measure, Quantity, Stud, Vectors};
@@ -18,7 +18,7 @@ pub(super) enum LanePart {
     Formula(Measure, Vec<Source>),
 }
 
-/// Origin of a vector: quantities, given by their indices, or the design.
+/// Source of a vector: quantities, given by their indices, or the design.
 #[derive(Clone, Copy)]
 pub(super) enum Source {
     /// Coordinates of a point.

@@ -80,8 +80,7 @@ impl<'a> LaneRows<'a> {
         self.parts.is_some()
     }
 
-    /// Takes the rates by which the variables move a design. `points` and `variables` are the numbers of points and
-    /// variables.
+    /// Stores the rates at which the variables move a design. `points` and `variables` are the numbers of points and variables.
     pub(super) fn begin(&mut self, points: usize, point_rates: &[PointRate], variables: usize) {
         let one = 3 * points;
         self.slopes.resize(variables, 0.0);

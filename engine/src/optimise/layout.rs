@@ -76,7 +76,7 @@ pub(super) struct Part {
     pub limited: Limited,
 }
 
-/// Meaning of a row of the constraints.
+/// Identifies a row of the constraints: its part, station and limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowLabel {
     /// Index of the constraint.
@@ -85,14 +85,14 @@ pub struct RowLabel {
     pub part: usize,
     /// True for the upper limit.
     pub is_upper: bool,
-    /// Index of the leg: a motion at one rack displacement. The index after the last leg stands for elastic parts.
+    /// Index of the leg: a motion at one rack displacement. The index after the last leg denotes elastic parts.
     pub leg: usize,
     /// Index of the station. If the part has an extreme between this station and its neighbours, the row applies to that
     /// extreme instead.
     pub station: usize,
 }
 
-/// Targets that are not those of a rigid wheel.
+/// Targets of an axle or of elastic parts.
 #[derive(Clone, Debug)]
 pub(super) enum Beside {
     /// Rows of an axle.
@@ -127,14 +127,14 @@ impl Beside {
     }
 }
 
-/// Layout of targets and constraints: subject and place of each row of the problem.
+/// Layout of targets and constraints: quantity and station of each row of the problem.
 #[derive(Clone, Debug)]
 pub struct TargetLayout {
     pub(super) legs: Vec<Leg>,
     pub(super) rows: usize,
     /// Measures of the targets of one wheel.
     pub(super) measures: Vec<Measure>,
-    /// Targets that are not those of a rigid wheel.
+    /// Targets of an axle or of elastic parts. `None` for a rigid wheel.
     pub(super) beside: Option<Beside>,
     pub(super) parts: Vec<Part>,
     pub(super) labels: Vec<RowLabel>,
@@ -323,7 +323,7 @@ impl TargetLayout {
         }
     }
 
-    /// Change of a row's limit, in the constraint's unit, that changes the row by 1 where the limit binds.
+    /// Change of a row's limit, in the constraint's unit, that changes the value of the row by 1 if the limit binds.
     pub fn visible(&self, row: usize) -> f64 {
         self.parts[self.labels[row].part].limited.visible
     }
@@ -403,7 +403,7 @@ impl TargetLayout {
         self.shares[target]
     }
 
-    /// Criterion for the misfit of some of the targets.
+    /// Makes the criterion for the misfit of some of the targets.
     pub(super) fn aim(&self, targets: &[usize]) -> Criterion {
         let of = self.targets_of_rows();
         let rows: Vec<usize> = (0..of.len())

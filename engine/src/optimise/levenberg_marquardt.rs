@@ -7,32 +7,32 @@
 //! damping = max( mu |r|^2, drift |J W| |r| )                                               (2)
 //! ```
 //!
-//! (1) is solved exactly (`BoundedLeastSquares`). With damping in proportion to |r|^2 the method converges
-//! quadratically to a zero of r. It does so even if zeros are not isolated and J lacks full rank (Ch. Kanzow, N.
-//! Yamashita, M. Fukushima, Levenberg-Marquardt methods with strong local convergence properties for solving
-//! nonlinear equations with convex constraints, J. Comput. Appl. Math. 172, 2004). mu follows the ratio of the actual
-//! reduction to the predicted one (J. Fan, Y. Yuan, On the quadratic convergence of the Levenberg-Marquardt method
-//! without nonsingularity assumption, Computing 74, 2005). The method needs no decision about the rank: directions
-//! that leave the residuals unchanged have no gradient, and damping does not move them.
+//! (1) is solved exactly (`BoundedLeastSquares`). With damping in proportion to |r|^2 the method converges quadratically to a
+//! zero of r. It does so even if zeros are not isolated and J does not have full rank (Ch. Kanzow, N. Yamashita, M. Fukushima,
+//! Levenberg-Marquardt methods with strong local convergence properties for solving nonlinear equations with convex constraints,
+//! J. Comput. Appl. Math. 172, 2004). mu follows the ratio of the actual reduction to the predicted one (J. Fan, Y. Yuan, On the
+//! quadratic convergence of the Levenberg-Marquardt method without nonsingularity assumption, Computing 74, 2005). The method
+//! needs no decision about the rank: directions that leave the residuals unchanged have no gradient, and damping does not move
+//! them.
 //!
-//! The second term of (2) keeps them still in finite precision as well. Rounding turns the zero singular value of
-//! such a direction into one of about e |J W|, with e the machine precision. Its left vector may have a component
-//! along r, so the step along the direction is up to e |J W| |r| / damping. The term limits that step to [`DRIFT`] of
-//! the range. It vanishes with r, so it does not spoil the convergence.
+//! The second term of (2) prevents such moves in finite precision as well. Rounding turns the zero singular value of such a
+//! direction into one of about e |J W|, with e the machine precision. Its left vector may have a component along r, so the step
+//! along the direction is up to e |J W| |r| / damping. The term limits that step to [`DRIFT`] of the range. It vanishes with r,
+//! so it does not spoil the convergence.
 //!
-//! If singular values spread over many decades, the floor of a narrow, curved valley would soon confine the run. A
-//! step along the floor, far too short to matter, already raises the cost, because curvature takes it up the steep
-//! walls. So a trial that does not descend is corrected before it is rejected. Newton steps, with Jacobians that the
-//! trials computed anyway, take it to the residuals that the model predicted,
+//! If singular values spread over many decades, the cost has a narrow, curved valley, and steps along its floor would soon become
+//! very short. Even a short step along the floor raises the cost, because the floor curves and the step ends on a steep wall. So
+//! a trial that does not lower the cost is corrected before it is rejected. Newton steps, with Jacobians that the trials computed
+//! anyway, move it to the residuals that the model predicted,
 //!
 //! ```text
 //! e = argmin |J' W e + r' - (r + J W s)|^2 + damping |e|^2     at the trial, r' and J' being there  (3)
 //! ```
 //!
-//! as long as each step is at most half as long as the one before. Such steps show that Newton's method converges.
-//! Unlike the cost, this test does not depend on the steepness of the walls (P. Deuflhard, Newton methods for
-//! nonlinear problems, 2004, sections 3.3 and 4.3). The corrections are those against the Maratos effect (J. Nocedal,
-//! S. Wright, Numerical optimization, 2nd ed., section 18.3). Every trial that is finally accepted has descended.
+//! as long as each step is at most half as long as the previous one. Such steps show that Newton's method converges. Unlike the
+//! cost, this test does not depend on the steepness of the walls (P. Deuflhard, Newton methods for nonlinear problems, 2004,
+//! sections 3.3 and 4.3). The corrections are those against the Maratos effect (J. Nocedal, S. Wright, Numerical optimization,
+//! 2nd ed., section 18.3). Every trial that is finally accepted has a lower cost.
 
 use super::fit_record::{ArgminState, FitRecord, of};
 use super::local_model::LocalModel;
@@ -54,7 +54,7 @@ const ACCEPTABLE: f64 = 1e-4;
 /// Ratios below which the damping rises for the next step, and above which it falls.
 const POOR: f64 = 0.25;
 const GOOD: f64 = 0.75;
-/// Largest number of corrections of a trial. Each correction is at most half as long as the one before; most converge
+/// Largest number of corrections of a trial. Each correction is at most half as long as the previous one; most converge
 /// quadratically.
 const CORRECTIONS: u32 = 8;
 
@@ -68,8 +68,8 @@ pub struct LevenbergMarquardt<'a> {
     model: LocalModel<'a>,
     trial_x: DVector<f64>,
     trial: Linearisation,
-    /// Residuals that the model predicts at the trial, the excess of the actual residuals there, the model (3) of that
-    /// excess, and its step.
+    /// Residuals that the model predicts at the trial, the excess of the actual residuals there over these, the model (3) of that
+    /// excess, and the step of this model.
     promised: DVector<f64>,
     excess: DVector<f64>,
     correction: LocalModel<'a>,
@@ -101,7 +101,7 @@ impl<'a> LevenbergMarquardt<'a> {
 
     /// Converts the finished run into its result.
     pub(super) fn into_fit(self, state: ArgminState) -> Fit {
-        let x = state.param.expect("the state was given its start");
+        let x = state.param.expect("the state has a start point");
         let active_bounds = self.record.bounds.active_bounds(&x);
         let residual = self.residual(&self.current, &x);
         let (termination, history) = self.record.finished(residual);
@@ -139,7 +139,8 @@ impl<'a> LevenbergMarquardt<'a> {
         }
     }
 
-    /// Returns the reduction predicted with the smallest possible damping, `drift`. The step stays that of `damping`.
+    /// Returns the reduction predicted with the smallest possible damping, `drift`. The step itself does not change: it remains
+    /// that of `damping`.
     fn undamped_reduction(&mut self, drift: f64, damping: f64) -> f64 {
         self.model.solve(drift);
         let reduction = self.model.predicted_reduction();
@@ -172,8 +173,8 @@ impl<'a> LevenbergMarquardt<'a> {
         self.trial.check()
     }
 
-    /// Corrects a trial reached from `x` until the cost is at most `goal`. It stops if a correction is more than half as
-    /// long as the one before. Returns the number of evaluated points. A point without residuals ends it with an error.
+    /// Corrects a trial reached from `x` until the cost is at most `goal`. It stops if a correction is more than half as long as
+    /// the previous one. Returns the number of evaluated points, or an error at a point without residuals.
     fn correct(
         &mut self,
         problem: &mut impl LeastSquares,
@@ -239,7 +240,7 @@ impl<P: LeastSquares> Solver<P, ArgminState> for LevenbergMarquardt<'_> {
         self.promised = DVector::zeros(m);
         self.excess = DVector::zeros(m);
 
-        let x = state.param.as_ref().expect("the state was given its start");
+        let x = state.param.as_ref().expect("the state has a start point");
         problem.evaluate(x, &mut self.current)?;
         self.current.check()?;
         self.rebuild_model(x);
@@ -256,7 +257,7 @@ impl<P: LeastSquares> Solver<P, ArgminState> for LevenbergMarquardt<'_> {
         mut state: ArgminState,
     ) -> Result<(ArgminState, Option<KV>), Error> {
         let problem = of(problem);
-        let mut x = state.take_param().expect("the state was given its start");
+        let mut x = state.take_param().expect("the state has a start point");
         let cost = self.current.cost();
         let negligible = self.record.options.reduction_below * cost;
         let drift = f64::EPSILON / DRIFT * self.model.norm() * (2.0 * cost).sqrt();
@@ -286,12 +287,13 @@ impl<P: LeastSquares> Solver<P, ArgminState> for LevenbergMarquardt<'_> {
             }
             let predicted = self.model.predicted_reduction();
             let found = cost - self.trial.cost();
-            // A damped step with little effect does not prove a minimum. An undamped step must have little effect, too.
+            // A small predicted reduction by a damped step does not prove a minimum. The reduction by an undamped step must be
+            // small, too.
             let is_negligible = obstacle.is_none()
                 && predicted <= negligible
                 && found.abs() <= negligible
                 && self.undamped_reduction(drift, damping) <= negligible;
-            // A point whose slope exceeds rounding errors is no minimum, as long as steps still lower the misfit.
+            // A point whose slope exceeds rounding errors is not a minimum while steps still lower the misfit.
             let at_end = is_negligible
                 && (found <= 0.0 || self.residual(&self.trial, &self.trial_x) < CONVERGED);
             if at_end {

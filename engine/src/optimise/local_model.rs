@@ -26,7 +26,7 @@ impl<'a> LocalModel<'a> {
         }
     }
 
-    /// Makes this the model of `residuals` about `x`.
+    /// Builds the model of `residuals` about `x`.
     pub(super) fn build(
         &mut self,
         x: &DVector<f64>,
@@ -93,8 +93,8 @@ impl<'a> LocalModel<'a> {
         }
     }
 
-    /// Returns true if the residuals, with the norm `size`, are orthogonal to all columns whose variable is free to descend.
-    /// `cosine` is the tolerance.
+    /// Returns true if the residuals, with the norm `size`, are orthogonal to all columns whose variable can lower the cost
+    /// without crossing a bound. `cosine` is the tolerance.
     pub(super) fn is_stationary(&self, size: f64, cosine: f64) -> bool {
         let columns = self.subproblem.column_norms().iter().enumerate();
         columns.into_iter().all(|(j, column)| {

@@ -1,13 +1,13 @@
 //! Tuning hardpoints: targets as nonlinear least squares with box bounds, from one start or several.
 //!
-//! [`tune()`] lays the targets of a study out as an [`Objective`]. Nothing below it knows of suspensions. A
-//! [`LeastSquares`] problem yields residuals, in units of their tolerances, and their exact Jacobian in one pass.
-//! [`fit()`] finds a minimum from one start, [`multistart()`] from several in parallel. [`Identifiability`] names the
-//! directions in which the residuals do not change. This is the only module that uses argmin.
+//! [`tune()`] lays the targets of a study out as an [`Objective`]. The modules below it contain no suspensions. A
+//! [`LeastSquares`] problem yields residuals, in units of their tolerances, and their exact Jacobian in one pass. [`fit()`] finds
+//! a minimum from one start, [`multistart()`] from several in parallel. [`Identifiability`] names the directions in which the
+//! residuals do not change. This is the only module that uses argmin.
 //!
-//! Steps are measured in fractions of the variables' ranges. The ranges say which moves are comparable, so the method
-//! does not depend on units. MINPACK scales by the column norms of the Jacobian instead. Such a scale lets a variable
-//! move more freely if the residuals depend on it less. A rank-deficient fit needs the opposite.
+//! Steps are measured in fractions of the variables' ranges. The ranges define which moves are comparable, so the method does not
+//! depend on units. MINPACK scales by the column norms of the Jacobian instead. With that scale, variables with little effect on
+//! the residuals make large moves. In a rank-deficient fit, these variables should not move.
 
 mod active_set;
 mod at_design;

@@ -20,7 +20,7 @@ pub(super) struct MovedWheel<'a> {
     frame: Frame,
     /// Design without moves.
     own: &'a [Vector3<f64>],
-    /// Point that stands for the spin axis of a carrier without such a point, and the wheel centre that it follows.
+    /// Added point that gives the spin axis of a carrier without such a hardpoint, and the wheel centre that it follows.
     follower: Option<(PointId, PointId)>,
     /// The moved design.
     pub design: Vec<Vector3<f64>>,
@@ -41,7 +41,7 @@ impl<'a> MovedWheel<'a> {
     }
 
     /// The wheel of an assembled suspension ([`crate::assembly::Assembler::suspension`]). An added point of the spin axis keeps
-    /// its direction from the wheel centre, wherever that moves.
+    /// its direction from the wheel centre when the wheel centre moves.
     pub(super) fn assembled(suspension: &'a Suspension, frame: Frame) -> Self {
         let leader = suspension.mechanism.wheel_centre;
         let follower = suspension.mechanism.moves_with(leader);
@@ -77,8 +77,8 @@ impl<'a> MovedWheel<'a> {
         }
     }
 
-    /// Completes a solid axle after its near half has moved. This is the axle as its left wheel sees it, `right` the same axle
-    /// as the right wheel sees it.
+    /// Completes a solid axle after its near half has moved. `self` is the axle as seen from its left wheel, `right` the same
+    /// axle as seen from the right wheel.
     pub(super) fn complete(
         &mut self,
         right: &mut MovedWheel<'a>,
@@ -88,7 +88,7 @@ impl<'a> MovedWheel<'a> {
         let (mut whole, mut turned) = (Vec::new(), Vec::new());
         let near = std::mem::take(&mut self.point_rates);
         right.point_rates.clear();
-        // Without variables, one pass completes the designs.
+        // Without variables, one pass is still needed to complete the designs.
         for first in (0..variables.max(1)).step_by(AT_ONCE) {
             along_variables(&self.design, &near, first, &mut whole);
             rigid.complete(self.own, &mut whole);
@@ -130,7 +130,7 @@ pub(super) fn along_variables(
     }
 }
 
-/// Appends the rates of a design by the variables from number `first` on, of all `variables`.
+/// Appends the rates of a design by some of the `variables`, beginning with number `first`.
 pub(super) fn append_rates(
     design: &[Vector3<ByVariables>],
     first: usize,

@@ -1,9 +1,9 @@
 //! Moves of the design by the variables, and their derivatives.
 //!
-//! Points that rotate as one body move to c + R(w) (p - c). Here c is their centroid in the design and w the rotation
-//! vector. All other moves are added to that. With the angle a = |w|, R is Cayley's rotation of the Rodrigues vector w
-//! tan(a/2)/a. The factor tan(a/2)/a is a power series in w.w. The series is accurate to double precision up to the largest
-//! rotation that a study may request.
+//! Points that rotate as one body move to c + R(w) (p - c). Here c is their centroid in the design and w the rotation vector. All
+//! other moves are added to this rotation. With the angle a = |w|, R is Cayley's rotation of the Rodrigues vector w tan(a/2)/a.
+//! The factor tan(a/2)/a is a power series in w.w. The series is accurate to double precision up to the largest rotation that a
+//! study may request.
 
 use crate::model::{Axis, Frame, Suspension};
 use crate::number::{Dual, Matrix3, Real, Vector3};
@@ -61,7 +61,11 @@ fn rotation_vector(
 }
 
 fn centroid(design: &[Vector3<f64>], variable: &Variable) -> Vector3<f64> {
-    let points = &variable.turn.as_ref().expect("asked of turns alone").points;
+    let points = &variable
+        .turn
+        .as_ref()
+        .expect("called for turns only")
+        .points;
     let sum = points
         .iter()
         .fold(Vector3::new(0.0, 0.0, 0.0), |sum, p| sum + design[p.0]);

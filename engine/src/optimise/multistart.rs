@@ -70,8 +70,8 @@ pub fn multistart<P: LeastSquares>(
     Multistart { starts, best }
 }
 
-/// The same as [`multistart`] under constraints. If no start satisfies them, the result is the one with the smallest
-/// violation.
+/// Minimises from several starts like [`multistart`], under constraints. If no start satisfies them, the result is the one with
+/// the smallest violation.
 pub fn constrained_multistart<P: Constrained>(
     problem: impl Fn() -> P + Sync,
     bounds: &Bounds,
@@ -91,7 +91,7 @@ pub fn constrained_multistart<P: Constrained>(
     Multistart { starts, best }
 }
 
-/// Among the starts of least misfit, the one nearest to the design. `None` if none has a misfit.
+/// Index of the start nearest to the design, among those with the smallest misfit. `None` if none has a misfit.
 fn nearest_of_least(
     starts: &[Start],
     bounds: &Bounds,
@@ -160,8 +160,8 @@ pub(super) fn least_misfit(starts: &[Start]) -> Option<f64> {
     kept.map(|(_, fit)| fit.misfit()).min_by(f64::total_cmp)
 }
 
-/// Chooses the start with the smallest move among those that satisfy the constraints with a misfit up to `good`. Distances
-/// within the relative difference `share` of the least count as equal; then the earliest start wins.
+/// Chooses the start with the smallest move among those that satisfy the constraints with a misfit up to `good`. Distances count
+/// as equal if they exceed the smallest one by at most the relative difference `share`; then the earliest start wins.
 pub(super) fn nearest(
     starts: &[Start],
     good: f64,

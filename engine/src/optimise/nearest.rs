@@ -5,12 +5,12 @@
 //! or at a budget, more runs follow:
 //!
 //! - from its end, if that is feasible
-//! - along a series of levels between the lowest misfit and m, each from the end of the one before
+//! - along a series of levels between the lowest misfit and m, each from the end of the previous run
 //! - from the study's own design
 //!
-//! In all runs but the last, steps that would exceed the level by far are refused. An answer for a lower level also
-//! satisfies the higher one, so the nearest of all answers is taken. If no run for m converged, the design is not known to
-//! be the smallest change, and the termination says so.
+//! In all runs but the last, steps that would exceed the level by far are refused. A result for a lower level also satisfies the
+//! higher one, so the result nearest to the study's own design is used. If no run for m converged, the design is not known to be
+//! the smallest change, and the termination says so.
 
 use super::constrained::{Assessment, Constrained, ConstrainedFit, KEPT, constrained_fit};
 use super::fixed::FixedRows;
@@ -23,10 +23,11 @@ use nalgebra::DVector;
 const NO_MOVE: f64 = 1e-9;
 /// Intermediate levels, as shares of the difference between the lowest misfit and the level.
 const RUNGS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-/// Violation that a step may cause, as a multiple of the level, and in tolerances if that is more. Larger steps lead into
-/// other valleys.
+/// Violation that a step may cause, as a multiple of the level, and in tolerances if that is larger. Larger steps would lead to
+/// other minima.
 const NEAR_LEVEL: f64 = 1.0;
-/// Shares of [`Options::max_evaluations`] for all runs together, for the first run, and for each of the others.
+/// Largest number of evaluations as shares of [`Options::max_evaluations`]: of all runs together, of the first run, and of each
+/// other run.
 const ALL_RUNS: f64 = 0.04;
 const FIRST_RUN: f64 = 0.02;
 const OTHER_RUNS: f64 = 0.01;
@@ -37,7 +38,7 @@ const AS_NEAR: f64 = 1e-9;
 #[derive(Clone, Copy)]
 pub(super) struct Level<'l> {
     pub misfit: f64,
-    /// True if designs at the level are good enough; otherwise they are as good as the best.
+    /// True if a misfit at the level is good enough. Otherwise the level is slightly above the smallest misfit.
     pub is_good_enough: bool,
     pub fixed: &'l FixedRows,
     pub options: &'l Options,
@@ -91,7 +92,7 @@ impl Search<'_, '_> {
             &options,
             tuner.control,
         );
-        // The start point always takes one evaluation.
+        // The start point always needs one evaluation.
         self.left -= 1;
         let mut found = found.ok()?;
         self.left = self.left.saturating_sub(found.evaluations() - 1);
@@ -125,7 +126,7 @@ impl Search<'_, '_> {
             || self.left == 0
     }
 
-    /// Options of a run that may take this share of the evaluations.
+    /// Options of a run that may use this share of the evaluations.
     fn options(&self, share: f64, violation_below: f64) -> Options {
         let all = self.level.options.max_evaluations as f64;
         Options {
@@ -165,7 +166,7 @@ impl Search<'_, '_> {
 }
 
 impl Tuner<'_> {
-    /// Moves a fit as near to the design as a level and the constraints allow.
+    /// Moves a fit as near to the study's own design as a level and the constraints allow.
     pub(super) fn draw_near(&self, index: usize, fit: &mut Fit, level: Level<'_>) {
         let mut search = Search {
             tuner: self,

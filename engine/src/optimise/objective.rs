@@ -8,8 +8,7 @@
 //! misfit^2 = sum_targets weight rms^2 / sum_targets weight,   rms over the target's own stations
 //! ```
 //!
-//! for any numbers of stations. One visit of a station gives everything: the pose, one factorisation, and one adjoint for
-//! each value.
+//! for any numbers of stations. Each station needs one pose, one factorisation, and one adjoint for each value.
 //!
 //! Constraints also hold between the stations: see [`extremes`](super::extremes).
 
@@ -105,9 +104,9 @@ impl<'a> Objective<'a> {
         })
     }
 
-    /// Makes the problem of a robust tuning, whose residuals are those of builds. With `width` those of a rigid wheel are solved
-    /// in lanes, all others build by build. [`Vehicle::assembled`] returns `assembled`, whose wheels may have additional
-    /// spindle points.
+    /// Makes the problem of a robust tuning, whose residuals are those of builds. With `width`, builds of a rigid wheel are
+    /// solved in lanes; all other builds are solved one by one. [`Vehicle::assembled`] returns `assembled`, whose wheels may have
+    /// additional spindle points.
     pub fn of_builds(
         assembled: &'a Vehicle,
         variables: &'a [Variable],
@@ -171,7 +170,7 @@ impl<'a> Objective<'a> {
         robust.map_or(0, Robust::builds_in_lanes)
     }
 
-    /// The wheel, or both wheels of an axle. A right wheel that is a mirror image of the left one is not among them.
+    /// The wheel, or both wheels of an axle. A right wheel that is the mirror image of the left one is not included.
     pub(super) fn wheels(&self) -> impl Iterator<Item = &MovedWheel<'a>> {
         [Some(&self.wheel), self.right.as_ref()]
             .into_iter()
@@ -186,7 +185,7 @@ impl<'a> Objective<'a> {
             return;
         };
         right.move_to(variables, x);
-        // All points of a build move by themselves, so its nominal design is complete.
+        // In a build, no point follows another one, so its design is already complete.
         if let (Some(_), Some(rigid)) = (&self.robust, &self.solver.mechanism().rigid_axle) {
             self.wheel.complete(right, rigid, variables.len());
         }
@@ -242,8 +241,8 @@ impl<'a> Objective<'a> {
         beside.evaluate(&moved, into, rows)
     }
 
-    /// Evaluates the moved design of one wheel in lanes. Returns false if lanes cannot provide everything, or if the
-    /// tracker rejects the design; the caller must then overwrite the written values.
+    /// Evaluates the moved design of one wheel in lanes. Returns false if lanes cannot evaluate all rows, or if the tracker
+    /// rejects the design; the caller must then overwrite the written values.
     fn evaluate_in_lanes(
         &mut self,
         into: &mut Linearisation,
@@ -381,7 +380,7 @@ impl<'a> Objective<'a> {
                 let Extremes { part, sign, .. } = &leg.extremes[search.of];
                 let part = &layout.parts[*part].limited;
                 let limit = if *sign > 0.0 { part.upper } else { part.lower };
-                let limit = limit.expect("an extreme is sought for a limit");
+                let limit = limit.expect("an extreme belongs to a limit");
                 let scale = sign / part.scale;
                 let view = WheelReading::reading(&linearised.at, *constants, layout.reads);
                 let series = read(&part.of, &view, &linearised, solver.size());

@@ -3,15 +3,15 @@
 /// Conditions for the end of a run. Each is an inequality; the first that holds ends the run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Misfit <= this. The misfit is the root mean square of the residuals, in tolerances. The default is the rounding of
-    /// curves that are some thousand tolerances high. Below it, fits are equally good.
+    /// Condition: misfit <= this. The misfit is the root mean square of the residuals, in tolerances. The default is the rounding
+    /// of curves that are some thousand tolerances high. Below it, fits are equally good.
     pub misfit_below: f64,
-    /// Predicted and actual reduction of the cost <= this times the cost. The default, 1e-10, makes the misfit accurate to
-    /// ten digits. A minimum with zero misfit is found to the last digit with any value, because the cost keeps falling by
-    /// large fractions of itself.
+    /// Condition: predicted and actual reduction of the cost <= this times the cost. The default, 1e-10, makes the misfit
+    /// accurate to ten digits. A minimum with zero misfit is found to the last digit with any limit, because near it each step
+    /// lowers the cost by a large fraction.
     pub reduction_below: f64,
-    /// max_j |step_j| / range_j <= this. The default is the rounding of a coordinate that is up to sixteen times as large as
-    /// its range.
+    /// Condition: max_j |step_j| / range_j <= this. The default is the rounding of a coordinate that is up to sixteen times as
+    /// large as its range.
     pub step_below: f64,
     /// |r . column_j| <= this |r| |column_j| for all columns of the Jacobian whose variable is free to
     /// descend. The default is the rounding of that inner product over some thousand residuals.
@@ -19,10 +19,10 @@ pub struct Options {
     /// Number of iterations >= this.
     pub max_iterations: u64,
     /// Violation, in the unit of the rows, up to which a step under constraints may go if it lowers the goal. The default,
-    /// infinity, allows a hundred times the violation of the start. With a small value, a run that starts feasible does not
-    /// leap into another valley.
+    /// infinity, allows a hundred times the violation of the start. With a small value, a run that starts feasible does not jump
+    /// to another minimum.
     pub violation_below: f64,
-    /// Number of evaluations >= this. The default is ten for each iteration; most iterations take one.
+    /// Condition: number of evaluations >= this. The default is ten for each iteration; most iterations take one.
     pub max_evaluations: u64,
 }
 

@@ -1,4 +1,4 @@
-//! Pool of problems for repeated use. Making a problem costs as much as evaluating it several times.
+//! Pool of problems for repeated use. Making a problem takes as long as evaluating it several times.
 
 use super::{Assessment, Constrained, Infeasible, LeastSquares, Linearisation, Shape};
 use nalgebra::DVector;
@@ -13,8 +13,8 @@ impl<P> Pool<P> {
         Pool(Mutex::new(Vec::from_iter(idle)))
     }
 
-    /// Lends a problem of the pool, or a new one. It returns to the pool when its guard is dropped. Results depend only on
-    /// the evaluated point, so any problem of the pool will do.
+    /// Lends a problem of the pool, or a new one. It returns to the pool when its guard is dropped. Results depend only on the
+    /// evaluated point, so any problem of the pool can be lent.
     pub(super) fn lend(&self, make: impl FnOnce() -> P) -> PoolGuard<'_, P> {
         let idle = self.idle().pop();
         PoolGuard {
@@ -36,11 +36,15 @@ pub(super) struct PoolGuard<'p, P> {
 
 impl<P> PoolGuard<'_, P> {
     fn get(&self) -> &P {
-        self.problem.as_ref().expect("it is there until dropped")
+        self.problem
+            .as_ref()
+            .expect("the guard has a problem until it is dropped")
     }
 
     fn get_mut(&mut self) -> &mut P {
-        self.problem.as_mut().expect("it is there until dropped")
+        self.problem
+            .as_mut()
+            .expect("the guard has a problem until it is dropped")
     }
 }
 

@@ -14,9 +14,9 @@ pub trait LeastSquares {
 
     /// Writes all residuals at `x` and their exact derivatives into `into`.
     ///
-    /// Both come from one pass, because they share nearly all of their work. The receiver is mutable so that a problem may
-    /// keep its workspace. But the result must depend on `x` alone, without warm starts from the previous call. Otherwise
-    /// results would depend on the path.
+    /// Both come from one pass, because they share nearly all of their work. The method takes `&mut self` so that a problem may
+    /// keep its workspace. But the result must depend on `x` alone: the method must not start from the result of the previous
+    /// call. Otherwise results would depend on the path.
     fn evaluate(&mut self, x: &DVector<f64>, into: &mut Linearisation) -> Result<(), Infeasible>;
 }
 

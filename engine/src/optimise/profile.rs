@@ -1,4 +1,4 @@
-//! Profile of a linear fit: the least squares for each value of one variable, with the others within their ranges.
+//! Profile of a linear fit: the smallest sum of squares for each value of one variable, with the others within their ranges.
 
 use super::qr::{scale_columns, triangularise};
 use super::{BoundedLeastSquares, Bounds, Linearisation};
@@ -6,8 +6,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// Largest number of trials in the search for an end.
 const TRIALS: usize = 60;
-/// Factor of the Illinois method for the value at an end that does not move in two successive trials. It changes the path,
-/// not the result.
+/// Factor of the Illinois method on the value at an end that has not moved in two successive trials. It changes the path of the
+/// search, not the result.
 const ILLINOIS: f64 = 0.5;
 /// Damping of the bounded problems, relative to the largest column. It fixes directions that leave all residuals unchanged.
 const DAMPING: f64 = 1e-10;
@@ -26,9 +26,9 @@ pub(super) struct Profile<'a> {
     /// Residuals after the same rotations, divided in the same way.
     offset: DVector<f64>,
     last: f64,
-    /// Part of the sum of squares that no move changes.
+    /// Part of the sum of squares that does not depend on the moves.
     rest: f64,
-    /// Distances from the point to the ends of the others' ranges, in fractions of the ranges.
+    /// Distances from the point to the ends of the other variables' ranges, in fractions of the ranges.
     lower: Vec<f64>,
     upper: Vec<f64>,
     damping: f64,
@@ -76,7 +76,7 @@ impl<'a> Profile<'a> {
         }
     }
 
-    /// Minimum of |R v + offset|^2 over moves v of the others between two bounds, and the minimising move.
+    /// Minimum of |R v + offset|^2 over moves v of the other variables between two bounds, and the minimising move.
     fn least(&self, offset: &DVector<f64>, lower: &[f64], upper: &[f64]) -> (f64, DVector<f64>) {
         let n = self.others.len();
         if n == 0 {
@@ -94,7 +94,7 @@ impl<'a> Profile<'a> {
         (value - self.point[self.variable]) / self.bounds.width()[self.variable]
     }
 
-    /// Least squares S_j(c) of (1), and the moves of the others.
+    /// Smallest sum of squares S_j(c) of (1), and the moves of the other variables.
     fn squares(&self, value: f64) -> (f64, DVector<f64>) {
         let own = self.fraction(value);
         let offset = &self.offset + &self.column * own;
@@ -103,16 +103,16 @@ impl<'a> Profile<'a> {
         (self.rest + last * last + squares, moves)
     }
 
-    /// Root of the least |J (x - point)|^2 over points x of the box with this value of the variable.
+    /// Root of the smallest |J (x - point)|^2 over points x of the box with this value of the variable.
     pub(super) fn distance(&self, value: f64) -> f64 {
         let own = self.fraction(value);
         let (squares, _) = self.least(&(&self.column * own), &self.lower, &self.upper);
         (squares + (self.diagonal * own).powi(2)).sqrt()
     }
 
-    /// Finds the value between `from` and `bound` at which the least squares reach a level, and the point there. `None` if
-    /// they do not reach it at the bound, or already exceed it at `from`. The search is the Illinois method (M. Dowell, P.
-    /// Jarratt, A modified regula falsi method, BIT 11, 1971), on the root of the rise above `from`.
+    /// Finds the value between `from` and `bound` at which the smallest sum of squares reaches a level, and the point there.
+    /// `None` if the sum does not reach the level at the bound, or already exceeds it at `from`. The search is the Illinois
+    /// method (M. Dowell, P. Jarratt, A modified regula falsi method, BIT 11, 1971), on the root of the rise above `from`.
     pub(super) fn end(&self, from: f64, bound: f64, level: f64) -> Option<(f64, DVector<f64>)> {
         let first = self.squares(from).0;
         if first > level || self.squares(bound).0 <= level {
@@ -153,7 +153,7 @@ impl<'a> Profile<'a> {
         Some((outside, self.place(outside, &moves)))
     }
 
-    /// Point of the least squares for a value of the variable.
+    /// Point with the smallest sum of squares for a value of the variable.
     pub(super) fn point(&self, value: f64) -> DVector<f64> {
         self.place(value, &self.squares(value).1)
     }

@@ -1,9 +1,9 @@
 //! Confidence interval of a variable of a fit, with all variables within their ranges.
 //!
-//! The measurements are y = f(x0) + e, with normal errors e of one unknown variance. The truth x0 is assumed to lie **within
-//! the ranges** l <= x0 <= u; no interval within the ranges could contain a truth outside of them. r(x) are the residuals of
-//! the fit, S its least sum of squares, at x^, and s^2 the variance of a residual. The least squares for a value c of
-//! variable j are its *profile*, and T measures how much worse c fits:
+//! The measurements are y = f(x0) + e, with normal errors e of one unknown variance. The truth x0 is assumed to lie **within the
+//! ranges** l <= x0 <= u; no interval within the ranges could contain a truth outside of them. r(x) are the residuals of the fit,
+//! S is its smallest sum of squares, at x^, and s^2 is the variance of a residual. The smallest sum of squares for a value c of
+//! variable j is its *profile*, and T measures how much worse c fits:
 //!
 //! ```text
 //! S_j(c) = min { |r(x)|^2 : l <= x <= u, x_j = c }                                         (1)
@@ -31,9 +31,10 @@
 //! ```
 //!
 //! Thus q is the two-sided quantile (97.5 %) far from the bounds, and the one-sided quantile (95 %) at a bound. The interval
-//! passes smoothly from two-sided to one-sided. A choice made after looking at the data would lose coverage (G. J. Feldman,
-//! R. D. Cousins, Unified approach to the classical statistical analysis of small signals, Physical Review D 57, 1998). With
-//! x(c) the minimiser of (1), the distance also keeps the ranges of the others:
+//! passes smoothly from two-sided to one-sided. If the choice between the two were made after looking at the data, the interval
+//! would contain the truth less often (G. J. Feldman, R. D. Cousins, Unified approach to the classical statistical analysis of
+//! small signals, Physical Review D 57, 1998). With x(c) the minimiser of (1), the distance also respects the ranges of the other
+//! variables:
 //!
 //! ```text
 //! d^2 = min { |J (x - x(c))|^2 : l <= x <= u, x_j = the bound } / (k_j s^2)                (6)
@@ -41,15 +42,15 @@
 //!
 //! (5) is exact for a linear fit in which only x_j can reach a bound. Bounds of the other variables make T a mixture of
 //! chi-squares whose weights depend on the unknown x0 (S. G. Self, K.-Y. Liang, Asymptotic properties of maximum likelihood
-//! estimators and likelihood ratio tests under nonstandard conditions, J. Am. Stat. Assoc. 82, 1987). So T is also
-//! simulated, by fits of the linear model to errors of known seed about x(c)
-//! ([`SimulatedFits`](super::simulated_fits::SimulatedFits)). Simulation uses x(c) in place of x0, which may make q too
-//! small. (5) ignores the others' bounds, which may also make q too small. The method takes the larger of the two. If no
-//! variable has a bound within four standard errors, neither is needed, and q is the two-sided quantile.
+//! estimators and likelihood ratio tests under nonstandard conditions, J. Am. Stat. Assoc. 82, 1987). So T is also simulated, by
+//! fits of the linear model to errors of known seed about x(c) ([`SimulatedFits`](super::simulated_fits::SimulatedFits)).
+//! Simulation uses x(c) in place of x0, which may make q too small. (5) ignores the bounds of the other variables, which may also
+//! make q too small. The method takes the larger of the two. If no variable has a bound within four standard errors, neither is
+//! needed, and q is the two-sided quantile.
 //!
-//! For a linear r, (1) is a bounded linear least-squares problem, convex and piecewise quadratic in c. A bracketing search
-//! finds the end of (3). Then the true r and its Jacobian are evaluated at the point x(c) of that end. The search is
-//! repeated until the end no longer moves. There, (1) holds for the true r. If the end does not settle within the budget, or
+//! For a linear r, (1) is a bounded linear least-squares problem, convex and piecewise quadratic in c. A bracketing search finds
+//! the end of (3). Then the true r and its Jacobian are evaluated at the point x(c) of that end. The search is repeated until the
+//! end no longer moves. There, (1) holds for the true r. If the end does not settle within the allowed number of evaluations, or
 //! if there are no residuals, it is set to the end of the range. This is correct by assumption.
 
 use super::profile::Profile;
@@ -70,7 +71,7 @@ const NEARLY_ALL: f64 = 0.95;
 const SETTLING: usize = 2;
 /// Distance, in standard errors, within which a bound changes the distribution of T.
 const IN_REACH: f64 = 4.0;
-/// Smallest scatter, in tolerances. Less is rounding.
+/// Smallest scatter, in tolerances. Smaller values are rounding errors.
 const RESOLUTION: f64 = 1e-9;
 
 /// Set of values of a variable that agree with the measurements, with 95 % confidence.
@@ -147,7 +148,7 @@ impl Solved<'_> {
         let deviation = ratio * scatter.max(RESOLUTION);
         let least = self.at.residuals.norm_squared();
         let level = |quantile: f64| least + (quantile * deviation).powi(2);
-        // The linear model settles the quantile first, without evaluations.
+        // First, the quantile is found with the linear model, which needs no evaluations.
         let linear = Profile::new(self.x, self.at, self.bounds, variable);
         let mut quantile = self.student.quantile(0.5 * OUTSIDE);
         for _ in 0..SETTLING {

@@ -30,8 +30,8 @@ pub(super) fn triangularise(a: &mut [f64], rows: usize, b: &mut [f64]) {
     triangularise_within(a, rows, |_| rows, b);
 }
 
-/// The same as [`triangularise`] for columns with known zeros: column k has only zeros from row `end(k)` on. `end` must not
-/// decrease. For triangles whose rows are interleaved, this saves two thirds of the work.
+/// Triangularises like [`triangularise`], for columns with known zeros: column k has only zeros from row `end(k)` on. `end` must
+/// not decrease. For triangles whose rows are interleaved, this saves two thirds of the work.
 pub(super) fn triangularise_within(
     a: &mut [f64],
     rows: usize,
@@ -86,7 +86,7 @@ fn reflect(mirror: &[f64], scale: f64, x: &mut [f64]) {
     }
 }
 
-/// Scalar product in eight running sums, so that additions do not wait for each other.
+/// Scalar product in eight running sums, so that no addition must wait for the previous one.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let count = a.len().min(b.len());
     let (a, b) = (&a[..count], &b[..count]);
@@ -115,7 +115,7 @@ mod tests {
     use crate::optimise::test_problems::Noise;
     use nalgebra::DVector;
 
-    /// With known zeros the triangle is the same.
+    /// With known zeros, the result is the same triangle.
     #[test]
     fn known_zeros_change_nothing() {
         let mut noise = Noise::new(2);

@@ -13,7 +13,7 @@ use std::mem::swap;
 /// Builds of a robust tuning.
 pub(super) struct Robust<'a> {
     builds: Builds<'a>,
-    /// Builds of a rigid wheel in lanes.
+    /// Lane evaluation of the builds of a rigid wheel.
     lanes: Option<LaneBuilds>,
 }
 

@@ -30,7 +30,7 @@ pub(super) struct SimulatedFits<'a> {
     triangle: DMatrix<f64>,
     /// Weighted errors with scatter 1, one column for each fit.
     errors: DMatrix<f64>,
-    /// The same errors after the rotations that make the triangle.
+    /// Errors after the rotations that make the triangle.
     rotated: DMatrix<f64>,
 }
 
@@ -58,7 +58,7 @@ impl<'a> SimulatedFits<'a> {
         }
     }
 
-    /// Root of a quantile of T for a variable, with the truth `x0` and this scatter of the errors.
+    /// Square root of a quantile of T for a variable, if the true values are `x0` and the errors have this scatter.
     pub(super) fn quantile(
         &self,
         variable: usize,

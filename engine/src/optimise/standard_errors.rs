@@ -9,13 +9,14 @@
 //! ```
 //!
 //! with g_i the gradient of the weighted r_i by the variables. Tolerances are assumed proportional to the scatter of the
-//! measurements; weights are the engineer's own choice (G. A. F. Seber, C. J. Wild, Nonlinear regression, 1989, 2.1.2 and
-//! 2.8.8). A^-1 comes from the singular values of the weighted Jacobian, with columns scaled by the ranges, so that no
-//! normal equations are formed. Standard errors are the roots of C_jj. Correlations are those of C with all variables free,
-//! so that the data alone decide which variables are hard to tell apart.
+//! measurements; weights are the engineer's own choice (G. A. F. Seber, C. J. Wild, Nonlinear regression, 1989, 2.1.2 and 2.8.8).
+//! A^-1 comes from the singular values of the weighted Jacobian, with columns scaled by the ranges, so that no normal equations
+//! are formed. Standard errors are the roots of C_jj. Correlations are those of C with all variables free. So they depend on the
+//! data alone, not on bounds.
 //!
-//! A variable at its bound is not known: its true value may lie anywhere within its range. If (2) held the variable at the
-//! bound, the errors of the others would be too small. So a fit with a variable at its bound has no standard errors.
+//! A variable at its bound is not known: its true value may lie anywhere within its range. If (2) treated the variable as fixed
+//! at the bound, the errors of the other variables would be too small. So a fit with a variable at its bound has no standard
+//! errors.
 //!
 //! With weights, the sum of squares rises about its minimum as if the variance of variable j were (A^-1)_jj s^2. The
 //! intervals divide by the ratio
@@ -24,9 +25,9 @@
 //! k_j = C_jj / ((A^-1)_jj s^2)                                                              (3)
 //! ```
 //!
-//! If all weights are 1, the ratio is 1. Near bounds it depends on the free variables. The code takes the larger of two
-//! ratios: with all variables free, and with only those between their bounds free. Intervals keep the ranges of all
-//! variables ([`profile_interval`](super::profile_interval)).
+//! If all weights are 1, the ratio is 1. Near bounds it depends on the free variables. The code takes the larger of two ratios:
+//! with all variables free, and with only those between their bounds free. Intervals take the ranges of all variables into
+//! account ([`profile_interval`](super::profile_interval)).
 
 use super::covariance::Covariance;
 use super::profile_interval::{ConfidenceInterval, Solved};
@@ -356,7 +357,7 @@ mod tests {
     fn one_variable_at_its_bound_has_a_limit() {
         let rows = 400;
         for below in [0.0, 0.5, 1.0, 2.0] {
-            // Without the bound, the mean of `rows` measurements would be `below` standard deviations beyond it.
+            // Without the bound, the estimate (the mean of `rows` measurements) would lie `below` standard deviations beyond it.
             let mut noise = Noise::new(5);
             let mut errors = DVector::from_fn(rows, |_, _| normal(&mut noise));
             errors.add_scalar_mut(-errors.mean());
@@ -394,8 +395,8 @@ mod tests {
         }
     }
 
-    /// Mean of measurements whose errors sum to zero, near a bound. `room` is its distance from the bound in standard
-    /// errors.
+    /// Estimate of a mean near a bound, from measurements whose errors add up to zero. `room` is its distance from the bound in
+    /// standard errors.
     fn mean(rows: usize, room: f64) -> (StandardErrors, f64) {
         let mut noise = Noise::new(rows as u64);
         let mut errors = DVector::from_fn(rows, |_, _| normal(&mut noise));
@@ -411,8 +412,8 @@ mod tests {
         (fit.errors(&DVector::zeros(1)).0, error)
     }
 
-    /// If no bound is within four standard errors of either end, the interval is Student's. Closer to a bound it is
-    /// narrower, since errors beyond the bound are cut off.
+    /// If no bound is within four standard errors of either end, the interval is that of Student's distribution. Closer to a
+    /// bound it is narrower, since errors beyond the bound are cut off.
     #[test]
     fn bounds_count_within_four_standard_errors() {
         for rows in 8..30 {
@@ -437,7 +438,7 @@ mod tests {
         }
     }
 
-    /// Measurements that fit exactly have an uncertainty of a billionth of a tolerance, not zero.
+    /// If measurements fit exactly, the uncertainty is a billionth of a tolerance, not zero.
     #[test]
     fn exact_measurements_have_rounding_errors() {
         let rows = 9;
@@ -470,7 +471,7 @@ mod tests {
             weights: vec![1.0; 20],
         };
         let mut x = fit.solved();
-        // Takes the middle of the equally good points.
+        // Uses the middle of the equally good points.
         let mean = 0.5 * (x[0] + x[1]);
         (x[0], x[1]) = (mean, mean);
         let (found, _) = fit.errors(&x);

@@ -11,15 +11,15 @@ use super::{Fit, Linearisation, Multistart, Objective, Options, Start, Terminati
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-/// Ratio to the least misfit up to which a design counts as equally good, if no design is good enough.
+/// Ratio to the smallest misfit. Up to it, designs count as equally good if no design is good enough.
 const AS_GOOD: f64 = 1.01;
-/// Largest number of repetitions of all starts because a residual moved that stood still at the design.
+/// Largest number of repetitions of all starts. They are repeated if a residual changes that was constant at the design.
 const ROUNDS: usize = 3;
 /// Number of starts that are tried before the program reports that constraints exclude one another.
 pub(super) const STARTS_BEFORE_REFUSAL: usize = 4;
 
 impl<'a> Tuner<'a> {
-    /// Runs every start and chooses the result. Residuals that stand still at the design are removed. If some of them move
+    /// Runs every start and chooses the result. Residuals that are constant at the design are removed. If some of them change
     /// elsewhere, they are restored, and the starts run again.
     pub(super) fn starts(&self, at_design: Option<&Linearisation>) -> Multistart {
         let mut fixed =
@@ -56,7 +56,7 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    /// Runs every start without the residuals that stand still, and chooses the result.
+    /// Runs every start without the constant residuals, and chooses the result.
     fn starts_without(&self, fixed: &FixedRows) -> Multistart {
         let optimise = self.optimise;
         let options = self.options();
@@ -113,8 +113,8 @@ impl<'a> Tuner<'a> {
         Multistart { starts, best }
     }
 
-    /// Good enough misfit of the residuals that variables move. Together with the fixed residuals it gives `good_enough`, if
-    /// that is possible.
+    /// Limit for the misfit of the residuals that variables change. Together with the constant residuals it gives `good_enough`,
+    /// if that is possible.
     fn good_enough_without(&self, fixed: &FixedRows) -> f64 {
         let good = self.optimise.good_enough;
         let rest = good * good - fixed.square() / self.layout.residuals() as f64;
@@ -150,7 +150,7 @@ impl<'a> Tuner<'a> {
         starts
     }
 
-    /// Marks a row as movable in every start if some variable moves it in one of them.
+    /// Marks a row as movable in every start if some variable changes it in one of them.
     fn count_moving_rows(&self, starts: &mut [Start]) {
         let states =
             |(_, fit): (usize, &'_ Fit)| fit.constraints.clone().map(|state| state.movable);
@@ -177,9 +177,9 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    /// Chooses a start among those that satisfy the constraints. It is the nearest good enough start, or else the nearest
-    /// start as good as the best. If none satisfies the constraints, chooses the one with the smallest violation. `least` is
-    /// the least misfit of those that satisfy them.
+    /// Chooses a start among those that satisfy the constraints. It chooses the nearest start that is good enough. If there is
+    /// none, it chooses the nearest among those that are about as good as the best one. If none satisfies the constraints,
+    /// chooses the one with the smallest violation. `least` is the smallest misfit of those that satisfy them.
     fn choose(&self, starts: &[Start], least: Option<f64>, good: f64) -> Option<usize> {
         let Some(least) = least else {
             return least_violation(starts);

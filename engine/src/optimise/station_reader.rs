@@ -25,7 +25,7 @@ pub(super) struct Visit<'v, 'a> {
     pub(super) moving: Option<&'v AlongVariables>,
     pub(super) solver: &'v mut Solver<'a>,
     pub(super) values: &'v mut PartValues,
-    /// Destination of the residuals, with their first row. Destination of the constraints' rows in `rows`.
+    /// Memory for the residuals, with the index of their first row. `rows` is the memory for the rows of the constraints.
     pub(super) into: Option<(&'v mut Linearisation, usize)>,
     pub(super) rows: Option<&'v mut Linearisation>,
 }
@@ -161,7 +161,7 @@ pub(super) struct Reading<'r, 'a, const N: usize> {
     pub(super) solver: &'r Solver<'a>,
     pub(super) motion: &'r MotionPoint<f64>,
     pub(super) point_rates: &'r [PointRate],
-    /// Required if the measure is a force.
+    /// Series along the variables. Required if the measure is a force.
     pub(super) moving: Option<&'r AlongVariables>,
 }
 
@@ -260,8 +260,8 @@ pub(super) fn read_poses<'a>(
     failed.map_or(Ok(()), Err)
 }
 
-/// Error for a force whose value `found` is NaN: no member can carry its load there. `None` for all other measures and
-/// values.
+/// Makes the error for a force whose value `found` is NaN, because no member can carry its load there. `None` for all other
+/// measures and values.
 pub(super) fn uncarried(
     measure: &Measure,
     found: f64,

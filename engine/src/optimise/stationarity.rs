@@ -11,20 +11,21 @@
 //! Jacobian times their norm. It is 0 at a minimum and of order one elsewhere. A run has converged if it is below
 //! [`CONVERGED`].
 //!
-//! A slope is a sum of products, so it is never exactly zero. Residuals have the rounding [`Options::misfit_below`], and no
-//! method takes steps below its resolution of the variables. A slope that these two can explain counts as zero.
+//! A slope is a sum of products, so it is never exactly zero. Residuals have the rounding error [`Options::misfit_below`], and
+//! variables have a resolution below which no method makes steps. A slope that is no larger than the effect of these two counts
+//! as zero.
 //!
-//! Multipliers come from non-negative least squares, which minimise the left side of (1). If gradients depend on one
-//! another, several sets of multipliers do so; the smallest is taken. At a kink a row has several gradients, and the same
-//! least squares over all of them yield the least-norm subgradient.
+//! Multipliers come from non-negative least squares, which minimise the left side of (1). If gradients are linearly dependent,
+//! several sets of multipliers do so; the smallest set is used. At a kink a row has several gradients, and the same least squares
+//! over all of them yield the least-norm subgradient.
 
 use super::{BoundedLeastSquares, Bounds, Linearisation, Options};
 use nalgebra::{DMatrix, DVector};
 
 /// Residual of the optimality conditions below which a run has converged.
 pub(super) const CONVERGED: f64 = 1e-6;
-/// Damping of the least squares for multipliers. Their columns have length 1. Gradients count as dependent if a part smaller
-/// than the root of this lies outside the span of the others.
+/// Damping of the least squares for multipliers. Their columns have length 1. Gradients count as dependent if the part of one
+/// outside the span of the others is smaller than the square root of this damping.
 const DEPENDENT: f64 = 1e-18;
 
 /// Sizes that slopes are compared with.
@@ -61,7 +62,7 @@ impl Scale {
         }
     }
 
-    /// Residual of the optimality conditions, from the remaining imbalance `left` and the largest term `most`.
+    /// Residual of the optimality conditions, from the remaining imbalance `left` and the largest term `most` of (1).
     pub(super) fn residual(self, left: f64, most: f64) -> f64 {
         let size = most.max(self.steepest).max(f64::MIN_POSITIVE);
         if left.is_nan() {
@@ -173,7 +174,7 @@ mod tests {
     use super::*;
     use crate::optimise::test_problems::Noise;
 
-    /// Scale of one residual of size 1 with slopes of size 1.
+    /// Makes the scale of one residual of size 1 with slopes of size 1.
     fn plain(variables: usize) -> Scale {
         Scale::new(Sizes {
             residuals: 1,
@@ -185,7 +186,8 @@ mod tests {
         })
     }
 
-    /// Slopes made from random gradients with known multipliers are balanced. With the opposite signs they are not.
+    /// Slopes that are combinations of random gradients with known multipliers can be balanced. With the opposite signs they
+    /// cannot.
     #[test]
     fn planted_multipliers_balance_and_those_of_the_wrong_sign_do_not() {
         let mut noise = Noise::new(11);
@@ -212,7 +214,7 @@ mod tests {
         }
     }
 
-    /// In a corner of |x| + |y| each kink has two gradients, and 0 is among their mixtures.
+    /// At the minimum of |x| + |y|, each of the two kinks has two gradients, and a combination of them is 0.
     #[test]
     fn gradients_on_both_sides_of_a_kink_balance_together() {
         let scale = plain(2);
@@ -224,7 +226,7 @@ mod tests {
         assert!(pushes.balance(&[-0.2, 1.0], scale).residual < 1e-12);
     }
 
-    /// Two equal gradients get equal parts of their multiplier, which is not determined.
+    /// Two equal gradients get equal multipliers, although only the sum of both is determined.
     #[test]
     fn equal_gradients_share_their_multiplier() {
         let mut pushes = Pushes::default();

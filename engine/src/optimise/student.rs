@@ -11,7 +11,7 @@ pub(super) struct Student {
 impl Student {
     /// Makes the distribution with this number of degrees of freedom, at least one.
     pub(super) fn new(freedoms: usize) -> Self {
-        assert!(freedoms > 0, "a distribution has a freedom");
+        assert!(freedoms > 0, "a distribution has a degree of freedom");
         Student { freedoms }
     }
 

@@ -56,7 +56,7 @@ pub(super) struct Written<F> {
 pub(super) fn written<F: Fn(&[f64]) -> Rows>(rows: F, at: &[f64]) -> Written<F> {
     Written {
         variables: at.len(),
-        residuals: rows(at).expect("it has residuals there").len(),
+        residuals: rows(at).expect("the start has residuals").len(),
         rows,
     }
 }

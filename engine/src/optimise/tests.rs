@@ -19,7 +19,7 @@ fn run(
     fit(0, problem, &bounds, &start, options, Control::default()).unwrap()
 }
 
-/// Options under which a run stops only at the end of all descent.
+/// Options with which a run stops only if no step lowers the cost any further.
 fn to_the_end() -> Options {
     Options {
         misfit_below: 0.0,
@@ -147,7 +147,7 @@ fn zeros_are_approached_quadratically() {
     }
 }
 
-/// Residuals that depend nonlinearly on the sum of the variables alone.
+/// Residuals that are nonlinear functions of the sum of the variables.
 fn seen_by_its_sum(target: f64) -> impl Fn(&[f64]) -> Rows {
     move |x: &[f64]| {
         let sum = x[0] + x[1] + x[2];
@@ -162,7 +162,7 @@ fn seen_by_its_sum(target: f64) -> impl Fn(&[f64]) -> Rows {
 
 #[test]
 fn what_the_residuals_do_not_see_stays_where_it_is() {
-    // One case has a zero of the residuals, the other a minimum above zero.
+    // In one case the residuals have a zero; in the other their minimum is above zero.
     for target in [0.0, 1.0] {
         let start = [0.5, -0.1, 0.2];
         let fit = run(
@@ -218,7 +218,7 @@ fn rounding_does_not_move_a_rank_deficient_fit() {
     }
 }
 
-/// With singular values over eight decades and a known zero, the run finds every coordinate.
+/// If singular values span eight decades and the solution is known, the run finds every coordinate of the solution.
 #[test]
 fn val_a_planted_design_is_found_through_weak_directions() {
     for seed in 0..10 {
@@ -368,7 +368,7 @@ fn limits_and_interrupts_keep_what_is_reached() {
     assert_eq!(stopped.history, limited.history[..3]);
 }
 
-/// Costs never rise. Every minimum satisfies the Kuhn-Tucker conditions.
+/// The cost never rises during a run. Every minimum satisfies the Kuhn-Tucker conditions.
 #[test]
 fn random_bounded_problems_end_at_kuhn_tucker_points() {
     for seed in 0..60 {

@@ -99,7 +99,7 @@ impl<'a, P: Constrained> ConstrainedTrade<'a, P> {
         }
     }
 
-    /// Returns the trade with known residuals at a point `x`. Only for problems without rows of constraints.
+    /// Returns the problem with known residuals at a point `x`. Only for problems without rows of constraints.
     pub(super) fn knowing(mut self, x: &DVector<f64>, residuals: &Linearisation) -> Self {
         assert_eq!(
             self.assessment.rows.residuals.len(),

@@ -1,9 +1,9 @@
 //! Tuning of a study: from its targets, constraints and variables to the tuned design.
 //!
-//! Every start first lowers the misfit, until it is good enough or at a minimum. Let m be the good enough misfit. If the
-//! least misfit found is larger, let m be that misfit plus one hundredth. Every design with a misfit of at most m then moves
-//! back towards the study's own design, as far as m and the constraints allow. The nearest of these designs is the result.
-//! With `good_enough = 0` the result is the design of least misfit.
+//! Every start first lowers the misfit, until it is good enough or at a minimum. Let m be the study's `good_enough`. If the
+//! smallest misfit that was found is larger, let m be that misfit plus one hundredth of it. Every design with a misfit of at most
+//! m then moves back towards the study's own design, as far as m and the constraints allow. The nearest of these designs is the
+//! result. With `good_enough = 0` the result is the design with the smallest misfit.
 
 use super::constrained::{KEPT, constrained_fit};
 use super::fixed::moves;
@@ -24,10 +24,10 @@ use crate::study::{Optimise, RobustAim, Vehicle};
 use crate::threads::on_large_stacks;
 use nalgebra::DVector;
 
-/// Change of the misfit, in tolerances, for a move across the whole range. Below it, a direction counts as one that leaves
+/// Change of the misfit, in tolerances, for a move across the whole range. A direction with less effect counts as one that leaves
 /// the targets unchanged.
 const UNSEEN: f64 = 0.01;
-/// Relative difference up to which prices count as equal.
+/// Relative difference up to which prices of constraints count as equal.
 const SAME_PRICE: f64 = 0.05;
 /// Largest number of directions without effect that the tuning tests by moving along them.
 const TRIED_OUT: usize = 8;
@@ -41,12 +41,12 @@ pub struct Tuning {
     pub starts: Multistart,
     /// Best design. `None` if no start succeeded.
     pub best: Option<Best>,
-    /// Indices of targets that are missed and that no variable moves.
+    /// Indices of missed targets that no variable changes.
     pub unmoved: Vec<usize>,
     /// Indices of violated constraints that no variable changes.
     pub unmoved_constraints: Vec<usize>,
-    /// Indices of constraints that exclude one another. Without any one of them the rest could be satisfied. Empty if all
-    /// can be satisfied together.
+    /// Indices of constraints that exclude one another. If any one of them were removed, the others could be satisfied. Empty if
+    /// all can be satisfied together.
     pub contradiction: Vec<usize>,
     /// Expected yield of a tuning for yield, or the reason why builds have none. `None` for all other tunings.
     pub expected_yield: Option<Result<ExpectedYield, Infeasible>>,
@@ -84,22 +84,22 @@ pub struct Best {
 pub struct ConstraintOutcome {
     /// Margin to the nearest limit, in the constraint's unit; negative if it is violated.
     pub room: f64,
-    /// Drive value of the station with the least margin, or of the extreme near it. `None` if the constraint does not change
+    /// Drive value of the station with the smallest margin, or of the extreme near it. `None` if the constraint does not change
     /// along the motion.
     pub at: Option<f64>,
-    /// Price of its limits.
+    /// Price of the constraint's limits.
     pub price: Price,
 }
 
-/// Reduction of the misfit, in tolerances, if a limit moves outwards by one unit.
+/// Price of a limit: reduction of the misfit, in tolerances, if the limit moves outwards by one unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Price {
     /// The limit does not bind, or the misfit is good enough despite the limit.
     Nothing,
     /// Price in tolerances per unit of the constraint.
     PerUnit(f64),
-    /// The limit binds together with others, and their gradients are linearly dependent. Their shares of the price are not
-    /// determined.
+    /// The limit binds together with others, and their gradients are linearly dependent. The share of each limit in the price is
+    /// not determined.
     NotDetermined,
 }
 
@@ -255,7 +255,7 @@ impl<'a> Tuner<'a> {
         })
     }
 
-    /// Replaces the end of the best start by the end of a search for the largest yield.
+    /// Replaces the result of the best start by the result of a search for the largest yield.
     pub(super) fn keep(&self, tuning: &mut Tuning, found: &ConstrainedFit) {
         let mut problem = self.problem();
         let shape = problem.shape();
@@ -282,7 +282,7 @@ impl<'a> Tuner<'a> {
         if let Some(state) = &mut fit.constraints {
             state.violation = assessment.violation(shape.equalities, &[]);
             state.values = assessment.rows.residuals;
-            // Prices concern misfits, so a search for yield has none.
+            // Prices of limits are changes of the misfit, so a search for yield has no prices.
             (state.multipliers, state.alternatives) = (None, None);
         }
         fit.evaluation = assessment.goal;
@@ -384,7 +384,7 @@ impl<'a> Tuner<'a> {
                     at = self.layout.place_of(label);
                 }
                 visible = self.layout.visible(row);
-                // Limits with margin have no price.
+                // Limits that do not bind have no price.
                 if self.layout.violation(row, value) >= -KEPT && state.movable[row] {
                     let of = |m: &Option<Vec<f64>>| m.as_ref().map(|m| m[row].abs());
                     let first = of(&state.multipliers).unwrap_or(0.0);
@@ -407,7 +407,7 @@ impl<'a> Tuner<'a> {
         constraints.map(outcome).collect()
     }
 
-    /// Indices of constraints with a violated row that no variable moves.
+    /// Indices of constraints with a violated row that no variable changes.
     fn unmoved_constraints(&self, fit: &Fit) -> Vec<usize> {
         let Some(state) = &fit.constraints else {
             return Vec::new();
@@ -421,7 +421,7 @@ impl<'a> Tuner<'a> {
         missed
     }
 
-    /// Indices of targets that are missed and that no variable moves at any of the evaluated points.
+    /// Indices of missed targets that no variable changes at any of the evaluated points.
     fn unmoved(&self, best: &Best, seen: &[&Linearisation]) -> Vec<usize> {
         let of = self.layout.targets_of_rows();
         let moves = |evaluation: &Linearisation, row: usize| moves(evaluation, row, &self.bounds);
@@ -437,8 +437,8 @@ impl<'a> Tuner<'a> {
             .collect()
     }
 
-    /// Finds a smallest set of constraints that cannot be satisfied together. It starts with all constraints that the runs
-    /// blame, and removes one after the other as long as the rest still cannot be satisfied.
+    /// Finds a smallest set of constraints that cannot be satisfied together. It starts with all constraints that the runs name,
+    /// and removes one after the other as long as the remaining ones still cannot be satisfied.
     fn contradiction(&self, starts: &Multistart) -> Vec<usize> {
         let mut blamed: Vec<usize> = Vec::new();
         for state in fits(&starts.starts).filter_map(|(_, fit)| fit.constraints.as_ref()) {
@@ -451,7 +451,7 @@ impl<'a> Tuner<'a> {
         blamed.sort_unstable();
         blamed.dedup();
         if blamed.is_empty() || self.can_be_kept(&blamed, starts) {
-            // The blamed constraints conflict only together with all the others.
+            // The named constraints conflict only together with all the others.
             blamed = (0..self.optimise.constraints.len()).collect();
             if blamed.len() > 12 || self.can_be_kept(&blamed, starts) {
                 return Vec::new();

@@ -9,8 +9,8 @@
 //! surrogate = mean over the builds of 1/(1 + H)                                                       (3)
 //! ```
 //!
-//! A value at its limit has h = 1, so a build with one such value counts half. As tau goes to 0, (3) becomes the share of
-//! builds within all bands. Least squares minimise 1 - (3) with one residual for each build:
+//! A value at its limit has h = 1, so a build with one such value counts as half a build. As tau goes to 0, (3) becomes the share
+//! of builds within all bands. Least squares minimise 1 - (3) with one residual for each build:
 //!
 //! ```text
 //! r = sqrt(H/(1 + H)),     dr = (sum h dh) / (sqrt(H) (1 + H)^(3/2)),     r = dr = 0 where H = 0      (4)
@@ -23,9 +23,9 @@
 //! ```
 //!
 //! tau is a share of the standard deviation of the band's values over the builds, at most a quarter of the band. The search
-//! starts at the optimum without scatter, with wide tau, and narrows it ([`WIDTHS`]). [`JUDGED`] further builds, which the
-//! search has not seen, judge each end. The end with the most builds within all bands is kept. The optimum without scatter
-//! is one of the ends. So the yield can fall below that optimum's yield only by the chance of the sample.
+//! starts at the optimum without scatter, with wide tau, and narrows it ([`WIDTHS`]). Each end is evaluated with [`JUDGED`]
+//! further builds, which the search has not used. The end with the most builds within all bands is kept. The optimum without
+//! scatter is one of the ends. So the yield can fall below the yield of that optimum only by sampling error.
 
 use super::constrained::{Assessment, Constrained, Shape, constrained_fit};
 use super::station_reader::refused;
@@ -48,13 +48,13 @@ const WIDTHS: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
 const WIDEST: f64 = 0.25;
 /// Share of builds within all bands below which the search first lowers their distance from the bands.
 const FEW: f64 = 0.5;
-/// Number of builds that judge the ends of the search.
+/// Number of further builds with which the ends of the search are evaluated.
 const JUDGED: usize = 1 << 16;
-/// Number of further builds that judge a design with elastic parts, whose equilibria take longer than poses.
+/// Number of further builds with which a design with elastic parts is evaluated, whose equilibria take longer than poses.
 const JUDGED_ELASTIC: usize = 1 << 10;
 /// Number of further builds on which the yield of an axle is counted. They are solved one after another.
 const JUDGED_AXLE: usize = 1 << 12;
-/// Number of parts of an axle's further builds, which threads share.
+/// Number of parts into which an axle's further builds are divided for the threads.
 const AXLE_PARTS: usize = 8;
 /// Largest number of builds whose designs a thread has in memory at once.
 const AT_ONCE: usize = 1 << 12;
@@ -68,7 +68,7 @@ pub struct ExpectedYield {
     pub builds: usize,
     /// Value of the surrogate at the kept design.
     pub surrogate: f64,
-    /// Shares of the further builds within all bands: [optimum without scatter, kept design].
+    /// Shares of the further builds that are within all bands: [optimum without scatter, kept design].
     pub judged: [f64; 2],
     /// Number of the further builds.
     pub judged_builds: usize,
@@ -89,7 +89,7 @@ struct YieldSearch<'a> {
     control: Control<'a>,
 }
 
-/// End of a search.
+/// Result of a search.
 struct Found {
     /// Run that ended at the kept design. `None` if the optimum without scatter is kept.
     fit: Option<ConstrainedFit>,
@@ -185,7 +185,7 @@ impl<'a> YieldSearch<'a> {
         self.bands.iter().zip(widths).map(target).collect()
     }
 
-    /// A band as a target. If `between` has two equal values, residuals are distances from this value.
+    /// A band as a target. If both values of `between` are equal, residuals are distances from this value.
     fn target(&self, band: &Band, between: [f64; 2], tolerance: f64) -> Target {
         let limit = |value: f64| value.is_finite().then_some(Limit::Value(value));
         let site = match self.vehicle {
@@ -313,7 +313,7 @@ impl<'a> YieldSearch<'a> {
         Ok(inside as f64 / judged as f64)
     }
 
-    /// Number of further builds that judge a design.
+    /// Number of further builds with which a design is evaluated.
     fn judged(&self) -> usize {
         match self.vehicle {
             _ if self.vehicle.is_elastic() => JUDGED_ELASTIC,

@@ -11,7 +11,7 @@ use crate::study::{Order, Study, TimeLaw};
 pub struct Effect {
     /// Name of the effect.
     pub name: &'static str,
-    /// True if it is computed.
+    /// True if the part is computed.
     pub on: bool,
     /// Description of the computed part; empty if it is off.
     pub what: String,
@@ -33,7 +33,7 @@ mod cost {
     pub(super) const DERIVATIVES: [f64; 3] = [0.5, 2.1, 3.0];
     /// Gradient of one output by all hardpoints, for each coefficient of its series.
     pub(super) const GRADIENT: f64 = 2.2;
-    /// The same gradient if only one of six equations has to be differentiated.
+    /// Gradient of one output, if only one of six equations has to be differentiated.
     pub(super) const LEAST_GRADIENT: f64 = 1.2;
     /// Instantaneous steering axis.
     pub(super) const SCREW_AXIS: f64 = 0.6;
@@ -48,7 +48,7 @@ mod cost {
 }
 
 impl Effect {
-    /// An effect with its description, reason and cost. It is off if `found` is `None`.
+    /// Makes an effect with its description, reason and cost. It is off if `found` is `None`.
     fn of(name: &'static str, found: Option<(String, String, f64)>) -> Effect {
         let on = found.is_some();
         let (what, because, cost) = found.unwrap_or_default();
@@ -225,7 +225,7 @@ impl Plan {
                     let key = format!("outputs.order = \"{}\"", order.name());
                     written(study, &["outputs", "order"], &key)
                 } else {
-                    // A quantity made of velocities needs one derivative more than the reported order.
+                    // A quantity that contains velocities needs one more order of derivatives than the reported order.
                     let of_velocities = self
                         .outputs
                         .iter()

@@ -1,8 +1,8 @@
 //! Side effects of a tuned car: results of its load cases, and curves of each axle alone.
 //!
 //! The load cases are the stations of one comparison. Their coordinates are accelerations, speed and steering. So by (2) the
-//! change that a target asks for in one case is subtracted in the others, except where a result stays. An axle that the tuning
-//! has changed is also compared over the motions of its own study.
+//! change that a target requests in one case is subtracted in the others, except where a result does not change. An axle that the
+//! tuning has changed is also compared over the motions of its own study.
 
 use super::comparison::{RequestedChanges, compare};
 use super::observed::{Grid, Observed, Series, Station};
@@ -134,7 +134,7 @@ fn stations(cases: &[Case]) -> Vec<Station> {
     stations.map(station).collect()
 }
 
-/// Study of an axle with the design of the car, and with the car's goals for the axle alone.
+/// Study of an axle with the design that it has in the car, and with those goals of the car that concern only this axle.
 fn axle_by_itself(study: &CarStudy, end: AxleEnd, optimise: &CarOptimise) -> Study {
     let end = end as usize;
     let own = &study.axles[end];
@@ -143,7 +143,7 @@ fn axle_by_itself(study: &CarStudy, end: AxleEnd, optimise: &CarOptimise) -> Stu
             axle: study.car.axles[end].clone(),
             ..AxleStudy::clone(both)
         })),
-        Vehicle::Wheel(_) => unreachable!("the axles of a car are studies of axles"),
+        Vehicle::Wheel(_) => unreachable!("each axle of a car has a study of an axle"),
     };
     Study {
         vehicle,

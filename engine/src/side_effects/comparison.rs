@@ -9,13 +9,13 @@ const ROUNDING: f64 = 1e-9;
 /// Smallest change of an output without a tolerance, in its unit, that does not count as rounding.
 const LEAST_CHANGE: f64 = 1e-12;
 
-/// Changes that targets ask for over `[motion]`: for each output, drive values with changes, in the order of the drive
+/// Changes that targets request over `[motion]`: for each output, drive values with changes, in the order of the drive
 /// value.
 #[derive(Default)]
 pub(super) struct RequestedChanges(HashMap<String, Vec<(f64, f64)>>);
 
 impl RequestedChanges {
-    /// Finds the changes that targets ask for over this motion.
+    /// Finds the changes that targets request over this motion.
     pub(super) fn of(before: &Observed, after: &Observed) -> Self {
         let pairs = before.series.iter().zip(&after.series);
         let asked = pairs.map(|(from, to)| {
@@ -28,7 +28,7 @@ impl RequestedChanges {
         RequestedChanges(asked.collect())
     }
 
-    /// Change of an output at the nearest drive value. 0 if no target asks for one.
+    /// Change of an output at the nearest drive value. 0 if no target requests one.
     fn shift_at(&self, output: &str, drive: f64) -> f64 {
         let Some(shifts) = self.0.get(output) else {
             return 0.0;
@@ -41,7 +41,7 @@ impl RequestedChanges {
     }
 }
 
-/// Side effects over one motion, in the order of the outputs. `asked` has the changes that targets in `[motion]` ask for.
+/// Side effects over one motion, in the order of the outputs. `asked` contains the changes that targets in `[motion]` request.
 pub(super) fn compare(
     before: &Observed,
     after: &Observed,
@@ -95,7 +95,7 @@ fn effect(
             } else {
                 wanted.shift_at(stations, station)
             };
-            // A value has no side effect if it stays, or if it changes as a target asks.
+            // A value has no side effect if it does not change, or if it changes as a target asks.
             let [plain, beyond] = [to - from, to - from - shift];
             let amount = if plain.abs() <= beyond.abs() {
                 plain
@@ -151,7 +151,7 @@ fn compared(series: &Series, stations: &[Station]) -> Vec<usize> {
     (0..stations.len()).filter(|k| counts[*k]).collect()
 }
 
-/// Changes that targets ask for.
+/// Changes that targets request.
 struct Wanted {
     /// First coordinate of a station, its index, and the change, in the order of the coordinate.
     shifts: Vec<(f64, usize, f64)>,
@@ -176,7 +176,8 @@ impl Wanted {
         let here = &stations[number].position;
         let start = self.shifts.partition_point(|shift| shift.0 < here[0]);
         let (mut nearest, mut found) = (f64::INFINITY, 0.0);
-        // Goes outward along the first coordinate, while this coordinate alone is closer than the nearest station so far.
+        // Searches outward along the first coordinate, until its difference alone exceeds the distance of the nearest station so
+        // far.
         let (below, above) = self.shifts.split_at(start);
         let ways: [&mut dyn Iterator<Item = &(f64, usize, f64)>; 2] =
             [&mut below.iter().rev(), &mut above.iter()];

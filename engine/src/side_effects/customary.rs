@@ -1,4 +1,4 @@
-//! Customary values: tolerances of changes that no target asks for, and quantities that belong to a target.
+//! Customary values: tolerances of changes that no target requests, and quantities that belong to a target.
 
 use crate::ask::Unit;
 use crate::characteristics::Characteristic;
@@ -7,8 +7,7 @@ use crate::model::LengthUnit;
 /// Change of a length, in mm, that counts.
 const LENGTH: f64 = 1.0;
 
-/// Lengths that grow without bounds as links become parallel. An engineer judges them by their curves, so they have no
-/// tolerance.
+/// Lengths that grow without bounds as links become parallel. They must be judged by their curves, so they have no tolerance.
 const UNBOUNDED: [&str; 6] = [
     "front_view_swing_arm",
     "side_view_swing_arm",

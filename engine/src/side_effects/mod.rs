@@ -1,4 +1,4 @@
-//! Side effects of a tuning: changes that no target asks for.
+//! Side effects of a tuning: changes that no target requests.
 //!
 //! A target gives target values of a quantity at some stations. A change there is intended. At all other stations, and for
 //! every other quantity, a change is a side effect. With b(s) and a(s) the values before and after the tuning at station s,
@@ -9,11 +9,11 @@
 //! c(s) = (a(s) - b(s)) - (a(n) - b(n))            n the station nearest to s at which one does, (2)
 //! ```
 //!
-//! or (1) where it is smaller than (2): a value that stays has no side effect.
+//! or (1) where it is smaller than (2): a value that does not change has no side effect.
 //!
-//! Example: a target asks for a caster in the design position. Then caster may change by the same amount over the whole
-//! travel, or stay elsewhere; any other change is a side effect. Distances between stations are in shares of the motion's
-//! ranges. Over a named motion without a target for the quantity, n is the station of `[motion]` with the nearest drive
+//! Example: a target requests a caster in the design position. Then caster may change by the same amount over the whole travel,
+//! or stay unchanged at other travels; any other change is a side effect. Distances between stations are in shares of the
+//! motion's ranges. Over a named motion without a target for the quantity, n is the station of `[motion]` with the nearest drive
 //! value.
 //!
 //! A target for a gain also counts for the quantity whose slope is the gain: bump steer for toe, motion ratio for spring

@@ -48,7 +48,7 @@ pub(super) struct Series {
     pub unit: String,
     /// Customary tolerance.
     pub tolerance: Option<f64>,
-    /// True if stations with a steered rack are left out.
+    /// True if stations with a steered rack are omitted.
     pub straight_only: bool,
     /// Name of the wheel, for an axle or a car.
     pub wheel: Option<&'static str>,
@@ -148,7 +148,7 @@ impl Grid {
         }
     }
 
-    /// Station nearest to a place along one coordinate. `None` if the grid lacks one of the other coordinates.
+    /// Station nearest to a place along one coordinate. `None` if the grid does not contain one of the other coordinates.
     pub(super) fn station(&self, place: &[f64], along: usize) -> Option<usize> {
         let mut key = Vec::with_capacity(place.len());
         for (k, value) in place.iter().enumerate() {

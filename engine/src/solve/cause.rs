@@ -8,11 +8,11 @@
 //! g . t = 0                                                                                   (2)
 //! ```
 //!
-//! While only the drive moves, C has its full rank 5 there. (Otherwise [C 0; g -1] would have a rank below 6, and the path
-//! would not be a single path.) So t is the free motion of the mechanism, and by (2) the drive value does not change along
-//! it. The wheel centre is at its highest or lowest point. In general no single part causes this. Without any one of the
-//! constraints, t is still among the free motions, and it is orthogonal to the removed constraint. By this measure all parts
-//! are equally the cause.
+//! While only the drive moves, C has its full rank 5 there. (Otherwise [C 0; g -1] would have a rank below 6, and the path would
+//! not be a single path.) So t is the free motion of the mechanism, and by (2) the drive value does not change along it. The
+//! wheel centre is at its highest or lowest point. In general no single part causes this. If any one of the constraints is
+//! removed, t is still one of the free motions, and it is orthogonal to the removed constraint. So this does not single out one
+//! part.
 //!
 //! A part is the cause if it is singular by itself. With the arm fixed, its outer joint b is fixed, and the carrier can only
 //! rotate about b, with angular velocity w. Its upper end u then moves with w x (u - b).
@@ -74,7 +74,7 @@ impl Curve<'_> {
         match (self.moving, self.held.drive) {
             (Moving::Rack, _) => LimitCause::RackStandsStill,
             (Moving::Drive, Drive::ArmAngle) => LimitCause::ArmStandsStill,
-            // Sign of the second coefficient of the travel by the arc length.
+            // Sign of the second coefficient of the travel as a series in the arc length.
             (Moving::Drive, Drive::Travel) if fold.moved[2] < 0.0 => LimitCause::CentreHighest,
             (Moving::Drive, Drive::Travel) => LimitCause::CentreLowest,
         }

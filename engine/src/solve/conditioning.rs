@@ -1,7 +1,7 @@
 //! Loss of digits in a pose, computed in double precision.
 //!
-//! With lengths measured in sizes of the mechanism, the Jacobian J of the closure equations has entries of about one. Its
-//! condition number is k = |J| |J^-1| (maximum norm). Residuals are accurate to a few rounding units e, so that
+//! With lengths relative to the mechanism's size, the Jacobian J of the closure equations has entries of about one. Its condition
+//! number is k = |J| |J^-1| (maximum norm). Residuals are accurate to a few rounding units e, so that
 //!
 //! ```text
 //! |error of the pose|                ~ k e
@@ -24,7 +24,7 @@ use crate::number::{Each, Jet};
 /// Conditioning of one pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conditioning {
-    /// Condition number of the closure equations, with lengths in sizes of the mechanism. Infinite at a singular pose.
+    /// Condition number of the closure equations, with lengths relative to the mechanism's size. Infinite at a singular pose.
     pub number: f64,
     /// Distance to singularity, as a length.
     pub distance: f64,
@@ -36,7 +36,8 @@ impl Conditioning {
         distance: 0.0,
     };
 
-    /// Limit of estimates: larger condition numbers are computed. So no report of lost digits is an estimate.
+    /// Largest condition number that may be an estimate. Larger numbers are computed, so that reports of lost digits are never
+    /// based on an estimate.
     pub const ESTIMATED: f64 = 1e3;
 
     /// Number of reliable decimal digits of rates and sensitivities, at most 15.
@@ -51,7 +52,7 @@ impl Conditioning {
 
     /// Conditioning from the factors of the Jacobian. It takes about as much work as the factorisation.
     pub(crate) fn of(lu: &Lu6<f64>, size: f64) -> Self {
-        // Row sums. Displacements and residuals count in sizes, rotations in radians.
+        // Row sums. Displacements and residuals are relative to the mechanism's size; rotations are in radians.
         let norm = lu.matrix().iter().fold(0.0_f64, |norm, row| {
             norm.max(magnitude(&row[..3]) + magnitude(&row[3..]) / size)
         });
@@ -94,9 +95,9 @@ impl Solver<'_> {
         })
     }
 
-    /// The same as [`Solver::configuration_series`], with the condition number. It comes from the factors of the Jacobian if
-    /// they are needed anyway. If the closed form gave the pose far from any singularity ([`Conditioning::ESTIMATED`]), an
-    /// estimate is used. It costs almost nothing and is correct within a factor of ten.
+    /// Configuration series as in [`Solver::configuration_series`], with the condition number. It comes from the factors of the
+    /// Jacobian if they are needed anyway. If the closed form gave the pose far from any singularity
+    /// ([`Conditioning::ESTIMATED`]), an estimate is used. It costs almost nothing and is correct within a factor of ten.
     pub fn conditioned_series<'a, const N: usize>(
         &'a self,
         design_series: &'a DesignSeries<N>,

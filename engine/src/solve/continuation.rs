@@ -1,17 +1,16 @@
 //! Follows a path of the mechanism by its arc length, also through folds, where the drive turns back.
 //!
 //! While the drive (or the rack) moves, its value q and the pose x form a curve F(x, q) = 0 in seven dimensions. With every
-//! quantity measured in sizes of the mechanism,
+//! quantity relative to the mechanism's size,
 //!
 //! ```text
 //! A = [F_x  F_q]     6x7, of full rank except where two paths cross
 //! A t = 0, |t| = 1   tangent; its sign is chosen so that det [A; t] keeps its sign
 //! ```
 //!
-//! At a fold F_x is singular, but [A; t] is regular. So a step there is as easy as anywhere: predict along the Taylor series
-//! in the arc length, and correct in the plane normal to the tangent. Where two paths nearly meet, a step that is too long
-//! ends on the other path. There the sign of the determinant gives the tangent the opposite direction, and the step is
-//! refused.
+//! At a fold F_x is singular, but [A; t] is regular. So a step there is like any other step: a prediction along the Taylor series
+//! in the arc length, and corrections in the plane normal to the tangent. Where two paths nearly meet, a step that is too long
+//! ends on the other path. There the sign of the determinant gives the tangent the opposite direction, and the step is refused.
 //!
 //! At a fold q' = 0 by the arc length. Newton's method with the q'' of the series finds it. Since q is stationary there, its
 //! value is exact to rounding.
@@ -45,7 +44,7 @@ pub(crate) struct Curve<'a> {
     pub closure: &'a Closure<f64>,
     pub design_series: &'a DesignSeries<3>,
     pub size: f64,
-    /// Rounding of the equations, in sizes.
+    /// Rounding error of the equations, relative to the mechanism's size.
     pub rounding: f64,
     pub work: &'a WorkCounter,
     pub moving: Moving,
@@ -60,12 +59,12 @@ pub(crate) struct CurvePoint {
     pub series: Pose<Jet<f64, 3>>,
     /// Moving quantity as a series in the arc length.
     pub moved: Jet<f64, 3>,
-    /// Tangent: displacement, rotation, moving quantity, in sizes.
+    /// Tangent: displacement, rotation, moving quantity; lengths are relative to the mechanism's size.
     tangent: [f64; 7],
     factors: Lu<f64, 7>,
     /// Required sign of the determinant of the matrix with the tangent as its last row.
     orientation: f64,
-    /// Error of the point from the rounding of the equations, in sizes.
+    /// Error of the point that comes from the rounding of the equations, relative to the mechanism's size.
     noise: f64,
 }
 
@@ -78,11 +77,12 @@ pub(crate) enum PathEnd {
     Unresolved(f64),
 }
 
-/// Longest step, in sizes (or rad).
+/// Longest step, relative to the mechanism's size (or in rad).
 const LONGEST_STEP: f64 = 0.1;
-/// Shortest step, in sizes. Shorter steps are within the rounding of the pose.
+/// Shortest step, relative to the mechanism's size. Shorter steps are within the rounding of the pose.
 const SHORTEST_STEP: f64 = 1e-12;
-/// Largest number of steps. The curve of a mechanism is a few dozen sizes long, and a sharp turn costs some forty halvings.
+/// Largest number of steps. The curve of a mechanism is a few dozen times as long as its size, and a sharp turn needs about forty
+/// halvings of the step.
 const MOST_STEPS: usize = 5000;
 /// Cosine of the largest change of the tangent's direction in a step.
 const STRAIGHT: f64 = 0.9;
@@ -102,8 +102,8 @@ impl CurvePoint {
 }
 
 impl Curve<'_> {
-    /// Follows the curve from one of its points towards `target`, which may be infinite. Returns the point with that value,
-    /// or the reason why the path ended before.
+    /// Follows the curve from one of its points towards `target`, which may be infinite. Returns the point with that value, or
+    /// the reason why the path ended before it.
     pub(crate) fn to(
         &self,
         pose: &Pose<f64>,
@@ -114,7 +114,7 @@ impl Curve<'_> {
         let mut here = self
             .at(pose, value, None, direction)
             .ok_or(PathEnd::Unresolved(value))?;
-        // If the path is poorly known, a correction may lead to a point before its start.
+        // If the path is known only with few digits, a correction may lead back to a point before the start.
         let unresolved = |at: &CurvePoint| {
             let gone = direction * (at.value() - value);
             PathEnd::Unresolved(if gone > 0.0 { at.value() } else { value })
@@ -168,7 +168,7 @@ impl Curve<'_> {
         let m = fold
             .factors
             .solve_transposed([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
-        // Equations are in sizes, the value is in its own unit.
+        // Equations are relative to the mechanism's size; the value is in its own unit.
         array_of(|i| m[i] * self.unit() / self.size)
     }
 
@@ -203,7 +203,7 @@ impl Curve<'_> {
         }
     }
 
-    /// Matrix [F_x  F_q] in sizes.
+    /// Matrix [F_x F_q], with lengths relative to the mechanism's size.
     fn matrix(&self, pose: &Pose<f64>, value: f64) -> [[f64; 7]; 6] {
         let motion = self.motion(value);
         let at = Configuration::new(self.mechanism, self.design, *pose, motion.rack);
@@ -336,7 +336,7 @@ impl Curve<'_> {
             if length.is_nan() || length.abs() > step {
                 return None;
             }
-            // An error e in the arc length causes an error of order e^2 in the value, but of order e in the gradient.
+            // An error e in the arc length causes an error of order e^2 in the value, but an error of order e in the gradient.
             if length.abs() <= point.noise || (length.abs() >= 0.5 * last && last <= 1e-7) {
                 return Some(point);
             }
@@ -374,8 +374,8 @@ impl Curve<'_> {
             // The double root is used then.
             let discriminant = (first * first + 4.0 * second * short).max(0.0);
             let length = 2.0 * short / (first + first.signum() * discriminant.sqrt());
-            // Near a fold, a value that is correct to rounding is not enough. The remaining arc length must be rounding,
-            // too. At the fold itself it is NaN, which counts as zero.
+            // Near a fold, a value that is correct to rounding is not enough. The remaining arc length must also be at rounding
+            // level. At the fold itself it is NaN, which counts as zero.
             let is_there = short.abs() <= 0.5 * rounding
                 && length.abs().partial_cmp(&point.noise) != Some(Ordering::Greater);
             if is_there || (length.abs() >= 0.5 * last && short.abs() <= 4.0 * rounding) {

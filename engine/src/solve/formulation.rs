@@ -42,7 +42,7 @@ pub struct FormulationPose {
     pub drive: f64,
 }
 
-/// Step of the visit of a motion.
+/// Event while the stations of a motion are visited.
 #[derive(Clone, Copy, Debug)]
 pub enum FormulationVisit {
     /// The design position with the rack displaced, before the stations of this displacement.

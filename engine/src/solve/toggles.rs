@@ -12,13 +12,13 @@ use std::ops::ControlFlow;
 const PARTS: usize = 16;
 const DEPTH: usize = 3;
 
-/// Watches rockers from station to station, outward from the design position. A rocker never goes beyond a toggle. If a rod
-/// might have reached a toggle between two stations and returned, poses between them are checked, down to 1/4096 of the
+/// Checks rockers for toggles from station to station, outward from the design position. A rocker cannot move beyond a toggle. If
+/// a rod might have reached a toggle between two stations and returned, poses between them are checked, down to 1/4096 of the
 /// interval.
 #[derive(Clone, Debug, Default)]
 pub struct Toggles {
     watched: Vec<RockerId>,
-    /// Drive and rack displacement of the visit. `None` if poses between its stations cannot be computed.
+    /// Drive and rack displacement of the stations that are visited. `None` if poses between its stations cannot be computed.
     way: Cell<Option<(Drive, f64)>>,
     /// Rockers at or beyond a toggle at the start of the visit, and the rods of all watched rockers there.
     at_start: Cell<RockerSet>,
@@ -41,7 +41,7 @@ struct PreviousStation {
 }
 
 impl Toggles {
-    /// Watches these rockers of a mechanism, and the rockers that move them.
+    /// Makes a check for these rockers of a mechanism, and for the rockers that move them.
     pub fn of(mechanism: &Mechanism, rockers: impl IntoIterator<Item = RockerId>) -> Self {
         Toggles::watching(mechanism, &rockers.into_iter().collect::<Vec<_>>())
     }
@@ -60,7 +60,7 @@ impl Toggles {
         }
     }
 
-    /// Watches these rockers in addition.
+    /// Adds these rockers to the check.
     pub fn and(&self, mechanism: &Mechanism, rockers: impl IntoIterator<Item = RockerId>) -> Self {
         Toggles::of(mechanism, self.watched.iter().copied().chain(rockers))
     }
@@ -71,7 +71,7 @@ impl Toggles {
         if self.watched.is_empty() {
             return Ok(());
         }
-        // Without a first pose there is nothing to watch.
+        // Without a first pose no rocker can be checked.
         let Ok((pose, point)) = solver.placed(drive, rack)? else {
             self.begin_with(0, Vec::new());
             return Ok(());
@@ -96,8 +96,8 @@ impl Toggles {
         Ok(())
     }
 
-    /// Returns the rod of the first watched rocker that reaches a toggle while the design changes and the mechanism rests in
-    /// its design pose. `design` is the design at a part of the way, from 0 to 1.
+    /// Returns the rod of the first checked rocker that reaches a toggle while the design changes, with the mechanism in its
+    /// design pose. `design` returns the design at a fraction of the change, from 0 to 1.
     pub(crate) fn on_way(
         &self,
         mechanism: &Mechanism,
@@ -125,7 +125,7 @@ impl Toggles {
         first.map(|id| mechanism.rocker(*id).rod)
     }
 
-    /// Makes ready for another visit that begins where the last one did.
+    /// Prepares another visit with the same start as the previous one.
     pub fn begin_again(&self) {
         let (way, rods) = (self.way.get(), self.rods_at_start.borrow().clone());
         self.begin_with(self.at_start.get(), rods);
@@ -146,8 +146,8 @@ impl Toggles {
         self.rods_at_start.replace(rods);
     }
 
-    /// Checks the next station of the visit. `value` is the change of the drive from the start. Returns the kind of rod of
-    /// the first watched rocker that is at a toggle here, or was at one before. `solver` is the solver that visits the
+    /// Checks the next station of the visit. `value` is the change of the drive from the start. Returns the kind of rod of the
+    /// first checked rocker that is at a toggle here or was at one at an earlier station. `solver` is the solver that visits the
     /// stations.
     pub fn note<const N: usize>(
         &self,
@@ -159,7 +159,7 @@ impl Toggles {
             return None;
         }
         let past = self.past.get();
-        // Otherwise the visit has changed to the other side of its start.
+        // Otherwise this station is on the other side of the start.
         let goes_on = value.abs() >= past.value.abs() && value * past.value >= 0.0;
         let (from, before) = if goes_on {
             (past.value, past.stuck)
@@ -205,7 +205,7 @@ impl Toggles {
     }
 
     /// Adds to `stuck` the rockers that reach a toggle between two points. `look` examines a part of the interval, given the
-    /// rockers that are stuck before it. `ends` are the rods at both points.
+    /// rockers that are at or beyond a toggle before it. `ends` are the rods at both points.
     fn between(
         &self,
         look: &mut dyn FnMut(f64, RockerSet) -> Option<Seen>,
@@ -221,7 +221,7 @@ impl Toggles {
             let (seen, reached) = if part == PARTS {
                 (stuck, ends[1].to_vec())
             } else {
-                // Points without a pose are left out.
+                // Points without a pose are omitted.
                 match look(next, stuck) {
                     Some(found) => found,
                     None => continue,

@@ -196,7 +196,7 @@ pub(super) fn axle(
     })
 }
 
-/// Refuses entries for one wheel, and those that do not work for an axle. Returns true if there are none.
+/// Refuses entries for one wheel, and those that are not available for an axle. Returns true if there are none.
 fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
     let mut sound = refuse_wheel_keys(file.motion.get_ref(), problems);
     let solver = [
@@ -236,7 +236,8 @@ fn refuse_wheel_keys(motion: &file::Motion, problems: &mut Problems) -> bool {
             .as_ref()
             .filter(|_| motion.time.is_none())
             .map(Text::span),
-        "the drive of an axle says what moves over time; expected time, or no drive",
+        "the drive of an axle selects the coordinate that moves over time; expected time, or no \
+         drive",
     );
     let sound = refused.is_empty();
     for (span, message) in refused {
@@ -272,9 +273,13 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
     let tyre_load = tyre_load.map(|load| load.map(|load| load * newtons));
     kilograms?;
     if let (Some(section), None) = (&file.anti_roll_bar, left.mechanism.anti_roll_bar()) {
-        let message = "[anti_roll_bar] has a rate, but the study gives no anti-roll bar";
+        let message = "[anti_roll_bar] has a rate, but the hardpoints of an anti-roll bar are \
+                       missing";
         let error = problems.add(section.span(), message);
-        error.help("drop_link_outer, drop_link_inner, anti_roll_bar_inner and anti_roll_bar_outer make one");
+        error.help(
+            "drop_link_outer, drop_link_inner, anti_roll_bar_inner and anti_roll_bar_outer define \
+             one",
+        );
         bar_rate = None;
     }
     let beam_rate = twist_beam::bar_rate(file, left, problems)?;

@@ -38,7 +38,7 @@ pub(super) fn missing(need: &Need, vehicle: &VehicleFigures) -> Vec<&'static str
     keys
 }
 
-/// Reason why an axle with all inputs given lacks an anti-feature, and the anti-feature that it has instead.
+/// Reason why an axle does not have an anti-feature although all inputs are given, and the anti-feature that it has instead.
 pub(super) fn refusal(
     need: &Need,
     vehicle: &VehicleFigures,
@@ -49,7 +49,7 @@ pub(super) fn refusal(
     match need {
         Need::FrontBraking if !front => Some((
             "applies to a front axle in braking, and position is \"rear\"",
-            Some("a rear axle in braking has anti_lift"),
+            Some("for a rear axle in braking use anti_lift"),
         )),
         Need::RearDrive if front && none_in_front(vehicle.drive_share_front) => Some((
             "applies to a driven rear axle, and this is an undriven front axle (drive_share_front = 0)",
@@ -57,12 +57,13 @@ pub(super) fn refusal(
         )),
         Need::RearDrive if front => Some((
             "applies to a rear axle under drive, and position is \"front\"",
-            Some("a driven front axle has anti_lift"),
+            Some("for a driven front axle use anti_lift"),
         )),
         _ => match (of_drive(need, vehicle)?, front) {
             (true, true) if none_in_front(vehicle.drive_share_front) => Some((
-                "of a front axle applies to its drive, and it is not driven: drive_share_front is 0",
-                Some("in braking a front axle has anti_dive"),
+                "of a front axle applies to drive, but this axle is not driven: drive_share_front \
+                 is 0",
+                Some("for a front axle in braking use anti_dive"),
             )),
             (true, false) if none_at_rear(vehicle.drive_share_front) => Some((
                 "applies to a driven rear axle, and this rear axle is not driven: drive_share_front is 1",

@@ -39,7 +39,8 @@ impl AxleStudy {
                 plan.quantities.extend(new);
             }
         }
-        // A target may read second derivatives. Their own second derivatives are not available.
+        // Some quantities of targets already contain second derivatives, so second derivatives of these quantities are not
+        // available.
         if plan.degree() > 3 {
             plan.derivatives = plan.derivatives.min(1);
         }
@@ -104,7 +105,7 @@ impl<'w> Where<'w> {
         self.over.is_some() || self.held.iter().any(|given| given.is_some())
     }
 
-    /// Refuses entries for an axle in a section for one wheel. A target's rack is allowed unless `rack_too` is true.
+    /// Refuses entries for an axle in a section for one wheel. The key `rack` of a target is allowed unless `rack_too` is true.
     pub(super) fn refuse(&self, rack_too: bool, problems: &mut Problems) {
         let places = self
             .held()
@@ -226,7 +227,7 @@ fn subject(
     Some(subject_of(quantities, name.get_ref(), &study.axle))
 }
 
-/// Quantities with this name on this side. Without a side, the name may stand for the same quantity of both wheels.
+/// Quantities with this name on this side. Without a side, the name may denote the same quantity of both wheels.
 pub(super) fn quantities_of_side(
     name: &Text,
     side: &Option<Text>,
@@ -334,7 +335,7 @@ fn site(
         if !available.contains(&coordinate) {
             if let Some(given) = given {
                 let (key, known) = (coordinate.key(), keys(&available));
-                let message = format!("the motion of this study has {known}, and no {key}");
+                let message = format!("the motion of this study has {known}, but no {key}");
                 return problems.refuse(given.span(), message);
             }
             continue;

@@ -71,7 +71,7 @@ pub struct GgMap {
     pub ax: Vec<f64>,
     /// Lateral accelerations, positive to the left.
     pub ay: Vec<f64>,
-    /// Case that gives everything except ax and ay.
+    /// Case that gives all inputs except ax and ay.
     pub case: Case,
 }
 
@@ -98,9 +98,9 @@ pub struct CarOptimise {
     pub targets: Vec<CarTarget>,
     /// Constraints of cases.
     pub constraints: Vec<CarConstraint>,
-    /// Targets and constraints of the axles alone, [front, rear].
+    /// Targets and constraints of the single axles, [front, rear].
     pub rigs: [Option<RigGoals>; 2],
-    /// True if the results report changes that no target asks for.
+    /// True if the results report changes that no target requests.
     pub side_effects: bool,
 }
 
@@ -148,7 +148,7 @@ pub enum CarContributor {
     Figure {
         /// Name.
         name: String,
-        /// The rate or figure.
+        /// The rate, or the value of the car.
         moves: Moves,
         /// Distribution of its deviation.
         law: Law,

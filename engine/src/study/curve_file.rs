@@ -12,11 +12,12 @@ pub(super) struct WantedColumns<'a> {
     pub drive: &'a str,
     /// Name of the column of target values.
     pub value: &'a str,
-    /// Name of the column of rack displacements. If the file has it, only rows with these displacements count.
+    /// Name of the column of rack displacements. If the file has it, only rows with the requested displacements are used.
     pub rack: &'a str,
     /// Rack displacements to read.
     pub racks: &'a [f64],
-    /// True if points stay as measured. Otherwise they are sorted, and the two directions of a hysteresis loop are averaged.
+    /// True if the measured points are used unchanged. Otherwise they are sorted, and the two directions of a hysteresis loop are
+    /// averaged.
     pub as_measured: bool,
 }
 
@@ -144,7 +145,7 @@ fn function(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let (lowest, highest) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
         (l.min(x), h.max(x))
     });
-    // A loop has few passes, each over most of the range. Otherwise the points are merely unsorted.
+    // A hysteresis loop has few passes, each over most of the range. Otherwise the points are only unsorted.
     let is_loop = (2..=8).contains(&ways.len()) && last - first > 0.5 * (highest - lowest);
     let mut sorted = points.clone();
     if is_loop {
@@ -201,7 +202,7 @@ fn along(way: &[[f64; 2]], x: f64) -> f64 {
     y0 + (y1 - y0) * (x - x0) / (x1 - x0)
 }
 
-/// Error in a record. The record starts at its position, or after the blank lines there.
+/// Makes an error in a record of the file. The record starts at its position, or after blank lines there.
 pub(super) fn at_record(
     source: &Arc<Source>,
     record: &csv::StringRecord,

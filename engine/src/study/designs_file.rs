@@ -75,7 +75,7 @@ impl DesignTable {
             let same = |v: &SweepVariable| v.moves == variable.moves;
             if let Some(other) = variables.iter().find(|v| same(v)) {
                 let message = if other.name == variable.name {
-                    format!("the column {column} is there twice")
+                    format!("the column {column} occurs twice")
                 } else {
                     format!("{column} and {} give the same coordinate", other.name)
                 };

@@ -1,4 +1,4 @@
-//! Writes studies back as edits of their text, so that comments and layout stay.
+//! Writes studies back as edits of their text, so that comments and layout do not change.
 
 mod inside;
 
@@ -18,7 +18,7 @@ impl Study {
         self.as_written().rewritten(&self.text, design, None)
     }
 
-    /// The study that its text describes. This study differs from it if its vehicle was moved in memory.
+    /// Returns the study that the text describes. The present study differs from it if its vehicle was moved in memory.
     pub(crate) fn as_written(&self) -> Study {
         let read = Study::elastic_from_text(&self.name, &self.text, Path::new(""));
         read.unwrap_or_else(|_| self.clone())
@@ -105,8 +105,8 @@ impl Study {
         self.text_with_points_of(&self.text, moved)
     }
 
-    /// The same as [`Study::with_points_of`], for another text of this study. An example is the file as it is, whereas
-    /// [`Study::text`] contains curves from other files.
+    /// Returns another text of this study with the moved points, like [`Study::with_points_of`]; for example the text of the
+    /// file itself: [`Study::text`] also contains curves from other files.
     pub fn text_with_points_of(&self, text: &str, moved: &Study) -> String {
         let right = moved.axle().and_then(|a| a.axle.right.as_ref());
         let text = self.rewritten(text, &moved.wheel().design, right.map(|r| &r.design[..]));
@@ -287,7 +287,7 @@ fn rewrite_stiffness(link: &mut dyn TableLike, old: AxialStiffness, new: AxialSt
     set(link, key, value / area.unwrap_or(1.0));
 }
 
-/// Sets a number of a table. Comments beside it stay.
+/// Sets a number of a table. Comments in the same line do not change.
 fn set(table: &mut dyn TableLike, key: &str, number: f64) {
     match table.get_mut(key).and_then(Item::as_value_mut) {
         Some(value) => replace(value, number),
@@ -314,8 +314,8 @@ fn leave_out_rates(root: &mut Table) -> Vec<String> {
     names.map(|name| format!("[{name}]")).collect()
 }
 
-/// Writes the rates of the right wheel into `[axle.right]`: those that differ from the left one's, and those that stand there.
-/// Returns true if any differ.
+/// Writes the rates of the right wheel into `[axle.right]`: those that differ from the left wheel's rates, and those that the
+/// text already has there. Returns true if any differ.
 fn write_right_rates(
     root: &mut dyn TableLike,
     elastic: &AxleComplianceStudy,
@@ -391,7 +391,7 @@ fn of_tables(item: &mut Item) -> &mut Table {
         own.set_implicit(own.is_empty());
         *item = Item::Table(own);
     }
-    item.as_table_mut().expect("it is a table now")
+    item.as_table_mut().expect("the item is a table")
 }
 
 /// Array with a point's coordinates at the right wheel, if the study gives them.

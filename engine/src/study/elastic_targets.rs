@@ -136,7 +136,8 @@ pub(super) fn quantity(
     );
     if known.info().reads_steering_axis() && !joints {
         let message = format!(
-            "{} needs joints of a steering axis, which {} does not have; ask spin_by_lateral_force or spin_by_braking",
+            "{} needs joints of a steering axis, which {} does not have; use \
+             spin_by_lateral_force or spin_by_braking",
             name.get_ref(),
             suspension.mechanism.topology.name
         );
@@ -156,7 +157,8 @@ pub(super) fn named(
     problems: &mut Problems,
 ) -> Option<ElasticQuantity> {
     if let Some(other) = others.iter().flatten().next() {
-        let message = "with [compliance] expected a figure of a test, or a characteristic; this applies to the rigid mechanism alone";
+        let message = "with [compliance] expected a figure of a test, or a characteristic; this \
+                       applies to the rigid mechanism only";
         return problems.refuse(other.clone(), message);
     }
     let name = match (figure, characteristic) {
@@ -235,17 +237,17 @@ pub(super) fn refuse_in_outputs(section: &file::Outputs, problems: &mut Problems
 pub(super) struct RateKeys<'a> {
     /// Place of the entry in the file.
     pub place: Span<usize>,
-    /// Name of a bushing. Either this or `link` is given.
+    /// Name of a bushing. An entry gives this, or `link`, or `rate`.
     pub bushing: &'a Option<Text>,
-    /// or of a link,
+    /// Name of a link.
     pub link: &'a Option<Text>,
-    /// or of a part that has one rate alone.
+    /// Name of a part that has only one rate.
     pub rate: &'a Option<Text>,
     /// Axis of a bushing's stiffness.
     pub stiffness: &'a Option<Text>,
     /// True if values are factors of the rate.
     pub relative: &'a Option<Spanned<bool>>,
-    /// Places of keys that a rate does not have.
+    /// Places in the file of keys that a rate does not have.
     pub others: &'a [Option<Span<usize>>],
 }
 
@@ -364,7 +366,7 @@ pub(super) fn rate(
     }
     let own = if is_relative { 1.0 } else { design };
     if low > own || high < own {
-        let message = format!("the range leaves out the study's own, which is {own}");
+        let message = format!("the range does not include the study's value {own}");
         return problems.refuse(range.span(), message);
     }
     let range = if is_relative {

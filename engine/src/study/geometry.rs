@@ -1,4 +1,4 @@
-//! Errors in the geometry, with their place in the file and the fix.
+//! Errors in the geometry, each with its place in the file and a remedy.
 
 use super::error::Problems;
 use super::file;

@@ -78,8 +78,8 @@ fn check_vertical(
         return Some(());
     }
     let message = format!(
-        "the height of the wheel is held, so a vertical force at the contact point does nothing: leave z of force out; \
-         {}_vertical_force_{} is the force that holds the height",
+        "the height of the wheel is held, so a vertical force at the contact point has no effect: \
+         leave z of force out; {}_vertical_force_{} is the force that holds the height",
         load.name,
         suspension.length_unit.force_symbol()
     );
@@ -148,7 +148,7 @@ fn all(
             let error = problems.add(load.name.span(), message);
             error.related(first.name.span(), "first here");
         }
-        // Both act in one equilibrium.
+        // Both loads act in one equilibrium.
         let differs =
             |one: &&file::Load| one.name == load.name && apart(one) && one.hold != load.hold;
         if let Some(first) = written[..i].iter().find(differs) {

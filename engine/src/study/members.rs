@@ -20,7 +20,7 @@ pub(super) fn member(
 ) -> Option<(String, Member)> {
     let mechanism = &suspension.mechanism;
     let mut members = Member::all(mechanism);
-    // A solid axle names its left half.
+    // The names of a solid axle are those of its left half.
     members.retain(|(_, member)| {
         let ends = member.ends(mechanism);
         ends.is_none_or(|(inner, outer)| !mechanism.is_far(inner) || !mechanism.is_far(outer))

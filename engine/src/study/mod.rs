@@ -1,7 +1,7 @@
 //! Studies: the meaning of a study file. The crate `hardpoint-study-file` reads the file as written.
 //!
 //! [`Study`] is resolved: ids replace names, lengths and angles are in the kernel's frame and units (see the fields), and
-//! defaults are filled in. Nothing is left to interpret.
+//! defaults are filled in. A study needs no further interpretation.
 //!
 //! Reading goes from the text to the file as written, each value with its place, and from there to the [`Study`]. Only this
 //! module turns degrees into radians, and the study's axes into the kernel's. Every mistake becomes a [`StudyError`] with
@@ -310,11 +310,11 @@ pub enum FileFormat {
 pub struct SweepVariable {
     /// Name, without unit: `tie_rod_inner_dz` for an offset, `tie_rod_inner_z` for a coordinate.
     pub name: String,
-    /// Coordinates that it moves.
+    /// Coordinates that the variable moves.
     pub moves: Vec<Move>,
     /// Rate of an elastic part that the variable sets instead. Its values are then rates, or factors of the rate.
     pub rate: Option<Rate>,
-    /// True if its values are coordinates, false if they are offsets from the design.
+    /// True if the values are coordinates, false if they are offsets from the design.
     pub absolute: bool,
     /// Lowest and highest value, in the study's axes.
     pub range: [f64; 2],

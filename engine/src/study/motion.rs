@@ -212,8 +212,8 @@ pub(super) fn check_drive(
     if motion.drive == Drive::ArmAngle && !raises_its_joint(*arm, &suspension.design) {
         let outer = &mechanism.points[arm.outer.0].name;
         let message = format!(
-            "the arm is at dead centre in the design position: a turn moves {outer} level at first, so \
-             neither direction is the one that raises it"
+            "the arm is at dead centre in the design position: a small turn moves {outer} \
+             horizontally, so neither direction of the turn raises it"
         );
         problems
             .add(place, message)
@@ -289,7 +289,7 @@ pub(super) fn check_sensitivities(
              {MOST_STATIONS} stations times hardpoints"
         );
         let error = problems.add(place, message);
-        error.help("ask for fewer stations, or name fewer hardpoints in outputs.sensitivities");
+        error.help("request fewer stations, or name fewer hardpoints in outputs.sensitivities");
     }
 }
 
@@ -392,7 +392,7 @@ impl Decimals {
     }
 }
 
-/// Digits of the shortest decimal that reads back as the number, and the number of its places after the point.
+/// Digits of the shortest decimal that reads back as the number, and the count of its digits after the decimal point.
 fn shortest_decimal(value: f64) -> Option<(i64, u32)> {
     let text = format!("{value}");
     let (whole, fraction) = text.split_once('.').unwrap_or((&text, ""));
@@ -415,7 +415,7 @@ pub(super) fn evenly_spaced_at(from: f64, to: f64, count: u64, i: u64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Each value is the number that its decimal reads as.
+    /// Each value equals the number that its decimal text gives when it is read.
     #[test]
     fn values_between_decimals_are_nearest_to_decimals() {
         let read = |text: &str| text.parse::<f64>().unwrap();

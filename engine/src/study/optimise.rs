@@ -45,7 +45,7 @@ pub(super) fn optimise(
         None => Some(None),
         Some(number) if number.value >= 0.0 => Some(Some(number.value)),
         Some(number) => {
-            let message = format!("expected a misfit from 0 up, found {}", number.value);
+            let message = format!("expected a misfit of 0 or more, found {}", number.value);
             problems.refuse(number.span.clone(), message)
         }
     };
@@ -54,7 +54,7 @@ pub(super) fn optimise(
         && number.value != 0.0
     {
         let message =
-            "fit = true seeks the least misfit: expected good_enough = 0, or no good_enough";
+            "fit = true minimises the misfit: expected good_enough = 0, or no good_enough";
         problems.add(number.span.clone(), message);
     }
     let constraints = constraints(section, context, problems);
@@ -132,12 +132,15 @@ pub(super) fn scatter(
         };
         if tolerance.bands.is_empty() {
             wrong(
-                "robust = \"yield\" needs bands in [tolerance]: a build counts if it keeps all of them",
+                "robust = \"yield\" needs bands in [tolerance]: a build counts if it is within \
+                 all of them",
             );
             return None;
         }
         if section.front.is_some() {
-            wrong("robust = \"yield\" has no front, because it does not weigh the targets");
+            wrong(
+                "robust = \"yield\" does not work with front, because it does not use the targets",
+            );
             return None;
         }
     }
@@ -173,7 +176,8 @@ fn front(
         return problems.refuse(written.span(), message);
     }
     if section.fit.as_ref().is_some_and(|fit| *fit.get_ref()) {
-        let message = "front does not work with fit = true, because measurements are not traded";
+        let message = "front does not work with fit = true, because there is no trade-off between \
+                       measurements";
         return problems.refuse(written.span(), message);
     }
     let length = context.suspension.length_unit;
@@ -299,7 +303,7 @@ fn variable(
     let [low, high] = moves::range(range, "offsets", problems)?;
     if low > 0.0 || high < 0.0 {
         let message =
-            format!("offsets from {low} to {high} leave out the design, which is offset 0");
+            format!("offsets from {low} to {high} do not include the design, which is offset 0");
         return problems.refuse(range.span(), message);
     }
     let moves = moves?;

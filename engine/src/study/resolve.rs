@@ -75,7 +75,7 @@ impl Study {
         Study::read_parts(path, overrides, Parts::Rigid)
     }
 
-    /// The same as [`Study::read`], for callers that support elastic parts: [`WheelStudy::compliance`] or
+    /// Reads a study file like [`Study::read`], for callers that support elastic parts: [`WheelStudy::compliance`] or
     /// [`crate::axle::Axle::elastic`] may be present.
     pub fn read_elastic(path: &Path, overrides: &[String]) -> Result<Study, StudyErrors> {
         Study::read_parts(path, overrides, Parts::Elastic)
@@ -118,7 +118,7 @@ impl Study {
         resolve(path, shown, text.to_owned(), directory, Parts::Rigid)
     }
 
-    /// The same as [`Study::from_text`], for callers that support elastic parts.
+    /// Reads a study from its text like [`Study::from_text`], for callers that support elastic parts.
     pub fn elastic_from_text(
         name: &str,
         text: &str,
@@ -321,7 +321,7 @@ impl MainSections {
         }
     }
 
-    /// Returns false for an axle with an error. Sections about it would only repeat the error.
+    /// Returns false for an axle with an error. Errors in sections about the axle would only follow from that error.
     fn is_known(&self) -> bool {
         self.axle.is_some()
     }
@@ -346,9 +346,12 @@ fn refuse_car(source: &Arc<Source>) -> Result<(), StudyErrors> {
     let Some(place) = parse::car_section(&source.text) else {
         return Ok(());
     };
-    let message = "[car] makes this the study of a car, which this command does not take";
+    let message = "[car] makes this the study of a car, which this command does not accept";
     let mut error = StudyError::new(source.clone(), Some(place), message);
-    error.help("hardpoint check, solve, sweep, optimise, tolerance, limits, compare and export take cars; the axles by themselves are studies for every command");
+    error.help(
+        "hardpoint check, solve, sweep, optimise, tolerance, limits, compare and export accept \
+         cars; every command accepts the study of a single axle",
+    );
     Err(error.into())
 }
 
@@ -359,8 +362,8 @@ fn check_sweep_keeps_something(file: &file::File, outputs: &Outputs, problems: &
     };
     let has_targets = file.optimise.is_some();
     if outputs.characteristics.is_empty() && outputs.points.is_empty() && !has_targets {
-        let message = "there is nothing to keep of each design: expected characteristics or points in \
-                       [outputs], or targets in [optimise]";
+        let message = "there is nothing to write for each design: expected characteristics or \
+                       points in [outputs], or targets in [optimise]";
         problems.add(section.span(), message);
     }
 }

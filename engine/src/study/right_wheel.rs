@@ -59,7 +59,8 @@ pub(super) fn right_wheel(
     }
     let centre = right.design[right.mechanism.wheel_centre.0];
     if centre.y < 0.0 {
-        let message = "the right wheel's wheel_centre is on the left side: its hardpoints are in the study's axes, with their true y";
+        let message = "the right wheel's wheel_centre is on the left side: its hardpoints are in \
+                       the study's axes, with their actual y";
         return problems.refuse(place, message);
     }
     if let Some(fault) = GeometryFault::first_of(&right) {
@@ -81,7 +82,7 @@ fn extra_point(text: &Text, left: &Suspension) -> Option<PointId> {
     }
 }
 
-/// Static camber and toe of the right wheel. A missing value is the left wheel's.
+/// Static camber and toe of the right wheel. A missing value equals that of the left wheel.
 fn spin_axis(
     file: &File,
     own: &file::OwnRight,

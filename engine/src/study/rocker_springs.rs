@@ -26,20 +26,21 @@ pub(super) fn rocker_springs(
             rate: rate * newtons,
         });
         if mechanism.heave_spring().is_none() {
-            let message = "[heave_spring] is given, but the study gives no end for it";
+            let message = "[heave_spring] is given, but the hardpoint of its end is missing";
             let error = problems.add(section.span(), message);
             error.help(
-                "the hardpoint heave_spring, with a rocker and its rod, is its end at the left wheel",
+                "the hardpoint heave_spring, with a rocker and its rod, is its end on the left \
+                 side",
             );
             sound = false;
         }
     }
     let mut needs_rocker = |key: &str, place: std::ops::Range<usize>, problems: &mut Problems| {
         if !has_rocker {
-            let message = format!("{key} acts on rockers, and the study gives none");
+            let message = format!("{key} acts on rockers, but the study has no rockers");
             let error = problems.add(place, message);
             error.help(
-                "pushrod_outer, pushrod_inner, rocker_pivot_front and rocker_pivot_rear make one",
+                "pushrod_outer, pushrod_inner, rocker_pivot_front and rocker_pivot_rear define one",
             );
             sound = false;
         }

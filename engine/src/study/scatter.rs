@@ -22,16 +22,16 @@ pub struct Adjustment {
     pub name: String,
     /// Dimension, and its change in the kernel's frame per unit of the adjustment.
     pub change: (BuildParameter, f64),
-    /// Half of a solid axle that has the dimension. `None` for other suspensions, and for a part that the axle has once.
+    /// Half of a solid axle that has the dimension. `None` for other suspensions, and for a part that exists only once.
     pub side: Option<Side>,
-    /// The same change of a solid axle as the wheel of the other half sees it. `None` if that wheel does not have the part.
+    /// The same change in the mechanism of a solid axle's other wheel. `None` if that wheel does not have the part.
     pub seen_from_other: Option<(BuildParameter, f64)>,
     /// Available sizes of the adjustment.
     pub increment: Increment,
 }
 
 impl Adjustment {
-    /// Changes of a solid axle's dimensions as one of its wheels sees them: one, or none.
+    /// Change of a solid axle's dimension in the mechanism of one of its wheels, if there is one.
     pub fn seen_from(&self, wheel: Side) -> Vec<(BuildParameter, f64)> {
         if self.side.unwrap_or(Side::Left) == wheel {
             vec![self.change]
@@ -46,7 +46,7 @@ impl Adjustment {
 pub enum Increment {
     /// A thread. Continuous; set in fractions of a turn.
     Thread {
-        /// Change of length per turn, for both threads together.
+        /// Change of length per turn, for both threads of the rod together.
         per_turn: f64,
     },
     /// A whole number of shims.
@@ -58,7 +58,7 @@ pub enum Increment {
     Free,
 }
 
-/// A target static value.
+/// Target value of a quantity in the static position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Want {
     /// Static value.
@@ -96,7 +96,7 @@ pub struct Contributor {
 pub struct Source {
     /// Name.
     pub name: String,
-    /// Dimensions that it changes, each with its change per unit, in the kernel's frame.
+    /// Dimensions that the number changes, each with its change per unit, in the kernel's frame.
     pub changes: Vec<(BuildParameter, f64)>,
     /// Rate of an elastic part, if the variable changes a rate instead of coordinates.
     pub rate: Option<Rate>,
@@ -105,12 +105,12 @@ pub struct Source {
     /// For an axle: the wheel whose dimensions these are, in the kernel's frame of its side. `None` for a part that both wheels share;
     /// the left wheel then gives its dimensions.
     pub side: Option<Side>,
-    /// The same dimensions of a solid axle, as its other wheel has them. Empty for other vehicles.
+    /// The same dimensions in the mechanism of a solid axle's other wheel. Empty for other vehicles.
     pub seen_from_other: Vec<(BuildParameter, f64)>,
 }
 
 impl Source {
-    /// A number that changes these dimensions of one wheel.
+    /// Makes a random number that changes these dimensions of one wheel.
     pub(super) fn of_parts(name: String, changes: Vec<(BuildParameter, f64)>, law: Law) -> Self {
         Source {
             name,

@@ -24,7 +24,7 @@ fn allowed(root: Root, path: &str) -> Option<Allowed> {
     })
 }
 
-/// Regular expression of figures whose names tell what differs from the usual test, as
+/// Regular expression for names of figures that contain their differences from the default test, as
 /// [`TestFigure::stem`](crate::axle::TestFigure::stem) writes them.
 fn figure_pattern() -> String {
     let loads = TestLoad::ALL.map(|(name, _)| format!("_{name}")).join("|");
@@ -59,7 +59,7 @@ fn names(root: Root, path: &str) -> Option<Vec<String>> {
             "outputs.characteristics[]" | "tolerance.bands[].characteristic" => {
                 CarQuantity::names()
             }
-            // Results of cases, and quantities of an axle alone.
+            // Results of cases, and quantities of a single axle.
             "optimise.targets[].characteristic" => {
                 let mut names = CarQuantity::names();
                 let own = crate::axle::Quantity::names()

@@ -97,8 +97,8 @@ fn adjustment_of_wheel(
 fn ride_height_change(section: &file::Setup, problems: &mut Problems) -> Option<f64> {
     match (&section.ride_height_change, &section.travel) {
         (Some(change), Some(travel)) => {
-            let message = "expected ride_height_change or travel, found both: ride_height_change is positive where \
-                           the car becomes higher, travel is its negative";
+            let message = "expected ride_height_change or travel, found both: ride_height_change \
+                           is positive if the car becomes higher, travel is its negative";
             let error = problems.add(travel.span.clone(), message);
             error.related(change.span.clone(), "ride_height_change");
             None

@@ -48,8 +48,8 @@ fn sheet(path: &Text, context: &Context) -> Option<Arc<Source>> {
     })
 }
 
-/// Targets of a measured sheet. `None` if the target's file is not a sheet. If the target names a figure or a
-/// characteristic, only its rows count.
+/// Targets of a measured sheet. `None` if the target's file is not a sheet. If the target names a figure or a characteristic,
+/// only rows of that quantity are used.
 pub(super) fn targets(
     spanned: &Spanned<Written>,
     context: &Context,
@@ -149,7 +149,7 @@ struct Reader<'a> {
     source: &'a Arc<Source>,
     of: SheetOf<'a>,
     context: &'a Context<'a>,
-    /// Name of the figure that counts, if the target names one.
+    /// Name of the only figure to read, if the target names one.
     only: Option<&'a str>,
     /// Tolerance of each value, or factor of the column `tolerance`.
     tolerance: f64,
@@ -225,7 +225,7 @@ impl Reader<'_> {
             };
             let load = row.cell("load");
             if !TestLoad::ALL.iter().any(|(_, of)| of.name() == load) {
-                return row.wrong(format!("{load:?} is no load of a test"));
+                return row.wrong(format!("{load:?} is not a load of a test"));
             }
             let figure = match self.of {
                 SheetOf::Wheel(elastic) => self.figure_of_wheel(elastic, row, is_secant)?,
@@ -276,7 +276,7 @@ impl Reader<'_> {
             && same("steering", steering))
     }
 
-    /// Selects the only figure among those that fit a row. `None` for a missing secant.
+    /// Returns the figure that fits a row; there must be only one. `None` for a missing secant.
     fn only_one<F>(
         row: &Row<'_>,
         is_secant: bool,

@@ -11,7 +11,7 @@ use crate::solve::Solver;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Takes over the direction in which the steering gear moves the drag link.
+/// Sets the direction in which the steering gear moves the drag link.
 pub(super) fn steer(
     file: &File,
     frame: Frame,
@@ -25,7 +25,7 @@ pub(super) fn steer(
     let rigid = mechanism.rigid_axle.as_mut();
     let Some(steering) = rigid.and_then(|rigid| rigid.steering.as_mut()) else {
         let message =
-            "direction is that of the drag link of a solid axle, and this study has no drag link";
+            "direction is for the drag link of a solid axle, but this study has no drag link";
         return problems.refuse(written.span(), message);
     };
     let direction = three(written, "components [x, y, z]", problems)?;
@@ -34,7 +34,7 @@ pub(super) fn steer(
         let message = "the direction of the drag link has no length";
         return problems.refuse(written.span(), message);
     }
-    // A displacement counts along the study's axis y, and the kernel's may point the other way.
+    // A displacement is positive along the study's y axis, which may point opposite to the kernel's y axis.
     let along = frame.sign(Axis::Y) / length;
     steering.direction = frame.vector(direction) * along;
     Some(())
@@ -43,7 +43,7 @@ pub(super) fn steer(
 /// Entries that a solid axle or a twist beam does not support, each with the reason.
 type Refused<'a> = Vec<(Option<Span<usize>>, &'a str)>;
 
-/// Entries of motions and `[steering]` that the axle does not support with its drag link, or without one.
+/// Entries of motions and `[steering]` that an axle with a drag link, or one without it, does not support.
 fn refused_steering(file: &File, mechanism: &Mechanism) -> Refused<'static> {
     let is_steered = mechanism.axle_steering().is_some();
     let motions = std::iter::once(&file.motion).chain(file.motions.values());
@@ -78,13 +78,13 @@ fn refused_steering(file: &File, mechanism: &Mechanism) -> Refused<'static> {
     }
     for written in [&own.c_factor, &own.rack_stiffness, &own.column_stiffness] {
         let message =
-            "a drag link steers this axle, and it has no rack; [steering] has direction alone";
+            "a drag link steers this axle, and it has no rack; [steering] has only direction";
         refused.push((written.as_ref().map(|number| number.span.clone()), message));
     }
     refused
 }
 
-/// Refuses entries that a solid axle or a twist beam does not support; true if there are none.
+/// Refuses entries that a solid axle or a twist beam does not support. Returns true if there are none.
 pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool {
     let is_steered = suspension.mechanism.axle_steering().is_some();
     let mut refused = refused_steering(file, &suspension.mechanism);
@@ -113,11 +113,14 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
         (
             certify.map(Spanned::span),
             match is_beam {
-                true => "certify proves quadratic equations only, and the hinge of a twist beam has others; leave certify out",
+                true => "certify needs quadratic equations, and those of the hinge of a twist \
+                         beam are not quadratic; leave certify out",
                 false if is_steered => {
-                    "certify proves quadratic equations only, and the knuckles of a steered axle have others; leave certify out"
+                    "certify needs quadratic equations, and those of the knuckles of a steered \
+                     axle are not quadratic; leave certify out"
                 }
-                false => "certify proves quadratic equations only, and the rocker of a Watt linkage has others; leave certify out",
+                false => "certify needs quadratic equations, and those of the rocker of a Watt \
+                          linkage are not quadratic; leave certify out",
             },
         ),
         (
@@ -180,7 +183,7 @@ fn drag_link_is_left(
     false
 }
 
-/// Refuses outputs that need second derivatives by the drag link; true if there are none.
+/// Refuses outputs that need second derivatives by the drag link. Returns true if there are none.
 fn derivatives_are_known(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool {
     let Some(outputs) = &file.outputs else {
         return true;
@@ -210,8 +213,8 @@ fn derivatives_are_known(file: &File, suspension: &Suspension, problems: &mut Pr
     sound
 }
 
-/// Four links hold the axle: two pairs, or a pair of lower links, a single upper link and a Panhard rod or a Watt linkage.
-/// Five links need elastic parts.
+/// Checks the links that hold the axle. There are four: two pairs, or a pair of lower links, a single upper link and a Panhard
+/// rod or a Watt linkage. Five links need elastic parts.
 fn links(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool {
     let section = &file.suspension;
     let has = |name: &str| suspension.mechanism.point(name).is_some();
@@ -251,7 +254,8 @@ fn links(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool 
                 .next();
             let place = panhard.unwrap_or(section.hardpoints.span());
             let message = format!(
-                "five links: with two upper links and a {} the axle binds in roll, and only the rubber of its joints lets it move",
+                "five links: with two upper links and a {} the axle can move in roll only if its \
+                 joints are elastic",
                 if has_watt {
                     "Watt linkage"
                 } else {
@@ -264,7 +268,8 @@ fn links(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool 
             false
         }
         (false, false) => {
-            let message = "three links leave the axle free sideways: expected panhard_chassis and panhard_axle, or a Watt linkage";
+            let message = "three links let the axle move freely sideways: expected \
+                           panhard_chassis and panhard_axle, or a Watt linkage";
             let place = single.map_or(section.hardpoints.span(), Spanned::span);
             problems.add(place, message);
             false
@@ -302,14 +307,16 @@ pub(super) fn wheels(
     if let Err(fault) = solver.and_then(|solver| solver.check_start(Drive::Travel)) {
         let message = match fault {
             DesignFault::Singular => {
-                "the links do not hold the axle in the design position: one motion is left beside heave and roll".to_owned()
+                "the links do not hold the axle in the design position: one more motion is free, \
+                 in addition to heave and roll"
+                    .to_owned()
             }
             fault => fault.describe(&left.mechanism),
         };
         let error = problems.add(file.suspension.hardpoints.span(), message);
         error.help(
-            "links that are parallel from above leave the axle free sideways: splay the upper links, or give a single upper \
-             link and a Panhard rod",
+            "links that are parallel from above let the axle move freely sideways: splay the \
+             upper links, or give a single upper link and a Panhard rod",
         );
         return None;
     }
@@ -321,7 +328,7 @@ pub(super) fn wheels(
     Some((left, (!is_symmetric).then_some(right)))
 }
 
-/// Places the points of the right half that are not mirror images.
+/// Sets the points of the right half that are not mirror images.
 fn differences(
     own: &file::OwnRight,
     rigid: &RigidAxle,
@@ -339,7 +346,8 @@ fn differences(
         let pair = rigid.pairs.iter().find(|[near, _]| *near == id);
         let Some([_, far]) = pair else {
             let message = format!(
-                "the axle has {} once: expected it in [suspension.hardpoints] alone, with its true y",
+                "the axle has only one {}: expected it in [suspension.hardpoints] only, with its \
+                 actual y",
                 text.get_ref()
             );
             problems.add(text.span(), message);
@@ -349,7 +357,7 @@ fn differences(
         rigid.put_far(*far, left.frame.vector(position), &mut left.design);
         if left.design[far.0].y > 0.0 {
             let message = format!(
-                "{} is on the left side: the right half has its true y",
+                "{} is on the left side: the right half is given with its actual y",
                 text.get_ref()
             );
             problems.add(text.span(), message);

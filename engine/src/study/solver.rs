@@ -56,8 +56,8 @@ pub(super) fn formulation(
 /// Refuses the key `accuracy`. Every study is solved to rounding.
 pub(super) fn refuse_accuracy(file: &File, problems: &mut Problems) {
     if let Some(accuracy) = &file.solver.accuracy {
-        let message = "poses always have full double precision: less saved no time, so accuracy is no longer a \
-                       choice";
+        let message = "poses always have full double precision: lower precision saved no time, so \
+                       accuracy is no longer an option";
         let error = problems.add(accuracy.span(), message);
         error.help("leave accuracy out");
     }
@@ -171,8 +171,8 @@ fn check_derivatives(
         if takes > given {
             let (name, order) = (text.get_ref(), outputs.order.name());
             let message = format!(
-                "{name} with order = \"{order}\" takes {takes} derivatives; \
-                 formulation = \"{}\" gives {given}",
+                "{name} with order = \"{order}\" needs {takes} derivatives; formulation = \"{}\" \
+                 gives {given}",
                 formulation.name()
             );
             problems.add(text.span(), message);

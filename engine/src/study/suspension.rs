@@ -159,7 +159,7 @@ fn hardpoints<'a>(
                     misspelt.push(near);
                     error.help(format!("did you mean \"{near}\"?"));
                 } else if let Some(near) = nearest(name, names()) {
-                    error.help(format!("\"{near}\" is given already"));
+                    error.help(format!("\"{near}\" is already given"));
                 } else {
                     error.help("put other points to report into [suspension.extra_points]");
                 }
@@ -371,7 +371,7 @@ fn vehicle(section: &file::Vehicle, problems: &mut Problems) -> Option<VehicleFi
     let brakes = choose_or(
         &section.brakes,
         None,
-        "place of the brakes",
+        "position of the brakes",
         &[("outboard", carrier), ("inboard", shafts)],
         problems,
     );

@@ -46,8 +46,8 @@ impl Sampled {
 }
 
 impl Sampled {
-    /// Returns only the data that determine the designs. The points of a sequence do not depend on the number of samples, so
-    /// it is cleared.
+    /// Returns only the data that determine the designs. The points of a sequence do not depend on the number of samples, so that
+    /// number is cleared.
     pub(crate) fn meaning(&self) -> Sampled {
         let samples = match self.method {
             Sampling::Sobol | Sampling::Random | Sampling::Saltelli => 0,
@@ -102,7 +102,7 @@ pub(super) fn sweep(
     let designs = match (&written.designs, &written.variables) {
         (Some(path), None) => {
             if let Some(method) = &written.method {
-                let message = "the designs come from a file, so there is no method";
+                let message = "the designs come from a file, so method is not available";
                 let error = problems.add(method.span(), message);
                 error.related(path.span(), "the file");
             }
@@ -145,7 +145,7 @@ fn check_solver(
         (
             &file.solver.formulation,
             "[sweep] needs formulation = \"knuckle_pose\", which gives the same values faster",
-            "without [solver] it is taken",
+            "it is used without [solver]",
         )
     } else if by_theta {
         (
@@ -251,7 +251,7 @@ impl SamplingKeys<'_> {
                     let message = format!("method = \"{}\" needs samples, a number", method.name());
                     return problems.refuse(self.section.clone(), message);
                 };
-                // Samples times (variables + 2) must not exceed the limit either.
+                // The product samples times (variables + 2) must also be within the limit.
                 let most = MOST_DESIGNS / (variables.len() as u64 + 2);
                 within(samples, 1..=most as i64, problems)? as u64
             }
@@ -288,7 +288,7 @@ fn grid_points(
     if points.is_none() {
         let factors: Vec<String> = steps().map(|s| s.to_string()).collect();
         let message = format!(
-            "a grid of {} designs is more than the {MOST_DESIGNS:.0e} there may be",
+            "a grid of {} designs is too large: expected at most {MOST_DESIGNS:.0e}",
             factors.join(" x "),
             MOST_DESIGNS = MOST_DESIGNS as f64,
         );

@@ -120,12 +120,12 @@ pub struct Target {
     pub weight: f64,
     /// Stations of the target.
     pub site: Site,
-    /// Additional drive values at which it is compared.
+    /// Additional drive values at which the target is compared.
     pub stations: Vec<f64>,
 }
 
 impl Target {
-    /// Name of the target: that of the characteristic, or the column's without its unit.
+    /// Name of the target: that of the characteristic, or the name of the column without its unit.
     pub fn name(&self, length: LengthUnit) -> String {
         match self.of.as_characteristic() {
             Some(characteristic) => characteristic.info().name.to_owned(),
@@ -142,7 +142,7 @@ impl Target {
         self.stations_among(&motion.values)
     }
 
-    /// The given values, with those added for this target.
+    /// The given drive values, with those added for this target.
     pub fn stations_among(&self, values: &[f64]) -> Vec<f64> {
         let added = self.stations.iter().filter(|v| !values.contains(v));
         values.iter().chain(added).copied().collect()
@@ -247,7 +247,7 @@ pub struct Limited {
     pub upper: Option<f64>,
     /// Change of the measure that counts as 1 in the rows of a tuning. It is a visible change, such as 1 mm or 1 degree.
     pub scale: f64,
-    /// The same change in `unit`.
+    /// The change `scale`, expressed in `unit`.
     pub visible: f64,
     /// Unit of the limits, margins and prices, as the study writes it. "1" for a plain number.
     pub unit: String,

@@ -195,17 +195,14 @@ fn curve(
     for point in points {
         let [drive, value] = point.get_ref().as_slice() else {
             let message = format!(
-                "expected a pair [drive value, wanted value], found {} numbers",
+                "expected a pair [drive value, target value], found {} numbers",
                 point.get_ref().len()
             );
             return problems.refuse(point.span(), message);
         };
         let last = curve.last().filter(|_| !as_measured);
         if let Some([before, _]) = last.filter(|[before, _]| *before >= drive.value) {
-            let message = format!(
-                "{} does not rise above {before}, the one before",
-                drive.value
-            );
+            let message = format!("{} is not above {before}, the previous value", drive.value);
             let error = problems.add(drive.span.clone(), message);
             error.help("the points of a curve are given by strictly rising drive value");
             return None;
@@ -380,7 +377,7 @@ impl TargetContext<'_> {
             }
             (Some(between), _, _) => {
                 let message =
-                    "between says both limits; expected it alone, or at_least and at_most";
+                    "between gives both limits; expected it alone, or at_least and at_most";
                 return problems.refuse(between.span(), message);
             }
         };

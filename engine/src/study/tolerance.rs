@@ -46,7 +46,8 @@ pub(super) fn tolerance(
     }
     let is_whole = context.axle.is_some_and(|both| both.axle.is_rigid());
     if let (true, true, Some(written)) = (aligned, is_whole, &section.aligned) {
-        let message = "aligned = true sets each wheel by itself, and one body carries the wheels of this axle; expected aligned = false";
+        let message = "aligned = true sets each wheel separately, but one body carries both \
+                       wheels of this axle; expected aligned = false";
         problems.add(written.span(), message);
     }
     let of_axle = context.elastic_axle().map(|own| &own.parts.wheels[..]);
@@ -146,7 +147,7 @@ pub(super) fn contributors_of_axle(
         if only.is_some_and(|only| only != side) {
             continue;
         }
-        // Uses the left wheel's axes, because a mirror image scatters like its original.
+        // Uses the left wheel's axes, because a mirror-image part has the same scatter as the original.
         let of_side = Suspension {
             frame: suspension.frame,
             ..study.axle.suspension(side).clone()
@@ -257,7 +258,8 @@ fn length(
     {
         let unit = suspension.length_unit.symbol();
         let message = format!(
-            "the lowest limit leaves no length: {name} is {drawn:.1} {unit} long in the design"
+            "the lowest limit makes the length 0 or negative: {name} is {drawn:.1} {unit} long in \
+             the design"
         );
         problems.add(limits.span(), message);
     }

@@ -43,16 +43,17 @@ pub struct Optimise {
     pub targets: Vec<Target>,
     /// Limits that the design must satisfy.
     pub constraints: Vec<Constraint>,
-    /// Misfit below which designs count as equally good. Among these, the tuning takes the one with the smallest change. 0
-    /// asks for the least misfit.
+    /// Misfit below which designs count as equally good. Among these, the tuning chooses the one with the smallest change. 0 asks
+    /// for the smallest misfit.
     pub good_enough: f64,
     /// True if the targets are measurements, so that standard errors are meaningful.
     pub fit: bool,
     /// Two or three goals whose trade-off is computed, or none.
     pub front: Vec<FrontGoal>,
-    /// Builds of a robust tuning, whose mean squared misfit or yield counts. `None` for the misfit of the nominal design.
+    /// Builds of a robust tuning. The tuning improves their mean squared misfit or their yield. `None` for a tuning of the
+    /// nominal design.
     pub scatter: Option<Scatter>,
-    /// True if the results report changes that no target asks for.
+    /// True if the results report changes that no target requests.
     pub side_effects: bool,
 }
 
@@ -267,7 +268,7 @@ impl Rate {
         }
     }
 
-    /// Name of the axis, of a bushing.
+    /// Name of the axis, for the rate of a bushing.
     pub fn axis_name(&self) -> Option<&'static str> {
         match self.parameter {
             Parameter::Stiffness(_, axis) => RATE_AXES.get(axis).copied(),

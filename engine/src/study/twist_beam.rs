@@ -6,8 +6,8 @@ use super::suspension::above_zero;
 use super::value::Text;
 use crate::model::{Suspension, TwistBeam};
 
-/// Factor from the beam's torsional rate to the rate of the equivalent anti-roll bar, whose angle is that between its two
-/// levers. The beam's twist psi is half the difference of the rotations of the two halves, so k_t psi^2/2 = (k_t/4) (2
+/// Factor from the beam's torsional rate to the rate of the equivalent anti-roll bar. The angle of that bar is the one between
+/// its two levers. The beam's twist psi is half the difference of the rotations of the two halves, so k_t psi^2/2 = (k_t/4) (2
 /// psi)^2/2.
 const OF_BOTH_LEVERS: f64 = 0.25;
 

@@ -1,4 +1,4 @@
-//! Changes of single values in a study's text. Comments stay.
+//! Changes of single values in a study's text. Comments do not change.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
@@ -24,7 +24,7 @@ pub enum PathStep {
     Key(String),
 }
 
-/// Returns the text after all changes, made in order. Comments and layout around them stay.
+/// Returns the text after all changes, made in order. Comments and layout around them do not change.
 pub fn edited_text(text: &str, edits: &[ValueEdit]) -> Result<String, String> {
     let mut document: DocumentMut = text.parse().map_err(|e| format!("not TOML: {e}"))?;
     for edit in edits {
@@ -123,7 +123,7 @@ fn set_key(table: &mut dyn TableLike, key: &str, value: Option<&Json>) -> Option
     Some(())
 }
 
-/// Replaces a value. If old and new value have the same shape, the layout inside also stays.
+/// Replaces a value. If old and new value have the same structure, the layout inside the value does not change either.
 fn replace(old: &mut Value, new: &Json) -> Option<()> {
     match (&mut *old, new) {
         (Value::Array(list), Json::Array(values)) if list.len() == values.len() => {
@@ -184,7 +184,7 @@ fn set_entry(list: &mut Array, at: usize, value: Option<&Json>) -> Option<()> {
     }
 }
 
-/// Spaces and comments before an added entry. A comment after the previous last entry stays there.
+/// Spaces and comments before an added entry. A comment after the previous last entry stays with that entry.
 fn place_for_more(list: &mut Array) -> String {
     let Some(last) = list.len().checked_sub(1).and_then(|k| list.get_mut(k)) else {
         return String::new();

@@ -134,8 +134,8 @@ impl Vehicle {
         self.wheel_mut().design = design;
     }
 
-    /// The vehicle in the form in which builds are assembled: the spin axis of each wheel runs through a point of its carrier
-    /// ([`Assembler::suspension`]), and the right wheel of an axle has its own hardpoints.
+    /// Returns the vehicle in the form in which builds are assembled: the spin axis of each wheel runs through a point of its
+    /// carrier ([`Assembler::suspension`]), and the right wheel of an axle has its own hardpoints.
     ///
     /// # Errors
     ///

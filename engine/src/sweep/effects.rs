@@ -1,30 +1,30 @@
 //! Main effects: how much each variable influences each output.
 //!
-//! Only designs with a value for every output count. There are two measures. The *change* follows the least-squares plane
-//! through all designs, from the low end of a variable's range to its high end. It has a sign and a unit, and `r2` is the
-//! quality of the plane. The *share* is the first-order Sobol index S = Var(E[y|x]) / Var(y): the part of the output's
-//! variance that vanishes when this variable is known. It includes curved responses. Shares need variables that are sampled
-//! independently, so designs from a file have none.
+//! Only designs with a value for every output are used. There are two measures. The *change* follows the least-squares plane
+//! through all designs, from the low end of a variable's range to its high end. It has a sign and a unit. `r2` is the share of
+//! the variance that the plane explains. The *share* is the first-order Sobol index S = Var(E[y|x]) / Var(y): the part of the
+//! output's variance that vanishes when this variable is known. It includes curved responses. Shares need variables that are
+//! sampled independently, so designs from a file have none.
 //!
-//! For a grid, a share is the exact ratio of sums of squares over the grid (levels beyond 32 are combined). For other
-//! samples, the plane gives its part of the share exactly. Only the part from r, the residual of the output from the plane,
-//! must be separated from chance:
+//! For a grid, a share is the exact ratio of sums of squares over the grid (levels beyond 32 are combined). For other samples,
+//! the plane gives its part of the share exactly. Only the part from r, the residual of the output from the plane, must be
+//! distinguished from random variation:
 //!
 //! ```text
 //! n Var(E[y|x_j]) = n b_j^2 Var(u_j) + between levels of x_j of r,   y = mean + sum b_i u_i + r
 //! ```
 //!
-//! Each of the two terms is reduced by the value that chance alone would give. The second is the correlation ratio by levels
-//! of equal width (T. L. Kelley, An unbiased correlation ratio measure, PNAS 21, 1935). About 1/levels^2 of it is lost
-//! within the levels. A better plane leaves less to chance. If designs fail, or lack an output, the variables of the
-//! remaining designs are no longer independent. Then the plane's part of an output cannot be split by variable, and the
-//! share is the second term for the whole y. It is still the part of the variance that vanishes when this variable is known,
-//! but shares may sum up to more than one.
+//! Each of the two terms is reduced by the value that random variation alone would give. The second is the correlation ratio by
+//! levels of equal width (T. L. Kelley, An unbiased correlation ratio measure, PNAS 21, 1935). About 1/levels^2 of it is lost
+//! within the levels. The better the plane fits, the smaller is this random part. If designs fail, or have no value for an
+//! output, the variables of the remaining designs are no longer independent. Then the plane's part of an output cannot be split
+//! by variable, and the share is the second term for the whole y. It is still the part of the variance that vanishes when this
+//! variable is known, but shares may sum up to more than one.
 //!
-//! For Saltelli's samples, the share is the mean of (y_B - mean) (y_C - y_A) (A. Saltelli et al., Computer Physics
-//! Communications 181, 2010). The total index is half the mean of (y_A - y_C)^2 (M. J. W. Jansen, Computer Physics
-//! Communications 117, 1999). It is the part of the variance that remains when all other variables are known. Chance may
-//! move both out of the interval from 0 to 1. They are then set to its ends.
+//! For Saltelli's samples, the share is the mean of (y_B - mean) (y_C - y_A) (A. Saltelli et al., Computer Physics Communications
+//! 181, 2010). The total index is half the mean of (y_A - y_C)^2 (M. J. W. Jansen, Computer Physics Communications 117, 1999). It
+//! is the part of the variance that remains when all other variables are known. Random variation may move both out of the
+//! interval from 0 to 1. They are then set to its ends.
 
 use super::{SweepRecord, SweepStatistics};
 use nalgebra::{DMatrix, DVector};
@@ -155,7 +155,7 @@ fn between_levels(
 
 /// Sum of squares due to a variable: its part of the plane, and the part of the plane's remainder between its levels.
 fn share((between, met): (f64, f64), left: f64, linear: f64, n: f64) -> Option<f64> {
-    // With few designs per level, nothing can be distinguished from chance.
+    // With few designs per level, the effect cannot be distinguished from random variation.
     if n < 4.0 * met {
         return None;
     }
@@ -177,7 +177,7 @@ fn exchanged(
     let mean = sums.sum[k] / (2.0 * n);
     let variance = sums.squares[k] / (2.0 * n) - mean * mean;
     let at = variable * sums.sum.len() + k;
-    // Uses y_B minus the mean. It has the same limit with less noise.
+    // Uses y_B minus the mean. The result converges to the same value with less noise.
     let first = (sums.first[at] - mean * sums.steps[at]) / n;
     let total = 0.5 * sums.total[at] / n;
     let part = |of: f64| Some((of / variance).clamp(0.0, 1.0));

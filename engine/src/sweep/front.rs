@@ -1,4 +1,4 @@
-//! Pareto front: designs that no other design improves in one target without a loss in another.
+//! Pareto front: designs for which every other design that is better in one target is worse in another.
 
 use super::Failing;
 use serde::{Deserialize, Serialize};
@@ -25,7 +25,7 @@ pub struct Front {
     designs: Vec<Candidate>,
 }
 
-/// Candidates in the order of their numbers, whatever their order in the front.
+/// Collects the candidates in the order of their numbers.
 impl From<Front> for Vec<Candidate> {
     fn from(front: Front) -> Self {
         front.sorted().into_iter().cloned().collect()
@@ -51,7 +51,7 @@ impl Front {
         let at_least_as_good = |a: &[f64], b: &[f64]| deviations.iter().all(|k| a[*k] <= b[*k]);
         let known = |c: &Candidate| at_least_as_good(&c.outputs, outputs);
         if let Some(better) = self.designs.iter().position(known) {
-            // A design that was better once often is so again, so it is compared first.
+            // A design that was better than one design is often better than the next, so it is compared first.
             self.designs.swap(0, better);
             return;
         }
@@ -73,10 +73,10 @@ mod tests {
     use super::*;
     use crate::sweep::uniform;
 
-    /// Compares with the definition, for points in any order and divided into parts anywhere.
+    /// The front equals its definition, for points in any order and with any division into parts.
     #[test]
     fn the_front_is_what_no_other_design_betters() {
-        // Points near a plane on which every gain is a loss, with repetitions.
+        // Points near a plane on which every improvement in one target is a loss in another, with repetitions.
         let point = |i: u64| {
             let whole = |k: usize, most: f64| (uniform(i, k, 9) * most).floor();
             let (a, b) = (whole(0, 12.0), whole(1, 12.0));

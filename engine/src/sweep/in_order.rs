@@ -1,17 +1,18 @@
-//! Runs work on all threads and takes its results in order while it runs.
+//! Runs work on all threads, and passes on its results in order while it runs.
 
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// Largest number of pieces of work per thread that have been started and not been taken.
+/// Largest number of pieces of work per thread that have been started but whose results have not been passed on.
 const AHEAD: u64 = 8;
 
 /// Processes the pieces of work numbered `range` on the threads of the current rayon pool. Each thread has its own worker.
 /// Any free thread passes the results to `take` in order, while the others continue. Only a few pieces per thread wait in
 /// memory, however long the range is.
 ///
-/// Ends early if `take` fails, or if `work` returns `None`. In the second case every piece before that one has been taken.
+/// Ends early if `take` fails, or if `work` returns `None`. In the second case, the results of all earlier pieces have been
+/// passed on.
 pub fn in_order<W, T: Send, E: Send>(
     range: Range<u64>,
     worker: impl Fn() -> W + Sync,
@@ -54,7 +55,7 @@ pub fn in_order<W, T: Send, E: Send>(
 
 /// Finished, running and open pieces of work.
 struct Queue<T, F, E> {
-    /// Largest number of pieces that have been started and not been taken.
+    /// Largest number of pieces that have been started but whose results have not been passed on.
     most: u64,
     state: Mutex<QueueState<T, F, E>>,
     changed: Condvar,
@@ -64,7 +65,7 @@ struct QueueState<T, F, E> {
     /// Number of the next piece to start, and the end of the range.
     next: u64,
     end: u64,
-    /// Number of the first piece that has not been taken, and the results of it and of later pieces, if they are finished.
+    /// Number of the first piece whose result has not been passed on, and the finished results from this piece on.
     first: u64,
     waiting: VecDeque<Option<Option<T>>>,
     /// Callback that takes results. `None` while a thread is using it.
@@ -141,7 +142,7 @@ impl<T, F, E> QueueState<T, F, E> {
     }
 }
 
-/// Ends the queue if its thread panics.
+/// Guard that ends the queue if its thread panics.
 struct EndsOnPanic<'q, T, F, E>(&'q Queue<T, F, E>);
 
 impl<T, F, E> Drop for EndsOnPanic<'_, T, F, E> {
@@ -215,7 +216,7 @@ mod tests {
             )
         });
         assert!(ended.is_ok());
-        // The count includes the piece that is being taken.
+        // The count includes the piece whose result is being passed on.
         assert!(most > 3 && most <= 3 * AHEAD + 1, "{most}");
     }
 

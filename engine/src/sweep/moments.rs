@@ -15,9 +15,9 @@ pub(super) struct Span {
 }
 
 impl Span {
-    /// Spans of a sweep's variables. For a grid the levels are its own, or groups of neighbouring levels so that there are
-    /// at most [`MOST_LEVELS`]. For other samples the number of levels is the cube root of the number of designs. The loss
-    /// within a level then decreases like the noise.
+    /// Spans of a sweep's variables. For a grid the levels are its own, or groups of neighbouring levels so that there are at
+    /// most [`MOST_LEVELS`]. For other samples the number of levels is the cube root of the number of designs. The error from the
+    /// width of a level then decreases as fast as the noise.
     pub(super) fn all(record: &SweepRecord) -> Vec<Span> {
         let levels = (record.designs as f64).cbrt().floor() as u64;
         let span = |v: &super::VariableRecord| Span {
@@ -198,7 +198,7 @@ pub struct SaltelliSums {
     /// Sums of (y_A - y_C)^2, `[variable][output]`.
     #[serde(with = "super::or_null")]
     pub total: Vec<f64>,
-    /// Present group, `[role][output]`. Empty if there are no groups.
+    /// Values of the present group, `[role][output]`. Empty if there are no groups.
     #[serde(skip)]
     group: Vec<f64>,
     #[serde(skip)]

@@ -66,7 +66,7 @@ struct SweptTarget {
     wishes: Vec<SweptWish>,
 }
 
-/// Target value of a quantity at a station, both by index.
+/// Target value of a quantity at a station, each given by its index.
 #[derive(Clone, Copy, Debug)]
 struct SweptWish {
     quantity: usize,
@@ -185,7 +185,7 @@ impl<'s> SweepPlan<'s> {
         })
     }
 
-    /// The same as [`Swept::run`].
+    /// Runs the sweep like [`Swept::run`].
     pub fn run(
         &self,
         blocks: Range<u64>,
@@ -291,7 +291,7 @@ impl<'s> SweepPlan<'s> {
     fn summarise(&self, block: &Block, design: usize, into: &mut [f64]) {
         let mut cells = into.iter_mut();
         let mut put = |value: f64| {
-            let cell = cells.next().expect("a cell for each output");
+            let cell = cells.next().expect("each output has a cell");
             // A number that is not finite becomes NaN, and a negative zero becomes 0.
             *cell = if value.is_finite() {
                 value + 0.0
@@ -308,7 +308,7 @@ impl<'s> SweepPlan<'s> {
             let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
             for station in self.stations().of_motion() {
                 let value = value_at(station) * factor;
-                // A range over a part of the motion would look like a range over all of it.
+                // If stations are missing, a range over the remaining ones could be mistaken for the range over the whole motion.
                 (min, max) = if value.is_nan() {
                     (f64::NAN, f64::NAN)
                 } else {

@@ -11,13 +11,13 @@ use std::ops::Range;
 /// Version of the file's format. A reader accepts no other.
 pub const FORM: u32 = 2;
 
-/// Number of blocks in a part of a sweep of wheels or axles. With 128 designs per block, a part is some tenths of a second of
-/// work for one core, and a row group of the usual size. It must not depend on the machine, because parts are the same
-/// wherever they are computed.
+/// Number of blocks in a part of a sweep of wheels or axles. With 128 designs per block, one core needs some tenths of a second
+/// for a part, and a part is a row group of usual size. It must not depend on the machine, because parts are the same wherever
+/// they are computed.
 pub const BLOCKS_OF_PART: u64 = 1024;
 
-/// Number of blocks in a part of a sweep of cars. With 16 designs per block and some milliseconds per design, a part is a few
-/// seconds of work for one core.
+/// Number of blocks in a part of a sweep of cars. With 16 designs per block and some milliseconds per design, one core needs a
+/// few seconds for a part.
 pub(super) const CAR_BLOCKS_OF_PART: u64 = 64;
 /// Number of designs in a block of cars, which have no SIMD lanes.
 const CAR_BLOCK: u64 = 16;
@@ -200,7 +200,7 @@ impl SweepRecord {
         format!("{}-{}", self.digest, self.designs)
     }
 
-    /// Returns true if this sweep contains the designs of `other` and further ones of the same sequence.
+    /// Returns true if this sweep contains the designs of `other`, followed by further designs of the same sequence.
     pub fn continues(&self, other: &SweepRecord) -> bool {
         let longer = SweepRecord {
             designs: self.designs,

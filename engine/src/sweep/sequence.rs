@@ -37,8 +37,8 @@ pub fn latin_hypercube(index: u64, count: u64, dimension: usize, seed: u32) -> f
 /// Stride of SplitMix64: the fraction of the golden ratio.
 const STRIDE: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// Finaliser of SplitMix64: a bijection that removes every trace of its argument's order (G. L. Steele, D. Lea, C. H. Flood,
-/// Fast splittable pseudorandom number generators, OOPSLA 2014).
+/// Finaliser of SplitMix64: a bijection whose results show no pattern for consecutive arguments (G. L. Steele, D. Lea, C. H.
+/// Flood, Fast splittable pseudorandom number generators, OOPSLA 2014).
 fn mixed(x: u64) -> u64 {
     let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -86,8 +86,8 @@ mod tests {
         }
     }
 
-    /// Means, variances and correlations of neighbours and dimensions are those of uniform numbers, within four standard
-    /// deviations.
+    /// Means, variances, and correlations between neighbours and between dimensions are those of uniform numbers, within four
+    /// standard deviations.
     #[test]
     fn uniform_numbers_are_uniform_and_independent() {
         let count = 40_000;

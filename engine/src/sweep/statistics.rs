@@ -9,7 +9,7 @@ use super::moments::{BinnedSums, Moments, SaltelliSums, Span};
 use super::{Rows, SweepRecord};
 use serde::{Deserialize, Serialize};
 
-/// Number of best designs to keep, and number of examples for each failure.
+/// Number of best designs in the statistics, and number of examples for each failure.
 const KEPT: usize = 10;
 const EXAMPLES: usize = 5;
 
@@ -49,9 +49,9 @@ pub struct FailureCount {
     pub reason: String,
     /// Number of these designs.
     pub designs: u64,
-    /// Number of their stations without a pose.
+    /// Number of stations without a pose in these designs.
     pub stations: u64,
-    /// Drive value nearest to the design position at which one of them failed.
+    /// Drive value nearest to the design position at which a station failed.
     pub nearest: Option<f64>,
     /// Numbers of the first of these designs.
     pub examples: Vec<u64>,
@@ -235,7 +235,7 @@ impl OutputRange {
     }
 }
 
-/// Inserts a design among the best if it belongs there. Of equal designs the first stays first.
+/// Inserts a design among the best designs if it is one of them. Among equal designs the first comes first.
 fn keep_best(
     best: &mut Vec<Candidate>,
     misfit: usize,

@@ -10,10 +10,10 @@
 //!
 //! with f_k the coefficient that remains after the lower orders. Quantities that contain velocities are left out.
 //!
-//! In a solid axle, C_b' is the velocity by the wheel's own share of the difference of travels, and the mean travel is held. The
-//! steering gear of a steered one moves the drag link's end in the series, too.
+//! In a solid axle, C_b' is the velocity by the wheel's own share of the difference of travels, and the mean travel is held. In a
+//! steered solid axle, the steering gear also moves the drag link's end in the series.
 //!
-//! Positions at a load are left out.
+//! Positions at a load have no second-order result.
 
 use super::Problem;
 use super::expansion::combined;
@@ -72,7 +72,7 @@ struct DrawnPositions<'p> {
 struct WheelSeries<'d> {
     design: Cow<'d, [Vector3<Series>]>,
     closure: Closure<Series>,
-    /// Parts of drive and rack that the turn of the knuckles makes.
+    /// Parts of drive and rack that come from the rotation of the knuckles.
     lifts: [Series; 2],
 }
 
@@ -177,7 +177,7 @@ impl<'p> DrawnPositions<'p> {
         })
     }
 
-    /// The same wheels with the steering gear of a steered axle at this displacement.
+    /// Both wheels with the steering gear of a steered axle at this displacement.
     fn steered<'d>(
         &self,
         wheels: &'d [WheelSeries<'_>; 2],

@@ -30,15 +30,15 @@ impl Problem<'_> {
         Ok(values.collect())
     }
 
-    /// Build with this number: its design at rest, from the random numbers of the seed, and aligned if the study requests
-    /// it. For an axle it is the left wheel.
+    /// Build with this number: its design in the static position, from the random numbers of the seed, and aligned if the study
+    /// requests it. For an axle it is the left wheel.
     pub fn built(&self, number: u64) -> Result<Suspension, AssemblyError> {
         let built = self.built_wheels(number).map_err(|(_, reject)| reject);
         built.map(|mut wheels| wheels.swap_remove(0))
     }
 
-    /// Study of the build with this number, as text: its design at rest, and its rates. An error names the wheel that cannot
-    /// be assembled.
+    /// Study of the build with this number, as text: its design in the static position, and its rates. An error names the wheel
+    /// that cannot be assembled.
     pub fn built_text(&self, number: u64) -> Result<String, (Option<Side>, AssemblyError)> {
         let built = self.built_wheels(number)?;
         let text = match &built[..] {
@@ -50,8 +50,8 @@ impl Problem<'_> {
         Ok(self.study.as_written().with_rates_of(text, &moved))
     }
 
-    /// The vehicle of the build with this number: its wheels at rest, and its rates. An error names the wheel that cannot be
-    /// assembled.
+    /// The vehicle of the build with this number: its wheels in the static position, and its rates. An error names the wheel that
+    /// cannot be assembled.
     pub fn built_vehicle(&self, number: u64) -> Result<Vehicle, (Option<Side>, AssemblyError)> {
         let mut wheels = self.built_wheels(number)?.into_iter();
         let mut built = self.study.vehicle.clone();
@@ -108,8 +108,8 @@ pub(super) struct Outcome {
 
 /// Solves blocks of builds. Each thread has one.
 ///
-/// Builds are assembled in SIMD lanes. Builds that do not settle there, and builds with rockers near a toggle, are assembled
-/// one by one. The build alone decides which.
+/// Builds are assembled in SIMD lanes. Builds that do not settle there, and builds with rockers near a toggle, are assembled one
+/// by one. The choice of method depends on the build alone.
 pub(super) struct Builder<'a> {
     problem: &'a Problem<'a>,
     /// One wheel, or left and right wheel.

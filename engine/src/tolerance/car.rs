@@ -1,8 +1,8 @@
 //! Scatter of a car: parts of both axles, rates and figures of the car, in every load case.
 //!
-//! Each axle's parts are assembled as in a study of the axle ([`crate::assembly`]). The car then stands on its springs with
-//! these parts. First-order results are exact. They are derivatives of every result by the hardpoints of each wheel, times
-//! derivatives of the built designs by each source, plus derivatives by rates and figures.
+//! Each axle's parts are assembled as in a study of the axle ([`crate::assembly`]). With these parts, the car is then in
+//! equilibrium on its springs. First-order results are exact. They are derivatives of every result by the hardpoints of each
+//! wheel, times derivatives of the built designs by each source, plus derivatives by rates and figures.
 
 use super::axle_expansion::{Moves as PointMoves, moves};
 use super::histogram::Histogram;
@@ -70,7 +70,7 @@ impl CarExpansion {
         self.variances[contributor] / self.variances.iter().sum::<f64>()
     }
 
-    /// Returns true if the builds confirm the first-order standard deviation. `None` if nothing scatters.
+    /// Returns true if the builds confirm the first-order standard deviation. `None` if the standard deviation is zero.
     pub fn holds(&self, spread: &Spread) -> Option<bool> {
         let sigma = self.sigma();
         let scatters = sigma > 0.0 && spread.count > 0;

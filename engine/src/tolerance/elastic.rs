@@ -1,4 +1,4 @@
-//! Builds of a wheel with elastic parts: parts are assembled without load, and rates scatter in addition.
+//! Builds of a wheel with elastic parts: parts are assembled without load, and rates also scatter.
 //!
 //! The parts of a build are assembled like those of the rigid mechanism, in the position where elastic parts carry no force.
 //! The built design is the design of an elastic wheel, whose equilibria are evaluated. With p the built design and k the

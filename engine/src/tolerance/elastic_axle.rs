@@ -1,7 +1,7 @@
 //! First-order result for an axle with elastic parts.
 //!
-//! The parts of a wheel move only the built design of that wheel. Rates scatter in addition: those of the two wheels
-//! independently, those of shared parts once. With p the built designs and k the rates,
+//! The parts of a wheel move only the built design of that wheel. Rates also scatter: those of the two wheels independently, and
+//! those of shared parts once. With p the built designs and k the rates,
 //!
 //! ```text
 //! dy/dx = (dy/dp_left) (dp_left/dx) + (dy/dp_right) (dp_right/dx) + (dy/dk) (dk/dx)

@@ -19,7 +19,7 @@ use crate::study::{Outputs, Source, WheelStudy};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 
-/// Share of the variance below which the second-order term must be for the linear result to be valid.
+/// Limit for the second-order term as a share of the variance. Below it, the linear result is valid.
 pub const HOLDS: f64 = 0.02;
 
 /// Largest number of sources for which products are computed.
@@ -132,7 +132,7 @@ pub struct Remainder {
     pub part: f64,
     /// Standard error.
     pub error: f64,
-    /// The same share by second order. NaN if it is not known.
+    /// The remainder's share by second order. NaN if it is not known.
     pub second: f64,
 }
 

@@ -85,7 +85,7 @@ fn placements_of(band: &Band, site: &AxleSite, axle: &Axle) -> Vec<Placement> {
 }
 
 impl<'a> Problem<'a> {
-    /// Returns the problem with a flag that stops the builds. The block during which it is raised is left out.
+    /// Returns the problem with a flag that stops the builds. The block that is running when the flag is raised is left out.
     pub fn interruptible(self, flag: &'a AtomicBool) -> Self {
         Problem {
             interrupt: Interrupt(Some(flag)),
@@ -125,7 +125,7 @@ impl<'a> Problem<'a> {
         let banded = |band: &Band| {
             let same = |c: &Characteristic| Some(*c) == band.of.as_characteristic();
             let output = characteristics.iter().position(same);
-            let output = output.expect("every band's characteristic is looked at");
+            let output = output.expect("every band's characteristic is computed");
             let places: Vec<usize> = match band.at {
                 Some(at) => stations.at(at).into_iter().collect(),
                 None => stations.of_motion().collect(),
@@ -185,7 +185,7 @@ impl<'a> Problem<'a> {
         let mut wanted = Vec::new();
         for band in &tolerance.bands {
             let (TargetKind::Axle(quantities), between) = (&band.of.kind, band.between) else {
-                unreachable!("a band of an axle");
+                unreachable!("the band is for an axle");
             };
             for quantity in quantities {
                 if !plan.quantities.contains(quantity) {

@@ -88,7 +88,7 @@ impl MonteCarlo {
         self.rejects.values().map(|rejected| rejected.builds).sum()
     }
 
-    /// Share of builds that keep every band. Builds that cannot be assembled do not count as keeping them.
+    /// Share of builds that keep every band. Builds that cannot be assembled count as outside the bands.
     pub fn yield_of_all(&self) -> f64 {
         self.in_all_bands as f64 / self.builds as f64
     }
@@ -129,7 +129,7 @@ impl Sums {
                 }
             }
         }
-        // Without bands, every build that can be assembled counts as good.
+        // Without bands, every build that can be assembled counts as within its bands.
         let mut in_all = if bands.is_empty() {
             has_values
         } else {
@@ -160,7 +160,7 @@ fn count(flags: &[bool]) -> u64 {
 
 /// Count of values, sums of the first to fourth powers of their distances from a number, and their range.
 fn powers<'v>(pieces: impl Iterator<Item = &'v [f64]>, about: f64) -> ([f64; 5], [f64; 2]) {
-    // Several sums at a time, which are added at the end. Their order is that of the builds' numbers.
+    // Computes several sums at a time and adds them at the end. Each sum runs in the order of the builds' numbers.
     let mut sums = [[0.0; SIDE_BY_SIDE]; 5];
     let mut range = [f64::INFINITY, f64::NEG_INFINITY];
     for values in pieces {
@@ -193,7 +193,7 @@ pub fn monte_carlo(
     monte_carlo_in(Some(Width::widest()), problem, drawn, note)
 }
 
-/// The same as [`monte_carlo`], in lanes of this width, or build by build without lanes.
+/// Runs builds like [`monte_carlo`], in lanes of this width, or one by one without lanes.
 pub fn monte_carlo_in(
     width: Option<Width>,
     problem: &Problem,

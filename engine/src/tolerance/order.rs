@@ -1,18 +1,17 @@
 //! Exact percentiles in bounded memory. The p-percentile of n values is the smallest value that p percent of them do not
 //! exceed.
 //!
-//! For every value the code keeps a few *windows*, in which percentiles can still lie. Outside of them it only counts
-//! values. Whenever the number of builds has doubled, to n, the windows become narrower. The p-quantile of any larger number
-//! of builds lies between those order statistics of the n values that are
+//! For every value the code keeps a few *windows*, in which percentiles can still lie. It only counts the values outside the
+//! windows. Whenever the number of builds has doubled, to n, the windows become narrower. The p-quantile of any larger number of
+//! builds lies between those order statistics of the n values that are
 //!
 //! ```text
 //! n p +- (7 sqrt(n p (1 - p)) + 24)
 //! ```
 //!
-//! (fewer than one in 10^10 binomial numbers are farther from their mean). The number of stored values grows as the square
-//! root of n. Equal values are stored once. If a percentile lies outside the windows after all, this is detected, and it has
-//! no value. The windows that a thread happens to use do not change the results: they have the same bytes for any number of
-//! threads.
+//! (fewer than one in 10^10 binomial numbers are farther from their mean). The number of stored values grows as the square root
+//! of n. Equal values are stored once. If a percentile should lie outside the windows, the code detects it, and the percentile
+//! has no value. Results do not depend on the windows that a thread uses: they have the same bytes for any number of threads.
 
 use super::PERCENTILES;
 use super::histogram::Histogram;
@@ -133,7 +132,7 @@ impl Gathered {
         let mut first = 0;
         for (number, cell) in self.cells.iter_mut().enumerate() {
             let (now, then) = (&self.windows[number], &sifted.windows[number]);
-            // Windows may have become narrower since then. Each lies within an old one.
+            // Windows may have become narrower since then. Each new window lies within an old one.
             for (gap, count) in sifted.between[number].iter().enumerate() {
                 cell.between[moved(gap, then, now)] += u64::from(*count);
             }
@@ -283,7 +282,7 @@ struct Ranks<'c> {
 }
 
 impl<'c> Ranks<'c> {
-    /// Ranks of the values of a compact cell: its values rise, and each occurs once.
+    /// Makes the ranks for a compacted cell, whose values rise and occur once each.
     fn of(cell: &'c Cell, windows: &'c [[f64; 2]; MOST]) -> Self {
         let mut before = Vec::with_capacity(cell.kept.len() + 1);
         let mut sum = 0;
@@ -325,8 +324,8 @@ mod tests {
 
     const BLOCK: usize = 128;
 
-    /// Statistics of normal values, of a few distinct values, of rising values and of missing values, block by block. Every
-    /// third block uses windows that are two blocks old.
+    /// Collects normal values, a few distinct values, rising values and missing values, block by block. Every third block uses
+    /// windows that are two blocks old.
     fn gathered(builds: usize) -> (Vec<Vec<f64>>, Order, Gathered) {
         let value = |cell: usize, build: usize| {
             let fraction = uniform(build as u64, cell, 9);

@@ -1,8 +1,8 @@
 //! Yield, and the tolerances that are worth their cost.
 //!
-//! The first-order result over a fixed random sample gives the gain from a tighter tolerance. Each contributor's part of
-//! each banded value is stored, so that halving or doubling a tolerance takes one addition. Predicted yields are those of
-//! the Monte Carlo analysis, changed by the difference of the linear ones.
+//! The first-order result over a fixed random sample gives the gain from a tighter tolerance. Each contributor's part of each
+//! banded value is stored, so that halving or doubling a tolerance takes one addition. A predicted yield is the yield of the
+//! Monte Carlo analysis plus the change of the linear yield.
 
 use super::{Expansion, MonteCarlo, Problem};
 
@@ -10,8 +10,8 @@ use super::{Expansion, MonteCarlo, Problem};
 const SAMPLE: u64 = 20_000;
 /// Largest loss of yield by doubling a tolerance for which the tolerance can be relaxed.
 const LITTLE: f64 = 0.001;
-/// Limit for such statements. No tolerance can be relaxed if the yield is below this, or if the contributor has more than
-/// this share of a variance.
+/// Limit for relaxing tolerances. A tolerance cannot be relaxed if the yield is below this limit, or if its contributor has more
+/// than this share of a variance.
 const SMALL: f64 = 0.05;
 
 /// Yield of a band.
@@ -19,7 +19,7 @@ const SMALL: f64 = 0.05;
 pub struct BandYield {
     /// Share of the builds that keep the band.
     pub monte_carlo: f64,
-    /// The same share by the first-order result, over a random sample.
+    /// Share of builds that keep the band by the first-order result, over a random sample.
     pub linear: f64,
 }
 
@@ -45,7 +45,7 @@ pub struct Ranking {
     pub halved: f64,
     /// Yield with twice the tolerance.
     pub doubled: f64,
-    /// True if the tolerance can be relaxed: doubling it costs almost no yield.
+    /// True if the tolerance can be relaxed: doubling it reduces the yield very little.
     pub may_be_looser: bool,
 }
 
@@ -131,13 +131,13 @@ impl Sample {
 
 /// First-order part of yields and ranking. It needs no builds.
 pub struct Forecast {
-    /// Share of the sample in each band, and in all of them.
+    /// Share of the sample in each band, and in all bands.
     bands: Vec<f64>,
     all: f64,
     contributors: Vec<Worth>,
 }
 
-/// First-order worth of a contributor.
+/// First-order effect of a contributor on the yield.
 struct Worth {
     share: f64,
     /// Change of the yield with half, and with twice the tolerance.
@@ -174,7 +174,7 @@ impl Forecast {
         })
     }
 
-    /// Yields and ranking: the builds' yields, changed by the difference of the forecast.
+    /// Returns yields and ranking: the yields of the builds, plus the changes that the forecast gives.
     pub fn rank(&self, builds: &MonteCarlo) -> Yields {
         let total = builds.yield_of_all();
         let predicted = |moved: f64| (total + moved).clamp(0.0, 1.0);

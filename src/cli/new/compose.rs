@@ -43,7 +43,7 @@ const TWIST_BEAM_TARGETS: &str = r#"  { characteristic = "roll_steer", over = "r
 /// # Errors
 /// The reason in words, if the topology does not have a part.
 pub(super) fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
-    // Editors look for the schema beside the study, where `hardpoint schema > hardpoint.schema.json` writes it.
+    // Editors look for the schema in the folder of the study, where `hardpoint schema > hardpoint.schema.json` writes it.
     let own = format!("{}_solve.toml", topology.name);
     let template = topology.template.replace(&own, "STUDY.toml");
     let mut composed = Composed {
@@ -52,7 +52,10 @@ pub(super) fn study(topology: &Topology, parts: &[Part]) -> Result<String, Strin
         text: format!("#:schema ./hardpoint.schema.json\n{template}"),
     };
     if composed.has(Part::Axle) && topology.carries_both_wheels() {
-        return Err(format!("{} is an axle without this part", topology.name));
+        return Err(format!(
+            "{} is already an axle: leave axle out of --with",
+            topology.name
+        ));
     }
     composed.add_lateral_linkage()?;
     composed.add_drag_link()?;
@@ -86,7 +89,9 @@ pub(super) fn study(topology: &Topology, parts: &[Part]) -> Result<String, Strin
                 (Part::DragLink, "that is steered"),
             ];
             match rigid.into_iter().find(|(part, _)| composed.has(*part)) {
-                Some((_, words)) => Err(format!("a solid axle {words} has no elastic parts yet")),
+                Some((_, words)) => Err(format!(
+                    "elastic parts are not yet available for a solid axle {words}"
+                )),
                 None => Ok(with_links(&composed.text)),
             }
         }
@@ -187,12 +192,12 @@ impl Composed<'_> {
         }
         if self.has(Part::AntiRollBar) {
             let places = fitting.anti_roll_bar.ok_or_else(|| {
-                format!("{name} has no anti-roll bar of its own: add its rate to torsional_rate")
+                format!("{name} has no separate anti-roll bar: add its rate to torsional_rate")
             })?;
             let output = "anti_roll_bar_angle";
             self.text = with_points(&self.text, ANTI_ROLL_BAR, &places, carrier, output);
             if self.has(Part::Pushrod) {
-                // Beside a rocker, a study must state the body to which the drop link is attached.
+                // If there is a rocker, the study must state the body to which the drop link is attached.
                 let body = carrier.replace(' ', "_");
                 let bodies =
                     format!("\n[suspension.bodies]\ndrop_link_outer = \"{body}\"\n\n[wheel]");
@@ -202,7 +207,7 @@ impl Composed<'_> {
         Ok(())
     }
 
-    /// True if the study gets springs. Elastic parts bring their own spring.
+    /// True if the study gets springs. Templates with elastic parts contain a spring already.
     fn is_sprung(&self) -> bool {
         let has_ends = ["\nspring_lower ", "\nstrut_top "]
             .iter()

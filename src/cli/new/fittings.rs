@@ -25,7 +25,7 @@ pub(super) const PANHARD: Points = &[
         "upper link at the body; single, with its true y",
     ),
     ("upper_link_axle", "upper link at the axle"),
-    ("panhard_chassis", "Panhard rod at the body; true y"),
+    ("panhard_chassis", "Panhard rod at the body; actual y"),
     ("panhard_axle", "Panhard rod at the axle"),
 ];
 
@@ -54,9 +54,15 @@ pub(super) const WATT: Points = &[
         "pivot of the Watt rocker, on the axle; true y",
     ),
     ("watt_axis", "a second point of its axis"),
-    ("watt_upper_chassis", "upper Watt link at the body; true y"),
+    (
+        "watt_upper_chassis",
+        "upper Watt link at the body; actual y",
+    ),
     ("watt_upper_rocker", "upper Watt link at the rocker"),
-    ("watt_lower_chassis", "lower Watt link at the body; true y"),
+    (
+        "watt_lower_chassis",
+        "lower Watt link at the body; actual y",
+    ),
     ("watt_lower_rocker", "lower Watt link at the rocker"),
 ];
 
@@ -84,7 +90,10 @@ pub(super) const DRAG_LINK: Points = &[
     ("kingpin_upper", "upper end of the kingpin, on the axle"),
     ("kingpin_lower", "lower end of the kingpin"),
     ("drag_link_body", "drag link at the steering gear; true y"),
-    ("drag_link_knuckle", "drag link at the left knuckle; true y"),
+    (
+        "drag_link_knuckle",
+        "drag link at the left knuckle; actual y",
+    ),
     ("tie_rod_end", "tie rod at the knuckle"),
 ];
 

@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-/// First line of the template, and that with five links.
+/// First line of the template, and its first line with five links.
 const FOUR: &str = "# A solid rear axle on four links. Every";
-const FIVE: &str = "# A solid rear axle on five links that stretch: two lower and two upper links, and a Panhard rod.\n# Every";
+const FIVE: &str = "# A solid rear axle on five elastic links: two lower and two upper links, and a Panhard rod.\n# Every";
 
 /// Quantities of a solid axle in equilibrium, and results of its roll test.
 const OUTPUTS: &str = "[\"axle_steer\", \"axle_lateral\", \"pinion_angle\", \"roll_centre_height\", \"wheel_load\", \"steer_by_roll\", \
@@ -15,7 +15,7 @@ const MOTION: &str = "[motion]                         # every combination is a 
                       travel_left = { from = -50.0, to = 50.0, steps = 5 }\n\
                       travel_right = { from = -50.0, to = 50.0, steps = 5 }\n";
 
-/// Targets of the roll test in place of those of a rigid axle.
+/// Targets of the roll test instead of the targets of a rigid axle.
 const TARGETS: &str =
     "  { figure = \"steer_by_roll\", between = [-0.02, 0.02], tolerance = 0.005 },\n";
 
@@ -49,7 +49,7 @@ pub(super) fn with_links(text: &str) -> String {
         } else if is_target && line.contains("\"roll_steer\"") {
             written += TARGETS;
         } else if !is_target && !is_of_spring(line) {
-            // The lines that are left out stand between two empty ones.
+            // The omitted lines are between two empty lines.
             let is_second = line.is_empty() && written.ends_with("\n\n");
             if !is_second {
                 let _ = writeln!(written, "{line}");
@@ -77,7 +77,7 @@ fn is_of_spring(line: &str) -> bool {
 const SECTIONS: &str = "\n[spring]\n\
     rate = 32.0                      # N/mm along the spring\n\
     force = 4200.0                   # N in the design position\n\n\
-    # Links that stretch: `hardpoint kc` loads the wheels as a rig does. Rigid links are those without a section.\n\
+    # Elastic links: `hardpoint kc` loads the wheels as a rig does. Rigid links are those without a section.\n\
     [compliance]\n\
     relaxed = \"at_design_load\"       # the hardpoints describe the loaded car; or \"free\": no link has a force there\n\n\
     # Stiffness in N/mm between both ends, with the rubber of both joints in series.\n";

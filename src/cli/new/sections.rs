@@ -66,7 +66,7 @@ pub(super) fn with_axle(text: &str) -> String {
     written
 }
 
-/// Outputs of a steered solid axle, beside `mean_steer`.
+/// Outputs of a steered solid axle, in addition to `mean_steer`.
 const STEERED_AXLE_OUTPUTS: [&str; 11] = [
     "steer",
     "camber",

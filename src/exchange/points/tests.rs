@@ -88,7 +88,10 @@ fn decimal_commas_are_read_where_they_are_certain() {
         [1.25, 0.5, 0.0]
     );
     assert!(refusal("name;x;y;z\na;120,5;360.25;1\n").contains("commas and points are mixed"));
-    assert!(refusal("name;x;y;z\na;1,250;360;1\n").contains("may be a decimal or a thousand"));
+    assert!(
+        refusal("name;x;y;z\na;1,250;360;1\n")
+            .contains("may be a decimal sign or separate thousands")
+    );
 }
 
 #[test]
@@ -110,7 +113,7 @@ fn figures_stand_among_points() {
     assert_eq!((figures, read.points.len()), (vec![300.0, -0.5], 1));
 }
 
-/// Values stand in the first column, beside points that are named in the second, with their units in the next cell.
+/// Values are in the first column, and their units in the next cell, while names of points are in the second column.
 #[test]
 fn figures_in_the_first_column_keep_their_units() {
     let read = table(
@@ -132,7 +135,7 @@ fn commas_between_and_inside_of_numbers_are_refused() {
         refused.contains("separate the cells by semicolons"),
         "{refused}"
     );
-    // Numbers that a sheet has beside the points, with or without a title.
+    // Numbers of a sheet in addition to the points, with or without a title.
     assert_eq!(table("name,x,y,z,mass\na,110,5,240,3\n").points.len(), 1);
     assert_eq!(table("name,x,y,z\na,110,5,240,3\n").points.len(), 1);
 }

@@ -80,7 +80,9 @@ impl<R: BufRead> Markup<R> {
                 }
                 return Ok(Some(Event::Text(tag[8..tag.len() - 2].to_owned())));
             } else if tag.starts_with('!') {
-                return Err("the workbook declares a document type, which none may".to_owned());
+                return Err(
+                    "the workbook declares a document type, which is not allowed".to_owned(),
+                );
             } else if let Some(name) = tag.strip_prefix('/') {
                 return Ok(Some(Event::End(local(name.trim()).to_owned())));
             } else if !tag.starts_with('?') {

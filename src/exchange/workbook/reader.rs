@@ -76,7 +76,7 @@ impl Workbook {
         let sheet = self.sheets.get(number);
         let (name, member) = sheet.ok_or("the workbook has no such sheet")?;
         let part = self.archive.member(member);
-        let part = part.ok_or_else(|| format!("the workbook lacks its part {member}"))?;
+        let part = part.ok_or_else(|| format!("the workbook has no part {member}"))?;
         self.cells(name, part?)
     }
 
@@ -147,14 +147,19 @@ impl Workbook {
             return Ok(text(inline));
         }
         let Some(value) = value.filter(|value| !value.is_empty()) else {
-            let lost = "a formula whose value is not in the file (open and save it in the program it is from)";
+            let lost = "a formula whose value is not in the file (open and save it in the program \
+                        that made it)";
             return Ok(is_formula.then(|| Cell::Unusable(lost.to_owned())));
         };
         Ok(match kind {
             "s" => {
                 let found = value.trim().parse::<usize>().ok();
                 let found = found.and_then(|number| self.shared.get(number));
-                text(found.ok_or("the workbook lacks a shared text")?.clone())
+                text(
+                    found
+                        .ok_or("the workbook has no shared text for a cell")?
+                        .clone(),
+                )
             }
             "str" => text(value),
             "n" => Some(self.number(&value, element)),
@@ -309,8 +314,8 @@ fn place_of(place: &str) -> Option<(u32, u32)> {
     ))
 }
 
-/// Copies the text of merged cells to all of them. A number becomes unusable instead, because it would be a coordinate of several
-/// points by mistake.
+/// Copies the text of merged cells to all of them. A number becomes unusable instead, because it would wrongly become a
+/// coordinate of several points.
 fn merge(sheet: &mut Sheet, range: &str) -> Result<(), String> {
     let corners = range.split_once(':');
     let corners = corners.and_then(|(first, last)| Some((place_of(first)?, place_of(last)?)));

@@ -182,8 +182,8 @@ impl Archive {
         let mut encoder = DeflateEncoder::new(Vec::new(), Compression::default());
         encoder
             .write_all(text.as_bytes())
-            .expect("memory takes everything");
-        let packed = encoder.finish().expect("memory takes everything");
+            .expect("writing to memory does not fail");
+        let packed = encoder.finish().expect("writing to memory does not fail");
         let offset = self.bytes.len() as u32;
         // Version 2.0, no flags, deflated, and the earliest time of the format.
         let mut common = Vec::new();

@@ -24,12 +24,12 @@ pub struct GgResults {
     pub map: CarMap,
     /// Number of states without equilibrium.
     pub failures: usize,
-    /// Number of finished rows, and total number of rows. An interrupted map lacks rows.
+    /// Number of finished rows, and total number of rows. In an interrupted map, rows are missing.
     pub rows: [usize; 2],
 }
 
 impl GgResults {
-    /// Describes the lost rows of an interrupted map. `None` for a complete map.
+    /// Describes the missing rows of an interrupted map. `None` for a complete map.
     pub fn unfinished_in_words(&self) -> Option<String> {
         let [finished, all] = self.rows;
         (finished < all).then(|| {
@@ -140,7 +140,7 @@ impl<'s> CarResults<'s> {
     }
 
     /// States of a g-g map, on the threads of the current rayon pool. Each row has one ax and its own copy of the solver, and
-    /// each state of a row starts from the one before. So the results do not depend on the number of threads. If the flag is
+    /// each state of a row starts from the previous one. So the results do not depend on the number of threads. If the flag is
     /// raised, rows that are not finished are left out.
     pub fn gg(&self, solver: CarSolver<'s>, map: &GgMap, flag: &Arc<AtomicBool>) -> GgResults {
         let rack = format!("rack_{}", self.unit());

@@ -18,7 +18,7 @@ pub struct CarLimits {
     pub degrees: f64,
     /// Acceleration of 1 g in this direction: forward and left components.
     way: [f64; 2],
-    /// Limits, or the name of the key that the study lacks.
+    /// Limits, or the name of a key that is missing in the study.
     pub found: Result<RayLimits, &'static str>,
 }
 

@@ -131,7 +131,8 @@ impl<'s> CarResults<'s> {
                     && (own - of_car).abs() > 1e-3 * of_car.abs()
                 {
                     remarks.push(format!(
-                        "note: {key} of the {end} study is {own}; the car uses its own, {of_car}"
+                        "note: {key} of the {end} study is {own}; the study of the car gives \
+                         {of_car}, which is used"
                     ));
                 }
             }

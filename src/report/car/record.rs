@@ -42,7 +42,7 @@ pub struct CarRecord {
     pub map: Option<CarMap>,
     /// Targets of a tuning, with values before and after.
     pub targets: Vec<CarTargetRecord>,
-    /// Changes by a tuning that no target asks for.
+    /// Changes by a tuning that no target requests.
     #[serde(default)]
     pub side_effects: Vec<SideEffect>,
     /// Drawn parts of the front and of the rear axle.

@@ -212,8 +212,8 @@ impl CarToleranceSummary {
         table
     }
 
-    /// Table of contributors, ranked by their largest share in the variance of a value. Only values with bands count, if there
-    /// are any.
+    /// Table of contributors, ranked by their largest share in the variance of a value. If there are bands, only values with
+    /// bands are used.
     pub fn ranking_table(&self) -> Table {
         let has_bands = !self.bands.is_empty();
         let values = || {

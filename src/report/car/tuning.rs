@@ -124,11 +124,11 @@ impl CarResults<'_> {
                 let unit = target.of.unit.suffix(length);
                 records.push(CarTargetRecord {
                     output: format!("{}_rms_deviation_{unit}", target.name(length)),
-                    case: format!("{name} axle by itself"),
+                    case: format!("{name} axle alone"),
                     wanted: [None, Some(tolerance)],
                     tolerance,
                     values: rms.map(|rms| Some(rms? * tolerance)),
-                    // As in reports of an axle, the largest deviation decides.
+                    // As in reports of an axle, the largest deviation is shown.
                     deviation: outcomes[1]
                         .as_ref()
                         .map(|found| found.targets[number].worst),
@@ -169,7 +169,7 @@ impl CarResults<'_> {
                 };
                 records.push(CarConstraintRecord {
                     name: own.name.clone(),
-                    place: format!("{name} axle by itself"),
+                    place: format!("{name} axle alone"),
                     limits: [None; 2],
                     unit: own
                         .parts
@@ -226,7 +226,7 @@ fn rigs<'s>(study: &CarStudy, wanted: &'s CarOptimise, x: &[f64]) -> Vec<Rig<'s>
         let Some(goals) = &wanted.rigs[end] else {
             continue;
         };
-        // In the study's design, the offsets of hardpoints are 0.
+        // In the design of the study, the offsets of hardpoints are 0.
         let outcomes = [start.as_slice(), x].map(|x| {
             let outcome = goals.outcome(&study.axles[end].vehicle, x);
             outcome.ok()

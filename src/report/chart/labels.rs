@@ -102,7 +102,8 @@ pub(super) fn end_labels(
 mod tests {
     use super::*;
 
-    /// Names that differ only at their ends still differ within 14 letters. Names that differ at their beginning keep it.
+    /// Names that differ only at their ends still differ after shortening to 14 letters. Names that differ at their beginning
+    /// keep their beginning.
     #[test]
     fn short_labels_differ_where_names_do() {
         let alike = ["double_wishbone_solve", "double_wishbone_rocker"];
@@ -110,7 +111,7 @@ mod tests {
         let apart = ["double_wishbone_solve", "macpherson_solve"];
         assert_eq!(told_apart(&apart), ["double_wishbo…", "macpherson_so…"]);
         assert_eq!(told_apart(&["left", "right"]), ["left", "right"]);
-        // Two equal names belong to one curve in pieces.
+        // Two equal names belong to pieces of one curve.
         assert_eq!(
             told_apart(&["a name of many letters"; 2]),
             ["a name of man…"; 2]

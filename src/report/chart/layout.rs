@@ -152,7 +152,7 @@ impl Chart {
             .max();
         let left = START[0] + LETTER * widest.unwrap_or(0).saturating_sub(5) as f64;
         let plot = [left, START[1], right, bottom];
-        // Positions without a value also count, so that a curve with few values does not fill the whole chart.
+        // The axis also covers positions without a value, so that a curve with few values does not fill the whole chart.
         let places = self
             .lines
             .iter()
@@ -269,7 +269,7 @@ fn value_at(points: &[Option<[f64; 2]>], place: f64) -> Option<f64> {
 }
 
 impl Layout {
-    /// Adds words before the name.
+    /// Adds words before the name of the chart.
     pub(in crate::report) fn named(mut self, before: &str) -> Self {
         self.chart.y.name.insert_str(0, before);
         self

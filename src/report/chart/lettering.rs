@@ -2,10 +2,10 @@
 //!
 //! A PNG must not depend on the fonts of a machine, because it may have none. Its letters come from DejaVu Sans. The licence of
 //! this font (Bitstream Vera's) is permissive, and its crate contains nothing else. Most other fonts in crates have the Open Font
-//! License, or belong to a user interface. [`glyphs`](super::glyphs) reads the outlines, and they are drawn as paths before
-//! `resvg` gets the picture. The text of `resvg` itself supports shaping and right-to-left scripts, at three times its compile
-//! time and with a dozen more crates. Labels of axes and names of designs do not need it. A character that the font lacks becomes
-//! a box.
+//! License, or are part of a crate for user interfaces. [`glyphs`](super::glyphs) reads the outlines, and they are drawn as paths
+//! before `resvg` gets the picture. The text feature of `resvg` also supports shaping and right-to-left scripts. It needs a dozen
+//! more crates, and `resvg` then takes three times as long to compile. Labels of axes and names of designs do not need it. A
+//! character that the font does not have becomes a box.
 
 use super::glyphs::{Command, Font};
 use super::mark::number;
@@ -41,7 +41,7 @@ pub(in crate::report) struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    /// Small horizontal words whose baseline is at this position.
+    /// Makes small horizontal words whose baseline is at this position.
     pub(in crate::report) fn new(text: &'a str, at: [f64; 2], anchor: Anchor) -> Self {
         Words {
             text,
@@ -83,7 +83,7 @@ impl Lettering {
     /// Lettering with outlines.
     pub(in crate::report) fn outlines() -> Self {
         let font = Font::new(dejavu::sans::regular());
-        Lettering::Outlines(font.expect("the crate carries a font"))
+        Lettering::Outlines(font.expect("the crate contains a font"))
     }
 
     /// Writes words to a picture.
@@ -175,7 +175,7 @@ impl Outline {
     fn add<const N: usize>(&mut self, command: char, places: [[f32; 2]; N]) {
         self.commands.push(command);
         for [x, y] in places {
-            // Coordinates are integers, except in scaled parts of glyphs. There the fraction does not matter.
+            // Coordinates are integers, except in scaled parts of glyphs, where the fraction can be ignored.
             let _ = write!(
                 self.commands,
                 "{} {} ",

@@ -50,7 +50,7 @@ pub(in crate::report) fn charts_over(
     };
     let is_pair = outputs.len() > 1;
     let mut title = title_of(first, is_pair).to_owned();
-    // Some names mean a quantity of the axle and one of each wheel, such as roll steer.
+    // Some names, such as roll steer, denote a quantity of the axle and one of each wheel.
     if is_pair && record.outputs.iter().any(|own| own.title == title) {
         title.push_str(" of each wheel");
     }

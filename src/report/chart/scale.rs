@@ -30,7 +30,7 @@ impl Scale {
         // For a constant, the range is wide enough that rounding errors do not look like a slope.
         let least = 1e-6 * low.abs().max(high.abs()).max(1e-3);
         let (low, high) = if low == 0.0 && high == 0.0 {
-            // Exact zeros tell no scale.
+            // Exact zeros do not determine a scale.
             (-1.0, 1.0)
         } else if high - low < least {
             (low - least, high + least)
@@ -167,7 +167,7 @@ mod tests {
         assert_eq!(scale.place(0.0), 200.0);
     }
 
-    /// The scale ends at the values' own ends, and its ticks are between them.
+    /// The scale ends exactly at the smallest and the largest value, and its ticks are between them.
     #[test]
     fn a_scale_can_end_where_the_values_end() {
         let scale = Scale::within([-75.0, 82.0].into_iter(), 5.0, [0.0, 157.0]);

@@ -8,12 +8,12 @@ use crate::report::figure::brief;
 pub(in crate::report) enum Wanted {
     /// Target values with a common tolerance.
     Values {
-        /// Points of motion and target value.
+        /// Points: value of the motion's coordinate, and target value.
         points: Vec<[f64; 2]>,
         /// Tolerance of the values.
         tolerance: f64,
     },
-    /// Motion, minimum and maximum there. `None` without a limit.
+    /// Limits: value of the motion's coordinate, minimum and maximum. `None` without a limit.
     Limits(Vec<(f64, Option<f64>, Option<f64>)>),
 }
 
@@ -29,7 +29,7 @@ impl Wanted {
         }
     }
 
-    /// Motion, lower limit and upper limit, including the tolerance.
+    /// Value of the motion's coordinate, lower limit and upper limit, including the tolerance.
     pub(super) fn limits(&self) -> Vec<(f64, Option<f64>, Option<f64>)> {
         match self {
             Wanted::Values { points, tolerance } => {
@@ -42,7 +42,7 @@ impl Wanted {
         }
     }
 
-    /// Corner points of the target's outline: motion and value.
+    /// Corner points of the target's outline: value of the motion's coordinate, and target value.
     pub(super) fn edges(&self) -> Vec<[f64; 2]> {
         match self {
             Wanted::Values { points, tolerance } => {

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 /// Results of several `kc` runs side by side.
 pub struct KcComparison {
     labels: Vec<String>,
-    /// Names of the columns that tell station, test and quantity.
+    /// Names of the columns that identify station, test and quantity.
     keys: Vec<String>,
     figures: Vec<Figure>,
 }
@@ -45,7 +45,8 @@ impl KcComparison {
                 comparison.keys = sheet.keys;
             } else if sheet.keys != comparison.keys {
                 return Err(format!(
-                    "{label} and {} have different columns: one of a wheel and one of an axle, or different units of length",
+                    "{label} and {} have different columns: one is of a wheel and one of an axle, \
+                     or their units of length differ",
                     comparison.labels[0]
                 ));
             }
@@ -90,7 +91,7 @@ impl KcComparison {
     /// Table of the results whose four-digit values differ.
     pub fn table(&self) -> Table {
         let shown: Vec<&Figure> = self.figures.iter().filter(|f| f.differs()).collect();
-        // A column with the same cell in all rows tells nothing. The last one names the quantity.
+        // A column with the same cell in all rows contains no information. The last column names the quantity.
         let tells = |k: usize| {
             k + 1 == self.keys.len() || shown.iter().any(|f| f.keys[k] != shown[0].keys[k])
         };

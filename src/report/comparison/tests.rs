@@ -36,7 +36,7 @@ fn differences_are_taken_at_common_stations_in_one_unit() {
         ("bump_steer_deg_per_mm", "°/mm")
     );
     assert!((steer.values[1][0].unwrap() - 0.5).abs() < 1e-15);
-    // Each design keeps its own stations, and the outputs that no other design has.
+    // The page also has each design's own stations, and outputs that no other design has.
     let own = |column: &str| {
         let mut all = comparison.own_outputs.iter();
         &all.find(|o| o.column == column).unwrap().values
@@ -68,10 +68,14 @@ fn what_cannot_be_compared_says_why() {
     let other = "travel_mm,camber_deg,status\n1,1.0,ok\n";
     let mm = LengthUnit::Millimetre;
     let refused = Comparison::of(&[design("a", mm, table), design("b", mm, other)]);
-    assert!(refused.unwrap_err().contains("share no value of travel_mm"));
+    assert!(
+        refused
+            .unwrap_err()
+            .contains("have no common value of travel_mm")
+    );
     let third = "travel_mm,toe_deg,status\n0,1.0,ok\n";
     let refused = Comparison::of(&[design("a", mm, table), design("b", mm, third)]);
-    assert!(refused.unwrap_err().contains("share no output"));
+    assert!(refused.unwrap_err().contains("have no common output"));
 }
 
 #[test]

@@ -37,7 +37,7 @@ pub struct KcResults<'a> {
     pub stations: Vec<KcStation>,
     /// Rate of the tyre, force per length.
     pub tyre_rate: Option<f64>,
-    /// Program whose names and values are added beside ours.
+    /// Program whose names and values are added to ours.
     pub other: Option<OtherProgram>,
 }
 
@@ -47,9 +47,9 @@ pub fn no_equilibrium(why: &NoEquilibrium) -> String {
     let motion = softest.map(|(part, motion)| weakest_motion(part, *motion));
     let motion = motion.unwrap_or_else(|| "no equilibrium is found".to_owned());
     if why.is_unstable {
-        format!("found, but not stable: {motion}")
+        format!("found, but it is not stable: {motion}")
     } else {
-        format!("holds {:.6} of the way; then {motion}", why.share)
+        format!("exists for {:.6} of the way; then {motion}", why.share)
     }
 }
 
@@ -268,9 +268,9 @@ impl KcResults<'_> {
             let has_window = !outcome.levels.is_empty();
             let reason = match (figure.value, failed) {
                 (None, _) if figure.unit == Unit::Stiffness => {
-                    "nothing moves: the stiffness has no bound".to_owned()
+                    "no displacement: the stiffness is unbounded".to_owned()
                 }
-                (None, _) => "no value here".to_owned(),
+                (None, _) => "no value at this position".to_owned(),
                 (_, Some(why)) => format!("no secant: {}", no_equilibrium(why)),
                 _ => String::new(),
             };

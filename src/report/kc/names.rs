@@ -1,10 +1,10 @@
 //! Results of `kc` tests with the names and definitions of other programs.
 //!
-//! Both programs define their results by the matrix C of the two wheel centres, with free springs. C(i,j) is displacement i by
-//! force or moment j; both count from 1: x, y, z and rotations about them at the left wheel, then the same at the right wheel.
-//! Here the axes are x rearward, y to the right, z up. Terms of the other wheel vanish for a single wheel. `slr` is the loaded
-//! radius: a vertical lever, which neglects camber. So the values differ from ours for the same test. Our tests hold the height
-//! by default, and apply the force at the lowest point of the tilted disc.
+//! Both programs define their results by the compliance matrix C of the two wheel centres, with free springs. C(i,j) is
+//! displacement i by force or moment j; both count from 1: x, y, z and rotations about them at the left wheel, then the same at
+//! the right wheel. Here the axes are x rearward, y to the right, z up. Terms of the other wheel vanish for a single wheel. `slr`
+//! is the loaded radius: a vertical lever, which neglects camber. So the values differ from ours for the same test. Our tests
+//! hold the height by default, and apply the force at the lowest point of the tilted disc.
 //!
 //! With s = 1 for parallel and s = -1 for converging loads, r = i for the left and r = i + 6 for the right wheel, and
 //! B(i,j) = C(r,j) + s C(r,j+6), in mm and N:
@@ -46,7 +46,7 @@ use crate::model::{Axis, Frame, FrameConvention, LengthUnit, Side};
 
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
-/// A program whose names are used beside ours.
+/// A program whose names can be used in addition to the names of hardpoint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OtherProgram {
     /// Adams Car.
@@ -99,7 +99,7 @@ impl StationMatrix<'_> {
         let value = place(row)
             .zip(place(column))
             .and_then(|(row, column)| entry(row, column));
-        // Both frames are of the vehicle, so they differ by a rotation and not by a mirror.
+        // Both frames belong to the whole vehicle, so they differ by a rotation, not by a mirror image.
         let [own, rearward] =
             [convention, FrameConvention::XRear].map(|of| Frame::new(of, Side::Left));
         let sign = |index: usize| {
@@ -207,7 +207,7 @@ struct LoadedWheel<'a> {
 }
 
 impl LoadedWheel<'_> {
-    /// The sum B(row, column) of the module's head.
+    /// The sum B(row, column) that is defined at the head of the module.
     fn both(&self, row: usize, column: usize) -> f64 {
         let row = match self.side {
             Side::Left => row,

@@ -59,7 +59,8 @@ impl KcResults<'_> {
             let count = beyond.count();
             if count > 0 {
                 warnings.push(format!(
-                    "warning: {name} is beyond its curve, or turned by more than 60 degrees, in {} of {} states; its law is continued straight",
+                    "warning: {name} is beyond its curve, or turned by more than 60 degrees, in \
+                     {} of {} states; the law is extended by a straight line",
                     count,
                     states.len()
                 ));
@@ -79,7 +80,7 @@ impl KcResults<'_> {
         let stopped = stopped.count();
         if stopped > 0 {
             warnings.push(format!(
-                "the bump stop is met in {stopped} of {} states",
+                "the bump stop is in contact in {stopped} of {} states",
                 states.len()
             ));
         }

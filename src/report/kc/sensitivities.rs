@@ -115,7 +115,7 @@ impl KcResults<'_> {
         let parameters: Vec<Parameter> = inputs.iter().map(|input| input.parameter).collect();
         let mut tape = Tape::default();
         let gradients = |station: &KcStation, outcomes: &[KcOutcome]| {
-            // One figure after the other, each with its secant if there are levels.
+            // Lists one figure after the other, each with its secant if there are levels.
             let mut wanted = Vec::new();
             let mut places: Vec<Vec<FigureGradients>> = Vec::new();
             let mut of_wanted = Vec::new();

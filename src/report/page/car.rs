@@ -20,7 +20,7 @@ const CAR_STYLE: &str = include_str!("car.css");
 /// Names of the wheels, front left first.
 const WHEELS: [&str; 4] = ["front left", "front right", "rear left", "rear right"];
 
-/// Formats a number with the digits that people need.
+/// Formats a number with the number of digits that is useful for people.
 fn shown(value: f64, unit: &str) -> String {
     match unit {
         "N" | "lbf" => with_decimals(value, 0),
@@ -130,7 +130,7 @@ fn verdict(record: &CarRecord) -> String {
                 shown(share.value, &share.unit)
             );
         }
-        sentences.push(text + " (about the state at rest).");
+        sentences.push(text + " (at the static state).");
     }
     let lifts = record.cases.iter().filter_map(|case| {
         let lifted = case.state.as_ref()?.lifted_in_words();
@@ -207,7 +207,7 @@ fn targets(record: &CarRecord) -> String {
     )
 }
 
-/// Changes that no target asks for. The important ones come first; the other visible ones are folded.
+/// Changes that no target requests. Important changes come first. Other visible changes are in a section that can be opened.
 fn side_effects(record: &CarRecord) -> String {
     let effects = &record.side_effects;
     if effects.is_empty() {
@@ -225,8 +225,8 @@ fn side_effects(record: &CarRecord) -> String {
         let rest = table(&seen[shown.len()..]);
         content += &format!("<details><summary>{words}</summary>{rest}</details>");
     }
-    let note = "Changes that no target asks for, in the load cases and of each changed axle over its own motion. \
-        Those beyond a customary tolerance come first.";
+    let note = "Changes that no target requests, in the load cases and of each changed axle over \
+                its own motion. Changes beyond a customary tolerance come first.";
     section("side_effects", "Side effects", note, &content)
 }
 
@@ -244,7 +244,7 @@ fn corner_weights(record: &CarRecord) -> String {
         )
     });
     let cells: String = cells.collect();
-    let note = "Wheel loads of the car at rest, seen from above with the front at the top.";
+    let note = "Static wheel loads of the car, seen from above with the front at the top.";
     let total = format!("<p>Sum {} {unit}.</p>", shown(total, unit));
     let content = format!("<dl class=\"corners\">{cells}</dl>{total}");
     section("weights", "Corner weights", note, &content)
@@ -270,9 +270,10 @@ fn transfer(record: &CarRecord) -> String {
     });
     let figures: String = figures.collect();
     let note = format!(
-        "Half the load of the right wheel less that of the left wheel, in {}. The parts add up to the total: springs, \
-         stops and bars (elastic), side forces through the links (geometric), brake and drive forces through the links \
-         (longitudinal), weight and inertia of the wheels (unsprung).",
+        "Half the difference between the loads of the right and the left wheel, in {}. The parts \
+         add up to the total: springs, stops and bars (elastic), side forces through the links \
+         (geometric), brake and drive forces through the links (longitudinal), weight and inertia \
+         of the wheels (unsprung).",
         record.force_unit
     );
     let content = format!("{}<div class=\"plots\">{figures}</div>", charts::key());
@@ -283,8 +284,9 @@ fn map(record: &CarRecord) -> String {
     let Some(map) = &record.map else {
         return String::new();
     };
-    let note = "Largest friction coefficient that a wheel needs in each state. The map has no grip limit, since tyres have no \
-                characteristics. A dot marks states with a lifted wheel, a cross states without equilibrium.";
+    let note = "Largest friction coefficient that a wheel needs in each state. The map has no \
+                grip limit, because tyres have no characteristics. A dot marks states with a \
+                lifted wheel, a cross states without equilibrium.";
     section(
         "map",
         "g-g map",

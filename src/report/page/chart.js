@@ -162,7 +162,7 @@ class LiveChart {
     });
     words.sort((a, b) => a.order - b.order);
     const { x: over, y: of } = this.layout;
-    const limits = this.layout.wanted.flatMap((points) => points.filter(([at]) => at === value)).map(([, low, high]) => `wanted ${low === null ? 'at most' : brief(low)}${low === null || high === null ? ' ' : ' to '}${high === null ? 'at least' : brief(high)}`);
+    const limits = this.layout.wanted.flatMap((points) => points.filter(([at]) => at === value)).map(([, low, high]) => `target ${low === null ? 'at most' : brief(low)}${low === null || high === null ? ' ' : ' to '}${high === null ? 'at least' : brief(high)}`);
     this.readout.replaceChildren(html('b', { text: `${over.name} ${brief(value)} ${over.unit}` }),
       ...words.slice(0, 6).map(({ line, text }) => html('span', { class: line.class.replace(/\b(strong|faint|fine)\b/g, '').trim() }, `${line.told} `, html('b', { text: `${text} ${of.unit}` }))),
       ...limits.map((text) => html('span', { class: 'wanted', text })));

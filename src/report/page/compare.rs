@@ -173,11 +173,11 @@ pub fn comparison_page(comparison: &Comparison, topologies: &[String], files: &[
     let partial = if partial.is_empty() {
         partial
     } else {
-        format!("<p>Outputs that not all designs have, with those that do:</p><ul>{partial}</ul>")
+        format!("<p>Outputs that only some designs have, with these designs:</p><ul>{partial}</ul>")
     };
     let moved = comparison.moved_table();
     let moved = if moved.is_empty() {
-        "<p>No point of the same name is somewhere else.</p>".to_owned()
+        "<p>Points of the same name have the same position.</p>".to_owned()
     } else {
         moved.html()
     };

@@ -27,7 +27,22 @@ pub fn kc_page(study: &str, results: &KcResults<'_>) -> String {
     if !charts.is_empty() {
         sections.push(Section {
             title: format!("Toe, camber and displacement by load, at {place}"),
-            note: if results.is_axle { "Equilibria under rising load, of the left wheel; of the right one where it is loaded alone. Toe-in and top outboard are positive." } else { "Equilibria under rising load. Positive toe is toe-in; positive camber leans the top of the wheel outboard." }
+            note: if results.is_axle { "Equilibria under increasing load, of the left wheel, or \
+                                        of the right wheel if only the right wheel is loaded. \
+                                        Toe-in and top outboard are positive." } else { "Equilibria \
+                                                                                         under \
+                                                                                         increasing \
+                                                                                         load. \
+                                                                                         Positive \
+                                                                                         toe is \
+                                                                                         toe-in; \
+                                                                                         positive \
+                                                                                         camber \
+                                                                                         leans \
+                                                                                         the top \
+                                                                                         of the \
+                                                                                         wheel \
+                                                                                         outboard." }
             .to_owned(),
             table: format!("<div class=\"plots\">{charts}</div>"),
         });

@@ -119,7 +119,7 @@ class ReportView extends MechanismView {
     for (const { name, members, least } of places.clearances) {
       const { x, y, gap } = nearestOf(main, members);
       limits.append(svg('path', { class: gap < least ? 'gap violated' : 'gap', d: this.path([x, y]) }, svg('title', { text: name })));
-      this.gapWords.push({ text: `room ${brief(gap - least, 3)} ${record.length_unit}`, at: this.project(x), kind: gap < least ? 'violated' : 'limit' });
+      this.gapWords.push({ text: `margin ${brief(gap - least, 3)} ${record.length_unit}`, at: this.project(x), kind: gap < least ? 'violated' : 'limit' });
     }
   }
 

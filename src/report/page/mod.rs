@@ -83,7 +83,7 @@ impl<Data: Serialize> Page<'_, Data> {
                 "Made from results in memory, without files.".to_owned()
             } else {
                 format!(
-                    "Read from {}. Numbers on this page are those of the files.",
+                    "Read from {}. The numbers on this page are the numbers in the files.",
                     files.join(", ")
                 )
             },

@@ -11,7 +11,7 @@ use std::fmt::Write;
 /// Largest number of side effects on the opening screen.
 const MOST_EFFECTS: usize = 6;
 
-/// Opening screen: verdict, moved points beside a picture, targets, side effects, bounds and margins.
+/// Opening screen: verdict, moved points next to a picture, targets, side effects, bounds and margins.
 pub(super) fn opening(tuning: &TuningSummary, record: &Record) -> String {
     let unmet: Vec<usize> = tuning.missed().iter().map(|(row, ..)| *row).collect();
     let targets = table(&tuning.targets_table(), |row| {

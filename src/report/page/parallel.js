@@ -60,7 +60,7 @@ const drawParallel = (state) => {
   set(parallel, { viewBox: `0 0 ${PARALLEL.size.join(' ')}`, tabindex: 0 });
   parallel.replaceChildren(...parts);
   noteDrawn(parallel);
-  byId('parallel-selected').textContent = state.selected === null ? '' : `${state.selected.size} designs selected; a double click takes all again.`;
+  byId('parallel-selected').textContent = state.selected === null ? '' : `${state.selected.size} designs selected; a double click selects all again.`;
 };
 
 const listenToParallel = (state, select) => {

@@ -440,7 +440,7 @@ fn tuning_sections(tuning: &TuningSummary, history: String, charts: &mut Charts)
     )
 }
 
-/// Section about changes that no target asks for.
+/// Section about changes that no target requests.
 fn side_effects(effects: &[SideEffect]) -> String {
     let Some(words) = side_effects_in_words(effects) else {
         return String::new();

@@ -150,7 +150,7 @@ fn spread(svg: &mut String, middle: f64, value: &ValueRecord, x: impl Fn(f64) ->
     }
 }
 
-/// Largest number of letters of a name beside a picture.
+/// Largest number of letters of a name next to a picture.
 const LETTERS: usize = 36;
 
 /// Name that fits beside a picture. A longer name is shortened; its tooltip has the full name.

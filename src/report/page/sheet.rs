@@ -28,12 +28,14 @@ pub fn set_up_page(wheels: &[SetUpSummary]) -> String {
             note: note.to_owned(),
             table,
         };
-        let note = "Do the steps in this order. Amounts are rounded to what a mechanic can set.";
+        let note = "Do the steps in this order. Amounts are rounded to values that a mechanic can \
+                    set.";
         sections.push(titled("Steps", note, summary.instructions().html()));
         let results = summary.results();
         if !results.is_empty() {
-            let note = "Allowed error: half a step of the shims, half a sixteenth of a turn of the threads. Band: wanted value \
-                        with its allowed error. Grey dot: before. Blue dot: after the rounded steps.";
+            let note = "Allowed error: half a step of the shims, half a sixteenth of a turn of \
+                        the threads. Band: target value with its allowed error. Grey dot: before. \
+                        Blue dot: after the rounded steps.";
             let missed: String = summary
                 .not_met()
                 .filter_map(|s| Some((s, s.wanted?, s.set_rounded?)))
@@ -42,9 +44,9 @@ pub fn set_up_page(wheels: &[SetUpSummary]) -> String {
                     format!("<p class=\"unmet\">Not met: {}.</p>", html(&line))
                 })
                 .collect();
-            let drawn = strips(&wanted_strips(summary), "wanted values before and after");
+            let drawn = strips(&wanted_strips(summary), "target values before and after");
             sections.push(titled(
-                "Wanted values",
+                "Target values",
                 note,
                 drawn + &results.html() + &missed,
             ));
@@ -57,13 +59,13 @@ pub fn set_up_page(wheels: &[SetUpSummary]) -> String {
         let note = "Computed amounts, before rounding.";
         sections.push(titled("Static values after each step", note, after));
         let effects = summary.effects_for_readers().html();
-        let note = "Change of each static value by one unit of an adjustment, about the design.";
+        let note = "Change of each static value by one unit of an adjustment, at the design.";
         sections.push(titled("Effect of each adjustment", note, effects));
     }
     let verdict = if met {
-        "Every wanted value is met."
+        "Every target value is reached."
     } else {
-        "Not every wanted value is met."
+        "Not every target value is reached."
     };
     sheet(study, "set-up", verdict, &sections)
 }
@@ -112,8 +114,9 @@ pub fn limits_page(of: &LimitsSheet<'_>) -> String {
     let drawn = strips(&limit_strips(of), "ranges of the quantities");
     let section = Section {
         title: "Ranges and their causes".to_owned(),
-        note: "Each row is a quantity that moves while the others stay where the row says. Line: range of the mechanism. \
-               Band: motion of the study. Grey dot: design position."
+        note: "Each row is a quantity that moves while the others are held at the values in the \
+               row. Line: range of the mechanism. Band: motion of the study. Grey dot: design \
+               position."
             .to_owned(),
         table: format!(
             "{drawn}<div class=\"causes\">{}</div>{notes}{failures}",

@@ -101,7 +101,7 @@ fn draw(strip: &Strip, top: f64, svg: &mut String) {
             false,
         );
     }
-    // Numbers of the values come first, then those of the ends of range and band, as far as there is space.
+    // Numbers of the values come first, then those of the ends of range and band, if there is enough space.
     let dots = strip.dots.iter().rev().map(|(_, value)| *value);
     let ends = strip.range.into_iter().chain(strip.band).flatten();
     let mut taken: Vec<[f64; 2]> = Vec::new();

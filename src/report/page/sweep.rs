@@ -159,21 +159,21 @@ fn figures(record: &Record, charts: &mut Charts) -> String {
     figures
 }
 
-/// Advice how to get the curves of a design that the page does not have.
+/// Advice how to get curves of a design, if the page does not contain them.
 fn not_drawn(run: &SweepRun) -> &'static str {
     match &run.drawn {
         Some(_) => {
-            "Curves and mechanism are drawn of the best designs and some of the front, or without targets of \
-             those at the ends of the ranges; <code>hardpoint solve --report</code> draws those of any design's \
-             study."
+            "Curves and mechanism are drawn for the best designs and some designs of the front, \
+             or, without targets, for designs at the ends of the ranges; <code>hardpoint solve \
+             --report</code> draws them for the study of any design."
         }
         None if run.record.is_of_car() => {
             "Load cases have no curves; <code>hardpoint sweep --design N</code> prints the changes of design N, and \
              <code>hardpoint solve --report</code> draws a car."
         }
         None => {
-            "Joined sweeps have no curves here; <code>hardpoint solve --report</code> draws those of \
-             any design's study."
+            "Joined sweeps have no curves here; <code>hardpoint solve --report</code> draws them \
+             for the study of any design."
         }
     }
 }
@@ -341,9 +341,9 @@ fn remarks(run: &SweepRun) -> String {
             more => format!("<p>And {more} more reasons, in <code>summary.json</code>.</p>"),
         };
         let nearest = if run.record.is_of_car() {
-            "the number of the first case without equilibrium, from 0 for static"
+            "the number of the first case without equilibrium, 0 for the static case"
         } else {
-            "the drive value nearest to the design position at which one failed"
+            "the drive value nearest to the design position at which a station failed"
         };
         remarks += &format!(
             "<div class=\"failures\"><h2>Not solved everywhere</h2><p>Designs by reason, with {nearest}. The \
@@ -382,8 +382,9 @@ fn choice(run: &SweepRun) -> String {
         "examples of every failure listed above, "
     };
     format!(
-        "<strong>Drawn are {shown} of {} designs:</strong> {best}{front}{failures}and of all designs those \
-         whose numbers are multiples of {}. {file} has all; what the tables say is of all.",
+        "<strong>Drawn are {shown} of {} designs:</strong> {best}{front}{failures}and of all \
+         designs those with numbers that are multiples of {}. {file} has all designs, and the \
+         tables are for all designs.",
         summary.done, run.choice.every
     )
 }
@@ -475,8 +476,9 @@ fn key(value: Option<f64>) -> f64 {
 
 /// Explanation of the sensitivity indices.
 fn effects(record: &SweepRecord) -> String {
-    let change = "Change over the range: change of the output from the low to the high end of a variable's range, in the \
-                  plane of least squares through all designs that have every output";
+    let change = "Change over the range: change of the output from the lower to the upper end of \
+                  a variable's range, in the plane of least squares through all designs that have \
+                  every output";
     let share = match record.method.as_str() {
         "file" => {
             " Designs from a file need not be independent, so there are no shares of the variance."
@@ -491,5 +493,5 @@ fn effects(record: &SweepRecord) -> String {
              disappears on average if the variable is fixed."
         }
     };
-    format!("{change}.{share} Outputs that no variable changes are left out.")
+    format!("{change}.{share} Outputs that no variable changes are omitted.")
 }

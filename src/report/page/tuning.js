@@ -27,7 +27,7 @@ const drawInfluences = () => {
       const part = share(output.column, coordinates[row]);
       return {
         strength: part, text: part < 0.01 ? '' : brief(found[measure()], 2),
-        title: found ? `${coordinates[row]} on ${output.title}: moves ${brief(found.rms, 3)}, bends ${brief(found.bend, 3)}, at most ${brief(found.largest, 3)} ${perLength(output)}` : null,
+        title: found ? `${coordinates[row]} on ${output.title}: change ${brief(found.rms, 3)}, bend ${brief(found.bend, 3)}, at most ${brief(found.largest, 3)} ${perLength(output)}` : null,
       };
     },
   });

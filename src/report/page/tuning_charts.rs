@@ -78,7 +78,7 @@ pub(super) fn prices_chart(prices: &[PriceRecord], charts: &mut Charts) -> Strin
     });
     let columns = ["moved", "misfit"];
     let all = Line {
-        told: "least misfit".to_owned(),
+        told: "smallest misfit".to_owned(),
         is_main: true,
         has_dots: true,
         ..line(table, columns, (0..prices.len()).collect(), "main strong")
@@ -135,7 +135,10 @@ pub(super) fn front_charts(
         // The line is interrupted where the front has a gap. With more than two targets, the points have no line.
         let mut pieces: Vec<Vec<usize>> = vec![Vec::new()];
         for row in 0..front.points.len() {
-            pieces.last_mut().expect("there is one").push(row);
+            pieces
+                .last_mut()
+                .expect("the list has an element")
+                .push(row);
             if front.goals.len() > 2 || front.breaks.contains(&row) {
                 pieces.push(Vec::new());
             }

@@ -21,8 +21,8 @@ pub(super) struct Label<'a> {
 /// A rectangle: left, top, right, bottom.
 type Area = [f64; 4];
 
-/// Places names one after the other. Each name takes the position of lowest cost. An overlap with other names costs most, then
-/// with points, then with lines, then the distance from its own point.
+/// Places names one after the other. Each name takes the position of lowest cost. An overlap with other names has the highest
+/// cost, followed by overlaps with points and with lines, and by the distance from the name's own point.
 pub(super) fn place_labels<'a>(
     names: &[(&'a str, [f64; 2])],
     dots: &[[f64; 2]],
@@ -70,7 +70,7 @@ fn candidates(dot: [f64; 2], width: f64) -> impl Iterator<Item = Area> {
     let at = move |(away, step): (f64, usize)| {
         let angle = std::f64::consts::TAU * step as f64 / DIRECTIONS as f64;
         let [c, s] = [angle.cos(), angle.sin()];
-        // The nearest part of the name is at this distance from the point.
+        // This is the distance between the point and the nearest part of the name.
         let middle = [
             dot[0] + away * c + width / 2.0 * c.signum() * f64::from(c.abs() > 0.01),
             dot[1] + away * s + LETTER[1] / 2.0 * s,
@@ -127,7 +127,7 @@ fn crosses(area: &Area, [from, to]: &[[f64; 2]; 2]) -> bool {
 mod tests {
     use super::*;
 
-    /// The points form a ring, like the joints of a wheel carrier.
+    /// Labels of points in a ring, like the joints of a wheel carrier.
     #[test]
     fn names_do_not_overlap() {
         let place = |k: usize| {

@@ -247,7 +247,7 @@ pub fn pictures(run: &Run) -> Vec<Picture> {
     };
     let json = Picture {
         name: LAYOUTS.to_owned(),
-        contents: serde_json::to_vec(&data).expect("numbers and text"),
+        contents: serde_json::to_vec(&data).expect("the layouts contain only numbers and text"),
     };
     files.chain([json]).collect()
 }

@@ -11,11 +11,14 @@ const SCALE: f32 = 2.0;
 /// # Panics
 /// If it is no SVG or has no size. The pictures of this program have both.
 pub(super) fn png(svg: &str) -> Vec<u8> {
-    let tree = Tree::from_str(svg, &Options::default()).expect("the program's own SVG");
+    let tree = Tree::from_str(svg, &Options::default()).expect("SVG of this program is valid");
     let size = tree.size().to_int_size().scale_by(SCALE);
-    let size = size.expect("the size of a few panels");
-    let mut pixels = Pixmap::new(size.width(), size.height()).expect("a few megabytes of memory");
+    let size = size.expect("the picture has a size");
+    let mut pixels =
+        Pixmap::new(size.width(), size.height()).expect("the picture fits into memory");
     let scale = Transform::from_scale(SCALE, SCALE);
     resvg::render(&tree, scale, &mut pixels.as_mut());
-    pixels.encode_png().expect("memory takes everything")
+    pixels
+        .encode_png()
+        .expect("writing to memory does not fail")
 }

@@ -20,7 +20,7 @@ pub(super) const STYLE: &str = ".arm{stroke:#0b63c5;stroke-width:3}.link{stroke:
 .point{fill:#ffffff;stroke:#1b1f24;stroke-width:1.3}.moved{stroke:#b3261e;stroke-width:2}\
 .leader{stroke:#b0b7be;stroke-width:0.8}.axis{stroke:#1b1f24;stroke-width:1.4}";
 
-/// Smallest move that gets an arrow, relative to the size of the drawing.
+/// Smallest move that is drawn as an arrow, relative to the size of the drawing.
 const LEAST_ARROW: f64 = 0.004;
 
 /// Direction of sight.

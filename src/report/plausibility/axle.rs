@@ -1,4 +1,4 @@
-//! Doubts about an axle, over its motion and between its wheels.
+//! Warnings about an axle, over its motion and between its wheels.
 
 use super::plausibility;
 use crate::ask::Need;
@@ -12,8 +12,8 @@ use crate::report::figure::brief;
 use crate::report::shortest;
 use crate::report::station_label::place_in_words;
 
-/// Doubts about an axle, one per line: about its curves, and about both wheels in the design position. For a right wheel with its
-/// own hardpoints, only doubts that the left wheel does not have.
+/// Doubts about an axle, one per line: about its curves, and about both wheels in the design position. A right wheel with its own
+/// hardpoints only gets doubts that the left wheel does not have.
 pub fn both_wheels_plausibility(
     axle: &Axle,
     plan: &AxlePlan,
@@ -23,7 +23,8 @@ pub fn both_wheels_plausibility(
     if let Some(own) = &axle.right {
         let of_right = plausibility(own).map_err(|fault| (Side::Right, fault))?;
         let new: Vec<_> = of_right.iter().filter(|d| !found.contains(d)).collect();
-        let named = |doubt: &&String| doubt.replacen("doubtful: ", "doubtful: right wheel: ", 1);
+        let named =
+            |doubt: &&String| doubt.replacen("please check: ", "please check: right wheel: ", 1);
         found.extend(new.iter().map(named).collect::<Vec<_>>());
         found.extend(across(&axle.left, own));
     }
@@ -46,12 +47,12 @@ fn soft_spring(axle: &Axle) -> Option<String> {
     let is_soft = axle.left.length_unit == LengthUnit::Inch && *rate < LEAST;
     is_soft.then(|| {
         format!(
-            "doubtful: the rate of [spring] is {rate} N/in. For rates in lbf/in give force_unit = \"lbf\" in [suspension]"
+            "please check: the rate of [spring] is {rate} N/in. For rates in lbf/in give force_unit = \"lbf\" in [suspension]"
         )
     })
 }
 
-/// Doubts about the curves of an axle, one per line.
+/// Warnings about the curves of an axle, one per line.
 pub fn axle_plausibility(
     axle: &Axle,
     plan: &AxlePlan,
@@ -62,8 +63,7 @@ pub fn axle_plausibility(
     if turns_against {
         let c_factor = axle.setup.c_factor.unwrap_or(0.0) * axle.left.frame.sign(Axis::Y);
         remarks.push(format!(
-            "doubtful: with c_factor = {c_factor} the wheels turn against the steering wheel; behind the \
-             wheel centres a rack moves to the right in a left turn"
+            "please check: with c_factor = {c_factor} the wheels turn in the opposite direction to the steering wheel; a rack behind the wheel centres moves to the right in a left turn"
         ));
     }
     remarks.extend(lifted(plan, found));
@@ -98,7 +98,8 @@ fn lifted(plan: &AxlePlan, found: &AxleCurves) -> Option<String> {
     let side = side.name();
     (load < 0.0).then(|| {
         format!(
-            "warning: the load of the {side} wheel falls to {} {} at {}: there it would lift off the ground",
+            "warning: the load of the {side} wheel falls to {} {} at {}: the wheel would lift off \
+             the ground there",
             shortest(load.round()),
             curves.columns[column].unit,
             place_in_words(curves, station)
@@ -116,8 +117,8 @@ fn beyond_curve(axle: &Axle, beyond: &BeyondCurve) -> String {
         ForcePart::BumpStop => ("bump stop", format!("compressed by {value} {unit}")),
     };
     format!(
-        "doubtful: {side} wheel at travel {travel} {unit}: the {part} is {is}, beyond the end of its force_curve at \
-         {end} {unit}. There its force follows the straight line through that end. Add points to the curve"
+        "please check: {side} wheel at travel {travel} {unit}: the {part} is {is}, beyond the end of its force_curve at \
+         {end} {unit}. Beyond this end the force follows a straight line. Add points to the curve"
     )
 }
 
@@ -131,7 +132,7 @@ fn across(left: &Suspension, right: &Suspension) -> Option<String> {
         .points
         .iter()
         .zip(left.design.iter().zip(&right.design));
-    // A single point of a rigid axle belongs to both wheels.
+    // A point that exists only once on a rigid axle belongs to both wheels.
     let is_single = |number: usize| left.mechanism.is_single(PointId(number));
     let across = points.enumerate().filter(|(number, (_, (left, right)))| {
         left.y > off && right.y < -off && !is_single(*number)
@@ -139,7 +140,7 @@ fn across(left: &Suspension, right: &Suspension) -> Option<String> {
     let names: Vec<&str> = across.map(|(_, (point, _))| point.name.as_str()).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "doubtful: right wheel: {} at the left wheel's side: points of [axle.right.hardpoints] have their true y",
+            "please check: right wheel: {} at the left wheel's side: points of [axle.right.hardpoints] have their actual y",
             match names.as_slice() {
                 [one] => format!("{one} is"),
                 _ => format!("{} are", names.join(", ")),

@@ -68,7 +68,7 @@ impl SweepDirectory {
     ) -> Result<Self, WriteError> {
         let there = read_record(directory.path()).ok();
         let is_this = there.as_ref() == Some(record);
-        // In a longer sweep, all parts except the last one stay the same.
+        // If a sweep gets more samples, all parts except the last one stay the same.
         let shorter = there.filter(|there| record.continues(there) && there.parts() > 1);
         match shorter {
             _ if is_this && !anew => {}
@@ -147,7 +147,7 @@ impl SweepDirectory {
         ]
         .map(|name| self.path.join(name));
         let wrong = |path: &Path, reason: &str| {
-            let what = "remove the part's files and `hardpoint sweep` makes them again";
+            let what = "remove the part's files and `hardpoint sweep` computes them again";
             NotARun::at(path, format!("{reason}; {what}"))
         };
         let bytes = std::fs::read(&statistics).map_err(|e| wrong(&statistics, &e.to_string()))?;

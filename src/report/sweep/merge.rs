@@ -68,7 +68,8 @@ impl Parts {
         }
         if !missing.is_empty() {
             let reason = format!(
-                "{} of {} parts are missing ({}{}); `hardpoint sweep` with --resume or --shard makes them",
+                "{} of {} parts are missing ({}{}); `hardpoint sweep` with --resume or --shard \
+                 computes them",
                 missing.len(),
                 first.record.parts(),
                 missing[..missing.len().min(10)].join(", "),

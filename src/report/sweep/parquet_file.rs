@@ -135,7 +135,8 @@ impl ParquetFile {
         let mut record = csv::StringRecord::new();
         while reader.read_record(&mut record).map_err(io::Error::other)? {
             for (column, cell) in self.columns.iter_mut().zip(&record) {
-                let wrong = || io::Error::other(format!("{cell:?} is not what its column holds"));
+                let wrong =
+                    || io::Error::other(format!("{cell:?} does not have the type of its column"));
                 column.push(cell).ok_or_else(wrong)?;
             }
             self.rows += 1;
@@ -149,7 +150,7 @@ impl ParquetFile {
     fn write_group(&mut self) -> Result<(), ParquetError> {
         let mut group = self.writer.next_row_group()?;
         for column in &mut self.columns {
-            let mut writer = group.next_column()?.expect("a writer for each column");
+            let mut writer = group.next_column()?.expect("each column has a writer");
             match column {
                 Column::Whole(values) => writer
                     .typed::<Int64Type>()

@@ -32,7 +32,7 @@ pub struct PartRecord {
     pub part: u64,
     /// Length of the file with its rows, in bytes.
     pub rows_length: u64,
-    /// Length of the file with its curves, if there is one.
+    /// Length of the file with the curves of the part, if there is one.
     pub curves_length: Option<u64>,
     /// Statistics of its rows.
     pub statistics: SweepStatistics,

@@ -106,7 +106,8 @@ impl SweepRun {
             let value = misfit.zip(row).and_then(|(m, row)| shown.columns[m][row]);
             if value != Some(best.misfit) {
                 let reason = format!(
-                    "design {} has another misfit than in the statistics beside it; run the sweep again",
+                    "design {} has a different misfit in the statistics of its part; run the \
+                     sweep again",
                     best.design
                 );
                 return Err(NotARun::at(path, reason));

@@ -1,4 +1,4 @@
-//! Chooses the designs that the page shows, if it cannot show all.
+//! Chooses the designs that the page shows, if it cannot show all designs.
 
 use super::SweepSummary;
 use crate::sweep::{Rows, SweepRecord};
@@ -124,7 +124,7 @@ impl ShownDesigns {
 mod tests {
     use super::*;
 
-    /// With any grid, thinning keeps every level of every variable.
+    /// For any grid, the chosen designs include every level of every variable.
     #[test]
     fn thinning_keeps_every_level_of_a_grid() {
         let variable = |steps| {

@@ -23,7 +23,7 @@ pub struct SweepSummary {
     pub(in crate::report) done: u64,
     /// Number of designs that were solved at every station.
     pub(in crate::report) solved: u64,
-    /// Number of designs that were solved one by one, because SIMD lanes failed or cannot be used.
+    /// Number of designs that were solved one by one, because they could not be solved in SIMD lanes.
     #[serde(default)]
     one_by_one: u64,
     /// Number of designs used for mean, standard deviation, r2 and change. These are the designs with every output; with
@@ -291,8 +291,8 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
     });
     if drawn < designs {
         notes.push(format!(
-            "Means, standard deviations and changes refer to the {count} designs that were sampled independently; the \
-             other {} serve the indices.",
+            "Means, standard deviations and changes refer to the {count} designs that were \
+             sampled independently; the other {} are used for the indices.",
             designs - drawn
         ));
     }
@@ -304,7 +304,7 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
         let without = if names.is_empty() {
             String::new()
         } else {
-            format!("; it would be known without {}", names.join(", "))
+            format!("; they would be known without {}", names.join(", "))
         };
         notes.push(format!(
             "Main effects are not known: they need designs that have every output, and none has{without}."
@@ -337,8 +337,7 @@ fn undefined_where(record: &SweepRecord, output: &OutputColumn) -> Option<&'stat
     longest.map(|c| c.undefined_where())
 }
 
-/// Content of `pareto.csv`, if there are several targets: the rows of the designs that no other design improves in one target
-/// without a loss in another.
+/// Content of `pareto.csv`, if there are several targets: the rows of the designs on the Pareto front.
 pub fn pareto_csv(record: &SweepRecord, statistics: &SweepStatistics) -> Option<Vec<u8>> {
     if record.deviations().len() < 2 {
         return None;

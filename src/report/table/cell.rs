@@ -41,7 +41,7 @@ impl Cell {
         value.map(|value| Cell::shown(value, show(value))).into()
     }
 
-    /// Cell whose text people see only in the row above.
+    /// Cell whose text is only shown in the row above in text output.
     pub fn repeated(text: &str) -> Self {
         Cell {
             shown: String::new(),

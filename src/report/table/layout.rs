@@ -67,7 +67,7 @@ pub(super) fn pieces(widths: &[usize], width: usize, keys: usize) -> Vec<Vec<usi
     let mut pieces = vec![Vec::new()];
     let mut room = 0;
     for (k, own) in widths.iter().enumerate() {
-        let piece = pieces.last_mut().expect("there is one");
+        let piece = pieces.last_mut().expect("the list has an element");
         if room + own + 2 > width && piece.len() > keys {
             pieces.push((0..keys).chain([k]).collect());
             room = taken(keys) + own + 2;

@@ -76,7 +76,7 @@ fn what_says_what_a_row_is_of_stands_in_every_piece() {
     );
 }
 
-/// Output to a pipe breaks no name, for any number of columns.
+/// Output to a pipe never breaks a name, for any number of columns.
 #[test]
 fn names_are_not_broken() {
     let columns = [

@@ -37,7 +37,7 @@ pub struct ValueRecord {
     pub sigma_linear: Option<f64>,
     /// Second-order term, as a fraction of the first-order variance.
     pub second_order: Option<f64>,
-    /// True if the first-order estimate holds. `None` if this is unknown.
+    /// True if the first-order estimate is accurate enough. `None` if this is unknown.
     pub linear_holds: Option<bool>,
     /// Percentiles of the builds, see [`PERCENTILES`].
     pub percentiles: [Option<f64>; PERCENTILES.len()],
@@ -105,14 +105,14 @@ pub(super) fn values(
             let travel = stations.values()[stations.value_of(station)];
             let rack = stations.racks[stations.rack_of(station)];
             let deviation = expansion.variance[cell].sqrt();
-            // After alignment, only rounding errors are left of an aligned value, and these have no shares.
+            // After alignment, an aligned value varies only by rounding errors, so contributors have no shares.
             let scatters = deviation > 1e-12 * drawn[cell].abs().max(1.0);
             let variance = if scatters {
                 deviation * deviation
             } else {
                 f64::NAN
             };
-            // If the second order is small but a higher order or the rejected builds matter, the builds show it.
+            // The second order may be small while higher orders or rejected builds matter. Only the builds show this.
             let apart = (spread.sigma - deviation).abs();
             let differs = scatters && apart > HOLDS * deviation + 4.0 * spread.sigma_error;
             let remainder = expansion.remainder(cell, spread);

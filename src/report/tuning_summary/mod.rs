@@ -48,13 +48,13 @@ pub struct TuningSummary {
     singular_values: Vec<f64>,
     /// Directions that leave all targets unchanged. Each has one offset per variable.
     unseen: Vec<Vec<f64>>,
-    /// For a fit: scatter of the measurements about it, in tolerances.
+    /// For a fit: scatter of the measurements about the fit, in tolerances.
     #[serde(default)]
     scatter: Option<f64>,
     /// For a fit: pairs of variables that the measurements hardly distinguish, with their correlation.
     #[serde(default)]
     correlations: Vec<(String, String, f64)>,
-    /// Misfit that is good enough. Below it, the tuning prefers the nearer design.
+    /// Misfit that is good enough. Among designs with a smaller misfit, the tuning prefers the design nearest to the given one.
     #[serde(default)]
     good_enough: f64,
     /// State of each constraint.
@@ -63,7 +63,7 @@ pub struct TuningSummary {
     /// Missed targets that no variable changes.
     #[serde(default)]
     unmoved: Vec<String>,
-    /// Constraints that are violated and that no variable moves.
+    /// Violated constraints that no variable changes.
     #[serde(default)]
     unmoved_constraints: Vec<String>,
     /// Constraints that contradict each other.
@@ -75,7 +75,7 @@ pub struct TuningSummary {
     /// Smallest misfit by size of the change, if it was requested.
     #[serde(default)]
     pub prices: Vec<PriceRecord>,
-    /// Changes that no target asks for, if they were requested.
+    /// Changes that no target requests, if they were requested.
     #[serde(default)]
     pub side_effects: Vec<SideEffect>,
     /// For a robust tuning: share of builds within the bands, before and after.
@@ -314,9 +314,9 @@ impl TuningSummary {
     }
 }
 
-/// A constraint that is violated by less than this counts as kept. 1 is a millimetre or a degree.
+/// Violation below which a constraint counts as satisfied. 1 is a millimetre or a degree.
 const VISIBLE: f64 = 1e-6;
-/// A constraint with a smaller margin than this counts as binding.
+/// Margin below which a constraint counts as binding, in the same units.
 const BINDING: f64 = 1e-6;
 
 /// Number with its unit. Summaries of older versions have no unit.

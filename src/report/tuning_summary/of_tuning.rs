@@ -106,7 +106,7 @@ impl TunedStudy<'_> {
             (None, Some(rate)) => {
                 let unit = readable_unit(&rate.value_unit(length)).replace('_', " ");
                 let of_axis = if rate.is_relative {
-                    ", ln of a factor".to_owned()
+                    ", logarithm of a factor".to_owned()
                 } else {
                     format!(", {unit}")
                 };

@@ -26,7 +26,7 @@ impl TuningSummary {
         let columns = columns.chain(["bound".into()]).chain(interval);
         let mut table = Table::with_columns(columns).keyed(2);
         for v in &self.variables {
-            // A fit shows no uncertain digits: only two digits of the standard error.
+            // For a fit, values are shown with as many decimals as two digits of the standard error.
             let decimals = v.fitted.and_then(|fitted| fitted.decimals(v.offset));
             let known = decimals.filter(|_| v.at_bound.is_none());
             let brief = |value: f64| {
@@ -84,7 +84,7 @@ impl TuningSummary {
         let length = |by: &[f64; 3]| by.iter().map(|c| c * c).sum::<f64>().sqrt();
         moves.retain(|(_, by)| length(by) > 0.0);
         moves.sort_by(|a, b| length(&b.1).total_cmp(&length(&a.1)));
-        // A point that also moves together with others moves further than its own row shows.
+        // If a point also moves together with other points, its total move differs from its own row.
         let has_distance = !moves.iter().any(|(name, _)| name.contains('+'));
         let distance = has_distance.then(|| Column::from(format!("distance [{unit}]")));
         let names = ["point", "x", "y", "z"].map(Column::from);
@@ -110,7 +110,7 @@ impl TuningSummary {
         table
     }
 
-    /// Table of the targets before and after. The text shows the largest deviation in the unit of the target, beside its
+    /// Table of the targets before and after. The text shows the largest deviation in the unit of the target, next to its
     /// tolerance. CSV and JSON have all deviations as multiples of the tolerance.
     pub fn targets_table(&self) -> Table {
         let columns = [

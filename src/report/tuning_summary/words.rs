@@ -12,27 +12,33 @@ impl TuningSummary {
         for added in &self.added_stations {
             let at: Vec<String> = added.at.iter().map(|at| as_written(*at)).collect();
             remarks.push(format!(
-                "{} has fewer stations of the motion than its curve has points: compared at {}{} as well",
+                "{} has fewer stations of the motion than its curve has points: also compared at \
+                 {}{}",
                 added.target,
                 at.join(", "),
-                if added.unit.is_empty() { String::new() } else { format!(" {}", added.unit) }
+                if added.unit.is_empty() {
+                    String::new()
+                } else {
+                    format!(" {}", added.unit)
+                }
             ));
         }
         for target in &self.unmoved {
             remarks.push(format!(
-                "no variable moves {target}: it stays as far from its target as it is"
+                "no variable affects {target}: its deviation from the target stays the same"
             ));
         }
         for constraint in &self.unmoved_constraints {
             remarks.push(format!(
-                "no variable moves this constraint, which stays violated: {constraint}. Add a variable that moves it, or \
-                 change its limit"
+                "no variable affects this constraint, which stays violated: {constraint}. Add a \
+                 variable that affects it, or change its limit"
             ));
         }
         remarks.extend(self.fit_remarks());
         for (first, second, correlation) in self.correlations.iter().take(3) {
             remarks.push(format!(
-                "the measurements hardly tell {first} from {second}: correlation {correlation:.3}"
+                "the measurements can hardly distinguish {first} from {second}: correlation \
+                 {correlation:.3}"
             ));
         }
         for c in &self.constraints {
@@ -47,9 +53,11 @@ impl TuningSummary {
         }
         match self.contradiction.as_slice() {
             [] => {}
-            [alone] => remarks.push(format!("nothing within the ranges keeps this: {alone}")),
+            [alone] => remarks.push(format!(
+                "no design within the ranges satisfies this constraint: {alone}"
+            )),
             several => remarks.push(format!(
-                "these cannot be kept together: {}",
+                "these constraints cannot all be satisfied: {}",
                 several.join("; ")
             )),
         }
@@ -62,9 +70,9 @@ impl TuningSummary {
             return Vec::new();
         };
         let mut remarks = vec![format!(
-            "measurements scatter by {} of their tolerances about the fit; the true move is within the interval \
-             \"moved, 95 %\" with 95 % confidence, if the truth lies within all ranges; \"not determined\": anywhere \
-             in its range",
+            "measurements scatter by {} of their tolerances about the fit; the true move is \
+             within the interval \"moved, 95 %\" with 95 % confidence, if the true values are \
+             within all ranges; \"not determined\": anywhere in its range",
             brief(scatter)
         )];
         if self.variables.iter().any(|v| v.at_bound.is_some()) {
@@ -105,7 +113,7 @@ impl TuningSummary {
         let ended = start.map(|start| {
             if self.good_enough > 0.0 {
                 format!(
-                    "{} (good_enough = {} tolerances; 0 asks for the least misfit)",
+                    "{} (good_enough = {} tolerances; 0 requests the smallest misfit)",
                     start.ended,
                     brief(self.good_enough)
                 )
@@ -144,18 +152,18 @@ impl TuningSummary {
             .best_start
             .map_or_else(String::new, |k| format!(" (start {k} is kept)"));
         let mut text = format!(
-            "{all} starts: {near} ended within 1 % of the least misfit{kept}, the worst at {}",
+            "{all} starts: {near} ended within 1 % of the smallest misfit{kept}, the worst at {}",
             misfit_in_words(worst)
         );
         match all - begun.len() {
             0 => {}
-            failed => text += &format!("; {failed} could not be begun"),
+            failed => text += &format!("; {failed} could not be started"),
         }
         match interrupted {
             0 => {}
             some => text += &format!("; {some} were interrupted"),
         }
-        Some(text + "; history.csv and summary.json have all")
+        Some(text + "; history.csv and summary.json have all starts")
     }
 
     /// Result of the tuning in one or two sentences.

@@ -1,4 +1,4 @@
-//! The answer to a dragged point of a car: all load cases, solved.
+//! Answers a dragged point of a car: solves all load cases.
 
 use super::misfit::{assessed_rigs, by_coordinates, misfit};
 use super::{OpenedCar, solver};
@@ -14,7 +14,7 @@ use crate::studio::turns::Stop;
 use crate::study::CarStudy;
 use std::time::Instant;
 
-/// The results that these names stand for.
+/// Results that these names denote.
 fn quantities(study: &CarStudy, names: &[String]) -> Result<Vec<CarQuantity>, String> {
     let mut found: Vec<CarQuantity> = Vec::new();
     for name in names {
@@ -93,7 +93,7 @@ pub(super) fn solved(
     })
 }
 
-/// Doubts about the points of each axle.
+/// Warnings about the points of each axle.
 fn doubts(study: &CarStudy) -> Result<Vec<String>, String> {
     let mut found = Vec::new();
     for (end, axle) in AXLE_NAMES.iter().zip(&study.axles) {
@@ -104,7 +104,7 @@ fn doubts(study: &CarStudy) -> Result<Vec<String>, String> {
     Ok(found)
 }
 
-/// Number of the case in which the car is drawn.
+/// Index of the load case in which the car is drawn.
 fn shown_case(study: &CarStudy, at: &[f64]) -> Result<usize, String> {
     let found = match at {
         &[place] if place >= 0.0 => Some(place as usize),
@@ -134,7 +134,7 @@ fn column(quantity: CarQuantity, results: &CarResults<'_>) -> ColumnValues {
     }
 }
 
-/// Left and right side of a car in a case; without an equilibrium the reason.
+/// Left and right side of a car in a load case, or the reason why there is no equilibrium.
 fn drawn<'s>(
     study: &CarStudy,
     shown: usize,
@@ -163,7 +163,7 @@ fn drawn<'s>(
     }
 }
 
-/// The left side of the opened design in a case.
+/// Left side of the opened design in a load case.
 fn as_opened(opened: &OpenedCar, shown: usize) -> Option<Drawn> {
     let study = &opened.study;
     let drawn = opened.drawn[shown].get_or_init(|| {
@@ -177,7 +177,7 @@ fn as_opened(opened: &OpenedCar, shown: usize) -> Option<Drawn> {
     Some(Drawn::Side { pose })
 }
 
-/// One side of a drawing, along the axes of the front study.
+/// One side of a drawing, in the axes of the front study.
 fn placement(study: &CarStudy, drawing: &CarDrawing, side: usize) -> SidePlacement {
     let frame = study.frame();
     let turned = |v: [f64; 3]| frame.vector(Vector3::from(v)).to_array().map(|c| c + 0.0);
@@ -188,7 +188,7 @@ fn placement(study: &CarStudy, drawing: &CarDrawing, side: usize) -> SidePlaceme
             .map(|point| turned(*point))
     });
     let wheels = |places: &[[f64; 3]; 4]| [0, 1].map(|axle| turned(places[2 * axle + side]));
-    // Rows and columns are both along the axes of the study.
+    // Rows and columns both refer to the axes of the study.
     let signs = turned([1.0; 3]);
     SidePlacement {
         points: points.collect(),

@@ -1,4 +1,4 @@
-//! The three files of a car: read, and written back with their comments.
+//! Reads the three files of a car, and writes them back with their comments.
 
 use super::OpenedCar;
 use crate::car::AXLE_NAMES;
@@ -16,12 +16,12 @@ use std::path::{Path, PathBuf};
 /// Designs of the front and of the rear axle.
 type Designs = [Vec<Vector3<f64>>; 2];
 
-/// Places of the study of a car, and of those of its front and of its rear axle.
+/// Paths of the study of a car, and of the studies of its front and rear axle.
 #[derive(Clone)]
 pub(in crate::studio) struct CarFiles([PathBuf; 3]);
 
 impl CarFiles {
-    /// The files of a car. Those of the axles are known when it is read.
+    /// Files of a car. The files of the axles become known when the car's file is read.
     pub(in crate::studio) fn at(path: &Path) -> Self {
         CarFiles([path.to_owned(), PathBuf::new(), PathBuf::new()])
     }
@@ -39,20 +39,20 @@ impl CarFiles {
         self.0.each_ref().map(|path| name_of(path))
     }
 
-    /// Name of the car's file, without its ending.
+    /// Name of the car's file, without the extension.
     pub(super) fn stem(&self) -> String {
         let stem = self.path().file_stem().unwrap_or_default();
         stem.to_string_lossy().into_owned()
     }
 
-    /// Reads them as they are now, or returns their fault in words.
+    /// Reads the present files, or returns the reason in words why they cannot be read.
     pub(in crate::studio) fn read(&self) -> Result<OpenedCar, String> {
         let study = CarStudy::read(self.path(), &[]).map_err(|errors| errors.render(false))?;
         let files = CarFiles::at(self.path()).with_axles(&study.inputs[1..])?;
         Ok(OpenedCar::of(files, study))
     }
 
-    /// The files with those of the axles, links followed.
+    /// Files of the car and of its axles, with symbolic links resolved.
     fn with_axles(mut self, axles: &[PathBuf]) -> Result<Self, String> {
         for (own, path) in self.0[1..].iter_mut().zip(axles) {
             let found = fs::canonicalize(path);
@@ -61,7 +61,7 @@ impl CarFiles {
         Ok(self)
     }
 
-    /// SHA-256 of the texts as they are now.
+    /// SHA-256 of the present texts.
     pub(in crate::studio) fn digest(&self) -> Result<String, String> {
         let text = text_of(self.path())?;
         let document: toml::Table = text.parse().map_err(|e| format!("not TOML: {e}"))?;
@@ -75,13 +75,13 @@ impl CarFiles {
         Ok(digest_of_texts(&[&text, &front, &rear]))
     }
 
-    /// Texts of the files as they are now.
+    /// Present texts of the files.
     fn texts(&self) -> Result<[String; 3], String> {
         let [car, front, rear] = &self.0;
         Ok([text_of(car)?, text_of(front)?, text_of(rear)?])
     }
 
-    /// Texts now, and after a save.
+    /// Present texts, and the texts that saving would write.
     pub(super) fn changes(
         &self,
         opened: &OpenedCar,
@@ -97,8 +97,8 @@ impl CarFiles {
         Ok(self.names().into_iter().zip(pairs).map(change).collect())
     }
 
-    /// Writes designs into the files. If one of them no longer has the text that was opened, all stay as they are. With
-    /// `anyway` they get the values and coordinates that differ from the opened texts.
+    /// Writes designs into the files. If the text of one file has changed since it was opened, no file changes. With `anyway`,
+    /// the values and coordinates that differ from the opened texts are written into the present files.
     pub(super) fn save(
         &self,
         opened: &OpenedCar,
@@ -126,7 +126,8 @@ impl CarFiles {
         if self.0[1] == self.0[2] && after[1] != after[2] {
             let name = name_of(&self.0[1]);
             return Err(NotSaved::Refused(format!(
-                "both axles of the car are the file {name}, and their changes differ: copy it and name the copy in [car]"
+                "both axles of the car use the file {name}, but their changes differ: copy the \
+                 file and give the copy in [car]"
             )));
         }
         let understood = self.understood(&after)?;
@@ -164,7 +165,7 @@ impl CarFiles {
     }
 
     /// Writes the opened texts with designs as three new files: `NAME.toml`, `NAME_front.toml` and `NAME_rear.toml`. Existing
-    /// files are left alone, or replaced `anyway`.
+    /// files are only replaced with `anyway`.
     pub(super) fn save_as(
         &self,
         opened: &OpenedCar,
@@ -197,7 +198,7 @@ impl CarFiles {
             return Err(NotSaved::Changed(message));
         }
         let mut done: Vec<String> = Vec::new();
-        // The car last: it names the others.
+        // The car's file is written last, because it names the other files.
         for number in [1, 2, 0] {
             let written = write_new(&paths[number], &texts[number], anyway);
             written.map_err(|why| half_written(why, &done))?;
@@ -206,14 +207,14 @@ impl CarFiles {
         Ok(names.join(", "))
     }
 
-    /// Resolves texts before they are saved: nothing is written that no command would read.
+    /// Resolves texts before they are saved, so that no text is written that commands could not read.
     fn understood(&self, texts: &[String; 3]) -> Result<OpenedCar, NotSaved> {
         OpenedCar::of_texts(self, texts).map_err(|errors| not_understood(&errors))
     }
 }
 
 impl OpenedCar {
-    /// The texts that were opened, if nothing of them was edited since.
+    /// Texts that were opened, if none of them has been edited since.
     fn texts_without_edits(&self) -> Option<[String; 3]> {
         self.edits.is_empty().then(|| self.texts())
     }
@@ -226,7 +227,7 @@ fn changed_files(files: &CarFiles, before: &[String; 3], now: &[String; 3]) -> V
     changed.map(|(name, _)| name).collect()
 }
 
-/// Names the files that were written before one could not be.
+/// Names the files that were written before the writing of another file failed.
 fn half_written(why: NotSaved, done: &[String]) -> NotSaved {
     match why {
         NotSaved::Refused(why) | NotSaved::Changed(why) if !done.is_empty() => {
@@ -245,7 +246,7 @@ fn with_designs(opened: &OpenedCar, designs: &Designs) -> [String; 3] {
     [opened.study.text.clone(), axle(0), axle(1)]
 }
 
-/// Texts with changes of their values. A path that begins with `front` or `rear` leads into the study of that axle.
+/// Texts with changes of their values. A path that begins with `front` or `rear` refers to the study of that axle.
 pub(super) fn edited_texts(
     texts: &[String; 3],
     edits: &[ValueEdit],

@@ -1,13 +1,13 @@
-//! The misfit of a car and its exact gradient by every coordinate of both axles.
+//! Misfit of a car and its exact gradient by every coordinate of both axles.
 //!
-//! With d_t the deviation from target t in tolerances (of a target of an axle by itself: the root mean square over its
-//! stations) and w_t its weight,
+//! With d_t the deviation from target t in tolerances and w_t its weight (for a target of a single axle, d_t is the root mean
+//! square over its stations),
 //!
 //! ```text
 //! M^2 = sum w_t d_t^2 / sum w_t          dM/dx = sum w_t d_t d d_t/dx / (M sum w_t)                              (1)
 //! ```
 //!
-//! A misfit of zero has no gradient. Zero is reported, since its square is at its minimum there.
+//! A misfit of zero has no gradient. Zero is reported, because the square of the misfit has its minimum there.
 
 use super::OpenedCar;
 use crate::car::{
@@ -29,10 +29,10 @@ pub(super) struct Weighed {
 /// Targets and constraints.
 type Found = (Vec<Weighed>, Vec<ConstraintRoom>);
 
-/// Targets and constraints of each axle by itself, if it has some.
+/// Targets and constraints of each single axle, if it has any.
 pub(super) type Rigs = [Option<Result<Found, String>>; 2];
 
-/// Evaluates the targets and constraints of each axle by itself. They need no load case.
+/// Evaluates the targets and constraints of each single axle. They need no load case.
 pub(super) fn assessed_rigs(opened: &OpenedCar, study: &CarStudy) -> Rigs {
     [0, 1].map(|end| {
         let goals = study.optimise.as_ref()?.rigs[end].as_ref()?;
@@ -40,7 +40,7 @@ pub(super) fn assessed_rigs(opened: &OpenedCar, study: &CarStudy) -> Rigs {
     })
 }
 
-/// The misfit of a design, if its study has targets.
+/// Misfit of a design, if its study has targets.
 pub(super) fn misfit<'s>(
     study: &'s CarStudy,
     solver: &mut CarSolver<'s>,
@@ -68,7 +68,7 @@ pub(super) fn misfit<'s>(
     })
 }
 
-/// The whole misfit: (1).
+/// Misfit of all targets: (1).
 fn summed(targets: Vec<Weighed>, constraints: Vec<ConstraintRoom>) -> Misfit {
     let weights: f64 = targets.iter().map(|own| own.weight).sum();
     let squares = targets
@@ -96,13 +96,13 @@ fn summed(targets: Vec<Weighed>, constraints: Vec<ConstraintRoom>) -> Misfit {
     }
 }
 
-/// Name of a target of a case.
+/// Name of a target of a load case.
 pub(super) fn name_of(target: &CarTarget, study: &CarStudy) -> String {
     let case = &study.cases[target.case].name;
     format!("{} in {case}", target.quantity.name())
 }
 
-/// Name of a target or a constraint of an axle by itself.
+/// Name of a target or a constraint of a single axle.
 pub(super) fn name_on_rig(name: &str, end: usize) -> String {
     format!("{name} of the {} axle", crate::car::AXLE_NAMES[end])
 }
@@ -157,7 +157,7 @@ fn of_cases<'s>(
     Ok((targets.into_iter().flatten().collect(), constraints))
 }
 
-/// A target of a case. Its root mean square is the size of its one deviation.
+/// Record of a target of a load case. Its root mean square is the size of its only deviation.
 fn of_target(target: &CarTarget, study: &CarStudy, gradient: &CarGradient) -> Weighed {
     let length = study.car.length_unit;
     let factor = target.quantity.info().unit.printed_factor(length);
@@ -181,8 +181,8 @@ fn of_target(target: &CarTarget, study: &CarStudy, gradient: &CarGradient) -> We
     }
 }
 
-/// Derivatives of a result by every coordinate as the page has it, in the program's units. Where the study gives the
-/// wheelbase, the rear axle follows its wheel centres and those of the front axle.
+/// Derivatives of a result by every coordinate of the page, in the program's units. If the study gives the wheelbase, the rear
+/// axle moves so that the wheelbase stays constant when wheel centres move.
 pub(super) fn by_coordinates(study: &CarStudy, gradient: &CarGradient) -> Coordinates {
     let frame = study.frame();
     let offset = Parameter::Axle(1, AxleParameter::OffsetX).place();
@@ -205,7 +205,7 @@ pub(super) fn by_coordinates(study: &CarStudy, gradient: &CarGradient) -> Coordi
     points.collect()
 }
 
-/// Targets and constraints of an axle by itself.
+/// Targets and constraints of a single axle.
 fn of_axle(
     opened: &OpenedCar,
     study: &CarStudy,
@@ -220,7 +220,7 @@ fn of_axle(
         .map_err(|why| name_on_rig(&why.to_string(), end))?;
     let misfit = of_assessment(own, &goals.optimise, &layout, &found);
     let points = study.axles.each_ref().map(|axle| axle.wheel().design.len());
-    // An axle's own axes may differ from the front study's.
+    // The axes of an axle's study may differ from those of the front study.
     let turned = |by: [f64; 3]| {
         study
             .frame()

@@ -1,7 +1,7 @@
 //! A car: its two axles in a load case, a table of all cases, and the car's own values.
 //!
-//! The page speaks of a car as of any other study: its stations are the load cases, and its points are those of the left
-//! wheels of both axles, along the axes of the front study.
+//! For the page, a car is like any other study. Its stations are the load cases. Its points are those of the left wheels of both
+//! axles, in the axes of the front study.
 
 mod answer;
 mod files;
@@ -38,18 +38,18 @@ const LIFT_COLUMNS: [&str; 6] = [
     "reason",
 ];
 
-/// Texts of a car and of its axles that were read, and their meaning.
+/// Texts of a car and of its axles that were read, with the resolved study.
 pub(in crate::studio) struct OpenedCar {
     files: CarFiles,
     digest: String,
-    /// SHA-256 of the files' texts that `edits` lead from.
+    /// SHA-256 of the files' texts to which `edits` apply.
     base: String,
     /// Changes that are not in the files.
     edits: Vec<ValueEdit>,
     study: CarStudy,
-    /// Every coordinate of each axle as something that can move.
+    /// A variable for every coordinate of each axle.
     every: [Vec<Variable>; 2],
-    /// The left side of this design in each case, once it was drawn; none without an equilibrium.
+    /// Left side of this design in each load case, once it has been drawn. `None` without an equilibrium.
     drawn: Vec<OnceLock<Option<SidePlacement>>>,
 }
 
@@ -86,14 +86,14 @@ impl OpenedCar {
         self.study.texts().map(str::to_owned)
     }
 
-    /// Coordinates of the front axle's points, and of the rear axle's.
+    /// Coordinates of the points of the front axle, and of the rear axle.
     fn of_axles<'c>(&self, coordinates: &'c [[f64; 3]]) -> [&'c [[f64; 3]]; 2] {
         let front = self.study.axles[0].wheel().design.len();
         let (front, rear) = coordinates.split_at(front.min(coordinates.len()));
         [front, rear]
     }
 
-    /// Designs of both axles that came from the page, in the kernel's frame.
+    /// Designs of both axles from the page, in the kernel's frame.
     fn designs(&self, coordinates: &Coordinates) -> Result<[Vec<Vector3<f64>>; 2], String> {
         let frame = self.study.frame();
         let own = self.of_axles(coordinates);
@@ -101,7 +101,7 @@ impl OpenedCar {
         Ok([design(0)?, design(1)?])
     }
 
-    /// The study with a design that came from the page.
+    /// Study with a design from the page.
     fn moved(&self, coordinates: &Coordinates) -> Result<CarStudy, String> {
         let study = self.study.at_design(self.designs(coordinates)?);
         for (end, axle) in AXLE_NAMES.iter().zip(&study.axles) {
@@ -111,12 +111,12 @@ impl OpenedCar {
     }
 }
 
-/// A solver of a car, or the fault of its design in words.
+/// Solver of a car, or the reason in words why its design cannot be solved.
 fn solver(study: &CarStudy) -> Result<CarSolver<'_>, String> {
     CarSolver::new(&study.car).map_err(|fault| study.car.describe_fault(&fault))
 }
 
-/// Designs of both axles as the page has them.
+/// Designs of both axles, as coordinates of the page.
 fn coordinates(study: &CarStudy) -> Coordinates {
     let frame = study.frame();
     let axles = study.car.axles.iter();
@@ -144,7 +144,7 @@ impl Reading for OpenedCar {
     }
 
     fn directions(&self, _: &Designed) -> Result<DirectionsAnswer, String> {
-        Err("free directions are for one axle: open its study".to_owned())
+        Err("free directions are available for one axle: open its study".to_owned())
     }
 
     fn limits(&self, of: &Designed) -> Result<LimitsAnswer, String> {
@@ -169,7 +169,7 @@ impl Reading for OpenedCar {
     }
 
     fn drawing(&self, _: &Designed) -> Result<Vec<u8>, String> {
-        Err("drawings for CAD are for one axle: open its study".to_owned())
+        Err("drawings for CAD are available for one axle: open its study".to_owned())
     }
 
     fn report(&self, of: &Designed) -> Result<String, String> {

@@ -1,4 +1,4 @@
-//! A car, as far as it stays while points move.
+//! Data of a car that do not change while points move.
 
 use super::misfit::{name_of, name_on_rig};
 use super::{OpenedCar, coordinates};
@@ -11,7 +11,7 @@ use crate::studio::message::{
 use crate::studio::overview::sections;
 use crate::study::{CarOptimise, CarStudy};
 
-/// The results that are shown at first where the study asks for none.
+/// Results that are shown at first if the study requests none.
 const SHOWN: [&str; 9] = [
     "roll",
     "pitch",
@@ -24,7 +24,7 @@ const SHOWN: [&str; 9] = [
     "body_roll_stiffness",
 ];
 
-/// The overview of a car that was read.
+/// Overview of a car that was read.
 pub(super) fn overview(opened: &OpenedCar) -> Overview {
     let study = &opened.study;
     let optimise = study.optimise.as_ref();
@@ -125,7 +125,7 @@ fn units(car: &Car) -> serde_json::Value {
         .into()
 }
 
-/// Points of the left wheels: of the front, then of the rear axle.
+/// Points of the left wheels: first of the front axle, then of the rear axle.
 fn points(study: &CarStudy) -> Vec<PointOverview> {
     let mut found = Vec::new();
     for (end, axle) in study.car.axles.iter().enumerate() {
@@ -148,7 +148,7 @@ fn points(study: &CarStudy) -> Vec<PointOverview> {
     found
 }
 
-/// The left side of both axles.
+/// Drawing of the left side of both axles.
 fn scene(study: &CarStudy) -> WholeScene {
     let [mut whole, rear] = study.car.axles.each_ref().map(|axle| Scene::of(&axle.left));
     let first = whole.points.len();
@@ -176,7 +176,7 @@ fn scene(study: &CarStudy) -> WholeScene {
     }
 }
 
-/// The choice of a load case.
+/// Slider that selects a load case.
 fn cases(study: &CarStudy) -> Slider {
     let values: Vec<f64> = (0..study.cases.len()).map(|case| case as f64).collect();
     Slider {
@@ -185,14 +185,14 @@ fn cases(study: &CarStudy) -> Slider {
     }
 }
 
-/// The name that stands for a result of all wheels or of both axles.
+/// Name that denotes a result of all wheels or of both axles.
 fn group(quantity: CarQuantity) -> String {
     let name = match quantity {
         CarQuantity::Wheel(_, result) => result.info().name.to_owned(),
         CarQuantity::Axle(_, result) => result.info().name.replace("_{}", ""),
         CarQuantity::Whole(result) => result.info().name.to_owned(),
     };
-    // A name of the whole car is the car's alone.
+    // The name of a result of the whole car denotes only that result.
     if CarQuantity::named(&name).contains(&quantity) {
         name
     } else {
@@ -200,7 +200,7 @@ fn group(quantity: CarQuantity) -> String {
     }
 }
 
-/// The results, and which of them the study or its targets ask for.
+/// Results, each marked if the study or its targets request it.
 fn catalogue(study: &CarStudy) -> Vec<CharacteristicOverview> {
     let car = &study.car;
     let mut asked: Vec<String> = if study.quantities == CarQuantity::default_columns(car) {
@@ -264,7 +264,7 @@ fn targets(study: &CarStudy, optimise: &CarOptimise) -> Vec<TargetOverview> {
 fn variable(variable: &CarVariable, study: &CarStudy) -> VariableOverview {
     let first = [0, study.car.axles[0].left.design.len()];
     let moves = variable.moves.points().iter().map(|at| {
-        // The variable is along its own study's axes, the page along the front study's.
+        // The variable refers to the axes of its own study, and the page to those of the front study.
         let own = study.car.axles[at.axle].left.frame;
         let sign = own.sign(at.axis) * study.frame().sign(at.axis);
         (

@@ -1,4 +1,4 @@
-//! A tuning of a car that is under way in the page.
+//! Tuning of a car that runs for the page.
 
 use super::misfit::{assessed_rigs, misfit};
 use super::{OpenedCar, coordinates, solver};
@@ -10,7 +10,7 @@ use crate::studio::message::{Proposal, SideEffectRows, TuneRequest};
 use crate::study::{CarStudy, PathStep, ValueEdit};
 use std::sync::Arc;
 
-/// The tuning of a design of a car, ready to run.
+/// Tuning of a design of a car, ready to run.
 pub(super) fn tuning(opened: &Arc<OpenedCar>, request: &TuneRequest) -> Result<Tuning, String> {
     let mut study = opened.moved(&request.of.design)?;
     let first = [0, study.car.axles[0].left.design.len()];
@@ -33,7 +33,7 @@ pub(super) fn tuning(opened: &Arc<OpenedCar>, request: &TuneRequest) -> Result<T
     Ok(Box::new(move |job| run(job, &opened, &study, remarks)))
 }
 
-/// Makes the range of a variable count from the design in the files.
+/// Shifts the range of a variable so that it counts from the design in the files.
 fn count_from_file(variable: &mut CarVariable, file: &CarStudy, now: &CarStudy) -> Option<String> {
     let moved = variable.moves.points().iter().map(|at| {
         let [was, is] = [file, now].map(|study| {
@@ -73,7 +73,7 @@ fn run(
     );
     let mut outcome = vec![fit.ended()];
     if !fit.is_feasible() {
-        outcome.push("Not every constraint can be kept within the ranges.".to_owned());
+        outcome.push("Not every constraint can be satisfied within the ranges.".to_owned());
     }
     Ok(Proposal {
         design: coordinates(&after),
@@ -86,7 +86,7 @@ fn run(
     })
 }
 
-/// The misfit of a design, if it has one.
+/// Misfit of a design, if it has one.
 fn misfit_of(opened: &OpenedCar, study: &CarStudy) -> Option<f64> {
     let mut solver = solver(study).ok()?;
     let results = CarResults::solve(study, &mut solver, study.cases.len());
@@ -94,8 +94,8 @@ fn misfit_of(opened: &OpenedCar, study: &CarStudy) -> Option<f64> {
     misfit(study, &mut solver, &results, rigs)?.value
 }
 
-/// The changes that give the texts the tuned rates and figures of the car, and the same in words: part, value now, tuned
-/// value.
+/// Changes that write the tuned rates and figures of the car into the texts. Also describes each change in words: part, present
+/// value, tuned value.
 fn rates(study: &CarStudy, after: &CarStudy, x: &[f64]) -> (Vec<ValueEdit>, Vec<[String; 3]>) {
     let variables = study.optimise.iter().flat_map(|o| &o.variables).zip(x);
     let own = variables.filter(|(variable, value)| {
@@ -116,7 +116,7 @@ fn rates(study: &CarStudy, after: &CarStudy, x: &[f64]) -> (Vec<ValueEdit>, Vec<
     (settings.iter().filter_map(|own| edit(own)).collect(), words)
 }
 
-/// A change `path=value`, as an edit of the texts.
+/// Converts `path=value` to an edit of the texts.
 fn edit(setting: &str) -> Option<ValueEdit> {
     let (path, value) = setting.split_once('=')?;
     let document: toml::Table = format!("value = {value}").parse().ok()?;

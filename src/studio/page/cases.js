@@ -83,7 +83,7 @@ const draw = () => {
       td.classList.toggle('target', targets.length > 0);
       td.classList.toggle('bad', isMissed);
       td.classList.toggle('selected', state.at[0] === k);
-      set(td, { title: targets.map((t) => `wanted: ${wanted(t)}${isMissed ? ', missed' : ''}`).join('; ') || null });
+      set(td, { title: targets.map((t) => `target: ${wanted(t)}${isMissed ? ', missed' : ''}`).join('; ') || null });
     });
   }
 };

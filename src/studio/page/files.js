@@ -41,8 +41,8 @@ const saved = ({ digest }, design) => {
   askGhost();
   emit('saved');
   emit('design');
-  if (!wasMoved) say(`Nothing was changed: ${file} stays as it was.`);
-  else say(isTuning() ? `${file} saved with the present points; the tuning that runs is not in it.` : `${file} saved`);
+  if (!wasMoved) say(`No change was made to ${file}.`);
+  else say(isTuning() ? `${file} saved with the present points; the running tuning is not included.` : `${file} saved`);
 };
 // A proposal on the page is no part of the design yet.
 const settleProposal = async () => {

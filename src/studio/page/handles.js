@@ -14,7 +14,7 @@ const numbersOf = (target, k, [first, last]) => {
   const isNumber = Number.isFinite;
   if (isNumber(written.value) && isNumber(written.at)) return [{ path: ['value'], place: written.at, value: written.value, name: 'wanted value' }];
   if (Array.isArray(written.points) && written.points.length <= MOST) {
-    return written.points.map(([place, value], i) => ({ path: ['points', i, 1], place, value, name: `wanted value at ${brief(place)}` }));
+    return written.points.map(([place, value], i) => ({ path: ['points', i, 1], place, value, name: `target value at ${brief(place)}` }));
   }
   const place = isNumber(written.at) ? written.at : edge;
   const found = [];

@@ -138,7 +138,7 @@ const warnings = () => {
   if (state.fault) lines.push(['bad', state.fault]);
   for (const f of state.answer?.failures ?? []) lines.push(['bad', `not solved, ${f.place}: ${f.reason}`]);
   const frame = state.answer?.frame;
-  if (frame?.pose?.Err) lines.push(['bad', state.overview.is_car ? `not drawn: ${frame.pose.Err}` : `no pose at the sliders' place: ${frame.pose.Err}`]);
+  if (frame?.pose?.Err) lines.push(['bad', state.overview.is_car ? `not drawn: ${frame.pose.Err}` : `no pose at the positions of the sliders: ${frame.pose.Err}`]);
   for (const remark of state.answer?.remarks ?? []) lines.push(['warn', remark]);
   if (!lines.length) lines.push(['hint', 'none']);
   return [panel('Warnings', html('ul', {}, ...lines.map(([kind, text]) => html('li', { class: kind, text }))))];

@@ -23,7 +23,7 @@ const picture = ({ scene, design }) => {
 
 const expected = (choice) => {
   const names = choice.hardpoints.filter(([, required]) => required).map(([name]) => name);
-  byId('expected').textContent = `Points that this kind needs: ${names.join(', ')}. Other usual names are understood.`;
+  byId('expected').textContent = `Points that this kind needs: ${names.join(', ')}. Other common names are recognised.`;
 };
 const chosen = () => document.querySelector('input[name=kind]:checked')?.value;
 

@@ -80,7 +80,7 @@ const build = () => {
     const cells = AXES.map((_, axis) => cell(p, axis));
     const moved = html('span');
     const all = html('button', { class: 'small', text: '○', title: 'Lock the point', 'aria-label': `lock ${name}`, on: { click: () => { const to = !state.locked[p].every(Boolean); state.locked[p] = [to, to, to]; emit('options'); } } });
-    const back = html('button', { class: 'small', text: '↺', title: 'Back to the file', 'aria-label': `${name} back to the file`, on: { click: () => put(state.design.map((c, q) => (q === p ? state.opened[p] : c)), 'back') } });
+    const back = html('button', { class: 'small', text: '↺', title: 'Back to the file', 'aria-label': `reset ${name} to the file`, on: { click: () => put(state.design.map((c, q) => (q === p ? state.opened[p] : c)), 'back') } });
     const th = html('th', { scope: 'row', title: about }, html('button', { class: 'name', text: name, on: { click: () => select(p) } }));
     const tr = html('tr', {}, th, ...cells.map((c) => c.td), html('td', { class: 'number moved' }, moved), html('td', {}, html('span', { class: 'tools' }, all, back)));
     return { tr, cells, moved, all, back };

@@ -123,7 +123,7 @@ export const targetForms = () => {
   const { targets = [], variables = [] } = optimise();
   return [headed('Change targets', ['target', 'wanted', 'tolerance', 'weight', ''], targets.map(targetRow)),
     headed('Variables', ['variable', ...['lowest', 'highest'].map((end) => (state.overview.is_car ? end : `${end} [${state.overview.unit}]`)), 'coordinate', ''], variables.map(variableRow), variableAdder(),
-      html('p', { class: 'hint', text: `Ranges ${state.overview.is_car ? 'of hardpoints ' : ''}count from the design in the file, wherever the points are now. Where a point is outside, Tune widens its range to the present place. A saved design is the new origin.` }))];
+      html('p', { class: 'hint', text: `Ranges ${state.overview.is_car ? 'of hardpoints ' : ''}are relative to the design in the file, not to the present positions. If a point is outside its range, Tune extends the range to the present position. After saving, ranges are relative to the saved design.` }))];
 };
 // Data of the vehicle by key. A number has its unit (`length`: the study's unit of length), a choice has its texts.
 const VEHICLE = {
@@ -219,7 +219,7 @@ const placesOnChart = () => {
   return {
     always: [],
     onBand: ends.map((end, k) => labelled(`${k ? 'To' : 'From'} ${slider.name} [${slider.unit}] (empty: whole motion)`, end)),
-    onValue: [labelled(`Place, ${slider.name} [${slider.unit}]`, place)],
+    onValue: [labelled(`Position, ${slider.name} [${slider.unit}]`, place)],
     words: ['stays between two limits', 'has a value at one place'],
     // The keys of the target; null if a field has no number.
     keys: (isBand, low, high) => {

@@ -59,7 +59,7 @@ const tune = async () => {
       await wait(120);
       now = await post('progress', { job });
       bar.value = now.starts;
-      const misfit = now.misfit === null ? '' : `, least misfit ${brief(now.misfit, 3)}`;
+      const misfit = now.misfit === null ? '' : `, smallest misfit ${brief(now.misfit, 3)}`;
       message.textContent = `${now.iterations} iterations${misfit}`;
     }
     if (now.error) throw new Error(now.error);
@@ -114,11 +114,11 @@ const tellMisfit = () => {
   const words = byId('proposal-misfit');
   if (!words) return;
   const isKnown = value !== undefined && value !== null;
-  const cost = isKnown && exact !== null ? ` (rounding costs ${signed(value - exact, 2)})` : '';
+  const cost = isKnown && exact !== null ? ` (rounding adds ${signed(value - exact, 2)})` : '';
   words.textContent = isKnown ? `misfit with these coordinates: ${brief(value, 4)}${cost}` : '';
 };
 
-// Changes that no target asks for, flagged ones first.
+// Changes that no target requests, flagged ones first.
 const effectsTable = ({ header, rows, rest }) => [
   ...(rows.length
     ? [html('div', { class: 'scroll' }, html('table', { id: 'side-effects' },

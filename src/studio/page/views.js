@@ -252,7 +252,7 @@ class View extends MechanismView {
     const [a, b] = [from, tip].map((c) => c.map(tenth).join(' '));
     set(line, { d: `M${a}L${b}M${at(barb, barb * 0.55)}L${b}L${at(barb, -barb * 0.55)}` });
     set(hit, { d: `M${a}L${b}` });
-    this.arrows[p].words = () => `${state.overview.points[p].name}: −${brief(steep, 3)} tolerances per ${state.overview.unit} this way (${slope.map((c, k) => `${AXES[k]} ${signed(-c, 2)}`).join(', ')})`;
+    this.arrows[p].words = () => `${state.overview.points[p].name}: −${brief(steep, 3)} tolerances per ${state.overview.unit} in this direction (${slope.map((c, k) => `${AXES[k]} ${signed(-c, 2)}`).join(', ')})`;
   }
 
   // Points that lie on each other at a place, the nearest first.

@@ -24,7 +24,7 @@ pub struct Compliance {
 pub struct ComplianceTest {
     /// Name of the test load or of the test motion.
     pub load: Text,
-    /// Distance from the contact point back to the side force.
+    /// Distance of the side force behind the contact point.
     pub trail: Option<Number>,
     /// `wheel_height` or `wheel_load`.
     pub hold: Option<Text>,

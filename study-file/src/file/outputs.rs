@@ -21,7 +21,7 @@ pub struct Outputs {
     pub order: Option<Text>,
     /// Hardpoints by whose coordinates the outputs are differentiated.
     pub sensitivities: Option<Selection>,
-    /// True if each pose is to be proved.
+    /// True if each pose must be proved.
     pub certify: Option<Spanned<bool>>,
     /// Loads on the wheel for which forces in links and joints are reported.
     pub loads: Option<Spanned<Vec<Load>>>,
@@ -37,7 +37,7 @@ pub struct Load {
     pub at: Text,
     /// For an axle, the loaded wheel. The default is both wheels.
     pub side: Option<Text>,
-    /// With elastic parts, the quantity that stays: `wheel_load` or `wheel_height`.
+    /// With elastic parts, the quantity that stays fixed: `wheel_load` or `wheel_height`.
     pub hold: Option<Text>,
     /// Force. Three components are valid.
     pub force: Option<Coordinates>,

@@ -11,7 +11,7 @@ use toml::Spanned;
 pub struct Setup {
     /// Adjustments.
     pub adjust: Spanned<Vec<Spanned<Adjustment>>>,
-    /// Target static values by characteristic.
+    /// Target values in the static position, by characteristic.
     pub want: Option<BTreeMap<Text, Number>>,
     /// Target change of the ride height, positive if the car becomes higher. An alternative is `travel`.
     pub ride_height_change: Option<Number>,

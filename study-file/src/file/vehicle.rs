@@ -49,17 +49,17 @@ pub struct OwnRight {
     /// Hardpoints that are not the mirror images of the left ones.
     #[serde(default)]
     pub hardpoints: BTreeMap<Text, Coordinates>,
-    /// Bodies on which ends of springs and rods are mounted, if they differ from the left wheel's.
+    /// Bodies on which ends of springs and rods are mounted, if they differ from those of the left wheel.
     #[serde(default)]
     pub bodies: BTreeMap<Text, Text>,
     /// Camber and toe of the right wheel.
     pub wheel: Option<Spanned<OwnAngles>>,
     /// Spring of the right wheel.
     pub spring: Option<Spanned<Spring>>,
-    /// Rates of bushings that differ from the left wheel's.
+    /// Rates of bushings that differ from those of the left wheel.
     #[serde(default)]
     pub bushings: BTreeMap<Text, Spanned<OwnBushing>>,
-    /// Stiffness of links that differs from the left wheel's.
+    /// Stiffness of links that differs from that of the left wheel.
     #[serde(default)]
     pub links: BTreeMap<Text, Spanned<LinkStiffness>>,
 }

@@ -1,4 +1,4 @@
-//! Writes the schema from the notes of the reader and the manual.
+//! Writes the schema from the recorded requests of the reader and from the manual.
 
 use super::source::{Kind, Place, key_path};
 use super::{Allowed, Root};
@@ -35,7 +35,7 @@ pub(super) fn manual(root: Root) -> BTreeMap<(String, String), String> {
     descriptions
 }
 
-/// Text in the manual for keys that the study of one wheel or an axle only knows in order to refuse them.
+/// Text in the manual for keys that a study of one wheel or an axle refuses with an explanation.
 const OF_CARS: &str = "only in the [study of a car](car.md)";
 
 /// All known facts, while the schema is written.

@@ -1,4 +1,4 @@
-//! Source of values for the reader of studies. It notes the kind of value and the keys that each type asks for.
+//! Source of values for the reader of studies. It records the kind of value and the keys that each type requests.
 
 use serde::de::value::StrDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
@@ -38,7 +38,7 @@ pub(super) struct Place {
     pub(super) takes_any: bool,
 }
 
-/// Offers for one reading, and the notes from it.
+/// Offers for one reading, and the records from it.
 #[derive(Debug, Default)]
 pub(super) struct Notes {
     pub(super) places: BTreeMap<String, Place>,
@@ -46,7 +46,7 @@ pub(super) struct Notes {
     pub(super) offers: BTreeMap<String, Kind>,
     /// Keys of tables whose type did not announce them.
     keys: BTreeMap<String, Vec<&'static str>>,
-    /// Key that is withheld.
+    /// Key that is withheld in this reading.
     pub(super) withheld: Option<String>,
     /// Place of the refused offer.
     pub(super) refused: Option<String>,
@@ -65,7 +65,7 @@ pub(super) enum Refusal {
 
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("not what was expected")
+        f.write_str("not as expected")
     }
 }
 
@@ -184,7 +184,7 @@ impl<'de> Deserializer<'de> for Key {
     }
 }
 
-/// Name by which the type of such a value announces itself (crate `serde_spanned`).
+/// Name with which the crate `serde_spanned` identifies the type of such a value.
 const SPANNED: &str = "$__serde_spanned_private";
 
 /// A value between its first and its last byte, in the form of the TOML reader.
@@ -254,7 +254,7 @@ impl<'de> Deserializer<'de> for Source<'_> {
                 let element = self.at(format!("{path}[]"));
                 visitor.visit_seq(One(Some(element)))
             }
-            _ => visitor.visit_map(self.keys(keys.as_deref().unwrap_or(&["a key nobody has"]))),
+            _ => visitor.visit_map(self.keys(keys.as_deref().unwrap_or(&["an unknown key"]))),
         };
         let mut notes = notes.borrow_mut();
         match &read {

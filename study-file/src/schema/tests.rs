@@ -18,7 +18,7 @@ fn keys_types_and_needs_are_those_of_the_reader() {
         case["properties"]["ay"]["description"],
         "acceleration to the left (a left turn), g"
     );
-    // Keys that only a car has.
+    // Keys that only the study of a car has.
     let target = "/properties/optimise/properties/targets/items/properties";
     let offers = |kind: usize, key: &str| {
         let keys = schema["anyOf"][kind].pointer(target).unwrap();

@@ -155,7 +155,10 @@ fn what_is_not_there_for_an_axle_is_refused_by_name() {
     );
     for (set, words) in [
         ("motion.travel=1.0", "travel drives one wheel only"),
-        ("motion.travel_left=1.0", "roll holds the mean travel"),
+        (
+            "motion.travel_left=1.0",
+            "roll keeps the mean travel constant",
+        ),
         ("motion.ground=\"pads\"", "expected ground = \"plane\""),
         ("motion.rack=1.0", "both give the rack"),
         ("outputs.points=[\"wheel_center\"]", "unknown point"),
@@ -209,7 +212,7 @@ fn an_axle_is_certified() {
     arguments.extend(set(&[]));
     let (said, _) = run(&arguments, 0);
     assert!(
-        said.contains("26 of 26 stations proved; the whole curve is one branch"),
+        said.contains("26 of 26 stations proved; the whole curve is on one branch"),
         "{said}"
     );
     let csv = fs::read_to_string(out.join("curves.csv")).unwrap();
@@ -220,7 +223,7 @@ fn an_axle_is_certified() {
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
     assert_eq!(summary["certificate"]["proved"], 26);
     assert_eq!(summary["certificate"]["one_branch"], true);
-    // Beyond the rack's end there is nothing to prove, and what can be reached is one branch.
+    // Beyond the rack's end there is nothing to prove, and all poses that can be reached are on one branch.
     let plane =
         "motion={travel_left=10.0, travel_right=-10.0, ground=\"plane\", rack=[0.0, 130.0]}";
     let mut arguments = vec!["solve", path, "--out", "-"];
@@ -230,7 +233,7 @@ fn an_axle_is_certified() {
     assert!(csv.contains("roll_error_deg,uniqueness_mm,status"), "{csv}");
     assert!(csv.trim_end().ends_with(",,,,unreachable"), "{csv}");
     assert!(
-        said.contains("1 of 2 stations proved; what can be reached is one branch"),
+        said.contains("1 of 2 stations proved; all poses that can be reached are on one branch"),
         "{said}"
     );
 }
@@ -351,7 +354,7 @@ fn an_axle_is_tuned() {
     let (said, _) = run(&arguments.chain(fewer).collect::<Vec<_>>(), 0);
     assert!(said.contains("roll_steer_deg_per_deg over roll"), "{said}");
     assert!(
-        said.contains("Least misfit by the size of the change"),
+        said.contains("Smallest misfit by the size of the change"),
         "{said}"
     );
     // The front is in the page, too, to pick from.
@@ -513,13 +516,15 @@ fn what_an_axle_lacks_is_said_with_the_wheel() {
     );
     let found = swept(&[few, "motion={ roll = [0.0, 60.0] }"]);
     assert!(
-        found.contains("at no difference of the travels do both wheels touch the ground"),
+        found.contains(
+            "there is no difference of the travels at which both wheels touch the ground"
+        ),
         "{found}"
     );
     let few = "outputs.characteristics=[\"camber\", \"ackermann\"]";
     let found = swept(&[few, "motion={ heave = [0.0, 10.0] }"]);
     let why = "Main effects are not known: they need designs that have every output, and none has; \
-               it would be known without ackermann.";
+               they would be known without ackermann.";
     assert!(found.contains(why), "{found}");
 }
 
@@ -552,9 +557,9 @@ fn what_knows_one_wheel_does_not_pass_for_the_axle() {
 fn a_right_hardpoint_at_the_left_is_doubted() {
     let path = study("five_link_axle.toml");
     let path = path.to_str().unwrap();
-    let doubt = "doubtful: right wheel: toe_link_inner is at the left wheel's side";
+    let doubt = "please check: right wheel: toe_link_inner is at the left wheel's side";
     let own = said(&["check", path], &[], 0);
-    assert!(!own.contains("doubtful"), "{own}");
+    assert!(!own.contains("please check"), "{own}");
     let set = "axle.right.hardpoints.toe_link_inner=[-180.0, 347.0, 262.0]";
     let own = said(&["check", path], &[set], 0);
     assert!(own.contains(doubt), "{own}");
@@ -664,7 +669,7 @@ fn mistakes_in_targets_of_an_axle_are_named() {
 fn a_c_factor_of_the_wrong_sign_is_doubted() {
     let path = study("macpherson_axle.toml");
     let path = path.to_str().unwrap();
-    let doubt = "turn against the steering wheel";
+    let doubt = "turn in the opposite direction to the steering wheel";
     let (said, _) = run(&["check", path], 0);
     assert!(!said.contains(doubt), "{said}");
     let (said, _) = run(&["check", path, "--set", "steering.c_factor=52.0"], 0);

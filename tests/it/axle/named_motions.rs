@@ -118,7 +118,7 @@ fn motions_that_do_not_fit_are_refused() {
     );
     refused(
         &["motions.m={ roll = 1.0, travel_left = 2.0 }"],
-        "roll holds the mean travel",
+        "roll keeps the mean travel constant",
     );
     refused(
         &["motions.m={ roll = [0.0, 1.0] }", &limit("")],
@@ -139,6 +139,6 @@ fn motions_that_do_not_fit_are_refused() {
     let own = "axle.right={ hardpoints = { tie_rod_outer = [-130.0, -688.0, 240.0] } }";
     refused(
         &[own, "motions.m={ heave = 1.0 }", &limit("")],
-        "the right wheel has dimensions of its own",
+        "the right wheel has different dimensions",
     );
 }

@@ -196,7 +196,7 @@ fn what_time_does_not_go_with_is_refused() {
         ),
         (
             "heave=1.0, drive=\"heave\"".to_owned(),
-            "the drive of an axle says what moves over time",
+            "the drive of an axle selects the coordinate that moves over time",
         ),
         (
             format!("drive=\"travel\", {time}"),

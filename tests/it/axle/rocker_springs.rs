@@ -234,7 +234,7 @@ fn what_is_missing_is_said() {
     };
     let said = refused(&without("heave_spring "));
     assert!(
-        said.contains("[heave_spring] is given, but the study gives no end"),
+        said.contains("[heave_spring] is given, but the hardpoint of its end is missing"),
         "{said}"
     );
     let said = refused(&without("pushrod_inner"));

@@ -32,7 +32,7 @@ fn new_cars_run() {
             );
         }
         let again = hardpoint(directory.path(), &["new", name]).code(2);
-        assert!(text(&again.get_output().stderr).contains("is there already"));
+        assert!(text(&again.get_output().stderr).contains("already exists"));
         let study = format!("{name}.toml");
         hardpoint(directory.path(), &["check", &study]).success();
         hardpoint(directory.path(), &["solve", &study]).success();
@@ -162,7 +162,7 @@ fn mistakes_are_named() {
         (
             "[optimise]",
             "[tolerance]\nscatter = [{ car = \"mass\", side = \"left\", sigma = 0.1 }]\n[optimise]",
-            "a rate or a figure of the car has no side",
+            "a rate or a value of the car has no side",
         ),
         (
             "[optimise]",
@@ -204,7 +204,7 @@ fn a_rack_needs_something_to_steer() {
         let checked = hardpoint(directory.path(), &["check", "off_road_car.toml"]).code(code);
         let said = text(&checked.get_output().stderr);
         assert_eq!(
-            said.contains("nothing steers the rear axle"),
+            said.contains("the rear axle is not steered"),
             is_refused,
             "{said}"
         );

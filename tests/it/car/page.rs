@@ -84,5 +84,5 @@ fn the_page_of_a_tuning_answers_first() {
     assert!(page.contains("side effects beyond their tolerances."));
     // Pictures of curves are of suspensions.
     let refused = hardpoint(directory, &["report", "run", "--plots", "pictures"]).code(2);
-    assert!(text(&refused.get_output().stderr).contains("its page has the pictures"));
+    assert!(text(&refused.get_output().stderr).contains("its page has pictures"));
 }

@@ -168,7 +168,7 @@ fn the_command_reports_both_kinds() {
     let said = hardpoint(directory.path(), &arguments).get_output().clone();
     let text = String::from_utf8(said.stdout).unwrap();
     assert!(
-        text.contains("toe_rms_deviation_deg") && text.contains("front axle by itself"),
+        text.contains("toe_rms_deviation_deg") && text.contains("front axle alone"),
         "{text}"
     );
     assert!(text.contains("margin after"), "{text}");
@@ -197,7 +197,7 @@ fn mistakes_of_places_are_named() {
         (
             "{ case = \"turn\", characteristic = \"roll\",",
             "{ case = \"turn\", over = \"roll\", characteristic = \"roll\",",
-            "over is for an axle by itself",
+            "over is for a single axle",
         ),
         (
             "characteristic = \"toe\", side = \"left\"",
@@ -209,7 +209,11 @@ fn mistakes_of_places_are_named() {
             "factors = [1.0]",
             "expected 2 factors",
         ),
-        ("percent = 40.0", "relative = 0.4", "relative is percent"),
+        (
+            "percent = 40.0",
+            "relative = 0.4",
+            "has percent instead of relative",
+        ),
     ] {
         let path = car(directory.path(), &BUMP_STEER.replacen(from, to, 1));
         let errors = CarStudy::read(&path, &[]).unwrap_err();

@@ -138,7 +138,7 @@ fn mistakes_in_a_sheet_are_named_with_their_line() {
     let good = "load,trail_mm,quantity,value,unit,tolerance\nlateral,0.0,camber_by_lateral_force,0.02,deg_per_kN,0.001\n";
     let asked = "\n[optimise]\nfit = true\nvariables = [{ bushing = \"lower_arm_rear\", stiffness = \"y\", range = [0.3, 3.0], relative = true }]\ntargets = [{ file = \"sheet.csv\", tolerance = 1.0 }]\n";
     for (from, to, line, phrase) in [
-        ("lateral,", "sideways,", 2, "no load of a test"),
+        ("lateral,", "sideways,", 2, "not a load of a test"),
         (
             "camber_by_lateral_force",
             "camber_by_side_force",

@@ -203,7 +203,7 @@ fn envelopes_that_cannot_be_are_refused_by_name() {
     assert!(
         steered
             .unwrap_err()
-            .contains("nothing steers this suspension")
+            .contains("this suspension is not steered")
     );
     let path = Path::new("studies/solid_axle_five_links.toml");
     let elastic = Study::read_elastic(path, &[]).unwrap();

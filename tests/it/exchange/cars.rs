@@ -152,27 +152,27 @@ fn vehicles_that_are_no_cars_are_refused() {
         (
             "made/wishbones.json",
             "made/none.json",
-            "is in no folder above the vehicle",
+            "is not in a folder above the vehicle",
         ),
         (
             "made/wishbones.json",
             "../wishbones.json",
-            "leaves the folder of the vehicle",
+            "is outside the folder of the vehicle",
         ),
         (
             "made/wishbones.json",
             "/etc/passwd",
-            "leaves the folder of the vehicle",
+            "is outside the folder of the vehicle",
         ),
         (
             "[-1.25, 0, 0.5]",
             "[-1.25, 0.1, 0.5]",
-            "beside the centre plane",
+            "from the centre plane",
         ),
         (
             "made/wishbones.json",
             "made/wheel.json",
-            "is no suspension of Project Chrono",
+            "is not a suspension of Project Chrono",
         ),
         ("\"Axles\"", "\"Track Assemblies\"", "without Axles"),
     ] {
@@ -663,7 +663,7 @@ fn bushings_of_adams_are_taken_where_their_directions_are_known() {
     for expected in [
         "FX and FY differ",
         "it is at tie_rod_inner",
-        "is no hardpoint of this wheel",
+        "is not a hardpoint of this wheel",
     ] {
         assert!(reasons.contains(expected), "{expected}: {reasons}");
     }

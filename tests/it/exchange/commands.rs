@@ -248,7 +248,7 @@ fn an_import_says_what_it_did_and_keeps_its_input() {
     for expected in [
         "upper_ball_joint",
         "\"Joint 7\", line",
-        "See it: hardpoint studio",
+        "To view it: hardpoint studio",
     ] {
         assert!(said.contains(expected), "{expected}: {said}");
     }
@@ -344,7 +344,10 @@ fn check_doubts_axes_and_a_wheel_at_the_centre_plane() {
         "{plain}"
     );
     let swapped = doubts(|[x, y, z]| [y, x, z]);
-    assert!(swapped.contains("the axes seem to be others"), "{swapped}");
+    assert!(
+        swapped.contains("the axes seem to be different"),
+        "{swapped}"
+    );
     let at_origin = doubts(|[x, y, z]| [x, y - 760.0, z]);
     assert!(at_origin.contains("from the centre plane"), "{at_origin}");
 }

@@ -360,7 +360,7 @@ fn every_template_of_chrono_with_a_topology_is_read() {
     for wanted in [
         "on a link",
         "spring_lower = [0.0000, 0.7400, -0.1400] and spring_upper = [0.0000, 0.6800, 0.1800]",
-        "take 0.71 of its motion_ratio",
+        "multiply its motion_ratio by 0.71",
     ] {
         assert!(left_out.contains(wanted), "{left_out}");
     }

@@ -144,7 +144,7 @@ fn missing_doubled_and_unreadable_points_are_named() {
     for (text, expected) in [
         ("", "empty"),
         ("a,b\nc,d\n", "no table of points"),
-        ("\u{0}\u{1}", "no text"),
+        ("\u{0}\u{1}", "not a text"),
         ("x,y,z\n1,2,3\n", "no column with names"),
     ] {
         let refused = refusal(text, &Said::default());
@@ -158,7 +158,7 @@ fn more_rows_than_points_can_be_are_refused() {
     for n in 0..300_000 {
         text += &format!("p{n},1,2,3\n");
     }
-    assert!(refusal(&text, &Said::default()).contains("no table of hardpoints"));
+    assert!(refusal(&text, &Said::default()).contains("not a table of hardpoints"));
 }
 
 fn cells() -> Vec<Vec<Value>> {

@@ -87,7 +87,7 @@ fn a_property_file_holds_one_bushing() {
     let study = elastic(&sample(), directory.path());
     let outgoing = Outgoing::of(&study, None, None);
     for (name, expected) in [
-        (None, "name it with --bushing, one of lower_arm_front,"),
+        (None, "select it with --bushing, one of lower_arm_front,"),
         (Some("tie_rod_inner"), "no bushing \"tie_rod_inner\""),
     ] {
         let refused = property_file(&outgoing, name).unwrap_err();

@@ -172,7 +172,10 @@ fn every_unit_and_frame_goes_out_and_comes_back() {
                     };
                     let topology = suspension.mechanism.topology.name;
                     let back = imported(&path, topology, &said).unwrap();
-                    let left_over = back.notes.iter().find(|note| note.contains("left over"));
+                    let left_over = back
+                        .notes
+                        .iter()
+                        .find(|note| note.contains("unused points"));
                     assert_eq!(left_over, None, "{name}");
                     assert_eq!((back.unit, back.frame, back.side), (unit, convention, side));
                     let frame = Frame::new(convention, side);
@@ -286,6 +289,6 @@ fn the_wheels_of_a_subsystem_are_told_apart() {
     assert!(
         left.notes
             .iter()
-            .any(|note| note.contains("mirrored from the other wheel"))
+            .any(|note| note.contains("mirror images of the other wheel"))
     );
 }

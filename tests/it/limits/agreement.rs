@@ -81,7 +81,7 @@ fn a_column_without_a_value_is_not_done() {
         let output = run(command, "attia.toml", &[set, same, spindle]);
         let said = said(&output);
         assert_eq!(output.status.code(), Some(1), "{command}: {said}");
-        let reason = "no value at any station: wheel_centre and strut_upper are at one place";
+        let reason = "no value at any station: wheel_centre and strut_upper coincide";
         assert!(
             said.contains("attia_camber_deg") && said.contains(reason),
             "{said}"
@@ -143,7 +143,7 @@ fn exchanged_pivots_and_offsets_for_coordinates_are_doubted() {
         ));
         match doubted {
             Some(phrase) => assert!(text.contains(phrase), "{text}"),
-            None => assert!(!text.contains("doubtful"), "{text}"),
+            None => assert!(!text.contains("please check"), "{text}"),
         }
     }
 }
@@ -210,7 +210,7 @@ fn a_rack_out_of_reach_has_no_range() {
     }
     assert!(!text.contains("followed further"), "{text}");
     assert!(
-        said(&output).contains("Nearest travel limit at the rack positions that are reached:"),
+        said(&output).contains("Nearest travel limit at the rack positions that can be reached:"),
         "{text}"
     );
 }
@@ -219,8 +219,7 @@ fn a_rack_out_of_reach_has_no_range() {
 #[test]
 fn a_rack_that_nothing_is_on_is_doubted() {
     let moved = "motion.rack=[-10.0, 0.0, 10.0]";
-    let doubt =
-        "doubtful: the motion displaces the rack, but nothing of a semi_trailing_arm is on it";
+    let doubt = "please check: the motion displaces the rack, but no part of a semi_trailing_arm is attached to it";
     for command in ["check", "solve"] {
         let with = said(&run(command, "semi_trailing_arm_solve.toml", &[moved]));
         assert!(with.contains(doubt), "{command}: {with}");
@@ -230,7 +229,7 @@ fn a_rack_that_nothing_is_on_is_doubted() {
         ] {
             let without = said(&run(command, study, set));
             assert!(
-                !without.contains("doubtful"),
+                !without.contains("please check"),
                 "{command} {study}: {without}"
             );
         }

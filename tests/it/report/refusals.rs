@@ -60,7 +60,7 @@ fn files_that_do_not_belong_together_are_refused() {
     fs::write(&record, text.replace("\"curves.csv\"", "\"../curves.csv\"")).unwrap();
     refused(
         hardpoint(&["report"]).arg(run.path()),
-        "is not a file's name",
+        "is not the name of a file",
     );
 }
 
@@ -87,7 +87,7 @@ fn a_sweep_whose_files_do_not_belong_together_is_refused() {
         (shorter.to_owned(), "it has another length"),
         (
             text.replace(&format!(",{least},"), &format!(",{other},")),
-            "has another misfit",
+            "has a different misfit",
         ),
         (
             text.replacen("camber", "camper", 1),

@@ -265,5 +265,8 @@ fn a_rod_that_cannot_reach_is_named() {
     let problem = problem(&study);
     let (side, why) = problem.built_wheels(0).unwrap_err();
     assert_eq!(side, None::<Side>);
-    assert_eq!(why.to_string(), "the tie rod cannot reach, or is at toggle");
+    assert_eq!(
+        why.to_string(),
+        "the tie rod is too short, too long or at its toggle"
+    );
 }

@@ -62,7 +62,7 @@ fn motions_and_parts_of_other_axles_are_refused() {
         ),
         (
             "[motion]\nheave = [0.0]\n[axle.right.hardpoints]\npanhard_axle = [-140.0, -470.0, 330.0]\n",
-            "once",
+            "has only one",
         ),
     ] {
         let found = refusal(&panhard().replace(STILL, motion));

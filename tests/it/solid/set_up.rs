@@ -349,7 +349,7 @@ fn refusals_have_reasons() {
         (
             &KINDS[0],
             "adjust = [{ length = \"lower_link\" }]\nwant = { track_change = 1.0 }",
-            "is 0 at rest",
+            "is always 0 in the static position",
         ),
         (
             &KINDS[0],

@@ -216,7 +216,7 @@ fn oversized_and_malformed_requests_are_refused() {
     let refused = served.post("solve", &message);
     assert_eq!(refused.status, 422);
     assert!(
-        refused.text().contains("no suspension"),
+        refused.text().contains("impossible for a suspension"),
         "{}",
         refused.text()
     );

@@ -234,7 +234,7 @@ fn mistakes_in_the_rows_of_designs_are_named() {
         ),
         ("tie_rod_inner_z\n", &["rows.csv", "found none"]),
         ("tie_rod_iner_z\n1\n", &["rows.csv:1", "tie_rod_inner"]),
-        ("tie_rod_inner_z,tie_rod_inner_z\n1,1\n", &["there twice"]),
+        ("tie_rod_inner_z,tie_rod_inner_z\n1,1\n", &["occurs twice"]),
     ] {
         fs::write(bench.path("rows.csv"), rows).unwrap();
         let (_, error) = said(&bench.sweep("run", &[]).code(2));
@@ -276,7 +276,10 @@ fn a_sweep_of_nothing_is_refused() {
         let bench = Bench::new(&study.replace("characteristics = [\"camber\", \"toe\"]", outputs));
         for command in ["check", "sweep"] {
             let (_, error) = said(&bench.run(&[command, "study.toml"]).code(2));
-            assert!(error.contains("nothing to keep of each design"), "{error}");
+            assert!(
+                error.contains("nothing to write for each design"),
+                "{error}"
+            );
         }
         let points = ["--set", "outputs.points=[\"wheel_centre\"]"];
         bench.sweep("run", &points).success();

@@ -796,7 +796,7 @@ fn fronts_and_price_lists_are_written_and_shown() {
         "{said}"
     );
     assert!(
-        said.contains("Least misfit by the size of the change"),
+        said.contains("Smallest misfit by the size of the change"),
         "{said}"
     );
     let text = std::fs::read_to_string(out.join("front.csv")).unwrap();

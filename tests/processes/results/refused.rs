@@ -104,7 +104,10 @@ fn devices_and_named_pipes_are_no_files() {
             bench.refused(call, &[kind]);
             assert!(begun.elapsed() < Duration::from_secs(20), "{call:?}");
         }
-        bench.refused(&["studio", file, "--no-open"], &["it is no regular file"]);
+        bench.refused(
+            &["studio", file, "--no-open"],
+            &["it is not a regular file"],
+        );
     }
 }
 

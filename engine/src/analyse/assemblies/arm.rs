@@ -201,8 +201,8 @@ impl Branch {
         }
     }
 
-    /// Squares for the upper end and for the tie rod, which are negative if there is no assembly. Also returns f - travel as
-    /// a series in the angle.
+    /// Radicands in the positions of the upper end and of the tie rod. They are negative if there is no assembly. Also returns f
+    /// - travel as a series in the angle.
     #[inline(never)]
     fn miss(&self, angle: Interval) -> ([Interval; 2], Value) {
         let form = self.form.map(Jet::constant);
@@ -211,10 +211,10 @@ impl Branch {
         ([upper_square, state.toggle_square()[0]], miss)
     }
 
-    /// State of the mechanism on a piece, and the square under the root for its upper end. Two squares are small differences of
-    /// large terms near their zeros: this one, and the square of the tie-rod end's distance from its plane. The zeros are double
-    /// if parallel arms are in line with each other and with the steering axis. So both squares have mean-value forms, which give
-    /// far narrower intervals than direct evaluation.
+    /// Returns the state of the mechanism on a piece, and the radicand in the position of its upper end. Two radicands are small
+    /// differences of large terms near their zeros: this one, and that of the tie-rod end's distance from its plane. The zeros
+    /// are double if parallel arms are in line with each other and with the steering axis. So both radicands have mean-value
+    /// forms, which give far narrower intervals than direct evaluation.
     fn state(&self, form: &ClosedForm<Value>, angle: Interval) -> (ArmState<Value>, Interval) {
         let middle = Interval::point(angle.middle());
         let around = angle - middle;

@@ -41,7 +41,7 @@ pub struct Assembly {
     pub certificate: Option<Certificate>,
 }
 
-/// A feature of an assembly with two variants. An assembly has neither only at the border between them.
+/// A feature that distinguishes assemblies: each assembly has one of its two variants, or lies at the border between them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AssemblyMode {
     /// Position of a strut's mount, above or below the foot of the perpendicular from the ball joint to the strut's axis.
@@ -83,7 +83,7 @@ impl AssemblyMode {
 /// Assemblies that were found at one travel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Assemblies {
-    /// Modes that distinguish assemblies of this mechanism.
+    /// Features that distinguish assemblies of this mechanism.
     pub traits: Vec<AssemblyMode>,
     /// Assemblies, in the order of the arm angle or, for a mechanism without an arm, of the rotation from the design
     /// position.
@@ -107,8 +107,8 @@ pub enum Undecided {
 
 /// Number of starting points for Newton's method, if the exact search has left an interval undecided.
 const TRIES: usize = 400;
-/// Distance (in sizes) below which an assembly without proof counts as equal to another one. The two are then a double
-/// assembly, whose position is uncertain by the square root of the rounding.
+/// Distance, relative to the mechanism's size, below which an assembly without proof counts as equal to another one. The two are
+/// then a double assembly, whose position is uncertain by the square root of the rounding.
 const DOUBLE: f64 = 1e-5;
 /// Largest number of undecided places in the result.
 const MOST_UNDECIDED: usize = 64;
@@ -167,7 +167,7 @@ impl Solver<'_> {
     }
 }
 
-/// Modes that distinguish assemblies of a mechanism.
+/// Features that distinguish assemblies of a mechanism.
 fn traits(mechanism: &Mechanism) -> Vec<AssemblyMode> {
     match (Roles::of(mechanism), mechanism.constraints.as_slice()) {
         (Some(roles), _) if roles.is_strut() => vec![AssemblyMode::Strut, AssemblyMode::TieRod],

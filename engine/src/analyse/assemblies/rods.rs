@@ -45,7 +45,7 @@ const FIRST_TRY: f64 = 1e-3;
 const MOST_TRIES: usize = 4000;
 /// Largest share of a box's volume that may remain for Krawczyk's operator to be repeated.
 const WORTHWHILE: f64 = 0.5;
-/// Distance, in sizes, up to which an assembly belongs to its box.
+/// Distance, relative to the mechanism's size, up to which an assembly belongs to its box.
 const NEAR: f64 = 1e-6;
 
 /// A rod, for one of the four D.
@@ -161,7 +161,7 @@ impl Search<'_> {
         }
     }
 
-    /// Records that nothing could be decided near a pose, once for each place.
+    /// Records a place at which the search could not decide. Each place is recorded once.
     fn leave_open(&mut self, pose: Pose<f64>) {
         let size = self.solver.size();
         let known = |u: &Undecided| match u {
@@ -428,7 +428,7 @@ fn halves(cell: &Cell, across: usize) -> [Cell; 2] {
     [below, above]
 }
 
-/// Middle of some poses. It is a rotation up to their width.
+/// Pose in the middle of an interval of poses. Its matrix is a rotation except for an error of the interval's width.
 fn middle(poses: &Pose<Interval>) -> Pose<f64> {
     let middle = poses.map(Interval::middle);
     Pose {

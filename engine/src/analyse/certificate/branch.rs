@@ -16,7 +16,7 @@ const MOST_STEPS: usize = 4096;
 const MOST_HALVINGS: usize = 40;
 
 impl Solver<'_> {
-    /// The same as [`Solver::for_each_pose`], with two proofs for every pose: that it is right, and that it lies on the
+    /// Visits stations like [`Solver::for_each_pose`], with two proofs for every pose: that it is right, and that it lies on the
     /// branch of the design position. A pose without proof counts as a failure.
     ///
     /// # Errors
@@ -127,7 +127,7 @@ impl Solver<'_> {
             let middle = self
                 .follow(&from.place, &between)
                 .map_err(|_| Unproven::Branch)?;
-            let top = goals.last_mut().expect("looked at above");
+            let top = goals.last_mut().expect("checked above");
             top.1 += 1;
             let depth = top.1;
             // If an end itself is not proved, a shorter step to it cannot prove it.

@@ -60,7 +60,7 @@ pub(crate) struct Quadratic {
     pub(crate) pose_bends: Vec<PoseBend>,
 }
 
-/// Second derivative by a pair of the pose's numbers. If the two differ, it is counted twice.
+/// Second derivative by a pair of the pose's numbers. For two different numbers it includes both orders of the pair.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PoseBend {
     pub equation: usize,
@@ -181,7 +181,7 @@ impl Quadratic {
         self.displacement_over(pose, &point)
     }
 
-    /// The same as [`Quadratic::displacement`], with drive and rack in intervals.
+    /// Displacement as in [`Quadratic::displacement`], with drive and rack in intervals.
     pub(crate) fn displacement_over(
         &self,
         pose: &Pose<f64>,

@@ -112,7 +112,7 @@ fn members_of_constraints(mechanism: &Mechanism) -> Vec<Member> {
     let mut members = Vec::new();
     for constraint in &mechanism.constraints {
         match *constraint {
-            // These rods stand for the far half of a twist beam.
+            // These rods represent the far half of a twist beam.
             Constraint::Link { .. } if mechanism.topology.is_twist_beam() => {}
             // The legs of an arm with a spring or a link on it are bent, and no force along them is the whole load.
             Constraint::Link { outer, .. } if is_joint_of_bent_arm(mechanism, outer) => {}
@@ -130,7 +130,7 @@ fn members_of_constraints(mechanism: &Mechanism) -> Vec<Member> {
             Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => {
                 members.extend(components(mechanism.name(at), at));
             }
-            // The forces of a twist beam come together below.
+            // The forces of a twist beam are added together below.
             Constraint::Mount { .. } | Constraint::AxleTravel { .. } => {}
         }
     }

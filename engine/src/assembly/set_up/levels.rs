@@ -1,4 +1,4 @@
-//! First level: threads meet their aims exactly, for any shims.
+//! First level of a set-up: threads reach their target values exactly, whatever the shims are.
 
 use super::problem::Problem;
 use super::{AdjustedSuspension, SetUpError};
@@ -56,9 +56,9 @@ pub(super) fn felt(mut rows: DMatrix<f64>) -> Vec<usize> {
 
 /// Result of an iteration, with its last state.
 pub(super) enum End<S = AdjustedSuspension> {
-    /// The aims are met, or as close as least squares can bring them.
+    /// The values meet their aims, or are as close as least squares can bring them.
     Settled(S),
-    /// No step brings the aims closer.
+    /// No step brings the values closer to their aims.
     Stuck(S),
 }
 
@@ -101,7 +101,7 @@ fn iterate<S>(
 }
 
 impl Problem<'_> {
-    /// Meets some aims by some adjustments, or names the aims that are out of reach.
+    /// Meets the given aims with the given adjustments, or names the aims that are out of reach.
     pub(super) fn meet(
         &self,
         state: AdjustedSuspension,

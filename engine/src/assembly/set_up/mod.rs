@@ -112,9 +112,9 @@ impl Static {
 pub struct AdjustedSuspension {
     /// Amount of each adjustment, in the order of the study.
     pub amounts: Vec<f64>,
-    /// Assembled parts. A solid axle is as its left wheel sees it.
+    /// Assembled parts. For a solid axle, in the frame of its left wheel.
     pub built: Built,
-    /// A solid axle as its right wheel sees it. `None` for one wheel.
+    /// Solid axle in the frame of its right wheel. `None` for one wheel.
     pub seen_from_right: Option<Built>,
     /// Static values, in printed units.
     pub values: Vec<f64>,
@@ -122,7 +122,7 @@ pub struct AdjustedSuspension {
     pub by: Vec<Vec<f64>>,
 }
 
-/// Aim of a static value.
+/// Aim of a static value: the value that the set-up must reach, if there is one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Aim {
     /// Target value of the study, in printed units.
@@ -151,7 +151,7 @@ pub struct SetUp {
     pub statics: Vec<Static>,
     /// Aim of each static value.
     pub aims: Vec<Aim>,
-    /// State of the design, at the target ride height if no adjustment sets it.
+    /// State of the nominal design. It is at the target ride height if no adjustment sets that height.
     pub drawn: AdjustedSuspension,
     /// Indices of the adjustments in the order of a mechanic: shims, then threads, with the thread of toe last.
     pub order: Vec<usize>,
@@ -214,7 +214,7 @@ impl SetUp {
         SetUp::solve_problem(Problem::of(study, setup, assembler)?, setup)
     }
 
-    /// Finds the adjustments of a solid axle, from its assemblers as the left and as the right wheel sees it.
+    /// Finds the adjustments of a solid axle, from its assemblers as seen from the left and from the right wheel.
     pub fn solve_axle(
         both: &AxleStudy,
         setup: &Setup,
@@ -263,7 +263,7 @@ impl SetUp {
         Problem::of(study, setup, assembler).map(SetUp::unsolved)
     }
 
-    /// The same of a solid axle, from its assemblers as the left and as the right wheel sees it.
+    /// Returns the same for a solid axle, from its assemblers as seen from the left and from the right wheel.
     pub fn drawn_axle(
         both: &AxleStudy,
         setup: &Setup,
@@ -307,14 +307,14 @@ impl SetUp {
             .collect()
     }
 
-    /// Returns true for each aim that the unrounded amounts meet, within half steps of shims. A value without an aim
-    /// counts as met.
+    /// Returns true for each aim that the unrounded amounts meet, within the effect of half a step of each shim. A value without
+    /// an aim counts as met.
     pub fn met(&self) -> Vec<bool> {
         within(&self.misses(), &self.allowed)
     }
 
-    /// Returns true for each aim that the rounded amounts meet, within half steps of shims and half sixteenths of
-    /// turns.
+    /// Returns true for each aim that the rounded amounts meet, within the effect of half a step of each shim and half a
+    /// sixteenth of a turn of each thread.
     pub fn met_rounded(&self) -> Vec<bool> {
         within(&self.misses_rounded(), &self.allowed_rounded)
     }

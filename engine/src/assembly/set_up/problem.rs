@@ -16,7 +16,7 @@ use crate::number::Each;
 use crate::study::{Adjustment, AxleStudy, Increment, Setup, Study};
 use nalgebra::{DMatrix, DVector};
 
-/// Factor on the error that rounding by half a step may cause. It covers the curvature that slopes ignore.
+/// Factor on the linear estimate of the error that rounding by half a step causes. It covers the curvature.
 const CURVED: f64 = 1.01;
 
 /// A set-up to solve.
@@ -82,7 +82,7 @@ impl<'a> Problem<'a> {
                 _ => 1.0,
             });
         }
-        // A single adjustment cannot keep the height and do something else.
+        // A single adjustment cannot both keep the height and meet another target.
         *aims.last_mut().expect("the ride height is the last value") =
             match setup.ride_height_change {
                 Some(change) if lifts => Aim::Wanted(change),
@@ -110,9 +110,8 @@ impl<'a> Problem<'a> {
         self.subject.suspension().size()
     }
 
-    /// Keeps the toe of the design if the study gives no target for it and one of several threads is for toe. A thread is
-    /// for toe if it changes toe more than camber, caster and ride height. A single thread serves whatever the study
-    /// requests.
+    /// Keeps the toe of the design if the study gives no target for it and one of several threads is for toe. A thread is for toe
+    /// if it changes toe more than camber, caster and ride height. A single thread adjusts whatever the study requests.
     fn keep_toe(&mut self, drawn: &AdjustedSuspension) {
         let Some(toe) = self.toes().next() else {
             return;
@@ -258,7 +257,7 @@ impl<'a> Problem<'a> {
         (amount / grid).round() * grid
     }
 
-    /// Errors that half steps of shims may cause, equation (7), in printed units. 0 for a value that threads meet.
+    /// Errors that half steps of shims may cause, equation (7), in printed units. 0 for a value that threads set.
     pub(super) fn half_steps(&self, levels: &Levels, state: &AdjustedSuspension) -> Vec<f64> {
         let mut allowed = vec![0.0; self.statics.len()];
         let by = self.reduced_effects(levels, state);
@@ -270,7 +269,7 @@ impl<'a> Problem<'a> {
         allowed
     }
 
-    /// The same errors plus the effect of half the smallest change of every continuous adjustment.
+    /// Errors that half steps of shims may cause, plus the effect of half the smallest change of every continuous adjustment.
     pub(super) fn with_half_turns(&self, allowed: &[f64], state: &AdjustedSuspension) -> Vec<f64> {
         let mut allowed = allowed.to_vec();
         for k in self.threads() {
@@ -342,8 +341,8 @@ fn quantities(both: &AxleStudy, setup: &Setup) -> Vec<Quantity> {
     quantities
 }
 
-/// Returns true if an adjustment lifts the car, because it changes a part between spring and arm. The spring then keeps
-/// its design length, which sets the height.
+/// Returns true if an adjustment lifts the car. It does so if it changes a part between spring and arm. The spring then keeps its
+/// design length, which sets the height.
 fn lifts(adjustment: &Adjustment, study: &Study) -> bool {
     let mechanism = &study.wheel().mechanism;
     let Some(spring) = mechanism.spring else {

@@ -1,4 +1,4 @@
-//! Second level: whole shims serve the aims that threads do not meet.
+//! Second level of a set-up: whole shims serve the target values that threads cannot reach.
 
 use super::levels::{End, Levels, least_step};
 use super::problem::Problem;
@@ -79,7 +79,7 @@ impl Problem<'_> {
         })
     }
 
-    /// State with these shims, in which the threads meet their aims: `X(z)` of equation (2).
+    /// Returns the state with these shims in which the threads meet their aims: `X(z)` of equation (2).
     fn with_threads(&self, amounts: &[f64], levels: &Levels) -> Result<End, SetUpError> {
         Ok(self.newton(self.state(amounts)?, &levels.exact, &levels.threads))
     }

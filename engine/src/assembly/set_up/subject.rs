@@ -1,7 +1,7 @@
 //! Assembled parts of a set-up, their static values, and the derivatives of these values by each adjustment.
 //!
-//! A wheel is assembled by itself. A solid axle is assembled as a whole, once as each of its wheels sees it (`RigidAxle`). A value
-//! y of the axle then has gradients by the built designs p_l and p_r of both views. With x the amount of an adjustment,
+//! A wheel is assembled separately. A solid axle is assembled as a whole, once as each of its wheels sees it (`RigidAxle`). A
+//! value y of the axle then has gradients by the built designs p_l and p_r of both views. With x the amount of an adjustment,
 //!
 //! ```text
 //! dy/dx = (dy/dp_l) (dp_l/dx) + (dy/dp_r) (dp_r/dx)                                          (8)
@@ -24,7 +24,7 @@ use crate::plan::Plan;
 use crate::study::{Adjustment, AxleStudy, Outputs, WheelStudy};
 use std::borrow::Cow;
 
-/// Dimensions that an adjustment changes in one assembled mechanism: one, or none.
+/// Dimension that an adjustment changes in one assembled mechanism, if it changes one.
 type Change = Vec<(BuildParameter, f64)>;
 
 /// A suspension to set up.
@@ -39,7 +39,7 @@ pub(super) enum Subject<'a> {
     Axle(Box<WholeAxle<'a>>),
 }
 
-/// A solid axle as each of its wheels sees it: first the left, then the right one.
+/// Mechanisms of a solid axle as seen from its left and from its right wheel, in this order.
 pub(super) struct WholeAxle<'a> {
     assemblers: [&'a Assembler; 2],
     changes: [Vec<Change>; 2],
@@ -49,7 +49,7 @@ pub(super) struct WholeAxle<'a> {
 }
 
 impl<'a> Subject<'a> {
-    /// A wheel, with these values.
+    /// Makes the subject of one wheel with these characteristics.
     pub(super) fn wheel(
         assembler: &'a Assembler,
         adjust: &[Adjustment],

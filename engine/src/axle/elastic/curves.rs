@@ -19,7 +19,7 @@ pub(in crate::axle) fn curves(
     plan: &AxlePlan,
 ) -> Result<AxleCurves, (Side, DesignFault)> {
     let equilibria = axle.own_equilibria(elastic)?;
-    // Forces under loads have their own columns here, because elastic parts share them otherwise than rigid ones.
+    // Forces under loads have their own columns here, because elastic parts distribute them differently from rigid parts.
     let mut columns = plan.columns(axle);
     columns.retain(|column| column.read().is_some());
     let reads: Vec<AxleRead> = columns.iter().filter_map(AxleColumn::read).collect();
@@ -115,7 +115,7 @@ impl StationReader<'_> {
         station: usize,
         at: ([f64; 2], f64),
     ) -> Result<Vec<Sensitivity>, NoEquilibrium> {
-        // The wheels, and the halves of a solid axle, move as mirror images; other wheels move each by itself.
+        // Mirror-image wheels, and the halves of a solid axle, move together. Other wheels move independently.
         let sides = match self.axle.right {
             None => &[None][..],
             Some(_) if self.axle.is_rigid() => &[None],

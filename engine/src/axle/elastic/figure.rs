@@ -15,7 +15,7 @@ pub struct TestFigure {
     pub unit: Unit,
     /// Subject: the axle, or one of its wheels.
     pub of: KcSubject,
-    /// True for the secant over the window of the test.
+    /// True if the figure is the secant over the window of the test.
     pub is_secant: bool,
     /// True if its name ends with the load, because tests with other loads have the same quantity.
     pub names_load: bool,
@@ -83,7 +83,7 @@ impl TestFigure {
         Info {
             name: self.quantity,
             unit: self.unit,
-            positive: "as docs/compliance.md says",
+            positive: "as in docs/compliance.md",
             formula: "derivative of an equilibrium by the load or motion of a test",
             source: "a rig test of kinematics and compliance",
             ..Info::EMPTY

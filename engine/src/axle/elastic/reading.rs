@@ -7,8 +7,8 @@
 //! track = C_l.y + C_r.y                                                                           (2)
 //! ```
 //!
-//! A characteristic that is made of velocities is read along heave: both wheels rise together. A solid axle has its line, pitch
-//! and place, too, and a roll centre along equal opposite travels.
+//! A characteristic that contains velocities is evaluated along heave: both wheels rise together. A solid axle also has its line,
+//! pitch and place, and a roll centre from equal opposite travels.
 
 use super::super::formulas::rigid::{pitch_of, steer_of};
 use super::super::{Axle, AxleColumn, AxleKind, AxleQuantity, Motion, Quantity, WheelQuantity};
@@ -34,8 +34,8 @@ pub fn not_in_equilibrium(
     use AxleQuantity as A;
     use WheelQuantity as W;
     const REMOVE: &str =
-        "with [compliance] ask a figure of a test; without [compliance] the mechanism is rigid";
-    let rigid = Some(["applies to the rigid mechanism alone", REMOVE]);
+        "with [compliance] use a figure of a test; without [compliance] the mechanism is rigid";
+    let rigid = Some(["applies to the rigid mechanism only", REMOVE]);
     let once = if is_derivative {
         Some([
             "has no derivative along a motion with [compliance]",
@@ -177,7 +177,7 @@ impl<T: Scalar> Reader<'_, T> {
         }
     }
 
-    /// Height and lateral place of a solid axle's roll centre.
+    /// Height and lateral position of a solid axle's roll centre.
     fn roll_centre(&mut self) -> Option<[T; 2]> {
         let at = self.here.at;
         let (axle, tangent) = self.here.moving(HeldQuantity::WheelHeight)?;
@@ -246,7 +246,7 @@ impl<T: Scalar> Reader<'_, T> {
     }
 }
 
-/// A quantity that the place of a solid axle gives.
+/// A quantity that follows from the position of a solid axle.
 fn place_quantity<T: Scalar>(of: AxleQuantity, place: &AxlePlace<T>) -> Option<T> {
     match of {
         AxleQuantity::AxleSteer => Some(steer_of(place.line)),
@@ -330,7 +330,7 @@ fn by_conditions(wanted: &[AxleRead]) -> Vec<(Conditions, Vec<usize>)> {
 /// An axle with elastic parts, ready for the evaluation of stations.
 pub(crate) struct Equilibria<'a> {
     run: AxleKcRun<'a>,
-    /// Sign of the study's rack axis in the kernel's frame.
+    /// Sign of the study's rack axis along y of the kernel's frame.
     along: f64,
 }
 
@@ -377,12 +377,12 @@ impl Equilibria<'_> {
         self.run.axle()
     }
 
-    /// The axle in equilibrium at travels and a rack displacement towards the kernel's +y.
+    /// Equilibrium of the axle at given travels and a rack displacement towards the kernel's +y.
     pub(crate) fn here(&self, (travels, rack): ([f64; 2], f64)) -> Result<Here, NoEquilibrium> {
         self.run.here(USUAL, travels, self.along * rack, [])
     }
 
-    /// Values at travels and a rack displacement towards the kernel's +y. `None` for missing values.
+    /// Values at given travels and a rack displacement towards the kernel's +y. `None` for missing values.
     pub(crate) fn values(
         &self,
         (travels, rack): ([f64; 2], f64),
@@ -403,7 +403,7 @@ impl Equilibria<'_> {
         Ok(found)
     }
 
-    /// Values at travels and a rack displacement towards the kernel's +y, with their derivatives by inputs. `receive` gets
+    /// Values at given travels and a rack displacement towards the kernel's +y, with their derivatives by inputs. `receive` gets
     /// the index of each existing value, the value and its derivatives.
     pub(crate) fn gradients(
         &self,

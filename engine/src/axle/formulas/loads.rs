@@ -144,7 +144,7 @@ pub(crate) fn roll_stiffness<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W
     roll_moment(&rig)[1] / angle[1]
 }
 
-/// The same stiffness with both tyres in series. A tyre deflects by its load divided by its rate, on both sides of the
+/// Roll stiffness on a rig, with both tyres in series. A tyre deflects by its load divided by its rate, on both sides of the
 /// track.
 pub(crate) fn roll_stiffness_with_tyres<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let track = state.on_pads().track();
@@ -176,7 +176,7 @@ pub(crate) fn ride_rate_without_tyres<T: Scalar, W: WheelParts<T>>(state: &AxleS
     axle_load(&state.moving(Motion::Heave))[1].scaled(0.5)
 }
 
-/// The same rate in series with a tyre, if there is one.
+/// Ride rate: the rate of the springs in series with a tyre, if there is one.
 pub(crate) fn ride_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let rate = ride_rate_without_tyres(state);
     match state.setup.tyre_rate {

@@ -11,7 +11,7 @@
 //! | forces | work |
 //! |---|---|
 //! | a unit side force to the left, half at each wheel | q = (e.C_l + e.C_r)/2 |
-//! | a unit force forward, half at each wheel | q = (i.D_l + i.D_r)/2, D = C if the axle takes the torque, W if shafts do |
+//! | a unit force forward, half at each wheel | q = (i.D_l + i.D_r)/2, D = C if the axle carries the torque, W if shafts do |
 //! | springs and anti-roll bar of the energy U | q = -U |
 //!
 //! The roll centre is the centre of the axle's motion by d in front view, at the middle of both contact points. With v the
@@ -98,7 +98,7 @@ pub(crate) fn roll_centre<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) ->
     [across / twice, -(up / twice)]
 }
 
-/// The same of a steered axle, in the frame of the left wheel.
+/// Height of the roll centre of a steered axle and its lateral distance, in the frame of the left wheel.
 #[inline(always)]
 fn steered_roll_centre<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T; 2] {
     let [left, right] = state.wheels();
@@ -195,8 +195,8 @@ fn loads_of<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, has_bar: bool)
     balancing(state, &work)
 }
 
-/// Loads of both wheels from a unit force forward, half at each wheel. `by_carrier` is 1 if the axle takes the torque, 0 if
-/// shafts from the body do.
+/// Loads of both wheels from a unit force forward, half at each wheel. `by_carrier` is 1 if the axle carries the reaction to the
+/// torque, 0 if shafts from the body carry it.
 #[inline(always)]
 fn forward_force_loads<T: Real, W: WheelParts<T>>(
     state: &AxleState<T, W>,
@@ -247,7 +247,7 @@ pub(crate) fn anti_squat<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> 
     driving(state)
 }
 
-/// The same share for a rear axle in braking, or for a driven front axle under drive.
+/// Share of the load transfer that the links carry, for a rear axle in braking or a driven front axle under drive.
 #[inline(always)]
 pub(crate) fn anti_lift<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     if state.setup.constants.is_front {
@@ -257,7 +257,7 @@ pub(crate) fn anti_lift<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T
     }
 }
 
-/// The same share for a front axle in braking.
+/// Share of the load transfer in braking that the links of a front axle carry.
 #[inline(always)]
 pub(crate) fn anti_dive<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     -braking(state)

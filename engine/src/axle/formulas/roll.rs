@@ -168,7 +168,7 @@ pub(crate) fn normals_are_parallel(state: &AxleState<f64>) -> bool {
     !meet_near(jacking(state))
 }
 
-/// Returns true if normals with these jacking coefficients meet close enough.
+/// Returns true if normals with these jacking coefficients meet within the largest distance.
 fn meet_near([left, right]: [f64; 2]) -> bool {
     let sum = (left + right).abs();
     sum > UPRIGHT && (left - right).abs() < FARTHEST_MEETING * sum

@@ -61,13 +61,13 @@ pub(crate) fn steering_ratio<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>)
 struct Turn<T> {
     /// Sine and cosine of the inner wheel's steer, times a common positive factor.
     inner: [T; 2],
-    /// The same for the outer wheel.
+    /// Sine and cosine of the outer wheel's steer, times a common positive factor.
     outer: [T; 2],
     /// Distance of each wheel centre ahead of the other axle's line: [inner, outer].
     ahead: [T; 2],
     /// Distance of the wheel centres across the vehicle.
     across: T,
-    /// The same distance in the design position.
+    /// Distance of the wheel centres across the vehicle in the design position.
     design_across: T,
     /// Contact point of the outer wheel relative to its centre: [ahead, outboard].
     outer_contact: [T; 2],
@@ -86,7 +86,7 @@ fn inner_and_outer<T: Real>(side: T, left: T, right: T) -> [T; 2] {
 }
 
 impl<T: Real> Turn<T> {
-    /// Compiled as a function of its own, because several formulas use it.
+    /// Compiled as a separate function, because several formulas use it.
     #[inline(always)]
     fn of<W: WheelParts<T>>(state: &AxleState<T, W>) -> Self {
         outlined!(

@@ -14,7 +14,7 @@ pub(super) struct Corner<'a, const N: usize> {
     /// replaces the rack and needs no sign.
     pub(super) rack_sign: f64,
     pub(super) toggles: Toggles,
-    /// Rack displacement, in this wheel's own frame, at which `toggles` started; `None` before the first start.
+    /// Rack displacement, in this wheel's own frame, at which the search for toggles started; `None` before the first search.
     pub(super) begun: Option<f64>,
     /// Ends of travel found for this design, by rack position.
     pub(super) ends: Vec<End>,
@@ -32,8 +32,8 @@ pub(super) struct Steered {
     pub(super) displacement: f64,
     /// The failure, if a rod cannot follow the steering gear.
     pub(super) failure: Option<Failure>,
-    /// The travels that the wheel centres have after the turn of their knuckles, the axle at rest: the drive first, then the
-    /// held one.
+    /// Travels of the wheel centres after their knuckles have turned, with the axle at rest. The travel that drives the axle
+    /// comes first, then the held travel.
     pub(super) offsets: [f64; 2],
 }
 
@@ -47,7 +47,7 @@ impl Steered {
 }
 
 /// End of the travel at one rack displacement, both in the wheel's own frame. It is kept because a search takes as long as a
-/// hundred poses. A search for a roll angle that does not exist comes here again and again.
+/// hundred poses. A search for a roll angle that does not exist needs this end many times.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct End {
     pub(super) rack: f64,
@@ -90,7 +90,8 @@ impl WheelSeries {
     }
 }
 
-/// Change of half the difference of travels that brings both wheels to the same height, by their series.
+/// Change of half the difference of travels that brings both contact points to the same height. It is computed from the series of
+/// both wheels.
 pub(super) fn solve_level(left: &Jet<f64, TERMS>, right: &Jet<f64, TERMS>) -> f64 {
     // The right wheel moves the opposite way.
     let f = [0, 1, 2, 3].each(|k| match k % 2 {
@@ -168,7 +169,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         }
         let mut design = designed;
         let offsets = displace(self.mechanism, &mut design, displacement);
-        // The design was sound before, and its steering gear has moved since.
+        // The design could be solved before its steering gear moved.
         if self.prepare_design(&design).is_err() {
             return fails(Failure::Singular);
         }
@@ -179,14 +180,14 @@ impl<'a, const N: usize> Corner<'a, N> {
         }
     }
 
-    /// Drive and rack of the closure equations at these travels of a steered axle: (4) and (5) of `model/steered_axle.rs`. They are
-    /// the same for other axles.
+    /// Drive and rack of the closure equations at these travels of a steered axle: (4) and (5) of `model/steered_axle.rs`. For
+    /// other axles they equal the travels and the rack.
     pub(super) fn inner(&self, travel: f64, rack: f64) -> (f64, f64) {
         let [drive, held] = self.steered.offsets;
         (travel - drive, rack - held)
     }
 
-    /// Takes over another design, its steering gear in the middle.
+    /// Changes to another design, with its steering gear in the middle.
     pub(super) fn prepare(&mut self, design: &[Vector3<f64>]) -> Result<(), DesignFault> {
         self.steered = Steered::MIDDLE;
         self.prepare_design(design)
@@ -261,7 +262,7 @@ impl<'a, const N: usize> Corner<'a, N> {
             ControlFlow::Continue(())
         };
         let visited = solver.for_each_pose(Drive::Travel, &order, inner_rack, visit);
-        // The design position was looked at when the solver was made.
+        // The design position was checked when the solver was made.
         let found = visited.map_err(|_| Failure::Singular).and(found);
         let found = found.map_err(|failure| self.outer(failure));
         if let Err(failure @ Failure::Unreachable { limit, .. }) = found {
@@ -274,7 +275,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         found.map_err(|failure| self.fails(travel, failure))
     }
 
-    /// A failure of the closure equations, its limit as a travel of the wheel centres from their hardpoints.
+    /// Converts a failure of the closure equations. Its limit becomes a travel of the wheel centres from their hardpoints.
     fn outer(&self, failure: Failure) -> Failure {
         let [drive, held] = self.steered.offsets;
         match failure {
@@ -295,7 +296,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         }
     }
 
-    /// The wheel at a travel on this ground.
+    /// Solves the wheel at a travel on this ground.
     pub(super) fn height(
         &mut self,
         travel: f64,
@@ -392,7 +393,7 @@ pub(super) fn read_wheel<const N: usize>(
     (lines, parts, points): (&[Line], &Parts, &[PointId]),
 ) -> Result<WheelRead, Failure> {
     let mut snapshots = [Snapshot::<N>::unknown(); 4];
-    // Each line gives the series of every point along it.
+    // Each line gives a series for every point of a wheel.
     let mut ways = Vec::new();
     let (mut condition, mut toggle) = (0.0_f64, None);
     for (number, line) in lines.iter().enumerate() {

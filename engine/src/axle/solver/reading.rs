@@ -131,8 +131,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.gradients_of(placed, &sought, &mut receive)
     }
 
-    /// The same if each point of both sides moves by itself. For a rigid axle, the first gradient is by all points of the left
-    /// design, and the second one by all points of the axle as its right wheel sees it.
+    /// Computes gradients of quantities if each point of both sides moves separately. For a rigid axle, the first gradient is by
+    /// all points of the left design. The second one is by all points of the axle as seen from its right wheel.
     pub(crate) fn gradients_by_each_point(
         &mut self,
         placed: &AxlePose,

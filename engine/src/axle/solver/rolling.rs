@@ -7,7 +7,7 @@ impl<const N: usize> AxleSolver<'_, N> {
     /// Finds positions. Placements in roll at one rack displacement are solved together. Each round solves both wheels at
     /// the travels that the series of the last round predict.
     pub fn place_all(&mut self, placements: &[Placement]) -> Vec<Result<AxlePose, NoPose>> {
-        // Numbers of the positions for each pair of values: rack of the closure equations, displacement of a steering gear.
+        // Indices of the placements for each pair of values: rack of the closure equations, displacement of the steering gear.
         let mut by_rack: Vec<([f64; 2], Vec<usize>)> = Vec::new();
         for (number, placement) in placements.iter().enumerate() {
             if let Placement::Roll { heave, rack, .. } = *placement {
@@ -188,7 +188,7 @@ impl<const N: usize> AxleSolver<'_, N> {
                 left.height(level + half, rack, ground, radius),
                 right.height(level - half, rack, ground.mirrored(), radius),
             );
-            // If a wheel falls as its travel grows, both wheels are beyond the wanted position. NaN counts as a fall.
+            // If a contact point falls as its travel grows, the wheels are beyond the required position. NaN counts as falling.
             let rises =
                 |l: &WheelSeries, r: &WheelSeries| rise(is_rigid, [l.height[1], r.height[1]]);
             let found = found.and_then(|[l, r]| {

@@ -6,8 +6,8 @@ use crate::mechanism::constraint::heights_at_rest;
 use crate::model::{AxleTravel, Drive, Mechanism};
 use crate::number::{Dual, Real, Vector3};
 
-/// Moves the drag link's end in a design: (1) of `model/steered_axle.rs`. Returns the lift of both wheel centres by (4) and (5): of
-/// the travel that drives the axle, then of the one that is held. Both are 0 if no drag link steers the axle.
+/// Moves the drag link's end in a design: (1) of `model/steered_axle.rs`. Returns the lift of both wheel centres by (4) and (5):
+/// the change of the travel that drives the axle, then that of the held travel. Both are 0 if no drag link steers the axle.
 #[inline(always)]
 pub(crate) fn displace<T: Real>(
     mechanism: &Mechanism,
@@ -35,8 +35,8 @@ pub(crate) fn displace<T: Real>(
 }
 
 impl<const N: usize> AxleSolver<'_, N> {
-    /// Fold before the axle is level with its steering gear displaced: first of the held travel, then of the other, the drive. `None` if
-    /// it does not fold.
+    /// Finds a fold on the way to the level axle with its steering gear displaced. The held travel moves first, then the travel
+    /// that drives the axle. `None` if there is no fold.
     fn level_fold(&mut self) -> Option<Limit> {
         let corner = &mut self.corners[0];
         let (drive, held) = corner.inner(0.0, 0.0);
@@ -66,7 +66,7 @@ impl<const N: usize> AxleSolver<'_, N> {
     /// ds/dp = -(g + T_d l_p)/(g'.n + T_d l_s)                                                     (1)
     /// ```
     ///
-    /// If the drive folds, it moves itself, and T_d is 0.
+    /// If the fold is one of the drive, T_d is 0.
     pub(in crate::axle) fn gear_fold(&mut self, value: f64, beyond: f64) -> Option<Limit> {
         self.steer(beyond).ok()?;
         let fold = self.level_fold()?;

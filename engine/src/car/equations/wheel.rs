@@ -261,8 +261,8 @@ impl<T: Scalar> Tread<T> {
         rates.centre + rates.turn.cross(self.lever)
     }
 
-    /// Velocity of the point at which the longitudinal force acts. If the body takes the torque, rotation about the spin
-    /// axis does not count.
+    /// Velocity of the point at which the longitudinal force acts. If the body carries the reaction to the torque, rotation about
+    /// the spin axis does not count.
     fn pushed(&self, rates: &WheelRates<T>, spin: Vector3<T>, by_carrier: bool) -> Vector3<T> {
         if by_carrier {
             self.carried(rates)

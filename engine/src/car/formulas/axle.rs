@@ -106,7 +106,7 @@ fn loads_by<T: Scalar>(state: &Balance<T>, axle: usize, forces: [Vector3<T>; 2])
     }
 }
 
-/// Height at which a lateral force makes no roll. `forces` are the parts of a unit force at the two contact points.
+/// Height at which a lateral force causes no roll. `forces` are the parts of a unit force at the two contact points.
 fn height_of_transfer<T: Scalar>(state: &Balance<T>, axle: usize, forces: [Vector3<T>; 2]) -> T {
     let [left, right] = loads_by(state, axle, forces);
     track(state, axle).scaled(0.5) * (right - left)

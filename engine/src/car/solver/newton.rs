@@ -1,14 +1,14 @@
 //! Newton's method for one set of wheels in contact.
 //!
-//! Factors of a tangent serve for several steps. With the unknowns x and steps s in units of their sizes, let L bound the
-//! relative change of the tangent G_x per step. With the factors at y, a step s from x leaves the error
+//! Factors of a tangent serve for several steps. With the unknowns x and the steps s, both relative to the sizes of the unknowns,
+//! let L bound the relative change of the tangent G_x per step. With the factors at y, a step s from x leaves the error
 //!
 //! ```text
 //! e <= L (|x - y| + |s|) |s|                                                                                    (1)
 //! ```
 //!
-//! A step is the last one if this error is below rounding. L is [`CURVATURE`], or ten times what the steps before showed by
-//! (1) if that is more.
+//! A step is the last one if this error is below rounding. L is [`CURVATURE`], or ten times the value that (1) gives for the
+//! previous steps, if that is larger.
 
 use super::super::equations::{GROUND, Held, LOADS, PITCH, ROLL, TRAVELS, UNKNOWNS};
 use super::super::parameters::Parameters;
@@ -20,19 +20,19 @@ use super::start::Start;
 use super::{CarSolver, LONGEST_TRAVEL, LONGEST_TURN};
 use crate::number::{Each, array_of};
 
-/// A tangent is computed anew unless each step is at most this fraction of the one before.
+/// A new tangent is computed unless each step is at most this fraction of the previous one.
 const CONTRACTION: f64 = 0.1;
-/// After a step below this, in sizes of the unknowns, the tangent serves for the next step.
+/// After a step below this limit, relative to the sizes of the unknowns, the next step uses the same tangent.
 const NEAR: f64 = 2e-3;
-/// After a step between half of [`NEAR`] and this, the tangent of a neighbouring state still serves for the next step. After
-/// a shorter step a tangent is computed, because it then lies close to the solution.
+/// After a step between half of [`NEAR`] and this limit, the next step still uses the tangent of a neighbouring state. After a
+/// shorter step the solver computes a new tangent, close to the solution.
 const BESIDE: f64 = 2e-2;
-/// A step below this, in sizes of the unknowns, is rounding error.
+/// A step below this limit, relative to the sizes of the unknowns, is rounding error.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
-/// Newton's method finds no solution if more than one step in this number has a fresh tangent and is longer than the shortest
-/// step before.
+/// Interval of steps. Newton's method gives up if, on average, more than one step per interval has a new tangent and is still
+/// longer than the shortest step so far.
 const MOST_LONGER: usize = 5;
-/// Relative change of the tangent per size of the unknowns that (1) assumes at least.
+/// Smallest value of L in (1): relative change of the tangent per size of the unknowns.
 const CURVATURE: f64 = 100.0;
 
 /// Factors of a tangent, with the unknowns at which it was computed. `None` for the tangent of another state.
@@ -55,9 +55,9 @@ impl<'a> CarSolver<'a> {
         Ok(Wheels::Exact(Box::new(self.read(travels, racks)?)))
     }
 
-    /// Newton's method for one set of wheels in contact. It keeps the factors of a tangent, at first those of the start,
-    /// while each step is at most a tenth of the one before. The wheels come from their curves until the last step, which
-    /// reads poses. If the state may be near, the last step uses the curves as well.
+    /// Newton's method for one set of wheels in contact. It keeps the factors of a tangent, at first those of the start, while
+    /// each step is at most a tenth of the previous one. The wheels come from their curves until the last step, which reads
+    /// poses. If the state may be near, the last step uses the curves as well.
     pub(super) fn newton(
         &mut self,
         case: &Case,
@@ -144,15 +144,15 @@ impl Linear {
     }
 }
 
-/// Newton's method on its way.
+/// State of Newton's method between two steps.
 struct Iteration {
     x: [f64; UNKNOWNS],
     sizes: Sizes,
-    /// Last point at which the wheels had poses.
+    /// Last values of the unknowns at which the wheels had poses.
     reached: Option<[f64; UNKNOWNS]>,
     /// Shortest step so far.
     smallest: f64,
-    /// Number of steps with a fresh tangent that were longer than the shortest step before.
+    /// Number of steps with a fresh tangent that were longer than the shortest step so far.
     longer: usize,
     curvature: Curvature,
     /// Factors for the next step. `None` if it needs a tangent.
@@ -163,11 +163,11 @@ struct Iteration {
 struct Step {
     change: [f64; UNKNOWNS],
     linear: Linear,
-    /// True if the tangent is that of the point.
+    /// True if the tangent was computed at the point where the step starts.
     is_fresh: bool,
-    /// Length in sizes of the unknowns.
+    /// Length of the step, relative to the sizes of the unknowns.
     longest: f64,
-    /// Distance from the point of the tangent; infinite for the tangent of another state.
+    /// Distance from the point at which the tangent was computed; infinite for the tangent of another state.
     distance: f64,
 }
 
@@ -267,14 +267,14 @@ impl Iteration {
 /// Bound L of (1) on the relative change of the tangent.
 #[derive(Default)]
 struct Curvature {
-    /// Largest L that the steps showed.
+    /// Largest L that (1) gave for the steps so far.
     shown: f64,
     /// Denominator of (1) for the last step; 0 before the first one.
     last: f64,
 }
 
 impl Curvature {
-    /// Error (1) that a step leaves.
+    /// Error by (1) that remains after a step.
     fn error(&self, distance: f64, step: f64) -> f64 {
         let shown = self.shown_by(step);
         CURVATURE.max(10.0 * shown) * (distance + step) * step
@@ -324,12 +324,12 @@ impl Sizes {
         }
     }
 
-    /// Distance between two points, in sizes.
+    /// Distance between two points, relative to the sizes of the unknowns.
     fn between(&self, x: &[f64; UNKNOWNS], y: &[f64; UNKNOWNS]) -> f64 {
         self.longest(&array_of(|k| x[k] - y[k]))
     }
 
-    /// Largest component of a step, in sizes; NaN if a component is NaN.
+    /// Largest component of a step, relative to the sizes of the unknowns; NaN if a component is NaN.
     fn longest(&self, step: &[f64; UNKNOWNS]) -> f64 {
         let mut longest = 0.0_f64;
         for (k, part) in step.iter().enumerate() {

@@ -4,10 +4,10 @@ use super::super::equations::UNKNOWNS;
 use super::super::tangent::Factors;
 use super::equilibrium::Equilibrium;
 
-/// Largest number of Newton steps from a start that is no state. Steps back count as well.
+/// Largest number of Newton steps from a start that is not itself a state in equilibrium. Steps back count as well.
 const MOST_STEPS: usize = 60;
-/// Largest number of Newton steps from a neighbouring state. If these do not suffice, a shorter way costs less than further
-/// steps.
+/// Largest number of Newton steps from a neighbouring state. If these do not suffice, a start nearer to the case takes less time
+/// than further steps.
 const MOST_STEPS_BESIDE: usize = 20;
 
 /// Start of Newton's method: unknowns, lifted wheels and factors of a tangent.
@@ -23,7 +23,7 @@ pub(in crate::car) struct Start<'f> {
 }
 
 impl<'f> Start<'f> {
-    /// Starts with all wheels down.
+    /// Starts with all wheels on the ground.
     pub(in crate::car) fn of(unknowns: [f64; UNKNOWNS]) -> Self {
         Start {
             unknowns,

@@ -79,7 +79,7 @@ impl<B: SimdReal> Outlined for Evaluating<'_, B> {
             let value = match rule {
                 EvaluationRule::Formula(c) => c.evaluate(&read.inputs),
                 EvaluationRule::Slope(angle) => {
-                    by_drive(*angle, &read.inputs).expect("it is an angle")
+                    by_drive(*angle, &read.inputs).expect("the characteristic is an angle")
                 }
                 EvaluationRule::Coordinate(point, axis) => read.points[*point][0][*axis],
                 EvaluationRule::AngularVelocity(axis) => read.inputs.turn[*axis],

@@ -76,7 +76,7 @@ impl LaneReader<'_> {
         true
     }
 
-    /// Adds `weight` times the derivatives of any other quantity by the configuration from which it was read.
+    /// Adds `weight` times the derivatives of a quantity other than the four angles by the configuration from which it was read.
     #[inline(always)]
     pub fn differentiate<B: SimdReal, G: Gradient<B> + ?Sized>(
         &self,

@@ -38,7 +38,7 @@ pub struct LaneReader<'a> {
     place: Vec<Option<usize>>,
     /// True if the reader needs a part outside the knuckle: another body's point, or a rocker.
     reads_others: bool,
-    /// Rockers that move a part that is read, and the rockers that move them. Their positions need velocities.
+    /// Rockers that move a part which is read, and the rockers that move those rockers. Their positions need velocities.
     rockers: Vec<RockerId>,
     rates: bool,
     /// True if the reader also reads derivatives by the rack.
@@ -90,7 +90,7 @@ pub struct LaneInputs<B> {
 }
 
 impl<B> LaneInputs<B> {
-    /// Prepares for the stations at another rack displacement, which are visited outward from the design position.
+    /// Prepares for the stations at another rack displacement. They are visited outward from the design position.
     #[inline(always)]
     pub fn begin(&mut self) {
         self.rods.begin();
@@ -232,8 +232,8 @@ impl<'a> LaneReader<'a> {
         })
     }
 
-    /// If `is_wanted`, the reader also reads the body of a rigid axle. It reads its motion only if it reads velocities by the
-    /// rack.
+    /// If `is_wanted`, the reader also reads the body of a rigid axle. It reads the body's motion only if it reads velocities by
+    /// the rack.
     #[must_use]
     pub fn with_axle(mut self, is_wanted: bool) -> Self {
         self.of_axle = is_wanted;
@@ -249,7 +249,7 @@ impl<'a> LaneReader<'a> {
         self
     }
 
-    /// Returns true if poses must be read in the order of the visit, because rods of rockers are watched from station to
+    /// Returns true if poses must be read in the order of their stations, because rods of rockers are checked from station to
     /// station.
     #[inline]
     pub(crate) fn watches_rods(&self) -> bool {

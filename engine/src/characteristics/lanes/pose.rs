@@ -7,8 +7,8 @@ use crate::model::{PointId, RockerId};
 use crate::number::{Outlined, SimdReal, Vector3};
 use crate::solve::{LanePose, LaneRates};
 
-/// Smallest squared leverage of a rocker. With more, a toggle is far, and the rocker rotates at most four times as fast as
-/// with full leverage.
+/// Smallest squared leverage of a rocker. With more leverage, the rocker is far from its toggle and rotates at most four times as
+/// fast as with full leverage.
 const LEAST_LEVERAGE: f64 = 0.0625;
 
 /// Largest inclination of a spin axis, as its sine. Beyond it the wheel nearly lies on its side, and neither camber nor toe
@@ -137,7 +137,7 @@ struct PoseInLanes<'r, 'm, 'c, B: SimdReal, P> {
     configuration: Option<&'r Configuration<'c, B>>,
     /// Knuckle that carries the wheel of a steered axle.
     carrier: Option<&'r MovingBody<B>>,
-    /// Lanes in which everything read so far is accurate.
+    /// Lanes in which all inputs read so far are accurate.
     accepted: B::Mask,
 }
 
@@ -146,7 +146,7 @@ impl<B: SimdReal, P: LanePose<B>> PoseInLanes<'_, '_, '_, B, P> {
     fn beyond_the_knuckle(&self) -> &Configuration<'_, B> {
         match self.configuration {
             Some(configuration) => configuration,
-            None => unreachable!("a part that nobody has asked for"),
+            None => unreachable!("a part that was not requested"),
         }
     }
 
@@ -222,7 +222,7 @@ impl<B: SimdReal, P: LanePose<B>> PoseReader<B> for PoseInLanes<'_, '_, '_, B, P
     #[inline(always)]
     fn rocker_angle(&mut self, id: RockerId) -> Moving<B> {
         let (at, Some(rates)) = (self.beyond_the_knuckle(), self.rates) else {
-            unreachable!("rockers take velocities")
+            unreachable!("rockers need velocities")
         };
         let angle = at.moving_rocker(id, &rates.twist());
         self.require_leverage(angle.leverage_squared);

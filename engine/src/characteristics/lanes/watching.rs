@@ -7,7 +7,7 @@ use crate::number::{Outlined, SimdReal};
 /// Positions of the rods of rockers at earlier stations.
 #[derive(Clone, Debug)]
 pub(super) struct ToggleWatch<B> {
-    /// Positions at the first and at the latest station.
+    /// Positions of each rod at the first and at the latest station.
     rods: Vec<[RodReach<B>; 2]>,
     /// True if a station at this rack displacement has been visited.
     has_begun: bool,
@@ -22,7 +22,7 @@ impl<B> ToggleWatch<B> {
 }
 
 impl<B: SimdReal> ToggleWatch<B> {
-    /// Makes a watch over this number of rockers that has not seen a rod yet. `nothing` is NaN.
+    /// Makes the record for this number of rockers, before any rod has been read. `nothing` is NaN.
     #[inline(always)]
     pub(super) fn of(rockers: usize, nothing: B) -> Self {
         ToggleWatch {
@@ -66,14 +66,14 @@ impl<B: SimdReal> Outlined for Watching<'_, B> {
         for ([first, last], id) in rods.iter_mut().zip(self.rockers) {
             let rod = self.at.moving_rod(*id, self.motion);
             let before = if *has_begun {
-                // The visit may have changed to the other side of its start.
+                // This station may lie on the other side of the first one.
                 rod.nearer(first, last)
             } else {
                 // At the start, the rack has moved since the design position, so the path begins with the rod in that
                 // position.
                 *first = rod;
                 if self.at.mechanism.axle_steering().is_some() {
-                    // The steering gear has moved before.
+                    // The steering gear has moved since the design position.
                     self.at.rod_at_rest(*id)
                 } else {
                     self.at.designed_rod(*id)

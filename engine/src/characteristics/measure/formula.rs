@@ -129,8 +129,8 @@ fn magnitude<T: Scalar>(x: T) -> T {
     if x.value() < 0.0 { -x } else { x }
 }
 
-/// Distance from the region in which all of `excess` are negative. Outside it is the norm of the positive ones as a vector,
-/// inside it is the largest one.
+/// Distance from the region in which all of `excess` are negative. Outside the region, it is the norm of the positive entries.
+/// Inside, it is the largest entry.
 #[inline]
 fn outside<T: Scalar>(excess: &[T]) -> T {
     let mut largest = excess[0];

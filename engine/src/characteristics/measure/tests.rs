@@ -13,7 +13,8 @@ fn vector(x: f64, y: f64, z: f64) -> Vector3<f64> {
 fn distances_of_segments_are_those_of_their_nearest_places() {
     let along_x = [vector(0.0, 0.0, 0.0), vector(10.0, 0.0, 0.0)];
     for (other, distance) in [
-        // Cases: crossing above, beyond an end, end to end, parallel with overlap, parallel without overlap.
+        // Pairs of segments: crossing at a distance, nearest beyond an end, end to end, parallel with overlap, parallel without
+        // overlap.
         ([vector(5.0, -5.0, 3.0), vector(5.0, 5.0, 3.0)], 3.0),
         ([vector(13.0, 4.0, 0.0), vector(13.0, 9.0, 0.0)], 5.0),
         ([vector(12.0, 0.0, 0.0), vector(20.0, 1.0, 0.0)], 2.0),
@@ -177,7 +178,7 @@ fn derivatives_beside_kinks_are_those_of_their_side() {
             (sides[0] - sides[1]).abs() > 1e-3,
             "{number} has a kink: {sides:?}"
         );
-        // At the kink itself the derivative lies between both, within their change near the kink.
+        // At the kink itself the derivative lies between those of both sides, up to their change near the kink.
         let (low, high) = (sides[0].min(sides[1]), sides[0].max(sides[1]));
         assert!((low - 0.02..=high + 0.02).contains(&slope(0.0)), "{number}");
     }

@@ -19,7 +19,7 @@ pub struct AxlePlace<T> {
 }
 
 impl<T: Scalar> AxlePlace<T> {
-    /// The place of a body from its sides as each side sees it, with the lever of its wheel centre.
+    /// Computes the place of a body from the positions that its two sides have for it, with the lever of each wheel centre.
     fn of([left, right]: [(&Placed<T>, Vector3<T>); 2]) -> Self {
         let shift = |(placed, lever): (&Placed<T>, Vector3<T>)| placed.displacement(lever);
         let sum = shift(left) + mirrored(shift(right));
@@ -48,7 +48,7 @@ impl<T: Scalar> ElasticAxle<T> {
         self.is_joined().then(|| AxlePlace::of([side(0), side(1)]))
     }
 
-    /// The same along a change of an input: values and first derivatives.
+    /// Place of a body along a change of an input: values and first derivatives.
     pub(crate) fn place_along(
         &self,
         tangent: &AxleTangent<T>,
@@ -66,9 +66,9 @@ impl<T: Scalar> ElasticAxle<T> {
             .then(|| AxlePlace::of([(&left.0, left.1), (&right.0, right.1)]))
     }
 
-    /// Height of the roll centre, and its place to the left of the middle of both contact points. With v the velocity of the
-    /// body at that middle and w its angular velocity along equal opposite travels, the centre of the motion in front view
-    /// is v.y/w.x above the middle, and -v.z/w.x to its left. `None` for independently suspended wheels.
+    /// Height of the roll centre, and its distance to the left of the middle of both contact points. With v the velocity of the
+    /// body at that middle and w its angular velocity along equal opposite travels, the centre of the motion in front view is
+    /// v.y/w.x above the middle, and -v.z/w.x to its left. `None` for independently suspended wheels.
     pub fn roll_centre(&self, at: &AxleEquilibrium<T>, tangent: &AxleTangent<T>) -> Option<[T; 2]> {
         if !self.is_joined() {
             return None;
@@ -85,8 +85,8 @@ impl<T: Scalar> ElasticAxle<T> {
         Some([velocity.y / turn.x, -(velocity.z / turn.x)])
     }
 
-    /// The same axle with its springs and its anti-roll bar taken away: only its links hold it. Their forces at the design
-    /// load are released. `None` for independently suspended wheels.
+    /// This axle without its springs and its anti-roll bar, held only by its links. Their forces at the design load are released.
+    /// `None` for independently suspended wheels.
     pub fn on_its_links(&self) -> Option<Self> {
         if !self.is_joined() {
             return None;
@@ -97,7 +97,7 @@ impl<T: Scalar> ElasticAxle<T> {
         for wheel in &mut axle.wheels {
             let system = &mut wheel.built.system;
             system.bar = None;
-            // The seat of the spring is the last part.
+            // The spring's seat is the last of the parts.
             if let Some(Limb::CarrierSeat(_)) = system.limbs.last() {
                 system.limbs.pop();
                 system.holders.limbs.pop();

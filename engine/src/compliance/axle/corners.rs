@@ -8,7 +8,7 @@
 //! A = A_l + M A_r M,   r = r_l + M r_r,   x_r = M x_l                                             (1)
 //! ```
 //!
-//! Rows of rigid links and of both heights stay beside it. So the axle has six unknowns and two travel rows.
+//! Rows of rigid links and of both heights are added to this block. So the axle has six unknowns and two travel rows.
 
 #![expect(
     clippy::needless_range_loop,
@@ -103,8 +103,8 @@ impl<T: Scalar> Corners<T> {
         Ok(Corners::Apart([factors(0)?, factors(1)?]))
     }
 
-    /// One body that carries both wheels, by equation (1). `sides` get its forces at the left side and none at the right
-    /// one. `bounds` asks for a stiffness of every motion.
+    /// One body that carries both wheels, by equation (1). `sides` receive the forces of the body at the left side, and none at
+    /// the right side. With `bounds`, every motion must have a stiffness.
     pub(super) fn joined(
         sides: &mut [SideEquations<T>; 2],
         bounds: Option<Bounds>,
@@ -156,7 +156,7 @@ impl<T: Scalar> Corners<T> {
 }
 
 impl Corners<f64> {
-    /// Refuses wheels that are not stable while the shared bodies are held. Comes with the side of the reason.
+    /// Refuses wheels that are not stable while the shared bodies are held. The error comes with the side that is the reason.
     pub(super) fn check_stable(
         &self,
         sides: &[SideEquations<f64>; 2],
@@ -183,8 +183,8 @@ impl Corners<f64> {
         }
     }
 
-    /// Returns true if the symmetric `matrix` of shared unknowns stays positive definite as the wheels follow. `columns`
-    /// are the forces on both wheels by each of these unknowns.
+    /// Returns true if the symmetric `matrix` of shared unknowns stays positive definite when the wheels follow their motion.
+    /// `columns` are the forces on both wheels by each of these unknowns.
     pub(super) fn keep_definite<const N: usize>(
         &self,
         sides: &[SideEquations<f64>; 2],
@@ -219,7 +219,7 @@ impl Corners<f64> {
     }
 }
 
-/// Symmetric part of the tangent, with the rows on both sides.
+/// Symmetric part of the tangent. The additional rows are its rows and its columns.
 fn symmetric(equations: &Equations<f64>) -> [[f64; MOST]; MOST] {
     let mut symmetric = [[0.0; MOST]; MOST];
     for i in 0..6 {

@@ -65,7 +65,8 @@ impl AxleCompliance {
         }
     }
 
-    /// Changes the rate of a part, by a fraction of itself if `is_relative` is true. Returns false if it is not above 0 then.
+    /// Changes the rate of a part, by a fraction of itself if `is_relative` is true. Returns false if the new rate is not above
+    /// 0.
     pub(crate) fn change_rate(
         &mut self,
         of: AxleParameter,

@@ -16,7 +16,7 @@ use crate::number::{Each, Jet, Scalar, Vector3};
 pub enum AxleChange<T = f64> {
     /// Loads on both wheels, in the kernel's frame of each side.
     Loads([WheelLoads<T>; 2]),
-    /// Travels of both wheels, where their heights are held.
+    /// Travels of both wheels, if their heights are held.
     Travels([T; 2]),
     /// Commanded displacement of the rack along the left wheel's +y.
     Rack,
@@ -158,7 +158,7 @@ impl<T: Scalar> ElasticAxle<T> {
         })
     }
 
-    /// Number of a side's limbs and of its rigid joints, for tests of the system's size.
+    /// Number of a side's parts with inner unknowns, and of its rigid joints, for tests of the system's size.
     pub fn parts(&self, side: Side) -> [usize; 2] {
         let system = &self.wheels[side as usize].built.system;
         [system.limbs.len(), system.joints.len()]

@@ -9,7 +9,7 @@ use crate::compliance::solve::Obstacle;
 use crate::compliance::wheel::HeldQuantity;
 use crate::model::Side;
 
-/// Motion of an axle whose ends are wanted.
+/// Motion of an axle whose ends are searched for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxleWay {
     /// Travel of one wheel, with the other wheel at the design height.

@@ -51,7 +51,7 @@ impl<T: Scalar> AxleState<T> {
         }
     }
 
-    /// Shared bodies as seen from the wheel of a side.
+    /// Positions of the shared bodies as seen from the wheel of a side.
     pub(in super::super) fn around(&self, side: usize) -> Surroundings<T> {
         match side {
             0 => self.around,
@@ -82,7 +82,7 @@ pub(in super::super) struct AxleHeld<T> {
     pub(in super::super) shared: [T; SHARED],
 }
 
-/// Reason for no step: a part of one wheel, or a shared part.
+/// Reason why no step exists: a part of one wheel, or a shared part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in super::super) enum AxleSingular {
     Wheel(usize, Singular),
@@ -115,7 +115,7 @@ pub(in super::super) struct AxleEquations<T> {
     factors: Option<SquareLu<T>>,
 }
 
-/// Purpose of the equations.
+/// Purpose for which the equations are formed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in super::super) enum Purpose {
     /// An equilibrium under loads.
@@ -165,7 +165,7 @@ impl<T: Scalar> SharedParts<T> {
             active.extend(0..RACK);
         }
         active.extend(self.rack.is_some().then_some(RACK));
-        // Without forces, the bar holds nothing.
+        // Without force, the bar does not hold the body.
         active.extend((self.has_bar && purpose != Purpose::Preload).then_some(TWIST));
         active
     }
@@ -277,7 +277,7 @@ impl<T: Scalar> SharedParts<T> {
                 coupling.fix_tangents();
             }
             Purpose::Preload => {
-                // Of a body with two wheels, the stiffness is that of both sides.
+                // A body that carries both wheels has the stiffness of both sides.
                 let bounds = (!self.is_joined).then_some(wheel.bounds);
                 let bordered = wheel.built.border_for_preload(&mut equations, bounds);
                 bordered.map_err(|why| match why {

@@ -217,7 +217,7 @@ impl<T: Scalar> ElasticAxle<T> {
         }
     }
 
-    /// Design position before the search for its equilibrium.
+    /// Design position before the solver has found its equilibrium.
     pub(super) fn unsolved(&self) -> AxleEquilibrium<T> {
         AxleEquilibrium {
             state: self.start(),
@@ -350,7 +350,7 @@ fn common_reference(suspensions: [&Suspension; 2]) -> Option<Vector3<f64>> {
 }
 
 impl<T: Scalar> ElasticAxle<T> {
-    /// Same equilibrium, with another quantity held.
+    /// This equilibrium, with another quantity held.
     fn held_as(&self, at: &AxleEquilibrium<T>, held: HeldQuantity) -> (AxleState<T>, AxleTask<T>) {
         let (mut state, mut task) = (at.state, at.task);
         for (side, wheel) in self.wheels.iter().enumerate() {

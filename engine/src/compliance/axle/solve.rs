@@ -157,7 +157,7 @@ impl ElasticAxle {
         }
     }
 
-    /// Name of an eliminated part of a wheel, with the motion that nothing holds.
+    /// Name of an eliminated part of a wheel, with its motion that has no stiffness.
     pub(super) fn limb_of(&self, side: usize, limb: usize) -> (String, Motion) {
         let wheel = &self.wheels[side];
         let name = of_side(side, &wheel.built.names[limb]);

@@ -60,7 +60,7 @@ pub(crate) struct Here<T = f64> {
     pub(crate) axle: ElasticAxle<T>,
     pub(crate) at: AxleEquilibrium<T>,
     tangents: [Option<Option<AxleTangent<T>>>; 2],
-    /// A solid axle on its links alone, with the same travels.
+    /// Equilibrium of a solid axle on its links alone, with the same travels.
     links: Option<(ElasticAxle<T>, AxleEquilibrium<T>)>,
 }
 
@@ -84,7 +84,7 @@ impl<T: Scalar> Here<T> {
         }
     }
 
-    /// Axle and its tangent with this quantity held; `None` without a tangent.
+    /// Axle and its tangent with one quantity held; `None` without a tangent.
     pub(crate) fn moving(
         &mut self,
         held: HeldQuantity,
@@ -135,7 +135,7 @@ impl<'a> AxleKcRun<'a> {
         AxleKcRun::of(vehicle, designs, parts)
     }
 
-    /// Same as `new`, with the hardpoints of the left and right wheel at `designs`.
+    /// Prepares the tests, like `new`, with the hardpoints of the left and right wheel at `designs`.
     pub fn of(
         vehicle: AxleVehicle<'a>,
         designs: [&[Vector3<f64>]; 2],
@@ -165,7 +165,7 @@ impl<'a> AxleKcRun<'a> {
         Ok(self.state(&self.axle, &at))
     }
 
-    /// Parts under other conditions.
+    /// Elastic parts of the axle with the conditions of a test.
     fn parts_of(&self, (has_bar, locks_rack): Conditions) -> AxleCompliance {
         let mut parts = self.parts.clone();
         if !has_bar {
@@ -182,7 +182,7 @@ impl<'a> AxleKcRun<'a> {
         &self.axle
     }
 
-    /// Axle under other conditions.
+    /// Axle with the conditions of a test: with or without anti-roll bar, with the rack locked or free.
     fn variant(&self, conditions: Conditions) -> Result<ElasticAxle, AxleFault> {
         let (has_bar, locks_rack) = conditions;
         let keeps_bar = has_bar || self.parts.bar_rate.is_none();

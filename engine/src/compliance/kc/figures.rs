@@ -1,5 +1,5 @@
-//! Figures of a test, from derivatives or secants by its load or motion. They are in program units. They work over any
-//! number type, so the same formulas give their derivatives by the design.
+//! Figures of a test, from derivatives or secants by its load or motion. The figures are in program units. The formulas work over
+//! any number type, so the same formulas give their derivatives by the design.
 
 use super::test::{KcTest, TestLoad};
 use crate::ask::Unit;
@@ -118,7 +118,7 @@ impl Sheet<'_> {
         found
     }
 
-    /// Derivatives by the roll angle, which `read` already contains.
+    /// Figures that are derivatives by the roll angle. `read` already contains these derivatives.
     fn by_roll<T: Scalar>(&self, read: &Read<T>) -> Vec<Figure<T>> {
         let to_left = self.left_sign();
         let steer = read.by.map(|by| by.toe.scaled(to_left));

@@ -136,7 +136,7 @@ impl<'s, T: Scalar> Station<'s, T> {
         self.sheet.figures(test, &read)
     }
 
-    /// Same figures, from secants.
+    /// Figures of a test, from secants.
     pub(super) fn secants(&mut self, test: &KcTest, by: Option<WheelFigures<T>>) -> Vec<Figure<T>> {
         let read = self.read(test, by);
         self.sheet.figures(test, &read)

@@ -154,7 +154,7 @@ impl<'a> KcRun<'a> {
         KcRun::of(suspension, &suspension.design, compliance, tyre_rate)
     }
 
-    /// Same as `new`, with the hardpoints at `design`.
+    /// Prepares the tests, like `new`, with the hardpoints at `design`.
     pub fn of(
         suspension: &'a Suspension,
         design: &[Vector3<f64>],
@@ -403,7 +403,7 @@ fn levels<E: Copy>(
     low
 }
 
-/// Multiple of a unit load.
+/// Loads of an end: a multiple of a unit load.
 fn end_loads(unit: &WheelLoads, factor: f64) -> WheelLoads {
     let mut loads = WheelLoads::none(0.0).plus(unit, factor);
     loads.trail = unit.trail;

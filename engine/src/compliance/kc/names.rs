@@ -1,6 +1,6 @@
 //! Names of the figures of tests.
 
-/// Names of all figures, without what [`crate::axle::TestFigure::stem`] adds to them.
+/// Names of all figures, without the additions of [`crate::axle::TestFigure::stem`].
 pub const FIGURE_NAMES: &[&str] = &[
     "toe_by_heave",
     "camber_by_heave",

@@ -53,7 +53,7 @@ impl TestLoad {
 /// Point where a test load acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TestPlace {
-    /// No point, since the test is a motion.
+    /// No point, because the test is a motion.
     Nowhere,
     /// Contact point, or a point behind it by the trail.
     ContactPoint,

@@ -17,17 +17,17 @@ pub(in crate::compliance) struct Equations<T> {
     pub(in crate::compliance) inner: [[T; 7]; MOST_LIMBS],
     /// First part that is unstable by itself.
     pub(in crate::compliance) unstable: Option<usize>,
-    /// First part with a motion that nothing holds.
+    /// First part with a motion without stiffness.
     pub(in crate::compliance) loose: Option<usize>,
     joints: usize,
 }
 
-/// Reason for no step of a system.
+/// Reason why a system has no Newton step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::compliance) enum Singular {
-    /// Nothing holds a motion of a part.
+    /// A part has a motion without stiffness.
     Limb(usize),
-    /// Nothing holds a motion of the carrier.
+    /// The carrier has a motion without stiffness.
     Carrier,
 }
 
@@ -103,14 +103,15 @@ impl<T: Scalar> Equations<T> {
         SquareLu::of(self.matrix, self.size)
     }
 
-    /// Computes all unknowns from those of equation (1). With `is_rate` they are rates along motions in balance.
+    /// Computes all unknowns from those of equation (1). With `is_rate`, they are rates along a motion in which forces stay in
+    /// balance.
     #[inline]
     pub(in crate::compliance) fn step(&self, solution: &[T; MOST], is_rate: bool) -> Step<T> {
         let carrier: [T; 6] = array_of(|i| solution[i]);
         self.step_seen(solution, |_, limb| limb.step(&carrier, None, is_rate))
     }
 
-    /// Same as `step`, with the step of each limb from `of_limb`, by the limb's index.
+    /// Like `step`, but `of_limb` gives the step of each part with inner unknowns, by its index.
     #[inline]
     pub(in crate::compliance) fn step_seen(
         &self,

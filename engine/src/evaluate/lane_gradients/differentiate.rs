@@ -35,8 +35,8 @@ fn clear<B: SimdReal>(zero: B, row: &mut [f64]) {
     }
 }
 
-/// Computes derivatives along directions from those by the hardpoints. It takes a few directions at a time, because the
-/// additions of a single sum would wait for each other.
+/// Computes derivatives along directions from those by the hardpoints. It processes a few directions at a time, because in a
+/// single sum each addition would wait for the previous one.
 #[inline(always)]
 fn chain<B: SimdReal>(like: B, gradient: &[f64], along: &[f64], slopes: &mut [f64]) {
     const TOGETHER: usize = 3;
@@ -50,7 +50,7 @@ fn chain<B: SimdReal>(like: B, gradient: &[f64], along: &[f64], slopes: &mut [f6
             let by = like.load(&gradient[place..]);
             let mut k = 0;
             while k < TOGETHER {
-                // Beyond the last direction its sum is computed again and not used.
+                // If no direction is left, the last one is computed again, and the result is not used.
                 let direction = first + k.min(together - 1);
                 let rate = like.load(&along[direction * length + place..]);
                 sums[k] = sums[k].plus_product(by, rate);

@@ -21,8 +21,8 @@
 //! F = n.(p - P),                g = n               (joint)                 (4)
 //! ```
 //!
-//! For a multiplier of one, the force g acts at the outer end p, and h = -M^T g acts at o. With the levers l of p and k of o
-//! about the knuckle's origin,
+//! For a unit multiplier, the force g acts at the outer end p, and h = -M^T g acts at o. With the levers l of p and k of o about
+//! the knuckle's origin,
 //!
 //! ```text
 //! dF = g.dp - g.dP + ..,   f = g + h,   m = l x g + k x h                   (5)
@@ -128,7 +128,7 @@ fn built<T: Real>(
     ]
 }
 
-/// Two directions normal to the line between both joints of an arm.
+/// Returns two directions normal to the line between both joints of an arm.
 #[inline(always)]
 fn across<T: Real>(arm: Arm, at: PointId, points: &[Vector3<T>], number: usize) -> Vector3<T> {
     let line = (points[at.0] - points[arm.outer.0]).normalised();
@@ -248,7 +248,7 @@ impl<T: Real> ArmEnd<T> {
         }
     }
 
-    /// Vector M u of (2).
+    /// Product M u of (2) with a vector u.
     #[inline(always)]
     fn moved(&self, axis: Vector3<T>, u: Vector3<T>) -> Vector3<T> {
         let [_, b, c] = self.place;
@@ -262,7 +262,7 @@ impl<T: Real> ArmEnd<T> {
         axis.cross(g) * c - g.across(axis) * b
     }
 
-    /// Forces g and h on the knuckle, at the outer end and at the arm's outer joint, for a multiplier of one.
+    /// Forces g and h on the knuckle, at the outer end and at the arm's outer joint, for a unit multiplier.
     #[inline(always)]
     pub(crate) fn forces(&self, at: &Configuration<T>) -> [Vector3<T>; 2] {
         let [axis, _] = frame(at.mechanism.arms[self.arm.0], at.design);

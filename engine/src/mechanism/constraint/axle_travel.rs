@@ -15,14 +15,14 @@
 //! f' = 0,   m' = (w x (l_n + s l_f)/2) x z,   q' = 0                (4)
 //! ```
 //!
-//! The heights of a steered axle are those over the places that the wheel centres have after their turn, the axle at rest, and r is
-//! smaller by the same amount (see (4) of `model/steered_axle.rs`). A row computes these places from its design. Derivatives by
-//! hardpoints are taken at constant travel, and a travel counts from the hardpoints. So a row takes the height of a wheel centre
-//! over its hardpoint as the quantity to differentiate.
+//! For a steered axle, heights count from the positions of the wheel centres after the knuckles have turned, with the axle itself
+//! at rest. Then r is smaller by the same amount (see (4) of `model/steered_axle.rs`). A row computes these positions from its
+//! design. Derivatives by hardpoints are taken at constant travel, and travel counts from the hardpoints. So a row differentiates
+//! the height of a wheel centre over its hardpoint.
 //!
-//! F is linear in the pose. The far wheel of a twist beam stands on a rocker of the near half, and both wheels of a
-//! steered axle stand on rockers. Then the wrench of the height and its rate are those of a force on a rocker (see
-//! `rocker_end.rs`), and F is not linear.
+//! F is linear in the pose. The far wheel of a twist beam is on a rocker of the near half, and both wheels of a steered axle are
+//! on rockers. Then the wrench of the height and its rate are those of a force on a rocker (see `rocker_end.rs`), and F is not
+//! linear.
 
 use super::rocker_end::constant_push_rate;
 use crate::mechanism::pose::Sink;
@@ -68,7 +68,7 @@ impl<T: Real> TravelRow<T> {
         }
     }
 
-    /// The row of the other travel of this axle.
+    /// Makes the row of the other travel of this axle.
     #[inline(always)]
     pub(crate) fn of_other_travel(&self) -> Self {
         let [near, (far, factor)] = self.centres;

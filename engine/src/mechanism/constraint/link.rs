@@ -99,7 +99,7 @@ impl<T: Real> Link<T> {
         }
     }
 
-    /// Equation (4) with (5). A separate function, because it is rarely used.
+    /// Rates by equations (4) and (5). A separate function, because it is rarely used.
     #[inline(always)]
     fn opposite_rate(
         &self,

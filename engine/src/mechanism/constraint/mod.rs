@@ -139,7 +139,7 @@ impl<T: Real> Row<T> {
             Constraint::ArmJoint { arm, at } => {
                 Row::ArmEnd(ArmEnd::built_joint(mechanism, arm, at, number, parts))
             }
-            // An assembled axle stands at the nominal heights of its wheel centres.
+            // The wheel centres of an assembled axle are at their nominal heights.
             Constraint::AxleTravel { near, far, held } => {
                 let centres = [near, far];
                 let zeros = centres.each(|id| parts.drawn[id.0].z);

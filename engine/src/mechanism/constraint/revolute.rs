@@ -20,8 +20,8 @@
 //!
 //! A ball joint at the body has the three equations of one point, with n along x, y and z.
 //!
-//! The position of p in the knuckle is a dimension of the knuckle. A built arm keeps its bushes where they were made,
-//! wherever the body's points are.
+//! The position of p in the knuckle is a dimension of the knuckle. A built arm keeps the positions of its bushings in the arm,
+//! wherever the points of the body are.
 
 use super::normals;
 use crate::mechanism::pose::Sink;
@@ -53,7 +53,7 @@ impl<T: Real> Pinned<T> {
     ) -> [Self; 5] {
         let axis = (body[second.0] - body[first.0]).normalised();
         let [x, y, z] = Matrix3::identity(axis.x).columns;
-        // The sign comes from the nominal axis, so that builds on either side of a level axis get nearby normals.
+        // The sign comes from the nominal axis. So builds whose axes tilt to either side of level have nearly equal normals.
         let sign = (knuckle[second.0] - knuckle[first.0]).z.sign();
         let [across, other] = normals(axis, sign);
         let at_first = knuckle[first.0] - knuckle[origin.0];

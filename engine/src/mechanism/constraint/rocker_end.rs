@@ -1,23 +1,24 @@
-//! A link of which one end is on a rocker: the second link of a Watt linkage.
+//! A link with one end on a rocker, such as the second link of a Watt linkage.
 //!
-//! The rocker turns about an axis in its base, the body or the knuckle, and its rod turns it (see module `rocker`). With x the end
-//! on the rocker, p the other end, d the way from the inner to the outer end, and d0 that way in the design position,
+//! The rocker's axis is fixed in its base, the body or the knuckle, and its rod turns it (see module `rocker`). Let x be the end
+//! on the rocker and p the other end. d is the vector from the inner to the outer end, and d0 that vector in the design position:
 //!
 //! ```text
 //! F = (d.d - d0.d0)/(2 |d0|),   dF = g.(d outer - d inner) + ..,   g = d/|d0|                    (1)
 //! ```
 //!
-//! G and H = -G are the parts of (1) at x and p: G = (x - p)/|d0| for an outer and for an inner x. Let f be a point of the axis and e its
-//! direction, n and o the rod's ends on the rocker and off it, s = n - o. The rod's tension k balances G about the axis:
+//! The derivatives of (1) by x and p are G and H = -G. Whichever end of the link x is, G = (x - p)/|d0|. Let f be a point of the
+//! axis and e its direction. n is the rod's end on the rocker, o its other end, and s = n - o. The rod's tension k balances G
+//! about the axis:
 //!
 //! ```text
 //! k = N/D,   N = e.(x - f) x G,   D = e.(n - f) x s                                              (2)
 //! ```
 //!
-//! So p has the force H, o has K = k s, and the base has the rest: the force G - K with the moment of G at x less that of K
-//! at o. Those of them on the knuckle are the row (f, m).
+//! So the force H acts at p, and K = k s acts at o. The base receives the force G - K, and the moment of G at x less that of K at
+//! o. The row (f, m) contains those of these forces that act on the knuckle.
 //!
-//! Rates along the motion: points of the knuckle move with it, those of the body stand still. The rod keeps its length, so
+//! Rates along the motion: points of the knuckle move with it, and points of the body do not move. The rod keeps its length, so
 //! the rocker turns in its base with
 //!
 //! ```text
@@ -31,10 +32,10 @@
 //! ```
 //!
 //! The rod may be mounted on another rocker, as the tie rod of a steered axle is. Then o moves with that rocker, and K is a force
-//! on it: (2) to (4) hold for it with K in place of G.
+//! on it. (2) to (4) hold for that rocker with K in place of G.
 //!
-//! A force on a point of the body that moves sideways opposite to a point c of the knuckle (the mount of a twist beam) is a force on c
-//! along y, of the other sign.
+//! The mount of a twist beam is a point of the body that moves sideways opposite to a point c of the knuckle. A force on this
+//! mount acts on c along y with the opposite sign.
 
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Configuration, Twist, Wrench};
@@ -149,7 +150,7 @@ impl<T: Real> RockerEnd<T> {
             (outer, inner)
         };
         let Some(turned) = TurnedRockers::under(x, at, along) else {
-            // A row of its own stands for such a link, so this row has no wrench.
+            // Such a link has a separate row, so this row has no wrench.
             return Wrench::zero(at.rack);
         };
         let knuckle = KnuckleMotion { at, along };
@@ -218,7 +219,7 @@ impl<T: Real> KnuckleMotion<'_, '_, T> {
         }
     }
 
-    /// Adds the same for a force at a place of the knuckle.
+    /// Adds the rate of the wrench of a force, times `sign`, at a place of the knuckle.
     #[inline(always)]
     fn add_at(&self, place: Moving<T>, force: Moving<T>, sign: T, wrench: &mut Wrench<T>) {
         let origin = Moving {
@@ -231,7 +232,7 @@ impl<T: Real> KnuckleMotion<'_, '_, T> {
     }
 }
 
-/// A rocker that its rod turns, with its motion (3).
+/// A rocker with its rotation and its rate (3), which follow from its rod.
 #[derive(Clone, Copy)]
 struct TurnedRocker<'a, 'c, T> {
     knuckle: KnuckleMotion<'a, 'c, T>,
@@ -246,7 +247,7 @@ struct TurnedRocker<'a, 'c, T> {
 }
 
 impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
-    /// A rocker whose rod is mounted at `off`.
+    /// Computes a rocker whose rod is mounted at `off`.
     #[inline(always)]
     fn of(id: RockerId, knuckle: KnuckleMotion<'a, 'c, T>, off: Moving<T>) -> Self {
         let at = knuckle.at;
@@ -312,7 +313,7 @@ impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
     }
 }
 
-/// The rocker that a point sits on and, if its rod is mounted on another rocker, that one.
+/// The rocker that carries a point, and the rocker on which its rod is mounted, if there is one.
 struct TurnedRockers<'a, 'c, T> {
     knuckle: KnuckleMotion<'a, 'c, T>,
     own: TurnedRocker<'a, 'c, T>,
@@ -320,7 +321,7 @@ struct TurnedRockers<'a, 'c, T> {
 }
 
 impl<'a, 'c, T: Real> TurnedRockers<'a, 'c, T> {
-    /// The rockers under a point; `None` for a point of another body. Rods stand on one further rocker at most.
+    /// Returns the rockers that move a point; `None` for a point of another body. At most one further rocker carries the rod.
     #[inline(always)]
     fn under(x: PointId, at: &'a Configuration<'c, T>, along: &'a Twist<T>) -> Option<Self> {
         let knuckle = KnuckleMotion { at, along };

@@ -38,7 +38,7 @@ pub struct MovingAngle<T> {
     pub leverage_squared: T,
 }
 
-/// Place of a body: its rotation, and one of its points.
+/// Position of a body: its rotation, and the position of one of its points.
 #[derive(Clone, Copy, Debug)]
 pub struct BodyPlace<T> {
     /// Rotation from the design position.
@@ -57,12 +57,12 @@ impl<T: Real> BodyPlace<T> {
     }
 }
 
-/// Place of a body with its motion.
+/// Position of a body with its motion.
 #[derive(Clone, Copy, Debug)]
 pub struct MovingBody<T> {
-    /// Place of the body.
+    /// Position of the body.
     pub place: BodyPlace<T>,
-    /// Velocity of the point of the place, and angular velocity.
+    /// Velocity of the point, and angular velocity of the body.
     pub motion: Twist<T>,
     /// Square of the smallest leverage among the rockers that move the body; 1 for the knuckle.
     pub leverage_squared: T,
@@ -111,7 +111,7 @@ impl<B: SimdReal> Configuration<'_, B> {
             let end = turn.moved(inner);
             let rod = end - outer;
             let speed = rod.dot(rate) / rod.dot(turn.axis.cross(end - first));
-            // This selection keeps NaN.
+            // This form of the selection returns NaN if a value is NaN.
             least = B::select(
                 least.less(turn.leverage_squared),
                 least,
@@ -129,7 +129,7 @@ impl<B: SimdReal> Configuration<'_, B> {
             rocker = mechanism.rocker(before(depth).unwrap_or(id));
             outer = turn.moved(self.designed(rocker.outer));
             rate = turn.axis.cross(outer - first) * speed;
-            // The rocker that this one turns can have another base.
+            // The rocker that this rocker turns can have another base.
             [outer, rate] =
                 self.moving_out_of_base(before(depth + 1).unwrap_or(id), [outer, rate], motion);
         }
@@ -166,7 +166,7 @@ impl<B: SimdReal> Configuration<'_, B> {
         }
     }
 
-    /// Place of the knuckle, or of a rocker.
+    /// Position of the knuckle, or of a rocker.
     #[inline(always)]
     pub fn body_place(&self, body: Option<RockerId>) -> BodyPlace<B> {
         match body {
@@ -181,7 +181,7 @@ impl<B: SimdReal> Configuration<'_, B> {
         }
     }
 
-    /// The same, with its motion.
+    /// Position of the knuckle or of a rocker, with its motion.
     #[inline(always)]
     pub fn moving_body(&self, body: Option<RockerId>, motion: &Twist<B>) -> MovingBody<B> {
         match body {

@@ -16,8 +16,8 @@ struct Program {
 }
 
 impl Program {
-    /// A random program. Every third has parallel and repeated rows. Every fifth has a factor R whose pivots span seven
-    /// decades. In every second, a vertex of the rows may lie on bounds.
+    /// A random program. Every third has parallel and repeated rows. Every fifth has a factor R whose pivots span seven decades.
+    /// In every second program, a vertex of the rows may lie on bounds.
     fn random(seed: u64, n: usize, rows: usize, equalities: usize) -> Self {
         let mut noise = Noise::new(seed);
         let mut triangle = DMatrix::from_fn(n, n, |_, _| noise.next()).qr().r();
@@ -113,7 +113,7 @@ impl Program {
         gradient
     }
 
-    /// Least objective over all sets of held constraints whose minimum is feasible.
+    /// Smallest objective over all sets of held constraints whose minimum is feasible.
     fn by_enumeration(&self) -> f64 {
         let n = self.offset.len();
         let mut all: Vec<Held> = (self.equalities..self.offsets.len())
@@ -199,7 +199,7 @@ fn minima_obey_the_kuhn_tucker_conditions_and_refusals_are_proved() {
                 refused += 1;
                 let gradients: Vec<_> = culprits.iter().map(|h| program.gradient(*h)).collect();
                 let gradients = DMatrix::from_columns(&gradients);
-                // The gradients have exactly one dependence, so every culprit is necessary.
+                // The gradients have exactly one linear dependence, so each of the reported constraints is necessary.
                 let square = gradients.tr_mul(&gradients);
                 let eigen = square.symmetric_eigen();
                 let least = eigen.eigenvalues.imin();
@@ -231,7 +231,7 @@ fn minima_obey_the_kuhn_tucker_conditions_and_refusals_are_proved() {
 
 #[test]
 fn the_minimum_is_the_least_of_all_active_sets() {
-    // The enumeration squares the condition of R, so badly conditioned programs are left out.
+    // The enumeration squares the condition of R, so badly conditioned programs are omitted.
     for seed in (0..75).filter(|seed| seed % 5 != 0) {
         let n = 1 + seed as usize % 3;
         let equalities = usize::from(seed % 3 == 1 && n > 1);

@@ -1,13 +1,14 @@
-//! Curvature that squares of linear models leave out, estimated from steps.
+//! Curvature that the squares of linear models do not contain, estimated from steps.
 
 use super::super::qr::dot;
 
-/// Stiffness that is added across the held rows of a program with curvature, relative to the largest diagonal entry.
+/// Curvature that is added along the normals of the held rows in a program with curvature, relative to the largest diagonal
+/// entry.
 const ACROSS: f64 = 4.0;
 /// Largest number of shifts tried to make a matrix positive definite. Each is ten times the previous one.
 const SHIFTS: usize = 40;
 
-/// Symmetric rank-one estimate S of the curvature that squares of linear models leave out.
+/// Symmetric rank-one estimate S of the curvature that the squares of linear models do not contain.
 pub(super) struct Curvature {
     variables: usize,
     /// Matrix S, column after column.
@@ -60,9 +61,9 @@ impl Curvature {
 
     /// Replaces R and q by those of R^T R + S, made positive definite by a shift, with the same slope.
     ///
-    /// At a minimum under constraints, R^T R + S must be positive only along the held rows. Across them, the function adds
-    /// the square of each row, w (a.d + c)^2 / 2. This square is zero where the row is held, so its multiplier does not
-    /// change. A shift alone would slow down every direction.
+    /// At a minimum under constraints, R^T R + S must be positive only along the held rows. Across them, the function adds the
+    /// square of each row, w (a.d + c)^2 / 2. This square is zero where the row is held, so its multiplier does not change. A
+    /// shift of the diagonal alone would shorten steps in every direction.
     pub(super) fn add_to(
         &mut self,
         held: &[(Vec<f64>, f64)],

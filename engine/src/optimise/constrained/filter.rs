@@ -1,4 +1,4 @@
-//! The filter: earlier pairs of goal and violation that a step must improve on.
+//! Filter for steps: earlier pairs of goal and violation. A step must improve on each of them.
 
 /// Pairs of goal and violation of earlier points.
 #[derive(Clone, Debug)]

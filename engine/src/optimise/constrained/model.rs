@@ -15,14 +15,15 @@ use super::{Assessment, KEPT, Shape};
 use levels::LEVEL_MET;
 use nalgebra::DVector;
 
-/// Damping relative to the largest pivot. It keeps variables still in directions that change neither goal nor rows.
+/// Damping relative to the largest pivot. It prevents moves in directions that change neither goal nor rows.
 const DAMPING: f64 = 1e-7;
-/// Factor of the damping if a solvable quadratic program was not solved, and the largest number of such increases.
+/// Factor by which damping increases if the method did not solve a solvable quadratic program, and the largest number of such
+/// increases.
 const MORE_DAMPING: f64 = 100.0;
 const DAMPINGS: usize = 3;
 /// Largest number of programs for one step, over all levels.
 const PROGRAMS: usize = 300;
-/// Agreement of duplicate rows: a hundredth of the violation that counts as kept.
+/// Largest difference between duplicate rows: a hundredth of the largest violation that still counts as satisfied.
 const SLACK: f64 = 1e-9;
 
 /// Origin of a step.
@@ -30,7 +31,8 @@ const SLACK: f64 = 1e-9;
 pub(super) enum Proposal {
     /// The minimum of the model.
     Optimal,
-    /// The rows exclude one another within the radius. Holds the smallest possible largest violation, and the rows to blame.
+    /// The rows exclude one another within the radius. Contains the smallest possible value of the largest violation, and the
+    /// rows that exclude one another.
     Relaxed { remaining: f64, culprits: Vec<Held> },
 }
 
@@ -49,7 +51,7 @@ pub(super) struct ConvexModel<'a> {
     half: Vec<f64>,
     equalities: usize,
     levels: Vec<f64>,
-    /// Tolerance for each level: logarithm of the ratio of norm to level up to which the level counts as met.
+    /// Tolerance for each level. The level counts as met if the logarithm of norm divided by level does not exceed it.
     met: Vec<f64>,
     goal: Squares,
     /// Number of residuals of the goal, and their norm.
@@ -60,7 +62,7 @@ pub(super) struct ConvexModel<'a> {
     /// Rows as given, with scaled gradients.
     normals: Vec<f64>,
     offsets: Vec<f64>,
-    /// True for each row that restricts steps.
+    /// True for each row that can restrict steps.
     speaks: Vec<bool>,
     /// Number of equalities among the kept rows.
     kept_equalities: usize,
@@ -89,7 +91,7 @@ pub(super) struct ConvexModel<'a> {
     /// Last multipliers of the levels. The next search starts from them.
     last_weights: Vec<Option<f64>>,
     curvature: Curvature,
-    /// Normals and offsets of the rows that the previous step held. The curvature is made stiff across them.
+    /// Normals and offsets of the rows that the previous step held. Curvature is added in the direction of their normals.
     across: Vec<(Vec<f64>, f64)>,
     matrix: Vec<f64>,
     vector: Vec<f64>,
@@ -147,7 +149,7 @@ impl<'a> ConvexModel<'a> {
         }
     }
 
-    /// Makes this the model about `x`. Rows that stand still are left out.
+    /// Builds the model about `x`. Rows that do not change with the variables are left out.
     pub(super) fn build(&mut self, x: &DVector<f64>, at: &Assessment, movable: Option<&Movable>) {
         let n = x.len();
         self.norm = at.goal.residuals.norm();
@@ -158,7 +160,7 @@ impl<'a> ConvexModel<'a> {
             } else {
                 value > KEPT
             };
-            // A violated row can stand still here and move elsewhere. Such a row does not restrict the step.
+            // A violated row can be constant near this point and change elsewhere. Such a row does not restrict the step.
             *speaks = movable.is_none_or(|movable| {
                 movable.takes_part(row) && (missed || movable.moves_at(row, &at.rows, self.bounds))
             });
@@ -242,7 +244,7 @@ impl<'a> ConvexModel<'a> {
         self.programs = PROGRAMS;
         self.damping = DAMPING;
         let mut outcome = self.program(curved);
-        // The point itself satisfies the rows. If no step is found, rounding is the reason.
+        // The point itself satisfies the rows. If no step is found, rounding errors are the reason.
         let is_kept = self.worst() <= KEPT;
         for _ in 0..DAMPINGS {
             if outcome == Outcome::Solved || !is_kept {
@@ -316,7 +318,7 @@ impl<'a> ConvexModel<'a> {
         } else {
             1.0
         };
-        // Rows of the triangles alternate, so that columns stay short.
+        // Rows of the triangles are interleaved, so that columns stay short.
         self.matrix.clear();
         self.matrix.resize(n * rows, 0.0);
         self.vector.clear();

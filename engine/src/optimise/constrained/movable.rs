@@ -1,21 +1,21 @@
-//! Separates rows that variables can move from rows that stand still.
+//! Separates rows that variables can change from constant rows.
 //!
-//! A row without a slope does not restrict steps. If it is satisfied, every step keeps it; if it is violated, no step can
-//! mend it. Its computed gradient is rounding instead of zero, and a program that uses this gradient divides by rounding. A
-//! row *stands still* at a point if a move of all variables across their ranges changes it, to first order, by no more than
-//! its rounding:
+//! A row without a slope does not restrict steps. If it is satisfied, every step keeps it satisfied; if it is violated, no step
+//! can reduce the violation. Its computed gradient is a rounding error instead of zero, and a program that uses this gradient
+//! divides by a rounding error. A row is *constant* at a point if a move of all variables across their ranges changes it, to
+//! first order, by no more than its rounding:
 //!
 //! ```text
 //! sum_j |a_j| width_j <= max(1e-9, 256 e (|value| + 2 |limit|)),     e: the machine precision            (1)
 //! ```
 //!
-//! Rows are in visible units, 1 mm or 1 degree. Some hundreds of operations compute them from coordinates of up to ten
-//! thousand units, so that their rounding is about 1e-9. That is a hundredth of the violation that counts as kept. The
+//! Rows are in visible units, 1 mm or 1 degree. Some hundreds of operations compute them from coordinates of up to ten thousand
+//! units, so that their rounding is about 1e-9. That is a hundredth of the largest violation that still counts as satisfied. The
 //! second term is the rounding of larger values.
 //!
-//! A row that stands still at the start may move elsewhere. So every evaluation examines it again, also the evaluations of
-//! refused steps. The row takes part from the first evaluation at which it moves, or at which its value differs by more than
-//! (1). The violation of a run is that of the rows that take part. The caller names violated rows that never take part.
+//! A row that is constant at the start may change elsewhere. So every evaluation examines it again, including the evaluations of
+//! refused steps. The row is used from the first evaluation at which it has a slope, or at which its value differs by more than
+//! (1). The violation of a run is that of the rows in use. The caller names violated rows that were never used.
 
 use super::super::{Bounds, Linearisation};
 
@@ -24,7 +24,7 @@ const ROUNDING: f64 = 1e-9;
 /// Rounding of a row, relative to its value.
 const RELATIVE_ROUNDING: f64 = 256.0 * f64::EPSILON;
 
-/// Rows that take part in a run.
+/// Rows that are used in a run.
 #[derive(Clone, Debug)]
 pub(super) struct Movable {
     /// Rounding of each row by (1).
@@ -52,7 +52,7 @@ impl Movable {
         movable
     }
 
-    /// Examines the rows at another point. Returns true if more of them take part than before.
+    /// Examines the rows at another point. Returns true if more rows are in use than before.
     pub(super) fn look(&mut self, at: &Linearisation, bounds: &Bounds) -> bool {
         if self.standing == 0 {
             return false;
@@ -71,19 +71,19 @@ impl Movable {
         self.standing < before
     }
 
-    /// Returns true if a row takes part.
+    /// Returns true if a row is in use.
     pub(super) fn takes_part(&self, row: usize) -> bool {
         self.takes_part[row]
     }
 
-    /// Returns true if some variable moves a row at a point.
+    /// Returns true if some variable changes a row at a point.
     pub(super) fn moves_at(&self, row: usize, at: &Linearisation, bounds: &Bounds) -> bool {
         let slopes = at.jacobian.row(row);
         let slopes = slopes.iter().zip(bounds.width().iter());
         slopes.map(|(a, width)| (a * width).abs()).sum::<f64>() > self.rounding[row]
     }
 
-    /// Returns for each row whether it takes part.
+    /// Returns a flag for each row: true if it is in use.
     pub(super) fn into_taking_part(self) -> Vec<bool> {
         self.takes_part
     }

@@ -16,7 +16,7 @@ use argmin::core::{Error, KV, Problem, Solver, TerminationStatus};
 use nalgebra::DVector;
 use steps::{Trial, Trials};
 
-/// Largest violation that counts as kept. It is a tenth of a millionth of a visible difference.
+/// Largest violation with which a constraint counts as satisfied: 1e-7 of a visible difference.
 pub(in crate::optimise) const KEPT: f64 = 1e-7;
 /// Share of [`Options::reduction_below`] at which a run ends. The relative error of the multipliers is about its square
 /// root.
@@ -31,15 +31,15 @@ const WHOLE: f64 = 4.0;
 const ACCEPTABLE: f64 = 1e-4;
 const POOR: f64 = 0.25;
 const GOOD: f64 = 0.75;
-/// Distance, in half ranges, up to which a refused trial shows the slopes on the other side of a kink.
+/// Distance, in half ranges, up to which a refused trial is used for the slopes on the other side of a kink.
 const BESIDE: f64 = 1e-6;
-/// Largest number of such trials that are kept.
+/// Largest number of stored refused trials.
 const SIDES: usize = 4;
 /// Number of iterations before the estimate of the curvature is used.
 const CURVED_FROM: u64 = 7;
 /// Step length, in half ranges, that counts as zero. Programs are solved to no more digits.
 pub(super) const RESOLUTION: f64 = 1e-12;
-/// Largest number of trials in an iteration. Each is at most half as long as the one before.
+/// Largest number of trials in an iteration. Each is at most half as long as the previous one.
 const TRIALS: usize = 60;
 /// Smallest relative decrease of a violation. If the model predicts less, the violation counts as stuck.
 const STUCK: f64 = 1e-4;
@@ -51,19 +51,19 @@ pub struct ConstrainedFit {
     pub x: DVector<f64>,
     /// Goal, levels and rows at `x`.
     pub at: Assessment,
-    /// Largest violation at `x` among the rows that some variable moves.
+    /// Largest violation at `x` among the rows that some variable changes.
     pub violation: f64,
-    /// True for each row that some variable moved at any point of the run.
+    /// True for each row that some variable changed at any point of the run.
     pub movable: Vec<bool>,
     /// Derivative of half the squared goal by each row's limit, negated. Not negative except for equalities.
     pub multipliers: Vec<f64>,
-    /// The same derivative by half the square of each level.
+    /// Derivative of half the squared goal by half the square of each level, negated.
     pub level_multipliers: Vec<f64>,
-    /// Other multipliers of the rows that balance as well. They exist if gradients are linearly dependent.
+    /// Other multipliers of the rows that also balance the slope. They exist if gradients are linearly dependent.
     pub alternatives: Option<Vec<f64>>,
     /// Imbalance of slopes and multipliers in the optimality conditions, relative to their sizes.
     pub imbalance: f64,
-    /// Rows that exclude one another near `x`, if there are any.
+    /// Rows that cannot be met together near `x`, if there are any.
     pub culprits: Vec<Held>,
     /// Reason for the end.
     pub termination: Termination,
@@ -140,7 +140,7 @@ struct SequentialConvex<'a> {
     record: FitRecord<'a>,
     equalities: usize,
     levels: Vec<f64>,
-    /// Limits of the rows, and the rows that take part. The second is `None` before the run has begun.
+    /// Limits of the rows, and the rows in use. The second is `None` before the run has begun.
     limits: Vec<f64>,
     movable: Option<Movable>,
     model: ConvexModel<'a>,
@@ -149,7 +149,7 @@ struct SequentialConvex<'a> {
     trial_x: DVector<f64>,
     /// Rows at the latest refused trials near the current point. They show the slopes on other sides of a kink.
     beside: Vec<Linearisation>,
-    /// Distance moved since the first of these trials, in half ranges.
+    /// Distance that the current point has moved since the first of these trials, in half ranges.
     gone: f64,
     filter: Filter,
     radius: f64,
@@ -158,7 +158,7 @@ struct SequentialConvex<'a> {
 
 impl SequentialConvex<'_> {
     fn into_fit(mut self, state: ArgminState) -> ConstrainedFit {
-        let x = state.param.expect("the state was given its start");
+        let x = state.param.expect("the state has a start point");
         // Multipliers of the end point itself, not of the step to it.
         self.model.solve(WHOLE, false);
         let settled = self.model.settle_multipliers(&self.beside);
@@ -199,12 +199,12 @@ impl SequentialConvex<'_> {
         [of.goal.cost(), violation]
     }
 
-    /// Returns true if some variable is known to move a row, or if nothing is known yet.
+    /// Returns true if some variable is known to change a row, or if no row has been examined yet.
     fn takes_part(&self, row: usize) -> bool {
         self.movable.as_ref().is_none_or(|m| m.takes_part(row))
     }
 
-    /// Evaluates the trial and examines its rows. Returns true if rows move that did not move before.
+    /// Evaluates the trial and examines its rows. Returns true if some rows that were constant so far change there.
     fn evaluate_trial(&mut self, problem: &mut impl Constrained) -> Result<bool, Infeasible> {
         problem.assess(&self.trial_x, &mut self.trial)?;
         self.trial.check()?;
@@ -212,14 +212,14 @@ impl SequentialConvex<'_> {
         Ok(self.movable.as_mut().is_some_and(|m| m.look(rows, bounds)))
     }
 
-    /// Includes rows that were not known to move. The filter starts again, because violations now include these rows.
+    /// Includes rows that were constant so far. The filter starts again, because violations now include these rows.
     fn count_new_rows(&mut self, x: &DVector<f64>) {
         self.rebuild_model(x);
         let [_, violation] = self.pair(&self.current);
         self.filter = Filter::new(violation, self.record.options.violation_below);
     }
 
-    /// Keeps the rows of the refused trial if it is near. Drops the oldest if the store is full.
+    /// Stores the rows of the refused trial if it is near. Removes the oldest ones if the store is full.
     fn keep_beside(&mut self, length: f64) {
         if length <= BESIDE {
             if self.beside.len() == SIDES {
@@ -229,7 +229,7 @@ impl SequentialConvex<'_> {
         }
     }
 
-    /// Forgets refused trials after a step of this length that leads away from them.
+    /// Removes the stored trials if a step of this length leads too far away from them.
     fn leave_beside(&mut self, length: f64) {
         self.gone += length;
         if self.gone > BESIDE {
@@ -275,7 +275,7 @@ impl<P: Constrained> Solver<P, ArgminState> for SequentialConvex<'_> {
     ) -> Result<(ArgminState, Option<KV>), Error> {
         let problem = of(problem);
         assert_eq!(problem.shape().variables, self.record.bounds.variables());
-        let x = state.param.as_ref().expect("the state was given its start");
+        let x = state.param.as_ref().expect("the state has a start point");
         problem.assess(x, &mut self.current)?;
         self.current.check()?;
         let (rows, bounds) = (&self.current.rows, self.record.bounds);
@@ -293,7 +293,7 @@ impl<P: Constrained> Solver<P, ArgminState> for SequentialConvex<'_> {
         mut state: ArgminState,
     ) -> Result<(ArgminState, Option<KV>), Error> {
         let problem = of(problem);
-        let mut x = state.take_param().expect("the state was given its start");
+        let mut x = state.take_param().expect("the state has a start point");
         let from = self.pair(&self.current);
         let mut trials = Trials {
             from,

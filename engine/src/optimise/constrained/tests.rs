@@ -45,7 +45,7 @@ fn rosenbrock_in_a_disc_ends_on_its_edge() {
     }
 }
 
-/// Projects a point onto the intersection of a plane and a half-space, within the box.
+/// The solver projects a point onto the intersection of a plane and a half-space, within the box.
 #[test]
 fn projections_are_exact_and_multipliers_are_prices() {
     let at = |limit: f64| {
@@ -76,7 +76,7 @@ fn projections_are_exact_and_multipliers_are_prices() {
     );
 }
 
-/// With two circles that do not meet, the run names both, and no small move from its end helps.
+/// If two circles do not intersect, the run names both, and no small move from its end reduces the violation.
 #[test]
 fn a_planted_contradiction_ends_with_its_rows() {
     let at = |x: &[f64]| {
@@ -99,8 +99,8 @@ fn a_planted_contradiction_ends_with_its_rows() {
     assert!(fit.history.len() < 40);
 }
 
-/// Finds the shortest move to a level of residuals that vanish on a circle. It ends on the boundary of the band around the
-/// circle.
+/// Residuals vanish on a circle, and their norm is limited. The shortest move from the start ends on the boundary of the allowed
+/// band around the circle.
 #[test]
 fn a_level_is_met_exactly_even_about_a_zero_of_its_residuals() {
     // The constraint is |b| = |x0^2 + x1^2 - 1| <= level, the start (2, 1). The solution lies on the ray from the origin.
@@ -220,8 +220,8 @@ fn curvature_is_learnt_where_residuals_are_large() {
     assert!(fit.evaluations() < 60, "{}", fit.evaluations());
 }
 
-/// Rosenbrock's valley in a disc, with added rows that no variable moves. Their values are at the limit or beyond, with
-/// rounding as their only slope.
+/// Rosenbrock's valley in a disc, with added constant rows. Their values are at the limit or beyond, and their slopes are only
+/// rounding errors.
 fn beside_still_rows(noise: f64, missed: f64, equalities: usize) -> ConstrainedFit {
     let at = move |x: &[f64]| {
         let goal = vec![
@@ -243,7 +243,7 @@ fn beside_still_rows(noise: f64, missed: f64, equalities: usize) -> ConstrainedF
     solve(&[-1.2, 1.0], &ranges, equalities, f64::INFINITY, at)
 }
 
-/// Rows that no variable moves change neither the minimum nor its multipliers, whatever their rounding.
+/// Constant rows change neither the minimum nor its multipliers, whatever their rounding.
 #[test]
 fn rows_that_stand_still_change_nothing() {
     for noise in [0.0, 1e-300, 1e-17, -1e-17, 1e-13] {
@@ -266,7 +266,7 @@ fn rows_that_stand_still_change_nothing() {
     }
 }
 
-/// Counts a row whose slope vanishes at the start and that binds elsewhere.
+/// The solver uses a row whose slope vanishes at the start and that binds elsewhere.
 #[test]
 fn a_row_that_begins_to_move_is_counted() {
     // The constraint is x1^2 <= 1/4, the start x1 = 0. The goal has its minimum at x = (1, 2).
@@ -319,7 +319,7 @@ fn multipliers_of_equal_rows_are_known_to_be_open() {
     }
 }
 
-/// A run stops at the next evaluation after a request. It also stops at its budget, even among refused trials.
+/// A run stops at the next evaluation after a request. It also stops when its budget is used up, even between refused trials.
 #[test]
 fn evaluations_end_at_a_request_and_at_their_budget() {
     use std::cell::Cell;

@@ -50,7 +50,7 @@ fn widest_step(points: &[Found]) -> f64 {
     steps.fold(0.0, f64::max)
 }
 
-/// Vector from a point, whose norm is the distance.
+/// Vector from a point. Its norm is the distance.
 fn way_from(x: &[f64], from: [f64; 2]) -> Values {
     vec![
         (x[0] - from[0], vec![1.0, 0.0]),
@@ -178,7 +178,7 @@ fn a_straight_front_has_its_slope_everywhere() {
     assert!(widest_step(&traced.points) < 0.045);
 }
 
-/// A design that is best in all criteria is the whole front.
+/// If one design is best in all criteria, the front contains only this design.
 #[test]
 fn without_a_trade_there_is_one_point() {
     let traced = traced(&[[-5.0, 5.0]; 2], [2, 1], &[&[0.4, 1.1]], |x| {
@@ -188,7 +188,7 @@ fn without_a_trade_there_is_one_point() {
     assert!(traced.points[0].amounts.iter().all(|amount| *amount < 1e-5));
 }
 
-/// Distances from three points. The front is the triangle, and every part of it has a computed point nearby.
+/// Distances from three points. The front is their triangle, and every part of it has a computed point nearby.
 #[test]
 fn a_front_of_three_covers_the_triangle() {
     let corners = [[-1.0, 0.0], [2.0, 0.5], [0.3, 2.0]];

@@ -179,7 +179,7 @@ impl<T: Real> Members<T> {
                 (Upper::Arm { circle, .. }, UpperRoles::Arm(arm)) => {
                     UpperEnd::Arm(Legs::of(*arm, design, circle))
                 }
-                _ => unreachable!("the closed form is that of these roles"),
+                _ => unreachable!("the closed form has these roles"),
             },
             tie_rod: designed(roles.tie_rod_outer) - designed(roles.tie_rod_inner),
         }
@@ -283,7 +283,7 @@ impl<'a, T: Real> Adjoint<'a, T> {
             (UpperEnd::Arm(legs), UpperJoint::Arm(joint)) => {
                 legs.add(joint, at_upper, -upper, sink);
             }
-            _ => unreachable!("the joint is that of these members"),
+            _ => unreachable!("the joint belongs to one of the members"),
         }
     }
 }

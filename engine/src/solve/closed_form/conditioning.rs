@@ -1,6 +1,6 @@
 //! Estimate of the condition number from intermediate results of the closed form.
 //!
-//! With the arm fixed, a unit residual, in sizes of the mechanism, moves the knuckle in two ways. The upper end moves,
+//! With the arm fixed, a unit residual, relative to the mechanism's size, moves the knuckle in two ways. The upper end moves,
 //! limited by its lever u. The knuckle rotates about the steering axis d, limited by the tie rod's lever w. It rotates more
 //! because the tie rod's outer end t follows the upper end:
 //!
@@ -12,7 +12,7 @@
 //! A unit of travel moves the knuckle by v = |x_q|. This move must also cancel the travel that the residuals have caused, so
 //! that
 //! |J^-1| is about X + v (1 + X). With the arm as the drive it is about X. These are sums of absolute values, and so
-//! rather too large. The rows of J, a unit force and its moment, have norms somewhat above one, but count as one here. The
+//! rather too large. The rows of J, each a unit force and its moment, have norms somewhat above one. Here they count as one. The
 //! product is correct within a factor of ten (`tests/it/hard_cases.rs`).
 
 use super::{ArmState, ClosedForm};

@@ -123,7 +123,7 @@ impl<T: Real> ClosedForm<T> {
         ClosedForm::with_carrier(roles, design).0
     }
 
-    /// Makes the constants of a design, and the carrier for further vectors of its knuckle.
+    /// Makes the constants of a design, and the object that carries further vectors of its knuckle.
     #[inline(always)]
     pub(crate) fn with_carrier(roles: &Roles, design: &[Vector3<T>]) -> (Self, Carrier<T>) {
         let ball_joint = design[roles.lower_arm.outer.0];
@@ -185,7 +185,7 @@ impl<T: Real> ClosedForm<T> {
         self.at_knowing(cosine, sine, rack, None)
     }
 
-    /// The same as [`ClosedForm::at`], with a more accurate value of [`ClosedForm::upper_square`] than the angle gives.
+    /// State as in [`ClosedForm::at`], with a more accurate value of [`ClosedForm::upper_square`] than the angle gives.
     #[inline(always)]
     pub(crate) fn at_knowing(&self, cosine: T, sine: T, rack: T, square: Option<T>) -> ArmState<T> {
         let ball_joint = self.ball_joint.at(cosine, sine);
@@ -228,7 +228,7 @@ impl<T: Real> ClosedForm<T> {
         }
     }
 
-    /// The same as [`ClosedForm::at`], for an angle given by the tangent of its half. It needs no trigonometric functions.
+    /// State as in [`ClosedForm::at`], for an angle given by the tangent of its half. It needs no trigonometric functions.
     #[inline(always)]
     pub fn at_half_tangent(&self, tangent: T, rack: T) -> ArmState<T> {
         let inverse = tangent.one() / (tangent.one() + tangent.squared());
@@ -236,7 +236,7 @@ impl<T: Real> ClosedForm<T> {
         self.at(cosine, (tangent + tangent) * inverse, rack)
     }
 
-    /// Any number of the constants, as a model for further constants.
+    /// Any number of the constants. Further constants get its number type and length.
     #[inline(always)]
     pub(crate) fn like(&self) -> T {
         self.wheel_height
@@ -302,7 +302,7 @@ impl<T: Real> ClosedForm<T> {
         form
     }
 
-    /// The state, improved with a more accurate value of ga^2 G.
+    /// Returns the state, improved with a more accurate value of ga^2 G.
     pub(crate) fn with_toggle_square(&self, state: ArmState<T>, square: T) -> ArmState<T> {
         ArmState {
             ga: self.side * (square / state.gram).sqrt(),
@@ -311,7 +311,7 @@ impl<T: Real> ClosedForm<T> {
         }
     }
 
-    /// Square under the root for the upper end, at the arm angle with this cosine and sine. It is negative if the mechanism
+    /// Radicand in the position of the upper end, at the arm angle with this cosine and sine. It is negative if the mechanism
     /// cannot be assembled.
     pub(crate) fn upper_square(&self, cosine: T, sine: T) -> T {
         self.upper.square(self.ball_joint.at(cosine, sine))

@@ -158,7 +158,7 @@ impl<T: Real> Upper<T> {
         }
     }
 
-    /// Square under the root for the upper end: of the strut's length, or of the arm's lever.
+    /// Radicand in the position of the upper end: square of the strut's length, or of the arm's lever.
     pub(crate) fn square(&self, ball_joint: Vector3<T>) -> T {
         match self {
             Upper::Strut {

@@ -77,7 +77,7 @@ impl<'m> Solver<'m> {
         Ok(solver)
     }
 
-    /// Takes another design of the same mechanism. An error says why it cannot be solved.
+    /// Changes to another design of the same mechanism. An error says why it cannot be solved.
     pub fn prepare(&mut self, design: &[Vector3<f64>]) -> Result<(), DesignFault> {
         self.design.copy_from_slice(design);
         for (i, p) in design.iter().enumerate() {
@@ -169,7 +169,7 @@ impl<'m> Solver<'m> {
         self.visit_stations(drive, station_order, rack, &mut visit)
     }
 
-    /// The same as [`Solver::for_each_pose`], compiled once for all visitors.
+    /// Visits stations like [`Solver::for_each_pose`], but is compiled once for all visitors.
     fn visit_stations(
         &mut self,
         drive: Drive,
@@ -265,7 +265,7 @@ impl<'m> Solver<'m> {
         (pose, point)
     }
 
-    /// Curve on which `moving` moves, and everything else is fixed at `held`.
+    /// Curve along which `moving` changes, with all other quantities fixed at `held`.
     pub(crate) fn curve(&mut self, moving: Moving, held: MotionPoint<f64>) -> Curve<'_> {
         self.prepare_series();
         Curve {

@@ -14,8 +14,8 @@ use crate::solve::tracker::{FARTHEST, STEEPEST};
 
 /// Distance from the origin up to which the closed form keeps its accuracy, in multiples of the mechanism's size.
 const FAR: f64 = 1e3;
-/// Distance, in sizes, below which poses count as equal. Assemblies closer than this are near a toggle, where the closed
-/// form is not used.
+/// Distance, relative to the mechanism's size, below which poses count as equal. Assemblies closer than this are near a toggle,
+/// where the closed form is not used.
 const SAME: f64 = 1e-9;
 
 impl Solver<'_> {
@@ -108,7 +108,7 @@ impl Solver<'_> {
         Some((with_pose, condition))
     }
 
-    /// The same as [`Solver::configuration_series`], prepared for sensitivities.
+    /// Configuration series as in [`Solver::configuration_series`], prepared for sensitivities.
     pub fn linearised<'a, const N: usize>(
         &'a self,
         design_series: &'a DesignSeries<N>,

@@ -7,7 +7,7 @@ pub struct StationOrder {
     pub(crate) values: Vec<f64>,
     /// Stations at and above the design position, in upward order.
     pub(crate) up: Vec<usize>,
-    /// Stations below it, in downward order.
+    /// Stations below the design position, in downward order.
     pub(crate) down: Vec<usize>,
 }
 

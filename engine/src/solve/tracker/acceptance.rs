@@ -41,17 +41,17 @@ impl Rejection {
     pub fn describe(self) -> &'static str {
         match self {
             Rejection::NoLength => "a rod or an axis is too short",
-            Rejection::NotSettled => "Newton's method did not settle",
+            Rejection::NotSettled => "Newton's method did not converge",
             Rejection::IllConditioned => "the equations are ill-conditioned",
             Rejection::ChangedTooMuch => "the equations changed too much in one step",
-            Rejection::TurnedFar => "the mechanism turned far",
+            Rejection::TurnedFar => "the mechanism turned too far in one step",
             Rejection::FoldNear => "a fold is near",
             Rejection::ReadingUncertain => "an output is uncertain",
             Rejection::NotOnTheWay => "the station is out of reach or listed twice",
         }
     }
 
-    /// Number for this reason in a lane. 0 means no rejection.
+    /// Number that represents this reason in a lane. 0 means no rejection.
     #[inline(always)]
     fn code(self) -> f64 {
         f64::from(self as u8 + 1)

@@ -54,7 +54,7 @@ impl<B: SimdReal> ArmDesign<'_, B> {
 pub(crate) const STEEPEST: f64 = 3.0;
 /// Largest rotation of the arm, as the tangent of half the angle.
 pub(crate) const FARTHEST: f64 = 0.7;
-/// Largest rotation of the arm in one step, as a change of that tangent.
+/// Largest rotation of the arm in one step, as a change of the tangent of half the angle.
 const LONGEST: f64 = 0.1;
 /// Largest number of correction pairs for a lane to settle.
 const MOST_ROUNDS: usize = 4;
@@ -196,8 +196,8 @@ pub(super) struct BranchGuard<B> {
 }
 
 impl<B: SimdReal> BranchGuard<B> {
-    /// Guard of a place at zero drive. `rate` is the design's own slope. Near a fold it differs much from that of the base
-    /// design.
+    /// Guard of a place of the route at zero drive. `rate` is the slope of this design. Near a fold it differs much from the
+    /// slope of the base design.
     #[inline(always)]
     fn start(state: &ArmState<B>, tangent: B, rate: B) -> Self {
         let [a, b, c] = state.squares();
@@ -208,7 +208,7 @@ impl<B: SimdReal> BranchGuard<B> {
         }
     }
 
-    /// Guard of the next place on the leg. Its slope is the change of the tangent divided by the step.
+    /// Guard of the next place on this leg of the route. Its slope is the change of the half tangent divided by the step.
     #[inline(always)]
     fn next(&self, state: &ArmState<B>, tangent: B, inverse_step: B) -> Self {
         BranchGuard::start(state, tangent, (tangent - self.tangent) * inverse_step)

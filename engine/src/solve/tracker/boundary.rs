@@ -1,8 +1,8 @@
 //! Designs at the boundary of those that the tracker accepts.
 //!
-//! On a line between an accepted and a rejected design, bisection ends at two neighbouring designs. Between these two,
-//! the inputs of a guard differ only by rounding. A guard that accepts the first design with some slack also accepts
-//! the second one. So only the guard without slack rejects the second design.
+//! On a line between an accepted and a rejected design, bisection ends at two neighbouring designs. Between these two, the inputs
+//! of a guard differ only by rounding. A guard that accepts the first design with some slack also accepts the second one. So the
+//! guard that rejects the second design is the one without slack.
 
 use super::{Acceptance, AdjointPose, CornerTracker, Rejection, Visit};
 use crate::model::{Drive, Suspension, Topology};
@@ -49,7 +49,7 @@ pub(super) fn template(topology: &str) -> Suspension {
     study.expect("a template is valid").into_wheel()
 }
 
-/// Judgement of a guard at a place: its name, its reason to reject, and its slack. The slack is negative if it rejects.
+/// Decision of a guard at a place: its name, its reason for a rejection, and its slack. The slack is negative if it rejects.
 pub(super) struct Judgement {
     pub guard: &'static str,
     pub reason: Rejection,
@@ -60,8 +60,8 @@ pub(super) struct Judgement {
 /// Slack that counts as zero. It exceeds the rounding errors of a design and is far below the slack of other guards.
 const NONE: f64 = 1e-6;
 
-/// Searches for boundaries on lines from the study's own design. The rack is alternately in the middle and displaced.
-/// `judge` returns the judgements at all places of an accepted design. Exactly one of them must have zero slack. Its reason
+/// Searches for boundaries on lines from the study's own design. The rack is alternately in the middle and displaced. `judge`
+/// returns the decisions of all guards at all places of an accepted design. Exactly one of them must have zero slack. Its reason
 /// must be that of the rejected neighbour. Returns the number of boundaries of each guard.
 pub(super) fn boundaries(
     suspension: &Suspension,
@@ -93,7 +93,7 @@ pub(super) fn boundaries(
         };
         let mut history = tracker.history(0.0_f64);
         let mut reject = |t: f64| rejection(&tracker, number, &at(t), &mut history);
-        // The nearest rejected design among a few, so that the boundary lies between ordinary designs.
+        // Uses the nearest of a few rejected designs, so that the boundary lies between ordinary designs.
         let Some(mut high) = (1..=24)
             .map(|k| f64::from(k) / 24.0)
             .find(|t| reject(*t).is_some())
@@ -149,7 +149,7 @@ pub(super) fn above(value: f64, threshold: f64) -> f64 {
     value / threshold - 1.0
 }
 
-/// Slacks of a number that may neither fall below half nor more than double.
+/// Slacks of a number that may neither fall below half of its value nor more than double.
 pub(super) fn steady(now: f64, before: f64) -> [f64; 2] {
     [above(now / before, 0.5), below(now / before, 2.0)]
 }

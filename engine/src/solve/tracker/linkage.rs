@@ -7,7 +7,7 @@
 //! J (v, w) = -F        x + v,  r + h + h x r + r (r.h),  h = w/2
 //! ```
 //!
-//! leaves an error of second order. The residuals at the result show if that is accurate enough. If so, one more step with J
+//! leaves an error of second order. The residuals at the result show whether that is accurate enough. If so, one more step with J
 //! removes the remaining residuals, because they would disturb rates near a fold.
 //!
 //! J, its moments divided by the size of the mechanism, is split into four blocks of three by three,
@@ -19,8 +19,8 @@
 //!
 //! in an order of rows and columns that a factorisation with complete pivoting finds for the base design. Then only two
 //! determinants must not vanish. A lane is rejected if one of them is less than a fourth of the base design's. It is also
-//! rejected if one changes by more than half, or doubles, from one place to the next. The determinants of a lane are those
-//! of the step with which it settled.
+//! rejected if one changes by more than half, or more than doubles, from one place to the next. The determinants of a lane are
+//! those of the step with which it settled.
 //!
 //! An instantaneous steering axis is that of the screw J t = -F_r (module `steering`). Along the motion t' follows from J t'
 //! = -(F_r' + J' t).

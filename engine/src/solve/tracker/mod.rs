@@ -1,11 +1,10 @@
 //! Tracks many designs at a time, one in each lane.
 //!
-//! All ordinary poses come from here. A sweep has a design in each lane. A single design takes one number at a time
-//! ([`poses`]). A mechanism with a closed form has one unknown ([`arm`]), any other one has six ([`linkage`]). For both
-//! wheels of an axle, the unknowns are those of each wheel and the difference of their travels ([`pair`]). One loop solves
-//! all of them ([`track`](mod@track)). Along the travel, the unknowns are predicted from the visited places. Almost always
-//! one correction reaches rounding; otherwise more steps follow. A converged lane is frozen, so its neighbours do not affect
-//! it.
+//! All ordinary poses come from here. A sweep has a design in each lane. A single design takes one number at a time ([`poses`]).
+//! A mechanism with a closed form has one unknown ([`arm`]); every other mechanism has six ([`linkage`]). For both wheels of an
+//! axle, the unknowns are those of each wheel and the difference of their travels ([`pair`]). One loop solves all of them
+//! ([`track`](mod@track)). Along the travel, the unknowns are predicted from the visited places. Almost always one correction
+//! reaches rounding; otherwise more steps follow. A converged lane is frozen, so its neighbours do not affect it.
 //!
 //! Guards decide at every place which lanes are accepted. A rejected lane gets a reason ([`Rejection`]) and stays rejected
 //! to the end of its leg, up or down. The continuation ([`Solver`](crate::solve::Solver)) then starts from the last accepted
@@ -21,7 +20,7 @@
 //! Readers of poses reject quantities that are poorly determined. Examples are the axis of a knuckle that the rack hardly
 //! rotates or that rotates about a horizontal axis, the angles of a wheel on its side, and a rocker close to its toggle.
 //!
-//! So a lane is either correct or rejected. Its own design alone decides which.
+//! So a lane is either correct or rejected. This depends on the design in the lane alone.
 
 mod acceptance;
 mod along_travel;
@@ -192,7 +191,7 @@ impl<B: Copy> KnuckleVector<B> {
     fn designed(&self) -> Vector3<B> {
         match self.0 {
             InKnuckle::Designed(vector) => vector,
-            InKnuckle::Carried(_) => unreachable!("a vector of a linkage"),
+            InKnuckle::Carried(_) => unreachable!("linkages have this vector"),
         }
     }
 }
@@ -243,7 +242,8 @@ const LONGEST_STEP: f64 = 0.02;
 const TOLERANCE: f64 = 1e-15;
 /// Shortest rod as a share of the largest coordinate. Designs with shorter rods are left to the continuation.
 const SHORTEST_LENGTH: f64 = 1e-6;
-/// Largest distance from the origin, in sizes. Mechanisms farther away are not tracked, since accuracy would be lost.
+/// Largest distance from the origin, relative to the mechanism's size. Mechanisms farther away are not tracked, because accuracy
+/// would be lost.
 const FAR: f64 = 100.0;
 
 impl<'a> CornerTracker<'a> {

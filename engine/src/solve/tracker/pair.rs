@@ -40,7 +40,7 @@ use both_wheels::BothWheels;
 pub(super) const MOST_ROUNDS: usize = 5;
 /// Smallest rise of a contact point per travel of its wheel.
 pub(super) const LEAST_RISE: f64 = 0.5;
-/// Largest difference of the heights of both contact points, in tolerances of a length. A height contains more roundings
+/// Largest difference of the heights of both contact points, in tolerances of a length. A height contains more rounding errors
 /// than a length.
 const OF_HEIGHTS: f64 = 4.0;
 
@@ -138,11 +138,11 @@ pub(super) trait Wheel<B: SimdReal, const N: usize> {
 
     /// Derivatives of the unknowns by travel and by the rack in the base design.
     fn slopes(&self) -> [[f64; N]; 2];
-    /// Linearises about unknowns near the pose at a travel. Settled lanes keep the numbers of their guard.
+    /// Linearises about unknowns near the pose at a travel. Lanes that have converged keep the numbers of their guard.
     fn linear(&mut self, unknowns: &[B; N], rack: B, travel: B, settled: B::Mask) -> Linear<B>;
-    /// The unknowns at the travel of the linearisation plus `further`.
+    /// Returns the unknowns at the travel of the linearisation plus `further`.
     fn moved(&self, unknowns: &[B; N], further: B) -> [B; N];
-    /// Checks and corrects unknowns that should be those at a travel.
+    /// Checks and corrects the predicted unknowns at a travel.
     fn corrected(&mut self, unknowns: &[B; N], rack: B, travel: B) -> Corrected<B, N>;
     /// Accepts lanes that are well conditioned and on their branch. `step` is the change of travel since the previous guard.
     /// It is given only on the legs of stations.

@@ -1,4 +1,4 @@
-//! Tracks a single design, one number at a time. Lanes that all hold the same number would be no faster.
+//! Tracks a single design, one number at a time. Lanes filled with copies of one design would be no faster.
 
 use super::{Acceptance, AdjointPose, CornerTracker, Rejection, Visit};
 use crate::mechanism::Pose;
@@ -13,7 +13,7 @@ const MOST_KEPT: usize = 32;
 #[derive(Clone, Debug)]
 pub(crate) struct PoseTracker<'m> {
     mechanism: &'m Mechanism,
-    /// Design near which the others are expected.
+    /// Design near which other designs are expected.
     base: Vec<Vector3<f64>>,
     width: Width,
     prepared: Vec<PreparedBatch<'m>>,
@@ -104,7 +104,7 @@ impl<'m> PoseTracker<'m> {
                 history: &mut self.history,
                 rounds: &mut found.rounds,
             });
-            // Stations that a leg did not reach get the leg's reason.
+            // Stations that a leg of the route did not reach get the reason at which the leg ended.
             for (side, rejection) in station_order.sides().into_iter().zip(legs) {
                 if let Some(reason) = rejection {
                     for station in side {

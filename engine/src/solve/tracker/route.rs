@@ -21,7 +21,8 @@ pub(crate) type Stencil<const PLACES: usize> = [(usize, f64); PLACES];
 /// Part of the route that a place belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Leg {
-    /// Part at zero drive. The rack moves to its displacement and, for wheels in roll, the heave to its value.
+    /// Lead: the part of the route at zero drive. The rack moves to its displacement. For wheels in roll, the heave also moves to
+    /// its value.
     Rack,
     /// Above the design position.
     Up,
@@ -49,25 +50,25 @@ pub(crate) struct RouteStep {
     /// Station at this place. `None` for a place that divides a long step.
     pub station: Option<usize>,
     pub leg: Leg,
-    /// Part of the lead that is done here, from 0 in the design position to 1 at all stations.
+    /// Completed fraction of the lead (the part of the route at zero drive): 0 in the design position, 1 at all stations.
     pub lead: f64,
     /// Change of the drive since the previous place on this leg.
     pub step: f64,
     /// Stencil that predicts the unknowns here, together with the three following steps along slopes of the base design.
     pub prediction: Stencil<NEIGHBOURS>,
-    /// Step of the drive, to be multiplied by the slope by the drive. Only the first step uses it.
+    /// Step of the drive. The prediction adds it, multiplied by the slope by the drive. Only the first step uses it.
     pub along_slope: f64,
-    /// Step of the rack, to be multiplied by the slope by the rack.
+    /// Step of the rack. The prediction adds it, multiplied by the slope by the rack.
     pub along_rack: f64,
-    /// Step of the heave, to be multiplied by the slope by the travel.
+    /// Step of the heave. The prediction adds it, multiplied by the slope by the travel.
     pub along_heave: f64,
-    /// Step of the lead, in parts of it. Only the first step uses it.
+    /// Step of the lead, as a fraction of the lead. Only the first step uses it.
     pub along_lead: f64,
     /// Stencil that predicts the slope by the drive here. `None` if there is only one earlier place.
     pub slope: Option<Stencil<NEIGHBOURS_OF_SLOPE>>,
 }
 
-/// Places in the order of the visit: the design position, those while the rack moves to its displacement, the stations.
+/// Places in the order of the visit: the design position, places at which the rack moves to its displacement, the stations.
 #[derive(Clone, Debug)]
 pub(crate) struct Route {
     pub places: Vec<RouteStep>,
@@ -77,7 +78,7 @@ pub(crate) struct Route {
 
 impl Route {
     /// The route through the stations in steps of the drive of at most `longest`. Before it, in the lead, rack and heave move to
-    /// their values in steps of at most `longest_of_lead`. A lift of wheel centres by a steering gear takes part in the lead.
+    /// their values in steps of at most `longest_of_lead`. The lead includes the lift of wheel centres by a steering gear.
     pub(crate) fn through(
         station_order: &StationOrder,
         [rack, heave, lift]: [f64; 3],
@@ -106,7 +107,7 @@ impl Route {
             along_lead: if number == 1 { part } else { 0.0 },
         };
         let mut places = vec![at_zero(0.0, 0)];
-        // The longest of the distances.
+        // The longest distance determines the number of steps.
         let length = rack.abs().max(heave.abs()).max(lift.abs());
         if length == 0.0 {
             places[0].lead = 1.0;

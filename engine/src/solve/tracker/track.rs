@@ -26,8 +26,8 @@ impl<B: SimdReal> Tracked<B> {
 pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
     /// Largest number of corrections for a lane to settle.
     const MOST_ROUNDS: usize;
-    /// True if rejected lanes count as settled, because a round corrects until all lanes are settled. With one correction a round,
-    /// loops are faster without.
+    /// True if rejected lanes count as converged. This is useful if a round makes corrections until all lanes have converged. If
+    /// a round makes one correction, the loop is faster without it.
     const LEAVES_REJECTED: bool = false;
     /// Numbers whose change along the path is guarded.
     type Guard: Copy;
@@ -76,7 +76,7 @@ pub(super) fn track<B: SimdReal, const N: usize, E: PlaceEquations<B, N>>(
         rounds: 0,
     };
     let mut last = [None; 2];
-    // Unused stencil entries refer to place 0 with weight 0. Place 0 is cleared, since 0 times NaN is NaN.
+    // Unused stencil entries refer to place 0 with weight 0. Place 0 is set to zero, because 0 times NaN is NaN.
     history[..N].fill(zero);
     for (number, place) in places.iter().enumerate() {
         let side = place.leg.side();

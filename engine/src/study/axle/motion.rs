@@ -117,7 +117,8 @@ impl MotionKeys<'_> {
         let has_travels = left.is_some() || right.is_some();
         Some(match (heave, roll) {
             (_, Some(_)) if has_travels => {
-                let message = "roll holds the mean travel; expected roll and heave, or travel_left and travel_right";
+                let message = "roll keeps the mean travel constant; expected roll and heave, or \
+                               travel_left and travel_right";
                 return self.refuse(&self.section.roll, message, problems);
             }
             (Some(_), _) if has_travels => {

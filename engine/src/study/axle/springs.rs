@@ -43,16 +43,16 @@ pub(in crate::study) fn springs(
             return Some(None);
         };
         let message = match name {
-            "[bump_stop]" => "[bump_stop] acts beside a spring: expected [spring] too",
-            "[rebound_stop]" => "[rebound_stop] acts beside a spring: expected [spring] too",
-            _ => "[axle.right.spring] is what differs from [spring]: expected [spring] too",
+            "[bump_stop]" => "[bump_stop] acts together with a spring: expected [spring] too",
+            "[rebound_stop]" => "[rebound_stop] acts together with a spring: expected [spring] too",
+            _ => "[axle.right.spring] gives the differences from [spring]: expected [spring] too",
         };
         return problems.refuse(span, message);
     };
     if left.mechanism.spring.is_none() {
-        let message = "[spring] is given, but the study gives no spring";
+        let message = "[spring] is given, but the hardpoints of a spring are missing";
         let error = problems.add(section.span(), message);
-        error.help("spring_upper and spring_lower in [suspension.hardpoints] make one");
+        error.help("spring_upper and spring_lower in [suspension.hardpoints] define one");
         return None;
     }
     let common = section.get_ref();

@@ -14,7 +14,7 @@ use hardpoint_study_file::value::{Number, Text};
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Largest number of builds. Their values are in memory.
+/// Largest number of builds. The values of all builds are kept in memory.
 const MOST_BUILDS: i64 = 100_000;
 
 /// Difference between the seeds of front axle, rear axle and figures.
@@ -240,12 +240,12 @@ impl Resolver<'_> {
             (own.turn.as_ref().map(|n| n.span.clone()), "turn"),
         ];
         if let Some((Some(place), key)) = keys.into_iter().find(|(place, _)| place.is_some()) {
-            let message = format!("a rate or a figure of the car has no {key}");
+            let message = format!("a rate or a value of the car has no {key}");
             return self.problems.refuse(place, message);
         }
         let moves = self.moves(car, &Written::of_scatter(written))?;
         let Some(now) = moves.value(car) else {
-            let message = "the study gives no such figure: nothing can scatter";
+            let message = "the study does not give this value, so it cannot scatter";
             return self.problems.refuse(written.span(), message);
         };
         let law = match (&own.sigma, &own.percent, &own.limits) {
@@ -284,12 +284,12 @@ impl Resolver<'_> {
     ) -> Option<()> {
         let own = written.get_ref();
         let Some(text) = &own.axle else {
-            let message = "expected axle with a part of it that scatters, or car";
+            let message = "expected axle with one of its parts, or car";
             return self.problems.refuse(written.span(), message);
         };
         let axle = choose(text, "axle", &ENDS, self.problems)?;
         if let Some(part) = &own.percent {
-            let message = "percent is for rates and figures; a part has sigma or limits";
+            let message = "percent is for rates and values of the car; a part has sigma or limits";
             return self.problems.refuse(part.span.clone(), message);
         }
         let study = self.axles[axle].axle()?;

@@ -30,8 +30,8 @@ impl Resolver<'_> {
         let rigid = axle.left.mechanism.rigid_axle.as_ref();
         if rigid.is_some_and(|rigid| !rigid.extra_links.is_empty()) {
             let message = format!(
-                "the {name} axle has five links. Five rigid links bind, and a car has rigid links: expected four links, or three and a \
-                 Panhard rod"
+                "the {name} axle has five links. Five rigid links cannot move in roll, and the \
+                 links of a car are rigid: expected four links, or three and a Panhard rod"
             );
             return self.problems.refuse(place, message);
         }
@@ -198,7 +198,7 @@ impl Resolver<'_> {
                 };
                 let message = "elastic tyres need [tyre] rate in both axle studies";
                 let error = self.problems.add(place, message);
-                error.help("tyres = \"rigid\" in [car] leaves tyre rates out");
+                error.help("tyres = \"rigid\" in [car] ignores tyre rates");
                 None
             }
         }

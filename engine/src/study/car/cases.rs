@@ -80,14 +80,15 @@ impl Resolver<'_> {
         Some(number.value)
     }
 
-    /// Reads the displacements of the racks, [front, rear], in the kernel's frame. It refuses a rack that moves nothing.
+    /// Reads the displacements of the racks, [front, rear], in the kernel's frame. It refuses a displacement of a rack that
+    /// steers no wheel.
     fn racks(&mut self, car: &Car, written: [&Option<Number>; 2]) -> Option<[f64; 2]> {
         for (axle, rack) in written.into_iter().enumerate() {
             let moved = rack.as_ref().filter(|rack| rack.value != 0.0);
             if let Some(rack) = moved
                 && !car.axles[axle].left.mechanism.is_steered()
             {
-                let message = format!("nothing steers the {} axle", crate::car::AXLE_NAMES[axle]);
+                let message = format!("the {} axle is not steered", crate::car::AXLE_NAMES[axle]);
                 return self.problems.refuse(rack.span.clone(), message);
             }
         }
@@ -179,7 +180,7 @@ impl Resolver<'_> {
                 let message = format!("this case needs {key} in [car]");
                 let error = self.problems.add(place, message);
                 error.help(
-                    "drag and the drag of steered tyres take longitudinal force also at ax = 0",
+                    "drag and the drag of steered tyres need longitudinal force also at ax = 0",
                 );
                 None
             }

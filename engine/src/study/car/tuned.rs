@@ -22,7 +22,7 @@ impl CarStudy {
         let tuning = tune(&self.car, self.goals(wanted), wanted.run, control)?;
         let interrupted = [tuning.interrupted(), tuning.starts.len()];
         let fit = tuning.best_fit().cloned();
-        let fit = fit.ok_or("no start has a design")?;
+        let fit = fit.ok_or("no start produced a design")?;
         let study = CarStudy {
             car: moved(&self.car, &wanted.variables, fit.x.as_slice()),
             ..self.clone()

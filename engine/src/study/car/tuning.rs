@@ -27,7 +27,7 @@ const MOST_STARTS: i64 = 10_000;
 enum Place {
     /// A case, by its name. The index is looked up later.
     Case(Text),
-    /// An axle alone.
+    /// A single axle.
     Axle(usize),
 }
 
@@ -132,7 +132,8 @@ impl Resolver<'_> {
                 Some(Place::Axle(end))
             }
             _ => {
-                let message = "expected case (a load case) or axle (front or rear, by itself), and only one of them";
+                let message = "expected case (a load case) or axle (front or rear alone), and \
+                               only one of them";
                 self.problems.refuse(place, message)
             }
         }
@@ -150,7 +151,7 @@ impl Resolver<'_> {
             None => Some(()),
             Some((key, place)) => {
                 let message = format!(
-                    "{key} is for an axle by itself (axle = \"front\" or \"rear\"), not for a case"
+                    "{key} is for a single axle (axle = \"front\" or \"rear\"), not for a case"
                 );
                 self.problems.refuse(place, message)
             }
@@ -315,7 +316,7 @@ impl Resolver<'_> {
         Some(quantities.into_iter().map(constraint).collect())
     }
 
-    /// Goals of an axle alone, read like those of a study of the axle.
+    /// Goals of a single axle, read like those of a study of the axle.
     fn rig(
         &mut self,
         end: usize,
@@ -338,7 +339,7 @@ impl Resolver<'_> {
             name: study.name.clone(),
             text: study.text.clone(),
         });
-        // The file was read before, so errors are already reported.
+        // The file has already been read, so its errors are already reported.
         let file = parse::parse(&source).ok()?;
         let still = Motion::still();
         let context = Context {
@@ -369,8 +370,7 @@ impl Resolver<'_> {
         }))
     }
 
-    /// Refuses quantities of an axle alone that depend on a rate that a variable moves. The rig keeps the rates of the
-    /// axle's study.
+    /// Refuses quantities of an axle alone that depend on a rate which is a variable. The rig uses the rates of the axle's study.
     fn refuse_moved_rates(
         &mut self,
         end: usize,
@@ -418,7 +418,7 @@ impl CarOptimise {
     }
 }
 
-/// Tuning of an axle alone, with these variables and without targets.
+/// Tuning of a single axle, with these variables and without targets.
 fn without_goals(variables: Vec<Variable>) -> Optimise {
     Optimise {
         starts: 1,

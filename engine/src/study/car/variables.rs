@@ -62,7 +62,7 @@ impl<'a> Written<'a> {
         moved_by!(written)
     }
 
-    /// Keys of a rate or figure that scatters.
+    /// Reads the keys of a rate or figure that scatters.
     pub(super) fn of_scatter(written: &'a Spanned<car_file::Scatter>) -> Self {
         let own = written.get_ref();
         let axle = own.axle.as_ref();
@@ -200,7 +200,7 @@ impl Resolver<'_> {
             ),
             ("wheelbase", Moves::Wheelbase),
         ];
-        choose(figure, "figure of the car", &figures, self.problems)
+        choose(figure, "value of the car", &figures, self.problems)
     }
 
     /// A variable with its range.
@@ -211,18 +211,20 @@ impl Resolver<'_> {
             let message =
                 "wheel_centre moves along x, and [car] wheelbase fixes the distance of the axles";
             self.problems.add(place, message).help(
-                "give rear_offset in [car] instead of wheelbase: each axle then stays at its place on the body",
+                "give rear_offset in [car] instead of wheelbase: each axle then keeps its \
+                 position on the body",
             );
             return None;
         }
         let Some(now) = moves.value(car) else {
-            let message = "the study gives no such figure: there is nothing to vary";
+            let message = "the study does not give this value, so it cannot vary";
             return self.problems.refuse(place, message);
         };
         let range = match (own.range, own.percent) {
             (Some(list), None) => range(list, "values", self.problems)?,
             (None, Some(_)) if !moves.points().is_empty() => {
-                let message = "percent is for rates and figures; a hardpoint has range, in lengths";
+                let message = "percent is for rates and values of the car; a hardpoint has range, \
+                               in lengths";
                 return self.problems.refuse(place, message);
             }
             (None, Some(part)) => {
@@ -236,7 +238,7 @@ impl Resolver<'_> {
             }
         };
         if !(range[0]..=range[1]).contains(&now) {
-            let message = format!("the range leaves out the study's value {now}");
+            let message = format!("the range does not include the study's value {now}");
             return self.problems.refuse(place, message);
         }
         Some(CarVariable { moves, range })

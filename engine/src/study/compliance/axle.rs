@@ -241,7 +241,7 @@ fn figures(run: &AxleKcRun<'_>, tests: &[KcTest]) -> Vec<TestFigure> {
     });
     let mut figures: Vec<TestFigure> = Vec::new();
     for figure in named {
-        // If tests differ only in their window, the first one gets the name.
+        // If tests differ only in their window, figures of the first one get the name.
         if !figures.iter().any(|known| known.name() == figure.name()) {
             figures.push(figure);
         }

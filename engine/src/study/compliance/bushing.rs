@@ -129,7 +129,7 @@ fn bushing_point(name: &Text, suspension: &Suspension, problems: &mut Problems) 
         .iter()
         .find(|id| mechanism.name(**id) == name.get_ref());
     if found.is_none() {
-        let message = format!("{:?} takes no bushing", name.get_ref());
+        let message = format!("{:?} cannot have a bushing", name.get_ref());
         let error = problems.add(name.span(), message);
         let names = || points.iter().map(|id| mechanism.name(*id));
         match nearest(name.get_ref(), names()) {

@@ -19,7 +19,7 @@ pub(super) fn link(
     let members = link_members(&suspension.mechanism);
     let found = members.iter().find(|(known, _)| known == name.get_ref());
     let Some((known, member)) = found else {
-        let message = format!("{:?} is no link", name.get_ref());
+        let message = format!("{:?} is not a link", name.get_ref());
         let error = problems.add(name.span(), message);
         let names = || members.iter().map(|(name, _)| name.as_str());
         match nearest(name.get_ref(), names()) {
@@ -90,7 +90,8 @@ pub(super) fn check_members(
             && let Some(other) = ends.into_iter().find(|id| !stretches(*id, arm.outer))
         {
             let message = format!(
-                "one leg of an arm stretches and the other does not: expected [links.{}] too, or bushings",
+                "one leg of an arm is elastic and the other is not: expected [links.{}] too, or \
+                 bushings",
                 mechanism.name(other)
             );
             return problems.refuse(place(name), &message);

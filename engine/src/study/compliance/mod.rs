@@ -60,10 +60,11 @@ fn section<'f>(
         return None;
     };
     if parts == Parts::Rigid {
-        let message = "this command does not know elastic parts; here they would be left out";
+        let message = "this command does not support elastic parts and would ignore them";
         let error = problems.add(section.span(), message);
         error.help(
-            "kc, solve, sweep, optimise, tolerance, limits, compare, export and studio take them; for the rigid mechanism remove [compliance], [bushings] and [links]",
+            "kc, solve, sweep, optimise, tolerance, limits, compare, export and studio support \
+             them; for the rigid mechanism remove [compliance], [bushings] and [links]",
         );
         return None;
     }
@@ -71,7 +72,8 @@ fn section<'f>(
     let carries_link = |c: &Constraint| mechanism.arm_under(c).is_some();
     if mechanism.constraints.iter().any(carries_link) {
         let message = format!(
-            "{} has no elastic parts yet: its lower arm holds the wheel carrier at two points, which the elastic arm does not",
+            "{} has no elastic parts yet: its lower arm is joined to the wheel carrier at two \
+             points, and an elastic arm is joined to it at one",
             mechanism.topology.name
         );
         let error = problems.add(section.span(), message);
@@ -280,8 +282,9 @@ fn check_spring(
     let seat = mechanism.spring_seat().unwrap_or(spring.lower);
     let on_rod = matches!(mechanism.body(seat), Body::StrutRod(_));
     if rockers > 1 || on_rod {
-        let message = "with [compliance] the spring stands on an arm, the wheel carrier or one rocker; a spring on \
-                       a rocker of a rocker or on the rod of a strut is not available yet";
+        let message = "with [compliance] the spring must act on an arm, the wheel carrier or one \
+                       rocker; a spring on a rocker of a rocker or on the rod of a strut is not \
+                       available yet";
         return problems.refuse(section.span(), message);
     }
     Some(())

@@ -23,13 +23,13 @@ pub struct NamedParts<'s> {
     pub bushings: Vec<NamedBushing<'s>>,
     /// Links with their stiffness.
     pub links: Vec<(&'s str, AxialStiffness)>,
-    /// Rates that are no bushing's or link's, by the names that variables use: spring, anti-roll bar, rack and column.
+    /// Rates of parts other than bushings and links, by the names that variables use: spring, anti-roll bar, rack and column.
     pub rates: Vec<NamedRate>,
     /// Position in which the parts are relaxed.
     pub relaxed: Relaxed,
 }
 
-/// A rate that a part has alone.
+/// The only rate of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NamedRate {
     /// Name of the part.

@@ -1,4 +1,4 @@
-//! Elastic parts of a solid axle: links of both halves, and those that the axle has once.
+//! Elastic parts of a solid axle: links of both halves, and those that exist only once.
 
 use super::super::error::Problems;
 use super::super::file;
@@ -15,7 +15,7 @@ fn is_single_link(mechanism: &Mechanism, part: &LinkPart) -> bool {
 }
 
 impl WheelParts {
-    /// Puts the parts that the axle has once behind all others, so that those of both halves have the same numbers.
+    /// Moves the parts that exist only once to the end. Then the other parts have the same numbers in both halves.
     pub(super) fn order(&mut self, mechanism: &Mechanism) {
         self.bushings
             .sort_by_key(|part| mechanism.is_single(part.point));
@@ -23,7 +23,7 @@ impl WheelParts {
             .sort_by_key(|(_, part)| is_single_link(mechanism, part));
     }
 
-    /// Takes away the parts that the axle has once: they belong to its left half.
+    /// Removes the parts that exist only once, because they belong to the left half.
     pub(super) fn remove_singles(&mut self, mechanism: &Mechanism) {
         self.bushings
             .retain(|part| !mechanism.is_single(part.point));
@@ -32,7 +32,7 @@ impl WheelParts {
     }
 }
 
-/// Refuses rates of the right half for a part that the axle has once. Returns true if there are none.
+/// Refuses rates of the right half for a part that exists only once. Returns true if there are none.
 pub(super) fn refuse_single_rates(
     own: &file::OwnRight,
     mechanism: &Mechanism,
@@ -47,7 +47,7 @@ pub(super) fn refuse_single_rates(
     let found: Vec<&Text> = names.filter(once).collect();
     for name in &found {
         let message = format!(
-            "the axle has {} once: expected its rates in [bushings] or [links] alone",
+            "the axle has only one {}: expected its rates in [bushings] or [links] only",
             name.get_ref()
         );
         problems.add(name.span(), message);

@@ -137,7 +137,7 @@ pub(super) fn check_reach(
 ) -> Option<()> {
     let mechanism = &suspension.mechanism;
     let is_held = |id: PointId| subframe.is_some_and(|own| own.carries.contains(&id));
-    // Whether the subframe carries the arm of this point. `None` if the point is not on an arm.
+    // True if the subframe carries the arm of this point. `None` if the point is not on an arm.
     let under = |id: PointId| match mechanism.body(id) {
         Body::Arm(arm) => Some(is_held(mechanism.arms[arm.0].front)),
         _ => None,
@@ -181,7 +181,8 @@ pub(super) fn check_reach(
             .any(|part| part.member == LinkMember::RockerRod(id))
     };
     if rocker.is_some_and(stretches) {
-        let message = "the drop link stands on a rocker whose rod stretches, which is not available; leave the rod out of [links]";
+        let message = "a drop link on a rocker whose rod is elastic is not available; leave the \
+                       rod out of [links]";
         return problems.refuse(section.span(), message);
     }
     let holders = [

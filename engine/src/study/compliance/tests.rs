@@ -85,13 +85,13 @@ pub(super) fn tests_of_axle(
             .iter()
             .any(|test| old.iter().any(|other| is_twin(test, other)))
         {
-            return problems.refuse(written.span(), "this test is there already");
+            return problems.refuse(written.span(), "this test already exists");
         }
     }
     Some(tests)
 }
 
-/// Returns a test in its mode. A test of single wheels becomes one test for each wheel.
+/// Expands a test by its mode: a test of single wheels becomes one test for each wheel.
 fn in_modes(
     written: &file::ComplianceTest,
     test: KcTest,
@@ -151,7 +151,7 @@ fn refuse_twins(
 ) -> Option<()> {
     for (k, test) in tests.iter().enumerate() {
         if let Some(first) = tests[..k].iter().position(|other| is_twin(test, other)) {
-            let error = problems.add(list[k].span(), "this test is there already");
+            let error = problems.add(list[k].span(), "this test already exists");
             error.related(list[first].span(), "first here");
             return None;
         }

@@ -22,7 +22,7 @@ impl Reader<'_> {
         let list = names.get_ref();
         if list.len() < least {
             let message = format!(
-                "expected at least {least} points of a {what}, found {}: fewer always are on one",
+                "expected at least {least} points of a {what}, found {}: fewer always lie on one",
                 list.len()
             );
             return problems.refuse(names.span(), message);

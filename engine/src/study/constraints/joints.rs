@@ -78,7 +78,7 @@ impl Reader<'_> {
             },
             _ => {
                 let message = format!(
-                    "{} is no joint of the wheel carrier with an arm or a rod",
+                    "{} is not a joint of the wheel carrier with an arm or a rod",
                     name.get_ref()
                 );
                 return problems.refuse(name.span(), message);
@@ -101,7 +101,7 @@ impl Reader<'_> {
             _ => return Some(None),
         };
         if mechanism.body(joint) != body {
-            let message = format!("{} is to be a point of the {expected}", name.get_ref());
+            let message = format!("{} must be a point of the {expected}", name.get_ref());
             return problems.refuse(name.span(), message);
         }
         let ends = ["drive_shaft_inner", "drive_shaft_outer"].each(|end| mechanism.point(end));
@@ -125,8 +125,8 @@ impl Reader<'_> {
         let [lower, upper] = limits;
         // The plunge is zero in the design position.
         if lower.is_some_and(|low| low > 0.0) || upper.is_some_and(|high| high < 0.0) {
-            let message =
-                "a plunge is counted from the design position; expected limits with 0 between them";
+            let message = "a plunge is measured from the design position; expected limits with 0 \
+                           between them";
             return problems.refuse(self.place.clone(), message);
         }
         let of = self.limited(Measure::Plunge(ends), lower, upper);

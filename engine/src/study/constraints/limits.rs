@@ -1,4 +1,4 @@
-//! Limits of a constraint, and the keys that it takes.
+//! Limits of a constraint, and the keys that it may have.
 
 use super::super::error::Problems;
 use super::super::value::Number;
@@ -28,7 +28,7 @@ impl Reader<'_> {
                 };
                 if written.at_least.is_some() || written.at_most.is_some() {
                     let message =
-                        "between says both limits; expected it alone, or at_least and at_most";
+                        "between gives both limits; expected it alone, or at_least and at_most";
                     return problems.refuse(between.span(), message);
                 }
                 [Some(low.value), Some(high.value)]
@@ -53,7 +53,7 @@ impl Reader<'_> {
         Some(limits)
     }
 
-    /// Refuses all keys that are not in `keys`.
+    /// Refuses all keys of the constraint that are not in `keys`.
     pub(super) fn takes(&self, keys: &[&str], problems: &mut Problems) {
         self.refuse(|key| !keys.contains(&key), problems);
     }

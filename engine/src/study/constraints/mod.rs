@@ -94,8 +94,9 @@ impl Reader<'_> {
         let moves = || parts.iter().any(|part| !part.of.is_fixed(mechanism));
         let has_motion = is_design || sites.iter().all(|(_, site)| site.motion.is_some());
         if self.context.axle.is_some() && !has_motion && moves() {
-            let message = "constraints of an axle hold through a named motion: expected motion = \"NAME\", with travel and \
-                           rack (the left wheel), heave, or travel_left and travel_right in [motions.NAME]; or at = \"design\"";
+            let message = "constraints of an axle apply to a named motion: expected motion = \
+                           \"NAME\", with travel and rack (the left wheel), heave, or travel_left \
+                           and travel_right in [motions.NAME]; or at = \"design\"";
             return problems.refuse(self.place.clone(), message);
         }
         // Without a named motion, a test figure is limited at the design height.
@@ -305,7 +306,7 @@ impl Reader<'_> {
             None => Some(0.0),
             Some(gap) if gap.value >= 0.0 => Some(gap.value),
             Some(gap) => {
-                let message = format!("expected a clearance from 0 up, found {}", gap.value);
+                let message = format!("expected a clearance of 0 or more, found {}", gap.value);
                 problems.refuse(gap.span.clone(), message)
             }
         }

@@ -33,8 +33,8 @@ impl Reader<'_> {
                 .map(Text::span),
         ];
         if let Some(place) = places.into_iter().flatten().next() {
-            let message = "limits of an elastic axle hold in the design position; a target with between, at_least or at_most \
-                           holds over a motion";
+            let message = "limits of an elastic axle apply to the design position; a target with \
+                           between, at_least or at_most applies to a motion";
             return problems.refuse(place, message);
         }
         let quantities = quantities_of_side(name, &written.side, &both.axle, problems)?;
@@ -79,7 +79,8 @@ impl Reader<'_> {
         if let Some((text, both, _)) = of_axle
             && both.axle.is_rigid()
         {
-            let message = "constraints of this axle hold in the design position: expected at = \"design\", and no motion";
+            let message = "constraints of this axle apply to the design position: expected at = \
+                           \"design\", and no motion";
             return problems.refuse(text.span(), message);
         }
         let Some((text, both, (name, motion))) = of_axle else {
@@ -98,7 +99,8 @@ impl Reader<'_> {
             return problems.refuse(text.span(), message);
         };
         if both.axle.right.is_some() && side != Some(Side::Left) {
-            let message = "the right wheel has dimensions of its own, which constraints do not reach: expected side = \"left\"";
+            let message = "the right wheel has different dimensions, for which constraints are \
+                           not available: expected side = \"left\"";
             return problems.refuse(self.place.clone(), message);
         }
         let sign = self.suspension().frame.sign(Axis::Y);

@@ -102,7 +102,7 @@ impl Reader<'_> {
         if length == 0.0 {
             return problems.refuse(
                 tube.to.span(),
-                "the cylinder has no length: from and to are one point",
+                "the cylinder has no length: from and to coincide",
             );
         }
         let along = (to - from) * (1.0 / length);
@@ -307,7 +307,7 @@ fn rim_ends(
     Some(ends)
 }
 
-/// Remainder of `room` after a gap is subtracted.
+/// Returns `room` less a gap.
 fn room_beside(room: f64, gap: f64, place: Span<usize>, problems: &mut Problems) -> Option<f64> {
     if room > gap {
         return Some(room - gap);

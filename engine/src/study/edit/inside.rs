@@ -1,4 +1,4 @@
-//! Text of a study with the content of its other files inside.
+//! Text of a study, with the content of other files written into it.
 
 use super::super::compliance::BushingText;
 use super::super::sheet_file::SheetTarget;
@@ -12,7 +12,7 @@ pub(in crate::study) fn with_curves_inside(text: &str, files: &[(usize, FromFile
     let Ok(mut document) = text.parse::<DocumentMut>() else {
         return text.to_owned();
     };
-    // The loop goes backwards, because the targets of a sheet shift the indices after them.
+    // The loop runs backwards, because inserting the targets of a sheet shifts the indices of later targets.
     for (place, file) in files.iter().rev() {
         match file {
             FromFile::Curve(curve) => {

@@ -11,7 +11,7 @@ use crate::number::Each;
 use crate::study::names::choose;
 use toml::Spanned;
 
-/// Adjustments of an entry: one of each half, or one of a part that the axle has once.
+/// Adjustments of an entry: one of each half, or one of a part that exists only once.
 pub(super) fn adjustments(
     written: &Spanned<file::Adjustment>,
     both: &AxleStudy,
@@ -54,7 +54,7 @@ pub(super) fn adjustments(
     Some(found)
 }
 
-/// Refuses shims of a spring's seat: they would lift one side of the car.
+/// Refuses shims at a spring seat, because they would lift one side of the car.
 fn holds_no_spring(
     parameter: BuildParameter,
     suspension: &Suspension,
@@ -68,11 +68,12 @@ fn holds_no_spring(
     if spring.is_none_or(|spring| id != spring.upper && id != spring.lower) {
         return Some(());
     }
-    let message = "the seats of a solid axle's springs cannot be adjusted yet; ride_height_change states the height at which the car stands";
+    let message = "the seats of a solid axle's springs cannot be adjusted yet; ride_height_change \
+                   gives the change of the ride height";
     problems.refuse(written.span(), message)
 }
 
-/// Target values of the axle, in the order of the catalogue. A quantity of a wheel is wanted of both wheels.
+/// Target values of the axle, in the order of the catalogue. A target for a quantity of a wheel applies to both wheels.
 pub(super) fn want(
     section: &file::Setup,
     both: &AxleStudy,
@@ -115,11 +116,12 @@ fn no_static_value(quantity: Quantity) -> Option<&'static str> {
         .any(|need| sprung.contains(need))
     {
         return Some(
-            "contains the forces of springs or bars, and a set-up is one of geometry; leave it out",
+            "contains the forces of springs or bars, and a set-up depends on geometry only; leave \
+             it out",
         );
     }
     let is_zero = [AxleQuantity::TrackChange, AxleQuantity::RollAngle]
         .each(Quantity::Axle)
         .contains(&quantity);
-    is_zero.then_some("is 0 at rest, whatever is adjusted; leave it out")
+    is_zero.then_some("is always 0 in the static position; leave it out")
 }

@@ -1,12 +1,12 @@
-//! Scatter of the parts of a solid axle: parts that it has once, and parts of its halves.
+//! Scatter of the parts of a solid axle: parts that exist only once, and parts of its halves.
 
 use super::super::Contributor;
 use super::super::error::Problems;
 use crate::model::{Side, Suspension};
 use std::ops::Range as Span;
 
-/// Returns true for a part that the axle has once, and false for a part of a half or of another vehicle. Refuses a jig that holds
-/// both.
+/// Returns true for a part that exists only once, and false for a part of a half or of another vehicle. Refuses a jig that holds
+/// parts of both kinds.
 pub(super) fn is_single(
     contributor: &Contributor,
     suspension: &Suspension,
@@ -22,20 +22,20 @@ pub(super) fn is_single(
         return Some(false);
     };
     if kinds.any(|kind| kind != first) {
-        let message = "a jig holds points of one half of the axle, or points that the axle has once, not both";
+        let message = "a jig holds points of one half of the axle, or unpaired points, not both";
         return problems.refuse(place, message);
     }
     Some(first)
 }
 
-/// Keeps the random numbers of a part that the axle has once at its left wheel alone.
+/// Assigns the random numbers of a part that exists only once to the left wheel.
 pub(super) fn scatter_once(contributor: &mut Contributor, side: Side) {
     if side == Side::Right {
         contributor.sources.clear();
     }
 }
 
-/// Notes the dimensions of each source as the other wheel of a solid axle has them.
+/// Stores the dimensions of each source in the mechanism of a solid axle's other wheel.
 pub(super) fn note_other_view(contributor: &mut Contributor, suspension: &Suspension) {
     for source in &mut contributor.sources {
         let seen = source.changes.iter().filter_map(|(parameter, share)| {

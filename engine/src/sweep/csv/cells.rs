@@ -12,7 +12,7 @@ pub fn append_number(value: f64, to: &mut Vec<u8>) {
 
 /// Appends a whole number.
 pub fn append_whole(value: u64, to: &mut Vec<u8>) {
-    write!(to, "{value}").expect("memory takes everything");
+    write!(to, "{value}").expect("writing to memory does not fail");
 }
 
 /// Appends a text, in quotes if necessary.

@@ -33,12 +33,12 @@ pub(super) fn of_corner<'s>(
     let wishes = swept.iter().zip(wanted).map(|(target, wanted)| {
         let measure = target.of.of_wheel().and_then(|of| of.quantity());
         let quantity = quantities.iter().position(|q| measure == Some(*q));
-        let quantity = quantity.expect("the plan has the targets' characteristics");
+        let quantity = quantity.expect("the plan contains the characteristics of the targets");
         let wish = |wanted: &Sample| {
             let station = stations.at(wanted.drive);
             SweptWish {
                 quantity,
-                station: station.expect("a station for each drive value"),
+                station: station.expect("each drive value has a station"),
                 wanted: *wanted,
             }
         };
@@ -92,14 +92,14 @@ pub(super) fn of_elastic<'s>(
     }
     let wish = |target: &Target, wanted: &Sample| {
         let TargetKind::Elastic(value) = target.of.kind else {
-            unreachable!("a target of a study with elastic parts");
+            unreachable!("the target belongs to a study with elastic parts");
         };
         let quantity = reads.iter().position(|read| read.value == value);
         SweptWish {
-            quantity: quantity.expect("the plan has the targets' quantities"),
+            quantity: quantity.expect("the plan contains the quantities of the targets"),
             station: stations
                 .at(wanted.drive)
-                .expect("a station for each drive value"),
+                .expect("each drive value has a station"),
             wanted: *wanted,
         }
     };
@@ -141,7 +141,7 @@ pub(super) fn of_axle<'s>(
     for (slope, gain) in stations.gains.iter().enumerate() {
         let same = |q: &crate::axle::Quantity| Some(*q) == gain.quantity();
         let of = stations.quantities.iter().position(same);
-        gains[of.expect("a gain of what is read")].push(Gain {
+        gains[of.expect("a gain of an output that is read")].push(Gain {
             column: gain.name.clone(),
             unit: gain.unit.clone(),
             factor: gain.factor,

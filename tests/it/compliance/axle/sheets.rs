@@ -144,7 +144,7 @@ fn rows_say_which_wheel_and_test_they_are_of() {
         ),
         (
             "load,quantity,value\nsideways,toe_by_lateral_force,-0.01\n",
-            "no load of a test",
+            "not a load of a test",
         ),
     ] {
         let said = study_of(text, target).unwrap_err();

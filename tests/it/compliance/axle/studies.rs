@@ -673,7 +673,7 @@ fn what_an_elastic_axle_does_not_have_is_refused() {
         )
     };
     for (text, why) in [
-        (output("roll_centre_lateral"), "applies to the rigid mechanism alone"),
+        (output("roll_centre_lateral"), "applies to the rigid mechanism only"),
         (output("toe_by_lateral_force_trail"), "did you mean \"toe_by_lateral_force_trail_30\"?"),
         (
             replaced(&output("toe_by_lateral_force_trail_30"), "[outputs]\n", "[outputs]\npoints = [\"wheel_centre\"]\n"),
@@ -965,5 +965,5 @@ fn figures_of_an_axle_keep_their_limits() {
     );
     let read = Study::elastic_from_text("case.toml", &refused, std::path::Path::new("."));
     let said = read.map(drop).unwrap_err().to_string();
-    assert!(said.contains("holds over a motion"), "{said}");
+    assert!(said.contains("applies to a motion"), "{said}");
 }

@@ -50,10 +50,10 @@ fn parts_and_motions_of_rigid_axles_are_refused() {
     for (text, reason) in [
         (
             format!("{five}[links.right_lower_link]\naxial_stiffness = 500.0\n"),
-            "no link",
+            "is not a link",
         ),
-        (format!("{five}{}", right("panhard")), "once"),
-        (format!("{three}{}", right("upper_link")), "once"),
+        (format!("{five}{}", right("panhard")), "has only one"),
+        (format!("{three}{}", right("upper_link")), "has only one"),
         (format!("{five}{}", right("middle_link")), "middle_link"),
         (
             five.replace("[links.panhard]", "[links.panhrd]"),

@@ -46,7 +46,7 @@ fn keys_that_a_drag_link_does_not_have_are_refused() {
         ),
         (
             format!("{STILL}[axle.right.hardpoints]\ndrag_link_body = [190.0, 400.0, 545.0]\n"),
-            "once",
+            "has only one",
         ),
         (
             format!(
@@ -75,7 +75,7 @@ fn sections_and_points_that_do_not_fit_are_refused() {
         (
             direction.clone(),
             "c_factor = 50.0\n".to_owned(),
-            "direction alone",
+            "has only direction",
         ),
         (
             direction.clone(),

@@ -1,7 +1,7 @@
-//! Figures of the links of a solid axle: their tensions, and the roll stiffness that they have alone.
+//! Figures of the links of a solid axle: their tensions, and their contribution to roll stiffness.
 //!
-//! Five links do not fit a solid axle that rolls, so they stretch. The stiffness of this bind is that of the axle without
-//! springs and anti-roll bar. With rigid links that fit it is zero.
+//! A solid axle on five links cannot roll without stretching the links. The stiffness from this constraint is that of the axle
+//! without springs and anti-roll bar. It is zero if the links allow roll without stretching.
 
 use super::{AxleFigure, AxleKcRun, Here, roll};
 use crate::ask::Unit;
@@ -17,13 +17,13 @@ const TENSIONS: [(&str, &str); 3] = [
 ];
 
 impl AxleKcRun<'_> {
-    /// Tensions of the links that each half has.
+    /// Tensions of the links that exist on each half.
     pub(super) fn wheel_tensions<T: Scalar>(&self, here: &Here<T>) -> Vec<AxleFigure<T>> {
         let of_side = |side| self.tensions(here, side).into_iter().filter(is_of_wheel);
         Side::ALL.into_iter().flat_map(of_side).collect()
     }
 
-    /// Figures of the links of the whole axle: tensions of those that it has once, and the roll stiffness without springs.
+    /// Figures of the links of the whole axle: tensions of those that exist only once, and the roll stiffness without springs.
     pub(super) fn link_figures<T: Scalar>(&self, here: &Here<T>) -> Vec<AxleFigure<T>> {
         if !here.axle.is_joined() {
             return Vec::new();

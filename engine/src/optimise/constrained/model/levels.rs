@@ -1,9 +1,10 @@
-//! Weights that just meet the levels of earlier goals.
+//! Smallest weights with which a step meets the levels of earlier goals.
 
 use super::super::super::active_set::Outcome;
 use super::ConvexModel;
 
-/// Relative accuracy to which a level is met. A tenth of the violation that counts as kept is accurate enough in any case.
+/// Relative accuracy to which a level is met. A tenth of the largest violation that still counts as satisfied is always accurate
+/// enough.
 pub(super) const LEVEL_MET: f64 = 1e-7;
 /// Largest number of programs in the search for the multiplier of a level.
 const SECANTS: usize = 30;
@@ -17,9 +18,9 @@ impl<'a> ConvexModel<'a> {
         (norm / goal).ln()
     }
 
-    /// Finds the weights that just meet the levels from the k-th on; a slack level gets weight zero. A norm falls as its
-    /// weight grows. So the search is a secant over the logarithms of norm and weight, kept between weights on either side.
-    /// The later levels are met anew for each trial weight.
+    /// Finds the smallest weights that meet the levels from the k-th on. A level that is met without a weight gets weight zero. A
+    /// norm falls as its weight grows. So the search is a secant method over the logarithms of norm and weight, bracketed by a
+    /// weight on either side. For each trial weight, the weights of later levels are found again.
     pub(super) fn meet_levels(&mut self, k: usize, curved: bool) {
         if k == self.levels.len() {
             return;
@@ -68,7 +69,7 @@ impl<'a> ConvexModel<'a> {
                     let share = low.1 / (low.1 - high.1);
                     (low.0 + share.clamp(0.05, 0.95) * (high.0 - low.0)).exp()
                 }
-                (None, None) => unreachable!("one of the two was just set"),
+                (None, None) => unreachable!("one of both bounds is set"),
             };
             if let (Some(low), Some(high)) = (low, high)
                 && high.0 - low.0 < 1e-12

@@ -24,7 +24,7 @@ impl ConvexModel<'_> {
         let n = self.half.len();
         let worst = self.worst();
         if worst <= KEPT {
-            // Rounding prevented a solution. The point itself is as good as any other.
+            // Rounding prevented a solution. The step is then zero.
             self.relaxed.fill(0.0);
             return (self.relax_rows(), Vec::new());
         }

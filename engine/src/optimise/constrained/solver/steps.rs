@@ -13,7 +13,7 @@ pub(super) struct Trials {
     pub from: [f64; 2],
     /// True if the model has curvature.
     pub curved: bool,
-    /// Reduction of the goal that counts as none.
+    /// Largest reduction of the goal that counts as zero.
     pub negligible: f64,
     /// Number of trials.
     pub count: usize,
@@ -105,7 +105,7 @@ impl SequentialConvex<'_> {
         }
     }
 
-    /// Ends the run at the current point if the proposed step cannot improve it. Returns true if it does.
+    /// Ends the run at the current point if the proposed step cannot improve it. Returns true if the run ends.
     fn ends_at(&mut self, proposal: &Proposal, step: &Step, trials: &mut Trials) -> bool {
         if let Proposal::Relaxed {
             remaining,
@@ -137,15 +137,15 @@ impl SequentialConvex<'_> {
         false
     }
 
-    /// Continues with rows that were not known to move.
+    /// Continues with rows that were constant so far.
     fn try_with_new_rows(&mut self, x: &DVector<f64>, trials: &mut Trials) -> Trial {
         self.count_new_rows(x);
         trials.from = self.pair(&self.current);
         Trial::Refused
     }
 
-    /// Corrects the refused step for the curvature of the rows, and evaluates the corrected one. Returns true if it is
-    /// better, and `None` if it reveals rows that were not known to move.
+    /// Corrects the refused step for the curvature of the rows, and evaluates the corrected one. Returns true if it is better,
+    /// and `None` if rows change there that were constant so far.
     fn try_corrected(
         &mut self,
         problem: &mut impl Constrained,

@@ -31,7 +31,7 @@ impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, 1> for ArmCorner<'_, '_, B, V> 
     #[inline(always)]
     fn predict(&mut self, place: &RouteStep, history: &[B]) -> [B; 1] {
         let like = history[0];
-        // The values of the previous place need not stay in registers.
+        // This allows the compiler to remove the values of the previous place from registers.
         (self.step, self.missed) = (like.zero(), [like.zero(); 2]);
         if self.drive == Drive::ArmAngle {
             return [like.constant((0.5 * place.value).tan())];
@@ -43,8 +43,8 @@ impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, 1> for ArmCorner<'_, '_, B, V> 
         predicted(place, history, [self.method.slope * place.along_slope])
     }
 
-    /// Makes two corrections at a time. One is always needed, and an unpredictable branch would cost more than the second.
-    /// If the arm's angle is the drive, there is nothing to solve.
+    /// Makes two corrections at a time. One correction is always needed, and a branch that the processor mispredicts would take
+    /// longer than the second one. If the arm's angle is the drive, no equation has to be solved.
     #[inline(always)]
     fn correct(
         &mut self,

@@ -36,7 +36,8 @@ fn judgement(guard: &'static str, reason: Rejection, slack: f64) -> Judgement {
     }
 }
 
-/// Judgements of the guards at all places of an accepted design, by their formulas and published thresholds.
+/// Returns the decisions of the guards at all places of an accepted design, computed from their formulas and published
+/// thresholds.
 fn judge(
     tracker: &CornerTracker<'_>,
     rack: usize,
@@ -45,9 +46,9 @@ fn judge(
 ) -> Vec<Judgement> {
     let lanes = tracker.design(points);
     let (Method::Arm(_), Form::Arm(design)) = (&tracker.method, &lanes.form) else {
-        unreachable!("a design with a closed form")
+        unreachable!("the design has a closed form")
     };
-    // Relative to the size of the base design, as in `STEEPEST`.
+    // The slope is relative to the size of the base design, as in `STEEPEST`.
     let base = template(tracker.mechanism.topology.name);
     let steepest = match tracker.drive {
         Drive::Travel => 3.0 / base.size(),
@@ -64,7 +65,7 @@ fn judge(
             .into_iter()
             .zip(squares)
         {
-            // The threshold is a sine of one fourth.
+            // The threshold is a sine of 1/4.
             add(
                 guard,
                 Rejection::IllConditioned,
@@ -117,9 +118,9 @@ fn judge(
     judged
 }
 
-/// For each of these guards there is a strut that only this guard rejects, at its published threshold. For some guards of a
-/// step the search lines contain no such design; `a_step_is_guarded_at_its_thresholds` tests these. No design is rejected
-/// for a far rotation in one step of a leg:
+/// For each of these guards there is a strut that only this guard rejects, at its published threshold. For some guards between
+/// two places the search lines contain no such design; `a_step_is_guarded_at_its_thresholds` tests these guards. No design is
+/// rejected for a far rotation in one step of a leg:
 ///
 /// - Travel: a step is at most 0.02 sizes, and the extrapolated slope is below 3 per size. With r the slope before and r'
 ///   the slope of the step, 2 r' - r < 3 and r < 3 give r' < 3, so that the tangent changes by less than 0.06 < 0.1.
@@ -149,7 +150,7 @@ fn every_guard_rejects_a_design_alone() {
     }
 }
 
-/// An arm rotates from its design position to a half tangent of 0.7, and no farther.
+/// An arm rotates from its design position until the tangent of half its angle is 0.7, and no farther.
 #[test]
 fn an_arm_is_followed_to_seventy_degrees() {
     let mut suspension = template("macpherson");
@@ -186,8 +187,8 @@ fn an_arm_is_followed_to_seventy_degrees() {
     assert!(ends > 0, "one way at least is free up to the guard");
 }
 
-/// The limit of the slope is relative to the size: 3 half tangents per size of travel. If the arm's angle is the drive,
-/// there is no limit.
+/// The limit of the slope is relative to the size: the half tangent may change by 3 per travel of one size. If the arm's angle is
+/// the drive, there is no limit.
 #[test]
 fn steepness_is_measured_in_sizes() {
     for topology in ["macpherson", "double_wishbone"] {
@@ -202,7 +203,7 @@ fn steepness_is_measured_in_sizes() {
     }
 }
 
-/// Tests the guards between two places, each at its threshold while all others accept.
+/// Tests the guards between two places, each at its threshold while all other guards accept.
 #[test]
 fn a_step_is_guarded_at_its_thresholds() {
     let before = BranchGuard {

@@ -24,7 +24,7 @@ impl<B: SimdReal> LanePose<B> for ArmPose<'_, B> {
     fn vector(&self, vector: &KnuckleVector<B>) -> Vector3<B> {
         match &vector.0 {
             InKnuckle::Carried(vector) => self.state.carry(vector),
-            InKnuckle::Designed(_) => unreachable!("a vector of a design with a closed form"),
+            InKnuckle::Designed(_) => unreachable!("designs with a closed form have this vector"),
         }
     }
 
@@ -55,7 +55,7 @@ impl<B: SimdReal> LanePose<B> for ArmPose<'_, B> {
         }
     }
 
-    /// A rotation about the steering axis lifts the wheel. A motion along the travel cancels this lift.
+    /// A rotation about the steering axis lifts the wheel. Adding a motion along the travel cancels this lift.
     #[inline(always)]
     fn by_rack(&self, rates: &LaneRates<B>) -> Twist<B> {
         let (turn, rise) = self.design.form.steered(&self.state);
@@ -66,8 +66,8 @@ impl<B: SimdReal> LanePose<B> for ArmPose<'_, B> {
         }
     }
 
-    /// True in every lane. If travel is the drive, the guards have checked the slope of the arm. If the arm's angle is the
-    /// drive, nothing rotates fast.
+    /// True in every lane. If travel is the drive, the guards have checked the slope of the arm. If the arm's angle is the drive,
+    /// no part rotates fast.
     #[inline(always)]
     fn velocity_is_reliable(&self, _: &LaneRates<B>) -> B::Mask {
         self.tangent.everywhere()
@@ -99,7 +99,7 @@ impl<B: SimdReal> AdjointPose<B> for ArmPose<'_, B> {
         rates: &LaneRates<B>,
     ) -> impl LaneAdjoint<B> + 'p {
         let AdjointConstants(Some(members)) = members else {
-            unreachable!("the members of a design with a closed form")
+            unreachable!("designs with a closed form have these members")
         };
         let (roles, form) = (self.roles, &self.design.form);
         Adjoint::of(

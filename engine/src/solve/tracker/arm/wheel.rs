@@ -28,7 +28,7 @@ impl<B: SimdReal> ArmWheel<'_, '_, B> {
     fn carried(&self) -> (Vector3<B>, Vector3<B>) {
         let WheelOnKnuckle { centre, axis } = &self.on_knuckle;
         let (InKnuckle::Carried(centre), InKnuckle::Carried(axis)) = (&centre.0.0, &axis.0) else {
-            unreachable!("a wheel of a design with a closed form")
+            unreachable!("the wheel has a closed form")
         };
         let from_joint = self.state.carry(centre);
         (self.state.ball_joint() + from_joint, self.state.carry(axis))

@@ -52,7 +52,7 @@ impl Order {
     }
 }
 
-/// Blocks of a Jacobian. They are filled in place, because moving them would take a quarter of the time.
+/// Blocks of a Jacobian. They are filled in place, because moving them would take a quarter of the whole time.
 pub(super) struct Blocks<B> {
     pub(super) order: Order,
     inverse_size: B,
@@ -105,7 +105,7 @@ fn combined<B: Real>([a, b, c]: [Vector3<B>; 3], x: B, y: B, z: B) -> Vector3<B>
 }
 
 impl<B: Real> Blocks<B> {
-    /// Blocks of zeros. They must be filled before use.
+    /// Makes blocks of zeros. They must be filled before use.
     #[inline(always)]
     pub(super) fn unformed(order: Order, inverse_size: B) -> Self {
         let zero = inverse_size.zero();

@@ -33,8 +33,9 @@ impl Visit<f64> for Nothing {
     fn pose(&mut self, _: usize, _: &impl AdjointPose<f64>, _: Acceptance<f64>) {}
 }
 
-/// Judgements of the guards at all places of an accepted design, by their formulas and published thresholds. Each place is
-/// corrected again from its prediction, since the determinants are those of the last step of Newton's method.
+/// Returns the decisions of the guards at all places of an accepted design, computed from their formulas and published
+/// thresholds. Each place is corrected again from its prediction, since the determinants are those of the last step of Newton's
+/// method.
 fn judge(
     tracker: &CornerTracker<'_>,
     rack: usize,
@@ -43,7 +44,7 @@ fn judge(
 ) -> Vec<Judgement> {
     let lanes = tracker.design(points);
     let (Method::Linkage(method), Form::Linkage(linkage)) = (&tracker.method, &lanes.form) else {
-        unreachable!("a design in six unknowns")
+        unreachable!("the design has six unknowns")
     };
     let mut visitor = Nothing;
     let mut corner = method.corner(linkage, tracker.tolerance, &mut visitor);
@@ -106,8 +107,8 @@ fn judge(
     judged
 }
 
-/// For each guard of a place there is a design that only this guard rejects, at its published threshold. For some guards of
-/// a step the search lines contain no such design; `a_step_is_guarded_at_its_thresholds` tests these.
+/// For each guard of a place there is a design that only this guard rejects, at its published threshold. For some guards between
+/// two places the search lines contain no such design; `a_step_is_guarded_at_its_thresholds` tests these guards.
 #[test]
 fn every_guard_rejects_a_design_alone() {
     let mut all: BTreeMap<&str, usize> = BTreeMap::new();
@@ -124,7 +125,7 @@ fn every_guard_rejects_a_design_alone() {
     }
 }
 
-/// Tests the guards of a place and between two places, each at its threshold while all others accept.
+/// Tests the guards of a place and between two places, each at its threshold while all other guards accept.
 #[test]
 fn a_step_is_guarded_at_its_thresholds() {
     let before = BranchGuard {

@@ -1,4 +1,4 @@
-//! The pose of an axle whose wheels share one mechanism, as the right wheel sees it.
+//! Pose of an axle whose wheels share one mechanism, as seen from the right wheel.
 //!
 //! With M the reflection in the middle plane, a body with the rotation R and the angular velocity w has the rotation M R M and the
 //! angular velocity -M w in the right wheel's frame. Points and velocities have M as their factor. The right wheel's own share of the
@@ -18,7 +18,7 @@ fn mirrored_turn<T: Real>(turn: Vector3<T>) -> Vector3<T> {
     Vector3::new(-turn.x, turn.y, -turn.z)
 }
 
-/// A pose as the right wheel sees it.
+/// A pose as seen from the right wheel.
 pub(crate) struct MirroredPose<'p, 'd, B> {
     left: &'p LinkagePose<'p, 'd, B>,
     /// Rocker of the left wheel's mechanism that is the knuckle of the right wheel's; `None` if both have the same knuckle.

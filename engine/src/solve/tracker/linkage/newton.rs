@@ -11,7 +11,7 @@ use std::cell::{Cell, RefCell};
 /// Smallest determinant of a block, as a share of the base design's.
 const LEAST: f64 = 0.25;
 
-/// Largest correction of a prediction, in sizes.
+/// Largest correction of a prediction, relative to the mechanism's size.
 const LARGEST_CORRECTION: f64 = 0.02;
 /// Largest rotation of the knuckle in one step, as the tangent of half the angle. Together with the limits of the
 /// determinants this keeps Newton's method on its branch. `tests/it/lanes.rs` compares every lane with the continuation.
@@ -105,7 +105,7 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
     }
 
     /// Checks the unknowns after a step. Returns the configuration, the lanes whose residuals are rounding, and the unknowns
-    /// after one more correction with the present Jacobian, which rates need.
+    /// after one more correction with the present Jacobian. Rates need this correction.
     #[inline(always)]
     pub(super) fn check_residual(
         &mut self,
@@ -116,7 +116,7 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         (at, is_settled, moved(*unknowns, &rest))
     }
 
-    /// The same, with the correction itself.
+    /// Checks the unknowns after a step, and also returns the correction itself.
     #[inline(always)]
     pub(super) fn remaining(
         &mut self,

@@ -1,6 +1,6 @@
 //! Equations of an axle whose wheels share one mechanism: a solid axle or a twist beam.
 //!
-//! The unknowns are the pose of the mechanism as the left wheel sees it, and half the difference of the travels, s. Both wheels
+//! The unknowns are the pose of the mechanism as seen from the left wheel, and half the difference of the travels, s. Both wheels
 //! are on bodies of this mechanism, so their contact points follow from the same pose. With the mean travel z held, the drive of
 //! the closure equations is s, and (1) and (2) of [`pair`](super::super::pair) are
 //!
@@ -8,10 +8,12 @@
 //! f(s) = h_l(z, s) - h_r(z, s) = 0,    f_s = h_l,s - h_r,s
 //! ```
 //!
-//! The right wheel sees the mirror image of the pose (see `mirrored.rs`), so its equations need no solution of their own.
+//! As seen from the right wheel, the pose is its mirror image (see `mirrored.rs`). So no further equations have to be solved for
+//! that wheel.
 //!
-//! A steering gear moves the places from which the equations count both travels: (4) and (5) of `model/steered_axle.rs`. On the
-//! first steps of a route, from the design pose to the mean travel, this shift grows in proportion to the mean travel's steps.
+//! A steering gear moves the positions from which the equations count both travels: (4) and (5) of `model/steered_axle.rs`. On
+//! the first steps of a route, from the design pose to the mean travel, this shift grows in proportion to the mean travel's
+//! steps.
 
 use super::super::pair::{AxleTracker, LEAST_RISE, MOST_ROUNDS, PairDrive, VisitPair};
 use super::super::route::RouteStep;
@@ -27,8 +29,8 @@ use crate::number::{SimdReal, Vector3};
 /// Unknowns of the pose, and half the difference of the travels.
 pub(in crate::solve::tracker) const ALL: usize = UNKNOWNS + 1;
 
-/// Largest number of further corrections with the same linearised equations. Each reduces the error by as much as the prediction
-/// was near, and costs a third of a new linearisation.
+/// Largest number of further corrections with the same linearised equations. Each reduces the error by a factor of the order of
+/// the prediction's error, and takes a third of the time of a new linearisation.
 const CHORDS: usize = 3;
 
 /// Equations of an axle whose wheels share one mechanism.
@@ -38,7 +40,7 @@ pub(in crate::solve::tracker) struct OneBody<'w, 'd, B: SimdReal, V> {
     right: &'w LinkageDesign<'d, B>,
     /// Left and right wheel in the left wheel's frame.
     wheels: [WheelOnBody<B>; 2],
-    /// Mean travel and half the difference of travels at which the closure equations have the value 0.
+    /// Mean travel and half the difference of travels that count as zero in the closure equations.
     rest: [B; 2],
     /// Largest difference of the heights of both contact points.
     level: B,
@@ -125,7 +127,7 @@ impl<'w, 'd, B: SimdReal, V> OneBody<'w, 'd, B, V> {
         }
     }
 
-    /// Values that the closure equations hold and drive at a place. `half` is half the difference of the travels.
+    /// Held value and drive value of the closure equations at a place. `half` is half the difference of the travels.
     #[inline(always)]
     fn motion(&self, place: &RouteStep, half: B) -> [B; 2] {
         let [mean, difference] = self.rest;
@@ -206,8 +208,8 @@ struct OnGround<'d, B> {
 }
 
 impl<B: SimdReal, V> OneBody<'_, '_, B, V> {
-    /// Change of half the difference of the travels that levels both contact points. They are `apart`, and the pose changes by
-    /// `twist` besides.
+    /// Change of half the difference of the travels that brings both contact points to the same height. Their heights differ by
+    /// `apart`, and the pose also changes by `twist`.
     #[inline(always)]
     fn levelling(&self, on: &OnGround<'_, B>, apart: B, twist: &Twist<B>) -> B {
         let [left, right] = self.rises_in(&on.at, &on.contacts, twist);
@@ -245,8 +247,8 @@ impl<B: SimdReal, V: VisitPair<B>> PlaceEquations<B, ALL> for OneBody<'_, '_, B,
         if [along_mean, along_half, place.along_lead] == [0.0; 3] {
             return unknowns;
         }
-        // The first steps use the slopes of the lane's own design at the previous place. A linearisation left over from there would
-        // depend on how many corrections the neighbouring lanes needed.
+        // The first steps use the slopes of the lane's own design at the previous place. A linearisation that remains from there
+        // would depend on the number of corrections that neighbouring lanes needed.
         let (pose, half) = parted(&unknowns);
         let everywhere = half.everywhere();
         (self.steps).linearise(&pose, self.motion(place, half), everywhere);

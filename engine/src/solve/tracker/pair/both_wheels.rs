@@ -26,7 +26,7 @@ pub(super) struct BothWheels<'w, B: SimdReal, W, V, const N: usize> {
 }
 
 impl<B: SimdReal, W, V, const N: usize> BothWheels<'_, B, W, V, N> {
-    /// [rack displacement, travel] of the left and right wheel at a place. `half` is half the difference of the travels.
+    /// Returns [rack displacement, travel] of the left and right wheel at a place. `half` is half the difference of the travels.
     #[inline(always)]
     fn motions(&self, place: &RouteStep, half: B) -> [[B; 2]; 2] {
         let (mean, _) = self.tracker.at(place);
@@ -168,7 +168,7 @@ where
                 },
             ),
         };
-        // A loop, so that the compiler compiles the guards, the longest piece of the method, only once.
+        // Uses a loop, so that the guards, the longest piece of the method, are compiled only once.
         let mut guards = known;
         let mut wheel = 0;
         while wheel < 2 {

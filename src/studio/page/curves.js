@@ -53,13 +53,19 @@ const runs = (answer, values, group) => {
 const groupsOf = (answer) => [...knownOf(answer).order.keys()];
 
 // Groups that differ from the one that is shown in the family's slider alone.
-const familyOf = (answer) => {
+const familyOf = (answer, shown) => {
   const { family, over } = state;
-  if (family === null || !answer.group_places.length) return [];
-  const own = answer.group_places[answer.shown];
+  if (family === null || !answer?.group_places.length) return [];
+  const own = answer.group_places[shown];
   const isOfFamily = (place) => place.every((v, k) => k === over || k === family || v === own[k]);
-  const found = groupsOf(answer).filter((g) => g !== answer.shown && isOfFamily(answer.group_places[g]));
+  const found = groupsOf(answer).filter((g) => g !== shown && isOfFamily(answer.group_places[g]));
   return found.sort((a, b) => answer.group_places[a][family] - answer.group_places[b][family]);
+};
+// The answer with the other curves of the family. While a point moves it is an earlier one, and they are drawn as stale.
+const wholeOf = (answer) => {
+  if (!answer.is_partial) return answer;
+  const { whole, over, overview } = state;
+  return whole?.digest === overview.digest && whole.over === over ? whole.answer : null;
 };
 
 // The value of a curve at a place, by straight lines between stations.
@@ -184,17 +190,20 @@ class Chart {
     this.inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - this.bottom];
     set(this.clip, { width: this.inner[0] + MARGIN.right, height: this.inner[1] });
     const group = answer.shown;
-    const family = familyOf(answer);
+    const whole = wholeOf(answer);
+    const family = familyOf(whole, group);
     const of = (other, column) => (other && knownOf(other).columns.has(column) ? curveOf(other, column, group) : NONE);
     // By one unit of length, or by a tenth where that is much.
     const far = influence ? 10 * state.step : 0;
     const lines = found.map(({ column, values }, k) => {
-      const slopes = influence?.columns.get(column);
+      // Slopes of all stations are of no use for some of them.
+      const known = influence?.columns.get(column);
+      const slopes = known?.length === values.length ? known : undefined;
       const bent = slopes ? runs(answer, values.map((v, i) => (v === null || slopes[i] === null ? null : v + slopes[i] * far)), group) : NONE;
       return {
         ...this.series[k], found: found[k], slopes, bent, pieces: curveOf(answer, column, group), old: of(ghost, column), next: of(proposed, column),
         pins: Object.entries(state.pins).map(([letter, pin]) => [letter, of(pin.answer, column)]),
-        family: family.map((g) => ({ value: answer.group_places[g][state.family], pieces: curveOf(answer, column, g) })),
+        family: knownOf(whole ?? answer).columns.has(column) ? family.map((g) => ({ value: whole.group_places[g][state.family], pieces: curveOf(whole, column, g) })) : [],
       };
     });
     this.series.forEach((one, k) => { one.values = found[k].values; });
@@ -234,6 +243,7 @@ class Chart {
     });
     // One element for all lines of a family: many elements would take longer to lay out than the rest of the chart.
     refill(this.parts.others, lines.map(({ side, family: some }) => ['path', { class: side, d: some.map((f) => path(f.pieces)).join('') }]));
+    set(this.parts.others, { class: whole === answer ? 'others' : 'others stale' });
     refill(this.parts.pins, lines.flatMap(({ pins }) => pins.map(([letter, some]) => ['path', { class: `pin-${letter}`, d: path(some) }])));
     this.drawLabels(lines, x, y);
     this.edges.draw(targets, this.scales, this.xs);

@@ -65,8 +65,8 @@ export const byId = (id) => document.getElementById(id);
 // Five significant digits at most.
 export const brief = (value, digits = 5) => {
   if (value === null || value === undefined || !Number.isFinite(value)) return '–';
-  if (value !== 0 && Math.abs(value) < 1e-4) return value.toExponential(1);
-  return String(Number(value.toPrecision(digits))).replace('-', '−');
+  const text = value !== 0 && Math.abs(value) < 1e-4 ? value.toExponential(1) : String(Number(value.toPrecision(digits)));
+  return text.replaceAll('-', '−');
 };
 export const signed = (value, digits = 3) => (value > 0 ? '+' : '') + brief(value, digits);
 // Steps of an axis: 1, 2 or 5 times a power of ten.

@@ -1,8 +1,6 @@
 //! Remaining freedom of a design: moves that leave the targets unchanged, and the limits of the mechanism.
 
-use super::message::{
-    Designed, DirectionsAnswer, FreeDirection, LimitsAnswer, VariableOverview,
-};
+use super::message::{Designed, DirectionsAnswer, FreeDirection, LimitsAnswer, VariableOverview};
 use super::overview::variable;
 use super::study_file::Opened;
 use crate::limits::LimitTable;

@@ -129,3 +129,41 @@ fn a_late_answer_gives_way() {
     assert!(assert_drawn_as_solved(&browser, &served.study) >= 6);
     assert_eq!(browser.console(), Vec::<String>::new());
 }
+
+/// After a move, the page first draws the shown curves. Until the other curves of the family follow, the earlier ones are
+/// marked as stale; then all of them are those of the moved design.
+#[test]
+fn curves_of_other_racks_are_stale_until_they_follow() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = Served::of(&sample("macpherson_axle.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    browser.wait(SETTLED);
+    // The request for all curves waits until the test lets it go.
+    browser.run(
+        "const send = window.fetch; const gate = new Promise((open) => { window.release = open; }); \
+         window.fetch = async (what, own) => { if (what === 'solve' && !JSON.parse(own.body).shown_only) await gate; return send(what, own); }",
+    );
+    let stale = "[...document.querySelectorAll('.chart .others')].map((g) => g.classList.contains('stale'))";
+    let drawn = "[...document.querySelectorAll('.chart .others path')].map((p) => p.getAttribute('d')).join()";
+    assert_eq!(browser.run(&format!("return {stale}.some(Boolean)")), false);
+    let before = browser.run(&format!("return {drawn}"));
+    browser.run(&format!(
+        "document.querySelector({:?}).focus()",
+        handle("front", "tie_rod_outer")
+    ));
+    browser.keys(&["\u{e013}"]);
+    browser.wait(&format!("{stale}.every(Boolean)"));
+    assert_eq!(browser.run("return studio.isSettled()"), false);
+    browser.run("window.release()");
+    browser.wait(SETTLED);
+    assert_eq!(browser.run(&format!("return {stale}.some(Boolean)")), false);
+    assert_ne!(browser.run(&format!("return {drawn}")), before);
+    browser.click("#save");
+    browser.wait("document.getElementById('banner').textContent.includes('saved')");
+    browser.wait(SETTLED);
+    assert!(assert_drawn_as_solved(&browser, &served.study) >= 2);
+    assert_eq!(browser.console(), Vec::<String>::new());
+}

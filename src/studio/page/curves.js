@@ -125,8 +125,13 @@ class Chart {
     const id = `clip-${clips += 1}`;
     this.clip = svg('rect', { x: MARGIN.left, y: MARGIN.top });
     this.svg.append(svg('clipPath', { id }, this.clip));
-    this.parts = Object.fromEntries(['axes', 'bands', 'ghosts', 'pins', 'others', 'influence', 'proposal', 'now', 'gaps', 'cursor', 'labels', 'deviation', 'edges']
-      .map((name) => [name, this.svg.appendChild(svg('g', { class: name, 'clip-path': ['axes', 'labels', 'gaps', 'cursor', 'deviation', 'edges'].includes(name) ? null : `url(#${id})` }))]));
+    // One clip for all curves: each clip is a layer of its own.
+    const [axes, inside] = [svg('g', { class: 'axes' }), svg('g', { 'clip-path': `url(#${id})` })];
+    this.svg.append(axes, inside);
+    const groups = (parent, names) => names.map((name) => [name, parent.appendChild(svg('g', { class: name }))]);
+    this.parts = { axes, ...Object.fromEntries([
+      ...groups(inside, ['bands', 'ghosts', 'pins', 'others', 'influence', 'proposal', 'now']), ...groups(this.svg, ['gaps', 'cursor', 'labels', 'deviation', 'edges']),
+    ]) };
     this.series = parts.map(({ column, side }) => ({
       column, side,
       now: this.parts.now.appendChild(svg('path', { class: side })),
@@ -285,7 +290,7 @@ class Chart {
     if (key === this.frame) return;
     this.frame = key;
     const [lines, words] = [[], []];
-    const word = (x, y, anchor, text, kind = null) => words.push(['text', { class: kind, transform: placed(x, y), 'text-anchor': anchor, text }]);
+    const word = (x, y, anchor, text, kind = null) => words.push(['text', { class: kind, ...placed(x, y), 'text-anchor': anchor, text }]);
     const bottom = height - this.bottom;
     for (const tick of ticks(...this.ys, this.inner[1] / 34)) {
       const place = y(tick).toFixed(1);
@@ -327,7 +332,7 @@ class Chart {
       const free = [height - 4, height + 11].find((h) => h > MARGIN.top + 6 && h < MARGIN.top + this.inner[1] && taken.every((t) => Math.abs(t - h) > 10));
       if (free === undefined) return [];
       taken.push(free);
-      return [['text', { class: kind, transform: placed(x(a) + 6, free), 'text-anchor': 'end', text }]];
+      return [['text', { class: kind, ...placed(x(a) + 6, free), 'text-anchor': 'end', text }]];
     });
     refill(this.parts.labels, labels);
   }

@@ -47,8 +47,10 @@ export const show = (element, isShown) => {
   element.isHidden = !isShown;
   element.style.display = isShown ? '' : 'none';
 };
-// Attribute that puts a text at a place. A text whose x or y changes is shaped again, one that is translated is not.
-export const placed = (x, y) => `translate(${tenth(x)} ${tenth(y)})`;
+// Attributes that put an element at a place. A transform would do it too, but browsers treat each transformed element as a layer
+// of its own, and order all layers anew when one of them moves.
+export const placed = (x, y) => ({ x: tenth(x), y: tenth(y) });
+export const centred = (x, y) => ({ cx: tenth(x), cy: tenth(y) });
 // Fills a group of a drawing with elements: pairs of tag and attributes. Elements that it has are changed, not replaced. Those
 // of one tag in one group must name the same attributes.
 export const refill = (group, wanted) => {

@@ -406,9 +406,11 @@ const later = () => {
   timer = setTimeout(() => { if (!isInGesture()) drawLate(); }, REST);
 };
 
+// The menu is filled while it is open: after each answer, browsers look through all fields of a page.
 const offer = () => {
   const choices = byId('choices');
   choices.replaceChildren();
+  if (!byId('chooser').open) return;
   for (const { name, unit, positive, available } of state.overview.characteristics) {
     if (!available) continue;
     const box = html('input', { type: 'checkbox', value: name, on: { change: choose } });
@@ -444,6 +446,7 @@ const offerAxes = () => {
 };
 
 export const startCurves = () => {
+  byId('chooser').addEventListener('toggle', offer);
   byId('over').addEventListener('change', (event) => {
     state.over = Number(event.target.value);
     offerAxes();

@@ -382,8 +382,8 @@ fn choice(run: &SweepRun) -> String {
         "examples of every failure listed above, "
     };
     format!(
-        "<strong>Drawn are {shown} of {} designs:</strong> {best}{front}{failures}and of all designs those \
-         whose numbers are multiples of {}. {file} has all; what the tables say is of all.",
+        "<strong>{shown} of {} designs are drawn:</strong> {best}{front}{failures}and those whose numbers are multiples \
+         of {}. {file} has all designs. The tables count all of them.",
         summary.done, run.choice.every
     )
 }

@@ -114,6 +114,12 @@ const partsOf = (columns) => {
   return [...byKey];
 };
 
+// Ticks of an axis, at least two: one alone says nothing about the scale.
+const several = (ends, count) => {
+  const found = ticks(...ends, count);
+  return found.length > 1 ? found : ticks(...ends, 2 * Math.max(1, count));
+};
+
 class Chart {
   constructor(key, parts) {
     this.key = key;
@@ -262,13 +268,13 @@ class Chart {
     const [first] = lines;
     const { unit, positive } = first.found;
     const isPair = lines.length > 1;
-    write(this.title, isPair ? `${first.found.title.replace(/^(left|right) /i, '')}, both wheels` : first.found.title);
-    write(this.unit, unit ? ` [${unit}]` : '');
+    write(this.title, isPair ? first.found.title.replace(/^(left|right) /i, '') : first.found.title);
+    write(this.unit, `${isPair ? ', both wheels' : ''}${unit ? ` [${unit}]` : ''}`);
     const words = lines.map(({ side, here, before }) => {
       // A value that rounding leaves of nothing is nothing.
       const is = here !== null && Math.abs(here) < 1e-9 * (this.ys[1] - this.ys[0]) ? 0 : here;
       const change = !isPair && is !== null && before !== null && Math.abs(is - before) > 1e-12 ? ` (${signed(is - before)})` : '';
-      return `${side && isPair ? `${side[0].toUpperCase()} ` : ''}${brief(is, 4)}${change}`;
+      return `${side && isPair ? `${side[0].toUpperCase()} ` : ''}${brief(is, isPair ? 3 : 4)}${change}`;
     });
     write(this.value, words.join('  '));
     const values = lines.flatMap(({ pieces }) => heights(pieces));
@@ -280,7 +286,7 @@ class Chart {
     }
     write(this.range, text);
     const sign = positive && positive !== 'always' ? `positive: ${positive}` : '';
-    set(this.svg, { 'aria-label': `${this.title.textContent}: ${words.join(', ')} ${unit} at ${brief(placeNow())}, ${text}${sign ? `; ${sign}` : ''}` });
+    set(this.svg, { 'aria-label': `${this.title.textContent}${isPair ? ', both wheels' : ''}: ${words.join(', ')} ${unit} at ${brief(placeNow())}, ${text}${sign ? `; ${sign}` : ''}` });
     set(this.figure, { title: sign || null });
   }
 
@@ -292,7 +298,7 @@ class Chart {
     const [lines, words] = [[], []];
     const word = (x, y, anchor, text, kind = null) => words.push(['text', { class: kind, ...placed(x, y), 'text-anchor': anchor, text }]);
     const bottom = height - this.bottom;
-    for (const tick of ticks(...this.ys, this.inner[1] / 34)) {
+    for (const tick of several(this.ys, this.inner[1] / 34)) {
       const place = y(tick).toFixed(1);
       lines.push(['path', { class: tick === 0 ? 'zero' : null, d: `M${MARGIN.left} ${place}H${width - MARGIN.right}` }]);
       // Near the top stands the unit.

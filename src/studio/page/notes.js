@@ -16,9 +16,9 @@ const table = (head, body, isNumber = (k) => k > 0) => html('table', {}, html('t
 // Chips in the header: of fixed width, so that nothing moves while they change. Each leads to its panel.
 let chips = new Map();
 const buildChips = () => {
-  const { tunes, has_constraints: hasConstraints, is_car: isCar } = state.overview;
+  const { tunes, has_constraints: hasConstraints } = state.overview;
   const names = [...(tunes ? [['misfit', 'Misfit', 'targets'], ['met', 'Targets met', 'targets']] : []),
-    ...(hasConstraints ? [['constraints', 'Constraints', 'constraints']] : []), ['solved', isCar ? 'Cases solved' : 'Stations solved', 'warnings'], ['warnings', 'Warnings', 'warnings']];
+    ...(hasConstraints ? [['constraints', 'Constraints', 'constraints']] : []), ['solved', 'Solved', 'warnings'], ['warnings', 'Warnings', 'warnings']];
   chips = new Map(names.map(([key, name, place]) => {
     const [value, note] = [html('b'), html('small')];
     const chip = html('button', { class: 'chip', 'data-chip': key, on: { click: () => lead(place) } }, html('span', { text: name }), html('span', { class: 'value' }, value, note));
@@ -42,13 +42,13 @@ const selectNamed = (text) => {
 };
 // Chips that need all stations keep their values while a point moves, and are pale.
 const markStale = (isStale) => { for (const key of ['solved', 'warnings']) chips.get(key)?.chip.classList.toggle('stale', isStale); };
-const tell = (key, value, note, bad) => {
+const tell = (key, value, note, bad, about = note) => {
   const found = chips.get(key);
   if (!found) return;
   write(found.value, value);
   write(found.note, note ? ` ${note}` : '');
   found.chip.classList.toggle('bad', Boolean(bad));
-  set(found.chip, { title: note ? `${value} ${note}` : null });
+  set(found.chip, { title: about ? `${value} ${about}` : null });
 };
 
 // A target is met if the curve leaves it by no more than the tolerance anywhere, as in reports.
@@ -68,7 +68,7 @@ const figures = () => {
     const before = state.ghost?.misfit?.value;
     const is = misfit.value === null ? 'none' : brief(misfit.value, 3);
     const changed = before !== null && before !== undefined && misfit.value !== null && Math.abs(before - misfit.value) > 5e-4;
-    tell('misfit', is, changed ? `from ${brief(before, 3)}` : 'tolerances', misfit.value === null);
+    tell('misfit', is, changed ? `from ${brief(before, 3)}` : 'tol.', misfit.value === null, changed ? `tolerances, from ${brief(before, 3)}` : 'tolerances');
     const met = misfit.targets.filter(isMet).length;
     tell('met', misfit.value === null ? '–' : `${met} of ${misfit.targets.length}`, '', met < misfit.targets.length || misfit.value === null);
     const broken = misfit.constraints.filter((c) => c.is_violated);
@@ -80,7 +80,7 @@ const figures = () => {
   if (state.answer) {
     const all = state.answer.status.length;
     const failed = state.answer.failures.reduce((sum, f) => sum + f.last - f.first + 1, 0);
-    tell('solved', `${all - failed} of ${all}`, '', failed > 0);
+    tell('solved', `${all - failed} of ${all}`, '', failed > 0, state.overview.is_car ? 'load cases' : 'stations');
   }
   const doubts = state.answer?.remarks.length ?? 0;
   tell('warnings', doubts ? String(doubts) : 'none', '', doubts > 0);

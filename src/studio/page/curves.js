@@ -114,11 +114,8 @@ const partsOf = (columns) => {
   return [...byKey];
 };
 
-// Ticks of an axis, at least two: one alone says nothing about the scale.
-const several = (ends, count) => {
-  const found = ticks(...ends, count);
-  return found.length > 1 ? found : ticks(...ends, 2 * Math.max(1, count));
-};
+// Ticks of an axis with names, at least two: one alone says nothing about the scale.
+const several = (ends, count, isNamed) => [count, 2 * count, 4 * count].map((some) => ticks(...ends, Math.max(1, some))).find((found) => found.filter(isNamed).length > 1) ?? [];
 
 class Chart {
   constructor(key, parts) {
@@ -298,11 +295,12 @@ class Chart {
     const [lines, words] = [[], []];
     const word = (x, y, anchor, text, kind = null) => words.push(['text', { class: kind, ...placed(x, y), 'text-anchor': anchor, text }]);
     const bottom = height - this.bottom;
-    for (const tick of several(this.ys, this.inner[1] / 34)) {
+    // Near the top stands the unit.
+    const isNamed = (tick) => y(tick) > MARGIN.top + 5;
+    for (const tick of several(this.ys, this.inner[1] / 34, isNamed)) {
       const place = y(tick).toFixed(1);
       lines.push(['path', { class: tick === 0 ? 'zero' : null, d: `M${MARGIN.left} ${place}H${width - MARGIN.right}` }]);
-      // Near the top stands the unit.
-      if (y(tick) > MARGIN.top + 5) word(MARGIN.left - 5, Number(place) + 3.5, 'end', brief(tick));
+      if (isNamed(tick)) word(MARGIN.left - 5, Number(place) + 3.5, 'end', brief(tick));
     }
     for (const tick of ticks(...this.xs, this.inner[0] / 62)) {
       const place = x(tick).toFixed(1);

@@ -167,3 +167,63 @@ fn curves_of_other_racks_are_stale_until_they_follow() {
     assert!(assert_drawn_as_solved(&browser, &served.study) >= 2);
     assert_eq!(browser.console(), Vec::<String>::new());
 }
+
+/// What changes while a point moves is laid out alone: it lies in boxes whose size does not depend on their content. Views and
+/// charts have few layers: no element of theirs is transformed, and each chart clips its curves once.
+#[test]
+fn moving_parts_are_laid_out_alone() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = Served::of(&sample("macpherson_axle.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    browser.wait(SETTLED);
+    let loose = |selector: &str| {
+        browser.run(&format!(
+            "const all = [...document.querySelectorAll({selector:?})]; if (!all.length) return 'none'; \
+             const alone = (e) => {{ const {{ contain }} = getComputedStyle(e); \
+             return contain === 'strict' || (contain.includes('size') && contain.includes('layout')); }}; \
+             return all.filter((e) => !alone(e)).length"
+        ))
+    };
+    for selector in [
+        ".plot",
+        ".chartbox .values",
+        ".chip .value",
+        "#coordinates .cell input",
+        "#coordinates .slope",
+        "#coordinates .moved span",
+    ] {
+        assert_eq!(loose(selector), json!(0), "{selector}");
+    }
+    let counted = |selector: &str| {
+        let found = browser.run(&format!(
+            "return document.querySelectorAll({selector:?}).length"
+        ));
+        found.as_u64().unwrap()
+    };
+    assert_eq!(counted(".view [transform], .chart [transform]"), 0);
+    assert!(counted(".chart") > 3);
+    assert_eq!(counted(".chart [clip-path]"), counted(".chart"));
+}
+
+/// No value in the header or above a chart is cut at the usual size of a window.
+#[test]
+fn values_fit_their_boxes() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    for name in ["double_wishbone_axle.toml", "macpherson_front.toml"] {
+        let served = Served::of(&sample(name));
+        browser.open(&served.address);
+        browser.wait(READY);
+        browser.wait(SETTLED);
+        let cut = browser.run(
+            "return [...document.querySelectorAll('.chip .value, .chip span, .chartbox output, .chartbox small')] \
+             .filter((e) => e.scrollWidth > e.clientWidth + 1).map((e) => e.textContent)",
+        );
+        assert_eq!(cut, json!([]), "{name}");
+        browser.open("about:blank");
+    }
+}

@@ -273,9 +273,10 @@ class Chart {
       const change = !isPair && is !== null && before !== null && Math.abs(is - before) > 1e-12 ? ` (${signed(is - before)})` : '';
       return `${side && isPair ? `${side[0].toUpperCase()} ` : ''}${brief(is, isPair ? 3 : 4)}${change}`;
     });
+    set(this.value, { class: isPair ? 'pair' : null });
     write(this.value, words.join('  '));
     const values = lines.flatMap(({ pieces }) => heights(pieces));
-    let text = values.length ? `${brief(Math.min(...values), 3)} … ${brief(Math.max(...values), 3)}` : 'no value';
+    let text = values.length ? `${brief(Math.min(...values), 3)}…${brief(Math.max(...values), 3)}` : 'no value';
     if (first.slopes) {
       const known = lines.flatMap(({ slopes }) => slopes ?? []).filter((s) => s !== null);
       const rms = Math.sqrt(known.reduce((sum, s) => sum + s * s, 0) / Math.max(1, known.length));

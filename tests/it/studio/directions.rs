@@ -17,8 +17,8 @@ fn car_with_freedom() -> Served {
         let more = [
             variable("front", "tie_rod_outer", "z"),
             variable("front", "tie_rod_inner", "y"),
-            variable("rear", "toe_link_inner", "z"),
-            variable("rear", "toe_link_outer", "y"),
+            variable("rear", "tie_rod_inner", "z"),
+            variable("rear", "tie_rod_outer", "y"),
         ];
         let at = text.find("]\ntargets = [").unwrap();
         format!("{}{}{}", &text[..at], more.concat(), &text[at..])
@@ -69,7 +69,7 @@ fn slope(served: &Served, direction: &Value) -> f64 {
 fn targets_do_not_change_along_free_directions() {
     for served in [
         car_with_freedom(),
-        Served::of(&sample("double_wishbone_front.toml")),
+        Served::of(&sample("macpherson_front.toml")),
     ] {
         let overview = served.overview();
         let of = json!({"digest": overview["digest"], "design": overview["design"]});

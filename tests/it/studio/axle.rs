@@ -250,7 +250,7 @@ fn elastic_wheels_are_drawn_in_equilibrium() {
 }
 
 /// While a point moves, the page asks for the shown stations alone. They have the values of the whole answer, to rounding: the
-/// solver reaches them on another way.
+/// solver reaches them by another path.
 #[test]
 fn shown_stations_alone_have_the_values_of_the_whole_answer() {
     let wheel = sample("double_wishbone_solve.toml");

@@ -116,11 +116,11 @@ const PATTERNS: &[(&str, &str)] = &[
     ),
     (
         "tie_rod_inner",
-        "tie rod inner ?rack | tie inner ?rack | rack inner | rack end | tie rod rack | toe rod inner",
+        "tie rod inner ?rack ?ball | tie inner ?rack | rack inner | rack end | tie rod rack | toe rod inner",
     ),
     (
         "tie_rod_outer",
-        "tie rod outer | tie outer | tie arm ?outer | toe rod outer",
+        "tie rod outer ?ball | tie outer | tie arm ?outer | toe rod outer",
     ),
     (
         "wheel_centre",
@@ -151,8 +151,14 @@ const PATTERNS: &[(&str, &str)] = &[
     ("lower_front_link_outer", "lower front outer ?rod ?arm"),
     ("lower_rear_link_inner", "lower rear inner ?rod ?arm"),
     ("lower_rear_link_outer", "lower rear outer ?rod ?arm"),
-    ("toe_link_inner", "toe inner ?rod | tie inner ?rod"),
-    ("toe_link_outer", "toe outer ?rod | tie outer ?rod"),
+    (
+        "toe_link_inner",
+        "toe inner ?rod ?ball | tie inner ?rod ?ball",
+    ),
+    (
+        "toe_link_outer",
+        "toe outer ?rod ?ball | tie outer ?rod ?ball",
+    ),
     ("integral_link_inner", "integral inner ?rod ?arm ?lower"),
     ("integral_link_outer", "integral outer ?rod ?upper"),
     ("lower_joint_front", "lower arm front outer"),

@@ -1,7 +1,7 @@
 //! Answer to a dragged point: the solved design.
 
 use super::beside::beside;
-use super::groups::Groups;
+use super::groups::{Groups, nearest};
 use super::message::{ColumnValues, Designed, Drawn, SolveRequest, SolvedAnswer};
 use super::misfit;
 use super::study_file::Opened;
@@ -78,6 +78,12 @@ fn solved_wheel(
     if let Some(rack) = request.curves_rack {
         plan.racks = vec![rack];
     }
+    // Racks of the motion, if only the shown one is needed.
+    let needs_shown = request.shown_only && request.over == 0 && plan.time.is_none();
+    let left_out = (needs_shown && plan.racks.len() > 1).then(|| plan.racks.clone());
+    if let Some(racks) = &left_out {
+        plan.racks = nearest(racks, rack).map(|k| racks[k]).into_iter().collect();
+    }
     let all = plan.stations();
     // A motion over time is not thinned, because each station has its own time.
     if all > MOST_STATIONS && plan.time.is_none() {
@@ -106,6 +112,10 @@ fn solved_wheel(
         ));
     }
     let (groups, drive) = grouped(&found, &plan, request);
+    let groups = match &left_out {
+        Some(racks) => Groups::by_rack(racks, 0, 1, rack).with_shown_only(drive.len()),
+        None => groups,
+    };
     Ok(SolvedAnswer {
         columns: columns(&found),
         drive,
@@ -113,6 +123,7 @@ fn solved_wheel(
         groups: groups.of_stations,
         group_places: groups.places,
         shown: groups.shown,
+        is_partial: left_out.is_some(),
         status: found.stations.iter().map(|s| s.status.word()).collect(),
         failures: FailureRange::all(&found, suspension),
         frame: frame(own).map(Drawn::from),

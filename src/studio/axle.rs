@@ -5,7 +5,7 @@
 
 use super::answer::columns;
 use super::beside::beside;
-use super::groups::Groups;
+use super::groups::{Groups, nearest};
 use super::message::{
     CharacteristicOverview, InfluenceAnswer, InfluenceColumn, Slider, SolveRequest, SolvedAnswer,
 };
@@ -169,21 +169,33 @@ pub(super) fn solved(
             all.len()
         ));
     }
+    let whole = plan.motion.clone();
+    if request.shown_only {
+        plan.motion = shown_alone(&whole, (request.over, &request.at), axle);
+    }
     let fault = |fault: DesignFault| fault.describe(&left.mechanism);
     let misfit = || super::misfit::misfit(opened, study).map_err(fault);
     let curves = || axle_curves(axle, &plan).map_err(|fault| axle.describe_fault(fault));
     let (misfit, found) = beside(stop, misfit, curves)?;
     let (misfit, found) = (misfit?, found?);
     let over = request.over;
-    let placements = plan.motion.placements();
-    let place = |placement: &Placement| {
-        let numbers = all.iter();
-        numbers
-            .map(|c| printed(*c, placement.along(*c), axle))
-            .collect()
+    let places = |motion: &AxleMotion| -> Vec<Vec<f64>> {
+        let place = |placement: &Placement| {
+            let numbers = all.iter();
+            numbers
+                .map(|c| printed(*c, placement.along(*c), axle))
+                .collect()
+        };
+        motion.placements().iter().map(place).collect()
     };
-    let places: Vec<Vec<f64>> = placements.iter().map(place).collect();
-    let groups = Groups::of(&places, over, &request.at);
+    let drive = places(&plan.motion).into_iter();
+    let drive: Vec<Option<f64>> = drive.map(|place| Some(place[over])).collect();
+    let groups = Groups::of(&places(&whole), over, &request.at);
+    let is_partial = drive.len() < whole.stations();
+    let groups = match is_partial {
+        true => groups.with_shown_only(drive.len()),
+        false => groups,
+    };
     let mut lines = plausibility(left).map_err(fault)?;
     lines.extend(axle_plausibility(axle, &plan, &found, false));
     let frames = |axle: &Axle| {
@@ -200,13 +212,14 @@ pub(super) fn solved(
     };
     Ok(SolvedAnswer {
         columns: columns(&found.curves),
-        drive: places.iter().map(|place| Some(place[over])).collect(),
+        drive,
         rack: groups
             .shown_place()
             .map_or(0.0, |place| place[all.len() - 1]),
         groups: groups.of_stations,
         group_places: groups.places,
         shown: groups.shown,
+        is_partial,
         status: (found.curves.stations.iter())
             .map(|s| s.status.word())
             .collect(),
@@ -222,6 +235,32 @@ pub(super) fn solved(
         remarks: lines,
         milliseconds: start.elapsed().as_secs_f64() * 1e3,
     })
+}
+
+/// Stations of a motion in the group nearest to the sliders at `at`: only the coordinate with the index `over` moves. A motion over
+/// time stays whole.
+fn shown_alone(motion: &AxleMotion, (over, at): (usize, &[f64]), axle: &Axle) -> AxleMotion {
+    let mut shown = motion.clone();
+    if motion.time.is_some() {
+        return shown;
+    }
+    for (number, coordinate) in coordinates(motion).into_iter().enumerate() {
+        let Some(k) = nearest(&values(motion, coordinate, axle), at[number]) else {
+            continue;
+        };
+        if number == over {
+            continue;
+        }
+        if coordinate == Coordinate::Rack
+            && let Some(angles) = &mut shown.steering_wheel
+        {
+            *angles = vec![angles[k]];
+        }
+        if let Some(own) = shown.along(coordinate) {
+            *own = vec![own[k]];
+        }
+    }
+    shown
 }
 
 /// Both wheels at the positions of the sliders, or the reason why there is no pose. `None` if the axle cannot be solved.

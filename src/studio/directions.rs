@@ -1,9 +1,10 @@
 //! Possible changes of a design: moves that leave the targets unchanged, and the limits of the mechanism.
 
-use super::message::{Designed, DirectionsAnswer, FreeDirection, LimitsAnswer};
+use super::message::{Designed, DirectionsAnswer, FreeDirection, LimitsAnswer, VariableOverview};
+use super::overview::variable;
 use super::study_file::Opened;
 use crate::limits::LimitTable;
-use crate::optimise::{Bounds, Identifiability, assessed};
+use crate::optimise::{Bounds, Identifiability, Linearisation, assessed};
 use crate::study::Variable;
 
 /// Largest change of the misfit, in tolerances, that counts as no change, for a move across the whole range.
@@ -14,9 +15,7 @@ const MOST: usize = 8;
 /// Combinations of the study's variables that leave the targets unchanged, to first order.
 pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAnswer, String> {
     let (Some(optimise), Some(layout)) = (&opened.study.optimise, &opened.layout) else {
-        return Ok(DirectionsAnswer {
-            directions: Vec::new(),
-        });
+        return Ok(DirectionsAnswer::none());
     };
     let moved = opened.moved(&of.design)?;
     let suspension = moved.wheel();
@@ -24,27 +23,42 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
     let is_straight = |v: &&Variable| v.turn.is_none() && v.rate.is_none();
     let straight = optimise.variables.iter().filter(is_straight);
     let variables: Vec<_> = straight.cloned().collect();
-    let ranges: Vec<[f64; 2]> = variables.iter().map(|v| v.range).collect();
-    let none = || DirectionsAnswer {
-        directions: Vec::new(),
-    };
     let found = assessed(suspension, &variables, layout)
         .map_err(|fault| fault.describe(&suspension.mechanism))?;
-    let (Ok(found), Ok(bounds)) = (found, Bounds::new(&ranges)) else {
-        return Ok(none());
+    let Ok(found) = found else {
+        return Ok(DirectionsAnswer::none());
     };
-    let identifiability = Identifiability::new(&found.goal, &bounds, UNSEEN);
+    let shown = variables.iter().map(|own| VariableOverview {
+        name: format!("{} {}", own.name, own.way()),
+        ..variable(own)
+    });
+    let shown: Vec<VariableOverview> = shown.collect();
+    Ok(unseen(&found.goal, &shown, suspension.design.len()))
+}
+
+/// Directions that the rows of `goal` do not see. Its columns belong to the variables, which move some of `points` points.
+pub(super) fn unseen(
+    goal: &Linearisation,
+    variables: &[VariableOverview],
+    points: usize,
+) -> DirectionsAnswer {
+    let ranges: Vec<[f64; 2]> = variables.iter().map(|own| own.range).collect();
+    let Ok(bounds) = Bounds::new(&ranges) else {
+        return DirectionsAnswer::none();
+    };
+    let identifiability = Identifiability::new(goal, &bounds, UNSEEN);
     let direction = |change: &nalgebra::DVector<f64>| {
-        let mut by = vec![[0.0; 3]; suspension.design.len()];
+        let mut by = vec![[0.0; 3]; points];
         let mut parts = Vec::new();
-        for ((variable, share), range) in variables.iter().zip(change).zip(&ranges) {
-            if share.abs() <= 1e-3 * (range[1] - range[0]) {
+        for (variable, share) in variables.iter().zip(change) {
+            let [low, high] = variable.range;
+            if share.abs() <= 1e-3 * (high - low) {
                 continue;
             }
-            for m in &variable.moves {
-                by[m.point.0][m.axis as usize] += m.factor * share;
+            for (point, axis, factor) in &variable.moves {
+                by[*point][*axis] += factor * share;
             }
-            parts.push(format!("{} {} {share:+.2}", variable.name, variable.way()));
+            parts.push(format!("{} {share:+.2}", variable.name));
         }
         FreeDirection {
             name: parts.join(", "),
@@ -53,9 +67,9 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
         }
     };
     let unseen = identifiability.unseen.iter().take(MOST);
-    Ok(DirectionsAnswer {
+    DirectionsAnswer {
         directions: unseen.map(|d| direction(&d.change)).collect(),
-    })
+    }
 }
 
 /// Limits of the mechanism, with the parts that end its motion.

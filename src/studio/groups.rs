@@ -43,8 +43,7 @@ impl Groups {
 
     /// Makes one group for each rack displacement of a wheel's motion. Each displacement has `along` stations.
     pub(super) fn by_rack(racks: &[f64], stations: usize, along: usize, rack: f64) -> Self {
-        let far = |number: &usize| (racks[*number] - rack).abs();
-        let shown = (0..racks.len()).min_by(|a, b| far(a).total_cmp(&far(b)));
+        let shown = nearest(racks, rack);
         Groups {
             of_stations: (0..stations).map(|station| station / along).collect(),
             // Within a group only the drive differs, so it has no common value.
@@ -53,10 +52,24 @@ impl Groups {
         }
     }
 
+    /// The same groups for an answer that has only the `stations` of the shown one.
+    pub(super) fn with_shown_only(self, stations: usize) -> Self {
+        Groups {
+            of_stations: vec![self.shown; stations],
+            ..self
+        }
+    }
+
     /// Values of all sliders at the first station of the group nearest to the sliders.
     pub(super) fn shown_place(&self) -> Option<&[f64]> {
         self.places.get(self.shown).map(Vec::as_slice)
     }
+}
+
+/// Index of the value that is nearest to `at`, the first one of several.
+pub(super) fn nearest(values: &[f64], at: f64) -> Option<usize> {
+    let far = |k: &usize| (values[*k] - at).abs();
+    (0..values.len()).min_by(|a, b| far(a).total_cmp(&far(b)))
 }
 
 #[cfg(test)]

@@ -61,6 +61,9 @@ pub(super) struct SolveRequest {
     pub curves_rack: Option<f64>,
     /// Index of the slider on the horizontal axis of curves.
     pub over: usize,
+    /// True if the page needs only the stations of the shown group, because a point still moves.
+    #[serde(default)]
+    pub shown_only: bool,
     /// Number of the page, and of its request. A later request of the same page stops this one. `None` if later requests must not
     /// stop it.
     #[serde(default)]
@@ -241,6 +244,8 @@ pub(super) struct SolvedAnswer {
     /// Index of the group nearest to the sliders. The next field is its rack displacement.
     pub shown: usize,
     pub rack: f64,
+    /// True if stations of other groups are left out. Failures and remarks are then those of the shown group alone.
+    pub is_partial: bool,
     pub status: Vec<&'static str>,
     pub failures: Vec<FailureRange>,
     /// Mechanism at the drawn station, and the study's own design at the same station.
@@ -354,6 +359,15 @@ pub(super) struct InfluenceColumn {
 #[derive(Serialize)]
 pub(super) struct DirectionsAnswer {
     pub directions: Vec<FreeDirection>,
+}
+
+impl DirectionsAnswer {
+    /// No direction.
+    pub(super) fn none() -> Self {
+        DirectionsAnswer {
+            directions: Vec::new(),
+        }
+    }
 }
 
 #[derive(Serialize)]

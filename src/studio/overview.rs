@@ -12,7 +12,7 @@ use crate::model::Suspension;
 use crate::number::Vector3;
 use crate::plan::Plan;
 use crate::report::{Scene, wanted_between};
-use crate::study::{Drive, Optimise, Study, Target, TargetKind, Vehicle, WheelStudy};
+use crate::study::{Drive, Optimise, Study, Target, TargetKind, Variable, Vehicle, WheelStudy};
 
 /// Overview of a study that was read.
 pub(super) fn overview(opened: &Opened) -> Overview {
@@ -64,20 +64,23 @@ pub(super) fn overview(opened: &Opened) -> Overview {
         variables: optimise
             .iter()
             .flat_map(|o| &o.variables)
-            .map(|variable| VariableOverview {
-                name: variable.name.clone(),
-                moves: variable
-                    .moves
-                    .iter()
-                    .map(|m| (m.point.0, m.axis as usize, m.factor))
-                    .collect(),
-                is_turn: variable.turn.is_some(),
-                range: variable.range,
-            })
+            .map(variable)
             .collect(),
         tunes: optimise.is_some(),
         has_constraints: optimise.is_some_and(|o| !o.constraints.is_empty()),
         starts: optimise.map_or(0, |o| o.starts),
+    }
+}
+
+pub(super) fn variable(variable: &Variable) -> VariableOverview {
+    let moves = variable.moves.iter();
+    VariableOverview {
+        name: variable.name.clone(),
+        moves: moves
+            .map(|m| (m.point.0, m.axis as usize, m.factor))
+            .collect(),
+        is_turn: variable.turn.is_some(),
+        range: variable.range,
     }
 }
 

@@ -35,6 +35,12 @@ fn usual_names_are_known() {
             "upper_ball_joint",
         ),
         ("double_wishbone", "Track rod inner", "tie_rod_inner"),
+        (
+            "double_wishbone",
+            "Inner track rod ball joint",
+            "tie_rod_inner",
+        ),
+        ("five_link", "Outer track rod ball joint", "toe_link_outer"),
         ("double_wishbone", "toe link outboard", "tie_rod_outer"),
         ("double_wishbone", "TieRodInner", "tie_rod_inner"),
         ("double_wishbone", "WheelCenter", "wheel_centre"),

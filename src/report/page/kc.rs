@@ -3,7 +3,7 @@
 use super::charts::Charts;
 use super::escape::html;
 use super::sheet::{Section, sheet};
-use crate::compliance::{KcLevel, KcOutcome, KcWheelState, TestLoad, TestMode};
+use crate::compliance::{KcLevel, KcOutcome, KcTest, KcWheelState, TestLoad, TestMode};
 use crate::report::KcResults;
 use crate::report::chart::{Chart, Line, Quantity, Source};
 use crate::report::curve_table::CurveTable;
@@ -86,7 +86,9 @@ fn verdict(results: &KcResults<'_>) -> String {
     if shown.is_empty() {
         failed
     } else {
-        format!("{failed} {}.", shown.join("; "))
+        let mut figures = shown.join("; ").replace('-', "\u{2212}");
+        figures[..1].make_ascii_uppercase();
+        format!("{failed} {figures}.")
     }
 }
 
@@ -183,7 +185,7 @@ fn charts_of_load(
     let mut figures = String::new();
     for (column, title, of) in quantities.into_iter().take(count) {
         let line = |(k, rows): (usize, &Vec<usize>)| Line {
-            label: Some(results.test_apart(&tests[k].test)).filter(|apart| !apart.is_empty()),
+            label: label(results, &tests[k].test, tests.len()),
             told: results.test_name(&tests[k].test),
             class: format!("main hue{k} strong"),
             is_main: k == 0,
@@ -205,6 +207,20 @@ fn charts_of_load(
         figures += &charts.figure(chart, "", "");
     }
     figures
+}
+
+/// Label of the line of a test among `count` tests of the same load. A single plain test needs none.
+fn label(results: &KcResults<'_>, test: &KcTest, count: usize) -> Option<String> {
+    let apart = results.test_apart(test);
+    match test.load {
+        _ if !apart.is_empty() => Some(apart),
+        _ if count < 2 => None,
+        TestLoad::Lateral => {
+            let unit = results.suspension.length_unit.symbol();
+            Some(format!("trail 0 {unit}"))
+        }
+        load => Some(load.name().to_owned()),
+    }
 }
 
 /// Displacement of the wheel centre from the unloaded state, along the direction of the load.

@@ -106,7 +106,7 @@ fn draw(strip: &Strip, top: f64, svg: &mut String) {
     let ends = strip.range.into_iter().chain(strip.band).flatten();
     let mut taken: Vec<[f64; 2]> = Vec::new();
     for value in dots.chain(ends) {
-        let words = brief(rounded(value));
+        let words = brief(rounded(value, scale.high - scale.low)).replace('-', "\u{2212}");
         let half = DIGIT * words.chars().count() as f64 / 2.0;
         let x = at(value).clamp(half, WIDTH - half);
         let place = [x - half - DIGIT / 2.0, x + half + DIGIT / 2.0];
@@ -120,8 +120,11 @@ fn draw(strip: &Strip, top: f64, svg: &mut String) {
     }
 }
 
-/// Rounds a number to four digits.
-fn rounded(value: f64) -> f64 {
+/// Rounds a number to four digits. A number that is rounding error beside the span of its scale is zero.
+fn rounded(value: f64, span: f64) -> f64 {
+    if value.abs() < 1e-9 * span {
+        return 0.0;
+    }
     format!("{value:.3e}").parse().unwrap_or(value)
 }
 
@@ -157,5 +160,21 @@ mod tests {
         }
         assert!(svg.contains(">300<") && svg.contains(">0<"));
         assert_eq!(strips(&[], "nothing"), "");
+    }
+
+    /// Rounding error is no number, and negative numbers have a minus sign.
+    #[test]
+    fn numbers_can_be_read() {
+        let strip = Strip {
+            title: "toe_deg".to_owned(),
+            range: None,
+            band: Some([-0.152, -0.048]),
+            dots: vec![("former", -1.977e-14)],
+        };
+        let svg = strips(&[strip], "values");
+        assert!(
+            svg.contains(">0<") && svg.contains(">\u{2212}0.152<"),
+            "{svg}"
+        );
     }
 }

@@ -382,9 +382,8 @@ fn choice(run: &SweepRun) -> String {
         "examples of every failure listed above, "
     };
     format!(
-        "<strong>Drawn are {shown} of {} designs:</strong> {best}{front}{failures}and of all \
-         designs those with numbers that are multiples of {}. {file} has all designs, and the \
-         tables are for all designs.",
+        "<strong>{shown} of {} designs are drawn:</strong> {best}{front}{failures}and those whose numbers are multiples \
+         of {}. {file} has all designs. The tables count all of them.",
         summary.done, run.choice.every
     )
 }

@@ -4,6 +4,7 @@
 //! axles, in the axes of the front study.
 
 mod answer;
+mod directions;
 mod files;
 mod misfit;
 mod overview;
@@ -143,8 +144,8 @@ impl Reading for OpenedCar {
         answer::influence(self, request)
     }
 
-    fn directions(&self, _: &Designed) -> Result<DirectionsAnswer, String> {
-        Err("free directions are available for one axle: open its study".to_owned())
+    fn directions(&self, of: &Designed) -> Result<DirectionsAnswer, String> {
+        directions::directions(self, of)
     }
 
     fn limits(&self, of: &Designed) -> Result<LimitsAnswer, String> {

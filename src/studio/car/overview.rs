@@ -261,7 +261,7 @@ fn targets(study: &CarStudy, optimise: &CarOptimise) -> Vec<TargetOverview> {
     of_cases.chain(of_rigs).collect()
 }
 
-fn variable(variable: &CarVariable, study: &CarStudy) -> VariableOverview {
+pub(super) fn variable(variable: &CarVariable, study: &CarStudy) -> VariableOverview {
     let first = [0, study.car.axles[0].left.design.len()];
     let moves = variable.moves.points().iter().map(|at| {
         // The variable refers to the axes of its own study, and the page to those of the front study.

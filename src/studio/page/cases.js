@@ -1,6 +1,6 @@
 // Load cases of a car: a row for each result, a column for each case, each value with its change against the file.
 import { AXES, brief, byId, html, set, signed, write } from './draw.js';
-import { emit, on, onRest, state } from './design.js';
+import { emit, isInGesture, on, onRest, state } from './design.js';
 import { askForTarget } from './targets.js';
 
 let rows = new Map();
@@ -26,6 +26,14 @@ const deviation = ({ points: [[, low, high]], tolerance }, value) => {
 // A value whose size is rounding alone, beside the others of its row, is nothing.
 const shown = (value, size) => (value !== null && Math.abs(value) < 1e-9 * size ? 0 : value);
 
+// Rows out of sight are renewed when they are scrolled into view, and when the page is at rest.
+const PAUSE = 300;
+let late = null;
+const watch = new IntersectionObserver((found) => {
+  for (const { target, isIntersecting } of found) target.isSeen = isIntersecting;
+  if (found.some(({ target, isIntersecting }) => isIntersecting && target.isLate)) draw();
+});
+
 const build = () => {
   const { answer } = state;
   const { names } = state.overview.sliders[0];
@@ -41,6 +49,11 @@ const build = () => {
     const th = html('th', { scope: 'row', title: sign }, adder, title, unit ? html('span', { class: 'unit', text: ` [${unit}]` }) : '');
     return [column, { tr: html('tr', { 'data-column': column }, th, ...cells.map(({ td }) => td)), cells }];
   }));
+  watch.disconnect();
+  for (const { tr } of rows.values()) {
+    tr.isSeen = true;
+    watch.observe(tr);
+  }
   const table = html('table', { id: 'cases' }, html('thead', {}, html('tr', {}, html('th', { text: 'result' }), ...heads)), html('tbody', {}, ...[...rows.values()].map(({ tr }) => tr)));
   const box = html('div', { class: 'scroll', tabindex: 0, role: 'group', 'aria-label': 'Load cases' }, table);
   byId('charts').replaceChildren(box);
@@ -61,9 +74,10 @@ const noteOf = (column, k, value, size) => {
   return Math.abs(by) > 1e-9 * size ? signed(by, 3) : '';
 };
 
-const draw = () => {
+const draw = (isAll = false) => {
   const { answer } = state;
   if (!state.overview?.is_car || !answer) return;
+  clearTimeout(late);
   if (answer.columns.map((c) => c.column).join() !== [...rows.keys()].join() || heads.length !== answer.status.length) build();
   heads.forEach((th, k) => {
     const isShown = state.at[0] === k;
@@ -74,8 +88,11 @@ const draw = () => {
     set(th, { title: isSolved ? null : answer.failures.find((f) => f.first === k)?.reason });
   });
   for (const { column, values } of answer.columns) {
+    const { tr, cells } = rows.get(column);
+    tr.isLate = !isAll && !tr.isSeen;
+    if (tr.isLate) continue;
     const size = Math.max(1e-6, ...values.map((v) => Math.abs(v ?? 0)));
-    rows.get(column).cells.forEach(({ td, value, note }, k) => {
+    cells.forEach(({ td, value, note }, k) => {
       const targets = targetsOf(column, k);
       write(value, brief(shown(values[k], size), 4));
       write(note, noteOf(column, k, values[k], size));
@@ -86,6 +103,7 @@ const draw = () => {
       set(td, { title: targets.map((t) => `target: ${wanted(t)}${isMissed ? ', missed' : ''}`).join('; ') || null });
     });
   }
+  if ([...rows.values()].some(({ tr }) => tr.isLate)) late = setTimeout(() => { if (!isInGesture()) draw(true); }, PAUSE);
 };
 
 const key = () => {
@@ -109,4 +127,5 @@ export const startCases = () => {
   const renew = () => { key(); draw(); };
   for (const event of ['answer', 'ghost', 'proposed', 'influence', 'edited']) on(event, renew);
   onRest(renew);
+  addEventListener('beforeprint', () => draw(true));
 };

@@ -53,13 +53,19 @@ const runs = (answer, values, group) => {
 const groupsOf = (answer) => [...knownOf(answer).order.keys()];
 
 // Groups that differ from the one that is shown in the family's slider alone.
-const familyOf = (answer) => {
+const familyOf = (answer, shown) => {
   const { family, over } = state;
-  if (family === null || !answer.group_places.length) return [];
-  const own = answer.group_places[answer.shown];
+  if (family === null || !answer?.group_places.length) return [];
+  const own = answer.group_places[shown];
   const isOfFamily = (place) => place.every((v, k) => k === over || k === family || v === own[k]);
-  const found = groupsOf(answer).filter((g) => g !== answer.shown && isOfFamily(answer.group_places[g]));
+  const found = groupsOf(answer).filter((g) => g !== shown && isOfFamily(answer.group_places[g]));
   return found.sort((a, b) => answer.group_places[a][family] - answer.group_places[b][family]);
+};
+// The answer with the other curves of the family. While a point moves it is an earlier one, and they are drawn as stale.
+const wholeOf = (answer) => {
+  if (!answer.is_partial) return answer;
+  const { whole, over, overview } = state;
+  return whole?.digest === overview.digest && whole.over === over ? whole.answer : null;
 };
 
 // The value of a curve at a place, by straight lines between stations.
@@ -108,6 +114,9 @@ const partsOf = (columns) => {
   return [...byKey];
 };
 
+// Ticks of an axis with names, at least two: one alone says nothing about the scale.
+const several = (ends, count, isNamed) => [count, 2 * count, 4 * count].map((some) => ticks(...ends, Math.max(1, some))).find((found) => found.filter(isNamed).length > 1) ?? [];
+
 class Chart {
   constructor(key, parts) {
     this.key = key;
@@ -119,8 +128,13 @@ class Chart {
     const id = `clip-${clips += 1}`;
     this.clip = svg('rect', { x: MARGIN.left, y: MARGIN.top });
     this.svg.append(svg('clipPath', { id }, this.clip));
-    this.parts = Object.fromEntries(['axes', 'bands', 'ghosts', 'pins', 'others', 'influence', 'proposal', 'now', 'gaps', 'cursor', 'labels', 'deviation', 'edges']
-      .map((name) => [name, this.svg.appendChild(svg('g', { class: name, 'clip-path': ['axes', 'labels', 'gaps', 'cursor', 'deviation', 'edges'].includes(name) ? null : `url(#${id})` }))]));
+    // One clip for all curves: each clip is a layer of its own.
+    const [axes, inside] = [svg('g', { class: 'axes' }), svg('g', { 'clip-path': `url(#${id})` })];
+    this.svg.append(axes, inside);
+    const groups = (parent, names) => names.map((name) => [name, parent.appendChild(svg('g', { class: name }))]);
+    this.parts = { axes, ...Object.fromEntries([
+      ...groups(inside, ['bands', 'ghosts', 'pins', 'others', 'influence', 'proposal', 'now']), ...groups(this.svg, ['gaps', 'cursor', 'labels', 'deviation', 'edges']),
+    ]) };
     this.series = parts.map(({ column, side }) => ({
       column, side,
       now: this.parts.now.appendChild(svg('path', { class: side })),
@@ -184,17 +198,20 @@ class Chart {
     this.inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - this.bottom];
     set(this.clip, { width: this.inner[0] + MARGIN.right, height: this.inner[1] });
     const group = answer.shown;
-    const family = familyOf(answer);
+    const whole = wholeOf(answer);
+    const family = familyOf(whole, group);
     const of = (other, column) => (other && knownOf(other).columns.has(column) ? curveOf(other, column, group) : NONE);
     // By one unit of length, or by a tenth where that is much.
     const far = influence ? 10 * state.step : 0;
     const lines = found.map(({ column, values }, k) => {
-      const slopes = influence?.columns.get(column);
+      // Slopes of all stations are of no use for some of them.
+      const known = influence?.columns.get(column);
+      const slopes = known?.length === values.length ? known : undefined;
       const bent = slopes ? runs(answer, values.map((v, i) => (v === null || slopes[i] === null ? null : v + slopes[i] * far)), group) : NONE;
       return {
         ...this.series[k], found: found[k], slopes, bent, pieces: curveOf(answer, column, group), old: of(ghost, column), next: of(proposed, column),
         pins: Object.entries(state.pins).map(([letter, pin]) => [letter, of(pin.answer, column)]),
-        family: family.map((g) => ({ value: answer.group_places[g][state.family], pieces: curveOf(answer, column, g) })),
+        family: knownOf(whole ?? answer).columns.has(column) ? family.map((g) => ({ value: whole.group_places[g][state.family], pieces: curveOf(whole, column, g) })) : [],
       };
     });
     this.series.forEach((one, k) => { one.values = found[k].values; });
@@ -234,6 +251,7 @@ class Chart {
     });
     // One element for all lines of a family: many elements would take longer to lay out than the rest of the chart.
     refill(this.parts.others, lines.map(({ side, family: some }) => ['path', { class: side, d: some.map((f) => path(f.pieces)).join('') }]));
+    set(this.parts.others, { class: whole === answer ? 'others' : 'others stale' });
     refill(this.parts.pins, lines.flatMap(({ pins }) => pins.map(([letter, some]) => ['path', { class: `pin-${letter}`, d: path(some) }])));
     this.drawLabels(lines, x, y);
     this.edges.draw(targets, this.scales, this.xs);
@@ -247,17 +265,18 @@ class Chart {
     const [first] = lines;
     const { unit, positive } = first.found;
     const isPair = lines.length > 1;
-    write(this.title, isPair ? `${first.found.title.replace(/^(left|right) /i, '')}, both wheels` : first.found.title);
-    write(this.unit, unit ? ` [${unit}]` : '');
+    write(this.title, isPair ? first.found.title.replace(/^(left|right) /i, '') : first.found.title);
+    write(this.unit, `${isPair ? ', both wheels' : ''}${unit ? ` [${unit}]` : ''}`);
     const words = lines.map(({ side, here, before }) => {
       // A value that rounding leaves of nothing is nothing.
       const is = here !== null && Math.abs(here) < 1e-9 * (this.ys[1] - this.ys[0]) ? 0 : here;
       const change = !isPair && is !== null && before !== null && Math.abs(is - before) > 1e-12 ? ` (${signed(is - before)})` : '';
-      return `${side && isPair ? `${side[0].toUpperCase()} ` : ''}${brief(is, 4)}${change}`;
+      return `${side && isPair ? `${side[0].toUpperCase()} ` : ''}${brief(is, isPair ? 3 : 4)}${change}`;
     });
+    set(this.value, { class: isPair ? 'pair' : null });
     write(this.value, words.join('  '));
     const values = lines.flatMap(({ pieces }) => heights(pieces));
-    let text = values.length ? `${brief(Math.min(...values), 3)} … ${brief(Math.max(...values), 3)}` : 'no value';
+    let text = values.length ? `${brief(Math.min(...values), 3)}…${brief(Math.max(...values), 3)}` : 'no value';
     if (first.slopes) {
       const known = lines.flatMap(({ slopes }) => slopes ?? []).filter((s) => s !== null);
       const rms = Math.sqrt(known.reduce((sum, s) => sum + s * s, 0) / Math.max(1, known.length));
@@ -265,7 +284,7 @@ class Chart {
     }
     write(this.range, text);
     const sign = positive && positive !== 'always' ? `positive: ${positive}` : '';
-    set(this.svg, { 'aria-label': `${this.title.textContent}: ${words.join(', ')} ${unit} at ${brief(placeNow())}, ${text}${sign ? `; ${sign}` : ''}` });
+    set(this.svg, { 'aria-label': `${this.title.textContent}${isPair ? ', both wheels' : ''}: ${words.join(', ')} ${unit} at ${brief(placeNow())}, ${text}${sign ? `; ${sign}` : ''}` });
     set(this.figure, { title: sign || null });
   }
 
@@ -275,13 +294,14 @@ class Chart {
     if (key === this.frame) return;
     this.frame = key;
     const [lines, words] = [[], []];
-    const word = (x, y, anchor, text, kind = null) => words.push(['text', { class: kind, transform: placed(x, y), 'text-anchor': anchor, text }]);
+    const word = (x, y, anchor, text, kind = null) => words.push(['text', { class: kind, ...placed(x, y), 'text-anchor': anchor, text }]);
     const bottom = height - this.bottom;
-    for (const tick of ticks(...this.ys, this.inner[1] / 34)) {
+    // Near the top stands the unit.
+    const isNamed = (tick) => y(tick) > MARGIN.top + 5;
+    for (const tick of several(this.ys, this.inner[1] / 34, isNamed)) {
       const place = y(tick).toFixed(1);
       lines.push(['path', { class: tick === 0 ? 'zero' : null, d: `M${MARGIN.left} ${place}H${width - MARGIN.right}` }]);
-      // Near the top stands the unit.
-      if (y(tick) > MARGIN.top + 5) word(MARGIN.left - 5, Number(place) + 3.5, 'end', brief(tick));
+      if (isNamed(tick)) word(MARGIN.left - 5, Number(place) + 3.5, 'end', brief(tick));
     }
     for (const tick of ticks(...this.xs, this.inner[0] / 62)) {
       const place = x(tick).toFixed(1);
@@ -317,7 +337,7 @@ class Chart {
       const free = [height - 4, height + 11].find((h) => h > MARGIN.top + 6 && h < MARGIN.top + this.inner[1] && taken.every((t) => Math.abs(t - h) > 10));
       if (free === undefined) return [];
       taken.push(free);
-      return [['text', { class: kind, transform: placed(x(a) + 6, free), 'text-anchor': 'end', text }]];
+      return [['text', { class: kind, ...placed(x(a) + 6, free), 'text-anchor': 'end', text }]];
     });
     refill(this.parts.labels, labels);
   }
@@ -391,9 +411,11 @@ const later = () => {
   timer = setTimeout(() => { if (!isInGesture()) drawLate(); }, REST);
 };
 
+// The menu is filled while it is open: after each answer, browsers look through all fields of a page.
 const offer = () => {
   const choices = byId('choices');
   choices.replaceChildren();
+  if (!byId('chooser').open) return;
   for (const { name, unit, positive, available } of state.overview.characteristics) {
     if (!available) continue;
     const box = html('input', { type: 'checkbox', value: name, on: { change: choose } });
@@ -429,6 +451,7 @@ const offerAxes = () => {
 };
 
 export const startCurves = () => {
+  byId('chooser').addEventListener('toggle', offer);
   byId('over').addEventListener('change', (event) => {
     state.over = Number(event.target.value);
     offerAxes();

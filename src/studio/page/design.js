@@ -20,6 +20,8 @@ export const state = {
   chosen: [],
   // Answers for the design, for the design of the file, and for a proposal.
   answer: null,
+  // The last answer with all stations. While a point moves, an answer has only those of the shown curves.
+  whole: null,
   // Coordinates that the answer belongs to, and whether the answer for later ones is late.
   answered: null,
   isLate: false,
@@ -205,9 +207,15 @@ let cause = null;
 export const ask = (event) => {
   wanted += 1;
   cause ??= event?.timeStamp ?? null;
-  if (!running || running.isSlow) run();
+  if (!running || running.isSlow || running.isRest) run();
 };
-export const isSettled = () => !running && answered === wanted;
+// An answer without the other curves of a family is followed by one with them, after a pause.
+const PAUSE = 60;
+const isPartial = () => Boolean(state.answer?.is_partial) && !state.fault;
+export const isSettled = () => !running && answered === wanted && !isPartial();
+const askRest = () => setTimeout(() => { if (!running && answered === wanted && isPartial()) ask(); }, PAUSE);
+// A pinned design and the effect of a coordinate are compared at all stations.
+const isEnough = (own) => own.since !== null && !state.influence && !Object.keys(state.pins).length;
 // Draws after a deed. If an answer is on its way, it will draw the same.
 export const onRest = (draw) => on('deed', () => { if (isSettled()) draw(); });
 const tellLate = (isLate) => {
@@ -223,16 +231,18 @@ const becomeSlow = (own) => {
 };
 const run = async () => {
   const own = { number: wanted, since: running?.since ?? cause, isSlow: false };
+  // What follows a partial answer gives way to the next move.
+  own.isRest = own.since === null && isPartial();
   running = own;
   cause = null;
-  const { design } = state;
+  const { design, over } = state;
   const { digest } = state.overview;
   const begun = performance.now();
   setTimeout(() => becomeSlow(own), patience);
   let answer = null;
   let fault = null;
   try {
-    answer = await post('solve', { ...request(), turn: [page, own.number] });
+    answer = await post('solve', { ...request(), shown_only: isEnough(own), turn: [page, own.number] });
   } catch (refused) {
     fault = refused;
   }
@@ -248,7 +258,11 @@ const run = async () => {
   }
   answered = own.number;
   if (fault) state.fault = fault.message;
-  else if (digest === state.overview.digest) Object.assign(state, { answer, fault: null, answered: design });
+  else if (digest === state.overview.digest) {
+    Object.assign(state, { answer, fault: null, answered: design });
+    if (answer.is_partial) askRest();
+    else state.whole = { answer, digest, over };
+  }
   // The next request goes out first: the server works while the page draws.
   const isOfText = fault || digest === state.overview.digest;
   if (answered < wanted) run();

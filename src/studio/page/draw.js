@@ -47,8 +47,10 @@ export const show = (element, isShown) => {
   element.isHidden = !isShown;
   element.style.display = isShown ? '' : 'none';
 };
-// Attribute that puts a text at a place. A text whose x or y changes is shaped again, one that is translated is not.
-export const placed = (x, y) => `translate(${tenth(x)} ${tenth(y)})`;
+// Attributes that put an element at a place. A transform would do it too, but browsers treat each transformed element as a layer
+// of its own, and order all layers anew when one of them moves.
+export const placed = (x, y) => ({ x: tenth(x), y: tenth(y) });
+export const centred = (x, y) => ({ cx: tenth(x), cy: tenth(y) });
 // Fills a group of a drawing with elements: pairs of tag and attributes. Elements that it has are changed, not replaced. Those
 // of one tag in one group must name the same attributes.
 export const refill = (group, wanted) => {
@@ -65,8 +67,8 @@ export const byId = (id) => document.getElementById(id);
 // Five significant digits at most.
 export const brief = (value, digits = 5) => {
   if (value === null || value === undefined || !Number.isFinite(value)) return '–';
-  if (value !== 0 && Math.abs(value) < 1e-4) return value.toExponential(1);
-  return String(Number(value.toPrecision(digits))).replace('-', '−');
+  const text = value !== 0 && Math.abs(value) < 1e-4 ? value.toExponential(1) : String(Number(value.toPrecision(digits)));
+  return text.replaceAll('-', '−');
 };
 export const signed = (value, digits = 3) => (value > 0 ? '+' : '') + brief(value, digits);
 // Steps of an axis: 1, 2 or 5 times a power of ten.

@@ -1,5 +1,5 @@
 // Handles on targets: points of wanted curves and edges of bands, dragged or moved by arrow keys.
-import { brief, niceStep, set, svg } from './draw.js';
+import { brief, centred, niceStep, set, svg } from './draw.js';
 import { state } from './design.js';
 import { setTarget, writtenTarget } from './targets.js';
 
@@ -47,8 +47,9 @@ export class EdgeHandles {
         const value = this.held === key ? handle.dragged : number.value;
         const height = y(value);
         handle.group.style.display = Number.isFinite(height) && height > 8 && height < this.chart.inner[1] + 22 ? '' : 'none';
+        for (const circle of handle.group.children) set(circle, centred(x(number.place), height));
         set(handle.group, {
-          transform: `translate(${x(number.place).toFixed(1)} ${height.toFixed(1)})`, 'aria-valuenow': value,
+          'aria-valuenow': value,
           'aria-label': `${target.column.replaceAll('_', ' ')}: ${number.name}`, 'aria-valuetext': brief(value),
         });
       }

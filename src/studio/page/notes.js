@@ -40,19 +40,23 @@ const selectNamed = (text) => {
   const body = state.overview.scene.bodies.find(({ name }) => text.includes(name) || text.includes(name.replaceAll(' ', '_')));
   if (body) select(body.lines[0][0]);
 };
-const tell = (key, value, note, bad) => {
+// Chips that need all stations keep their values while a point moves, and are pale.
+const markStale = (isStale) => { for (const key of ['solved', 'warnings']) chips.get(key)?.chip.classList.toggle('stale', isStale); };
+const tell = (key, value, note, bad, about = note) => {
   const found = chips.get(key);
   if (!found) return;
   write(found.value, value);
   write(found.note, note ? ` ${note}` : '');
   found.chip.classList.toggle('bad', Boolean(bad));
-  set(found.chip, { title: note ? `${value} ${note}` : null });
+  set(found.chip, { title: about ? `${value} ${about}` : null });
 };
 
 // A target is met if the curve leaves it by no more than the tolerance anywhere, as in reports.
 const isMet = (target) => Math.abs(target.worst) <= 1;
 
 const figures = () => {
+  const isPartial = !state.fault && Boolean(state.answer?.is_partial);
+  markStale(isPartial);
   if (state.fault) {
     // Figures of an earlier design are not those of this one.
     for (const key of ['misfit', 'met', 'constraints', 'solved']) tell(key, '–', 'design not solved', true);
@@ -64,18 +68,19 @@ const figures = () => {
     const before = state.ghost?.misfit?.value;
     const is = misfit.value === null ? 'none' : brief(misfit.value, 3);
     const changed = before !== null && before !== undefined && misfit.value !== null && Math.abs(before - misfit.value) > 5e-4;
-    tell('misfit', is, changed ? `from ${brief(before, 3)}` : 'tolerances', misfit.value === null);
+    tell('misfit', is, changed ? `from ${brief(before, 3)}` : 'tol.', misfit.value === null, changed ? `tolerances, from ${brief(before, 3)}` : 'tolerances');
     const met = misfit.targets.filter(isMet).length;
-    tell('met', misfit.value === null ? '–' : `${met} of ${misfit.targets.length}`, 'targets', met < misfit.targets.length || misfit.value === null);
+    tell('met', misfit.value === null ? '–' : `${met} of ${misfit.targets.length}`, '', met < misfit.targets.length || misfit.value === null);
     const broken = misfit.constraints.filter((c) => c.is_violated);
     const [first, ...more] = broken;
     if (misfit.value === null) tell('constraints', '–', 'not known', true);
     else tell('constraints', first ? `${broken.length} violated:` : 'kept', first ? `${first.name}${more.length ? `, ${more.map((c) => c.name).join(', ')}` : ''}` : '', Boolean(first));
   }
+  if (isPartial) return;
   if (state.answer) {
     const all = state.answer.status.length;
     const failed = state.answer.failures.reduce((sum, f) => sum + f.last - f.first + 1, 0);
-    tell('solved', `${all - failed} of ${all}`, state.overview.is_car ? 'cases' : 'stations', failed > 0);
+    tell('solved', `${all - failed} of ${all}`, '', failed > 0, state.overview.is_car ? 'load cases' : 'stations');
   }
   const doubts = state.answer?.remarks.length ?? 0;
   tell('warnings', doubts ? String(doubts) : 'none', '', doubts > 0);
@@ -162,10 +167,11 @@ const draw = () => {
   const misfit = state.answer?.misfit;
   tellTab('targets', misfit?.value === null || !misfit ? '' : `${misfit.targets.filter(isMet).length}/${misfit.targets.length}`);
   tellTab('constraints', misfit?.constraints.some((c) => c.is_violated) ? '!' : '');
-  tellTab('warnings', state.answer?.remarks.length || state.fault ? '!' : '');
+  const isPartial = !state.fault && state.answer?.is_partial;
+  if (!isPartial) tellTab('warnings', state.answer?.remarks.length || state.fault ? '!' : '');
   const select = byId('arrows');
   select.value = state.arrows === null ? 'all' : String(state.arrows);
-  if (isInGesture()) return;
+  if (isInGesture() || isPartial) return;
   for (const name of Object.keys(PANES)) fill(name);
 };
 
@@ -177,16 +183,13 @@ const rest = () => {
   limits = null;
   timer = setTimeout(() => {
     const base = copy(state.design);
-    const { digest, is_car: isCar } = state.overview;
+    const { digest } = state.overview;
     const isPresent = () => digest === state.overview.digest && isSame(base, state.design);
-    // A car has no free directions here.
-    if (!isCar) {
-      post('directions', of(base)).catch(() => null).then((ways) => {
-        if (digest !== state.overview.digest) return;
-        free = ways ? [{ base, digest, directions: ways.directions }] : [];
-        draw();
-      });
-    }
+    post('directions', of(base)).catch(() => null).then((ways) => {
+      if (digest !== state.overview.digest) return;
+      free = ways ? [{ base, digest, directions: ways.directions }] : [];
+      draw();
+    });
     if (byId('pane-constraints').hidden) return;
     post('limits', of(base)).catch(({ message }) => ({ title: 'Limits', header: [], rows: [], notes: [message] })).then((found) => {
       if (!isPresent()) return;

@@ -248,6 +248,8 @@ const placesInCases = (values, put) => {
   };
 };
 const rounded = (value) => Number(value.toPrecision(3));
+// A point that is usually moved for a quantity: the inner joint of the tie rod or toe link for toe and steer.
+const usualPoint = (column) => (/toe|steer/.test(column) ? state.overview.points.find(({ name }) => /(tie_rod|toe_link)_inner$/.test(name)) : undefined);
 
 // Asks for the band or value of a new target of a chart, or of a result in a load case, and adds it.
 export const askForTarget = async (series, answer) => {
@@ -274,7 +276,7 @@ export const askForTarget = async (series, answer) => {
   arrange();
   const point = html('select', {}, ...state.overview.points.map(({ name }) => html('option', { value: name, text: words(name) })));
   const first = !optimise();
-  if (first && state.selected !== null) point.value = state.overview.points[state.selected].name;
+  if (first) point.value = (state.overview.points[state.selected] ?? usualPoint(column) ?? state.overview.points[0]).name;
   const answered = await question(`Add a target for ${title}`, first ? 'The study has no variables yet. Tune may move the point that you choose, in y and z.' : 'Limits and values can be changed afterwards.', [['add', 'Add target'], ['', 'Cancel']],
     labelled('The quantity', kind), ...places.always, lower, upper, ...places.onBand, ...places.onValue, labelled(`Tolerance [${unit}]`, fields.tolerance), ...(first ? [labelled('Point that may move', point)] : []));
   if (!answered) return;

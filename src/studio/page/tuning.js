@@ -124,7 +124,7 @@ const effectsTable = ({ header, rows, rest }) => [
     ? [html('div', { class: 'scroll' }, html('table', { id: 'side-effects' },
       html('thead', {}, html('tr', {}, ...header.map((text) => html('th', { text })))),
       html('tbody', {}, ...rows.map(({ cells, is_flagged: flagged }) => html('tr', { class: flagged ? 'bad' : null },
-        ...cells.map((text, k) => (k ? html('td', { text }) : html('th', { scope: 'row', text }))))))))]
+        ...cells.map((text, k) => (k ? html('td', { class: /\d/.test(text) ? 'number' : null, text: text.replaceAll(/(^|\s)-(?=\d)/g, '$1−') }) : html('th', { scope: 'row', text: text.replaceAll('_', ' ') }))))))))]
     : []),
   ...rest.map((text) => html('p', { class: 'hint', text })),
 ];

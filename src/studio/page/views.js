@@ -1,5 +1,5 @@
 // Front, side, top and a view in space: the mechanism at the sliders' place, with points that can be dragged.
-import { along, AXES, brief, byId, cross, dot, html, minus, norm, placed, set, show, signed, svg, tenth, write } from './draw.js';
+import { along, AXES, brief, byId, centred, cross, dot, html, minus, norm, placed, set, show, signed, svg, tenth, write } from './draw.js';
 import { MechanismView } from './mechanism_view.js';
 import { flat, rims } from './space.js';
 import { begin, emit, finish, gradient, grip, moveTo, on, snapped, state, stepped } from './design.js';
@@ -73,6 +73,9 @@ const movableOf = (overview) => {
   if (!movable.has(overview)) movable.set(overview, new Set(overview.variables.flatMap(({ moves }) => moves.map(([p]) => p))));
   return movable.get(overview);
 };
+
+// Puts the circles of a handle at a place.
+const put = (handle, x, y) => { for (const circle of handle.children) set(circle, centred(x, y)); };
 
 class View extends MechanismView {
   constructor(name, title, basis) {
@@ -183,7 +186,8 @@ class View extends MechanismView {
       const [x, y] = this.project(at);
       const handle = this.handles[p];
       const kinds = [['locked', state.locked[p].every(Boolean)], ['moved', state.design[p].some((c, k) => c !== state.opened[p][k])], ['selected', state.selected === p], ['free', free.has(p)]];
-      set(handle, { transform: placed(x, y), 'aria-label': labelOf(p), class: ['handle', ...kinds.flatMap(([kind, is]) => (is ? [kind] : []))].join(' ') });
+      put(handle, x, y);
+      set(handle, { 'aria-label': labelOf(p), class: ['handle', ...kinds.flatMap(([kind, is]) => (is ? [kind] : []))].join(' ') });
       const isHere = isDrawn(p);
       show(handle, isHere);
       const mirror = this.mirrors[p];
@@ -191,7 +195,8 @@ class View extends MechanismView {
       if (other) {
         const [mx, my] = this.project(other.points[p]);
         this.mirrorPlaces[p] = isHere ? [mx, my] : undefined;
-        set(mirror, { transform: placed(mx, my), 'aria-label': `${name}, other side` });
+        put(mirror, mx, my);
+        set(mirror, { 'aria-label': `${name}, other side` });
       }
       // A point that is not drawn cannot be grabbed.
       this.places[p] = isHere ? [x, y] : undefined;
@@ -199,7 +204,7 @@ class View extends MechanismView {
     });
     const top = state.selected === null ? null : this.places[state.selected];
     show(this.top, top);
-    if (top) set(this.top, { cx: tenth(top[0]), cy: tenth(top[1]) });
+    if (top) set(this.top, centred(...top));
     this.drawWords(frame);
   }
 
@@ -227,7 +232,7 @@ class View extends MechanismView {
       const best = costs.indexOf(Math.min(...costs));
       taken.push(boxes[best]);
       const [dx, dy, anchor] = places[best];
-      set(word, { transform: placed(x + dx, y + dy), 'text-anchor': anchor, class: state.selected === p ? 'selected' : null });
+      set(word, { ...placed(x + dx, y + dy), 'text-anchor': anchor, class: state.selected === p ? 'selected' : null });
     }
   }
 

@@ -57,7 +57,7 @@ fn a_large_sweep_is_thinned_and_the_page_says_so() {
     assert!(page.len() < MOST_BYTES, "{} bytes", page.len());
     let data = run.data();
     let shown = designs(&data);
-    assert!(page.contains(&format!("Drawn are {} of 30000 designs", shown.len())));
+    assert!(page.contains(&format!("{} of 30000 designs are drawn", shown.len())));
     assert!((1000..3000).contains(&shown.len()), "{}", shown.len());
     let numbers_of = |name: &str| -> Vec<u64> {
         let (_, cells) = run.csv(name);

@@ -1,6 +1,6 @@
 //! An axle in the live page: sliders, and positions of both wheels.
 
-use super::{Served, sample};
+use super::{Served, car, sample};
 use serde_json::{Value, json};
 use std::process::Command;
 
@@ -245,6 +245,69 @@ fn elastic_wheels_are_drawn_in_equilibrium() {
                 (drawn.abs() - camber.abs()).abs() < 1e-9,
                 "{name}: {drawn} {camber}"
             );
+        }
+    }
+}
+
+/// While a point moves, the page asks for the shown stations alone. They have the values of the whole answer, to rounding: the
+/// solver reaches them by another path.
+#[test]
+fn shown_stations_alone_have_the_values_of_the_whole_answer() {
+    let wheel = sample("double_wishbone_solve.toml");
+    assert!(wheel.contains("rack = 0.0 "));
+    for (name, text, overs) in [
+        ("macpherson_axle.toml", sample("macpherson_axle.toml"), 0..2),
+        ("five_link_axle.toml", sample("five_link_axle.toml"), 0..2),
+        (
+            "wheel",
+            wheel.replace("rack = 0.0 ", "rack = [-20.0, 0.0, 20.0] "),
+            0..1,
+        ),
+    ] {
+        let served = Served::of(&text);
+        let overview = served.overview();
+        let sliders = overview["sliders"].as_array().unwrap();
+        let at: Vec<Value> = sliders.iter().map(|s| s["high"].clone()).collect();
+        for over in overs {
+            let answer = |shown_only: bool| {
+                let message = json!({
+                    "of": {"digest": overview["digest"], "design": overview["design"]}, "characteristics": car::asked(&overview),
+                    "at": at, "curves_rack": null, "over": over, "shown_only": shown_only,
+                });
+                served.post("solve", &message).json()
+            };
+            let (whole, shown) = (answer(false), answer(true));
+            assert_eq!(whole["is_partial"], false, "{name}");
+            assert_eq!(shown["is_partial"], true, "{name}");
+            for key in ["shown", "group_places", "rack", "misfit"] {
+                assert_eq!(shown[key], whole[key], "{name}: {key}");
+            }
+            let groups = whole["groups"].as_array().unwrap().iter();
+            let of_shown = groups
+                .enumerate()
+                .filter(|(_, group)| **group == whole["shown"]);
+            let of_shown: Vec<usize> = of_shown.map(|(station, _)| station).collect();
+            assert_eq!(
+                shown["groups"],
+                json!(vec![&whole["shown"]; of_shown.len()]),
+                "{name}"
+            );
+            let places: Vec<&Value> = of_shown.iter().map(|k| &whole["drive"][*k]).collect();
+            assert_eq!(shown["drive"], json!(places), "{name}");
+            let columns = whole["columns"].as_array().unwrap().iter().enumerate();
+            for (number, column) in columns {
+                let own = shown["columns"][number]["values"].as_array().unwrap();
+                assert_eq!(own.len(), of_shown.len());
+                for (own, k) in own.iter().zip(&of_shown) {
+                    let is = [own, &column["values"][*k]].map(|v| v.as_f64().unwrap_or(f64::NAN));
+                    let far = (is[0] - is[1]).abs() / is[1].abs().max(1.0);
+                    assert!(
+                        far < 1e-8 || is.iter().all(|v| v.is_nan()),
+                        "{name}: {} {is:?}",
+                        column["column"]
+                    );
+                }
+            }
         }
     }
 }

@@ -6,6 +6,7 @@ mod axle;
 mod browser;
 mod car;
 mod client;
+mod directions;
 mod moves;
 mod panels;
 mod saving;

@@ -129,3 +129,101 @@ fn a_late_answer_gives_way() {
     assert!(assert_drawn_as_solved(&browser, &served.study) >= 6);
     assert_eq!(browser.console(), Vec::<String>::new());
 }
+
+/// After a move, the page first draws the shown curves. Until the other curves of the family follow, the earlier ones are
+/// marked as stale; then all of them are those of the moved design.
+#[test]
+fn curves_of_other_racks_are_stale_until_they_follow() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = Served::of(&sample("macpherson_axle.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    browser.wait(SETTLED);
+    // The request for all curves waits until the test lets it go.
+    browser.run(
+        "const send = window.fetch; const gate = new Promise((open) => { window.release = open; }); \
+         window.fetch = async (what, own) => { if (what === 'solve' && !JSON.parse(own.body).shown_only) await gate; return send(what, own); }",
+    );
+    let stale = "[...document.querySelectorAll('.chart .others')].map((g) => g.classList.contains('stale'))";
+    let drawn = "[...document.querySelectorAll('.chart .others path')].map((p) => p.getAttribute('d')).join()";
+    assert_eq!(browser.run(&format!("return {stale}.some(Boolean)")), false);
+    let before = browser.run(&format!("return {drawn}"));
+    browser.run(&format!(
+        "document.querySelector({:?}).focus()",
+        handle("front", "tie_rod_outer")
+    ));
+    browser.keys(&["\u{e013}"]);
+    browser.wait(&format!("{stale}.every(Boolean)"));
+    assert_eq!(browser.run("return studio.isSettled()"), false);
+    browser.run("window.release()");
+    browser.wait(SETTLED);
+    assert_eq!(browser.run(&format!("return {stale}.some(Boolean)")), false);
+    assert_ne!(browser.run(&format!("return {drawn}")), before);
+    browser.click("#save");
+    browser.wait("document.getElementById('banner').textContent.includes('saved')");
+    browser.wait(SETTLED);
+    assert!(assert_drawn_as_solved(&browser, &served.study) >= 2);
+    assert_eq!(browser.console(), Vec::<String>::new());
+}
+
+/// What changes while a point moves is laid out alone: it lies in boxes whose size does not depend on their content. Views and
+/// charts have few layers: no element of theirs is transformed, and each chart clips its curves once.
+#[test]
+fn moving_parts_are_laid_out_alone() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = Served::of(&sample("macpherson_axle.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    browser.wait(SETTLED);
+    let loose = |selector: &str| {
+        browser.run(&format!(
+            "const all = [...document.querySelectorAll({selector:?})]; if (!all.length) return 'none'; \
+             const alone = (e) => {{ const {{ contain }} = getComputedStyle(e); \
+             return contain === 'strict' || (contain.includes('size') && contain.includes('layout')); }}; \
+             return all.filter((e) => !alone(e)).length"
+        ))
+    };
+    for selector in [
+        ".plot",
+        ".chartbox .values",
+        ".chip .value",
+        "#coordinates .cell input",
+        "#coordinates .slope",
+        "#coordinates .moved span",
+    ] {
+        assert_eq!(loose(selector), json!(0), "{selector}");
+    }
+    let counted = |selector: &str| {
+        let found = browser.run(&format!(
+            "return document.querySelectorAll({selector:?}).length"
+        ));
+        found.as_u64().unwrap()
+    };
+    assert_eq!(counted(".view [transform], .chart [transform]"), 0);
+    assert!(counted(".chart") > 3);
+    assert_eq!(counted(".chart [clip-path]"), counted(".chart"));
+}
+
+/// No value in the header or above a chart is cut at the usual size of a window.
+#[test]
+fn values_fit_their_boxes() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    for name in ["double_wishbone_axle.toml", "macpherson_front.toml"] {
+        let served = Served::of(&sample(name));
+        browser.open(&served.address);
+        browser.wait(READY);
+        browser.wait(SETTLED);
+        let cut = browser.run(
+            "return [...document.querySelectorAll('.chip .value, .chip span, .chartbox output, .chartbox small')] \
+             .filter((e) => e.scrollWidth > e.clientWidth + 1).map((e) => e.textContent)",
+        );
+        assert_eq!(cut, json!([]), "{name}");
+        browser.open("about:blank");
+    }
+}

@@ -40,7 +40,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         output.record("report.json", &record)?;
         files.push("report.json");
     }
-    files.extend(report.show(output.directory())?);
+    files.extend(report.show(&output)?);
     output.finish()?;
 
     output.say(&format!("{}\n\n", summary.headline()))?;

@@ -9,7 +9,11 @@ use crate::study::Drive;
 use serde::{Deserialize, Serialize};
 
 /// Remarks on curves, one per line: their accuracy, and missing values.
-pub fn remarks(curves: &Curves, length: LengthUnit) -> Vec<String> {
+pub fn remarks(
+    curves: &Curves,
+    length: LengthUnit,
+    elsewhere: impl Fn(&str) -> bool,
+) -> Vec<String> {
     let certificate = CertificateSummary::of(curves);
     let certificate = certificate.map(|c| c.remark(curves.stations.len(), length.symbol()));
     let warning = ConditionSummary::of(curves).and_then(|c| c.warning());
@@ -18,7 +22,7 @@ pub fn remarks(curves: &Curves, length: LengthUnit) -> Vec<String> {
         .chain(warning)
         .chain(unsupported(curves))
         .chain(toggled(curves))
-        .chain(Completeness::of(curves).remarks())
+        .chain(Completeness::of(curves).remarks(elsewhere))
         .collect()
 }
 

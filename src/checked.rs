@@ -2,7 +2,7 @@
 
 use crate::curves::Curves;
 use crate::model::Suspension;
-use crate::report::{FailureRange, remarks, variable_plausibility};
+use crate::report::{FailureRange, remarks_on_motion, variable_plausibility};
 use crate::solved::Solved;
 use crate::study::{Study, Vehicle};
 
@@ -71,7 +71,9 @@ impl AllMotions<'_> {
 
     /// Remarks on the curves, one per line: their accuracy, and missing values. Those of a named motion begin with its name.
     pub(crate) fn remarks(&self, wheel: &Suspension) -> Vec<String> {
-        let of = |curves| remarks(curves, wheel.length_unit, |column| self.has_value(column));
+        let of = |curves| {
+            remarks_on_motion(curves, wheel.length_unit, |column| self.has_value(column))
+        };
         let mut found = of(self.own);
         for NamedCurves { name, curves } in self.named {
             let named = of(curves);

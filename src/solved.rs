@@ -7,7 +7,7 @@ use crate::mechanism::NoPose;
 use crate::plan::Plan;
 use crate::report::{
     CurveTable, FailureRange, Record, SolveSummary, Summary, both_wheels_plausibility, curves_csv,
-    plausibility, rack_doubt, sensitivities_csv,
+    plausibility, rack_doubt, remarks, sensitivities_csv, spring_doubts,
 };
 use crate::study::{AxleStudy, Study, Vehicle, WheelStudy};
 
@@ -138,7 +138,13 @@ impl<'s> Solved<'s> {
             }
         };
         found.extend(rack_doubt(self.study));
+        found.extend(spring_doubts(self.study, &self.curves));
         Ok(found)
+    }
+
+    /// Remarks on the curves, one per line: their accuracy, and missing values.
+    pub fn remarks(&self) -> Vec<String> {
+        remarks(&self.curves, self.study.wheel().length_unit)
     }
 
     /// Stations without a position.

@@ -9,7 +9,12 @@ use crate::study::Drive;
 use serde::{Deserialize, Serialize};
 
 /// Remarks on curves, one per line: their accuracy, and missing values.
-pub fn remarks(
+pub fn remarks(curves: &Curves, length: LengthUnit) -> Vec<String> {
+    remarks_on_motion(curves, length, |_| false)
+}
+
+/// Remarks on the curves of one of several motions. `elsewhere` tells if another motion has values of a column.
+pub fn remarks_on_motion(
     curves: &Curves,
     length: LengthUnit,
     elsewhere: impl Fn(&str) -> bool,

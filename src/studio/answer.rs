@@ -97,7 +97,7 @@ fn solved_wheel(
     };
     let frame = |own: &WheelStudy| -> Option<Frame> { wheel_frames(own, &place).ok()?.pop() };
     let mut lines = plausibility(suspension).map_err(fault)?;
-    lines.extend(remarks(&found, suspension.length_unit, |_| false));
+    lines.extend(remarks(&found, suspension.length_unit));
     if plan.stations() < all {
         let drawn = plan.stations();
         lines.push(format!(

@@ -10,7 +10,7 @@ use super::{interrupt, progress, terminal};
 use crate::optimise::{Control, Tuning, tune};
 use crate::report::{
     FrontRecord, PriceRecord, Record, TuningSummary, counted, history_csv, shown_side_effects,
-    side_effects_table, unchanged_in_words, variable_plausibility,
+    side_effects_table, further_in_words, variable_plausibility,
 };
 use crate::rig::RigTests;
 use crate::side_effects::{SideEffect, side_effects};
@@ -62,7 +62,7 @@ pub(super) fn say_side_effects(output: &Output, effects: &[SideEffect]) -> Resul
     }
     let more =
         (more > 0).then(|| format!("{} in side_effects.csv", counted(more, "further change")));
-    for line in more.into_iter().chain(unchanged_in_words(effects)) {
+    for line in more.into_iter().chain(further_in_words(effects)) {
         output.say(&format!("\n  {line}\n"))?;
     }
     Ok(())

@@ -5,7 +5,7 @@ use crate::SideEffect;
 use crate::curves::Frame;
 use crate::report::{
     Cell, FailureRange, OutputRecord, Scene, Table, counted, shown_side_effects,
-    side_effects_table, unchanged_in_words,
+    side_effects_table, further_in_words,
 };
 use crate::study::ValueEdit;
 use serde::{Deserialize, Serialize};
@@ -455,7 +455,7 @@ impl SideEffectRows {
             rows: rows.collect(),
             rest: more
                 .into_iter()
-                .chain(unchanged_in_words(effects))
+                .chain(further_in_words(effects))
                 .collect(),
         }
     }

@@ -71,9 +71,8 @@ impl AllMotions<'_> {
 
     /// Remarks on the curves, one per line: their accuracy, and missing values. Those of a named motion begin with its name.
     pub(crate) fn remarks(&self, wheel: &Suspension) -> Vec<String> {
-        let of = |curves| {
-            remarks_on_motion(curves, wheel.length_unit, |column| self.has_value(column))
-        };
+        let of =
+            |curves| remarks_on_motion(curves, wheel.length_unit, |column| self.has_value(column));
         let mut found = of(self.own);
         for NamedCurves { name, curves } in self.named {
             let named = of(curves);

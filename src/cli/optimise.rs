@@ -9,8 +9,8 @@ use super::yields::yields;
 use super::{interrupt, progress, terminal};
 use crate::optimise::{Control, Tuning, tune};
 use crate::report::{
-    FrontRecord, PriceRecord, Record, TuningSummary, counted, history_csv, shown_side_effects,
-    side_effects_table, further_in_words, variable_plausibility,
+    FrontRecord, PriceRecord, Record, TuningSummary, counted, further_in_words, history_csv,
+    shown_side_effects, side_effects_table, variable_plausibility,
 };
 use crate::rig::RigTests;
 use crate::side_effects::{SideEffect, side_effects};

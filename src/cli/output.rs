@@ -413,7 +413,11 @@ fn in_words(removed: &[String]) -> String {
     if removed.is_empty() {
         return String::new();
     }
-    let has = |ends: &[&str]| removed.iter().any(|name| ends.iter().any(|end| name.ends_with(end)));
+    let has = |ends: &[&str]| {
+        removed
+            .iter()
+            .any(|name| ends.iter().any(|end| name.ends_with(end)))
+    };
     let pages = has(&[".html"]).then_some("--report writes the page again");
     let pictures = has(&[".svg", ".png"]).then_some("--plots writes pictures again");
     let again = pages.into_iter().chain(pictures);

@@ -4,7 +4,8 @@ use super::exit::{Exit, Stop};
 use super::output::{Destination, Output};
 use super::{ReportArguments, RunArguments};
 use crate::report::{
-    FinishedRun, Picture, Record, Run, SweepRun, car_page, page, picture_names, pictures, sweep_page,
+    FinishedRun, Picture, Record, Run, SweepRun, car_page, page, picture_names, pictures,
+    sweep_page,
 };
 use crate::results::{Claim, Manifest, Refusal, RunDirectory};
 use crate::study::Study;

@@ -16,8 +16,8 @@ use crate::solve::Solver;
 use crate::solved::Solved;
 use crate::study::{AxleStudy, Drive, Study, Vehicle, WheelStudy};
 pub(crate) use elastic::{ElasticRow, rows_of_axle, rows_of_wheel};
-use margin::{Ranges, margin};
 pub(crate) use margin::travel_left;
+use margin::{Ranges, margin};
 pub(crate) use row::Row;
 use row::{LOST, at_toggle, because, columns, row};
 

@@ -86,7 +86,7 @@ pub use set_up_summary::{
     AdjustmentRecord, SetUpSide, SetUpSummary, StaticRecord, set_up_refusal, static_column,
 };
 pub use side_effects::{
-    shown_side_effects, side_effects_in_words, side_effects_table, further_in_words,
+    further_in_words, shown_side_effects, side_effects_in_words, side_effects_table,
 };
 pub use solve_summary::SolveSummary;
 pub use sweep::{

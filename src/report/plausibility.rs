@@ -253,7 +253,10 @@ impl<'a> PlausibilityRemarks<'a> {
         }
         let centre = self.at(mechanism.wheel_centre);
         let [height, along] = OFF_CARRIER;
-        for (k, limit, words) in [(2, height, ["above", "below"]), (0, along, ["ahead of", "behind"])] {
+        for (k, limit, words) in [
+            (2, height, ["above", "below"]),
+            (0, along, ["ahead of", "behind"]),
+        ] {
             let of = |point: &Vector3<f64>| point.to_array()[k];
             let low = points.iter().map(of).fold(f64::INFINITY, f64::min);
             let high = points.iter().map(of).fold(f64::NEG_INFINITY, f64::max);

@@ -82,7 +82,10 @@ fn is_about(quantity: Quantity, column: &AxleColumn) -> bool {
 /// Returns true for the kinematic roll centre. In roll the normals of both wheels become parallel, and it moves without bounds.
 fn is_unbounded(quantity: Quantity) -> bool {
     use AxleQuantity::{RollCentreHeight, RollCentreLateral};
-    matches!(quantity, Quantity::Axle(RollCentreHeight | RollCentreLateral))
+    matches!(
+        quantity,
+        Quantity::Axle(RollCentreHeight | RollCentreLateral)
+    )
 }
 
 /// Returns true for a turning circle if a target asks for another steer angle of one wheel over that of the other. The turning
@@ -91,7 +94,10 @@ fn follows_a_target(quantity: Quantity, study: &Study) -> bool {
     use AxleQuantity::{Ackermann, AckermannByCotangents, AckermannError, TurningCircle};
     let mut targets = study.optimise.iter().flat_map(|o| &o.targets);
     let asks = |of: &Quantity| {
-        matches!(of, Quantity::Axle(Ackermann | AckermannByCotangents | AckermannError))
+        matches!(
+            of,
+            Quantity::Axle(Ackermann | AckermannByCotangents | AckermannError)
+        )
     };
     quantity == Quantity::Axle(TurningCircle)
         && targets.any(|target| match &target.of.kind {

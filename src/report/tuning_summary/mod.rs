@@ -120,6 +120,28 @@ struct VariableSummary {
 }
 
 impl VariableSummary {
+    /// True if the offset is the logarithm of a factor of a rate.
+    fn is_factor(&self) -> bool {
+        self.unit == "factor"
+    }
+
+    /// 95 % confidence interval of the rate that a fitted factor gives, in words. `None` for other variables.
+    fn tuned_interval(&self) -> Option<String> {
+        let (fitted, design) = (self.fitted.filter(|_| self.is_factor())?, self.design?);
+        // Four digits are enough for the ends of an interval.
+        let rate = |offset: f64| {
+            let rate = design * offset.exp();
+            let text = format!("{rate:.3e}");
+            as_written(text.parse().unwrap_or(rate))
+        };
+        Some(match fitted.ends().map(|end| end.map(rate)) {
+            [Some(lower), Some(upper)] => format!("{lower} .. {upper}"),
+            [Some(lower), None] => format!(">= {lower}"),
+            [None, Some(upper)] => format!("<= {upper}"),
+            [None, None] => "not determined".to_owned(),
+        })
+    }
+
     /// Kind of move without its unit: `z`, `turn about x`, `rate`.
     fn way(&self) -> &str {
         self.axis.split(',').next().unwrap_or_default()

@@ -1,6 +1,6 @@
 //! Tip for an option that is a key of the study: `--starts` is `--set optimise.starts=VALUE`.
 
-use crate::study_file::schema::{Root, keys};
+use crate::study::keys;
 use clap::builder::StyledStr;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
@@ -36,7 +36,7 @@ pub(super) fn with_tip(mut error: clap::Error, command: Option<&str>) -> clap::E
 fn key_of(option: &str, command: Option<&str>) -> Option<String> {
     let name = option.strip_prefix("--")?;
     let name = name.split('=').next()?.replace('-', "_");
-    let keys = keys(Root::Suspension);
+    let keys = keys();
     let sections = command.into_iter().chain(SECTIONS);
     let mut paths = sections.map(|section| (section, name.as_str()));
     let (section, name) =

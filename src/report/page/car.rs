@@ -270,7 +270,7 @@ fn transfer(record: &CarRecord) -> String {
     });
     let figures: String = figures.collect();
     let note = format!(
-        "Half the load of the right wheel less that of the left wheel, in {}. The parts add up to the total: springs, \
+        "Half the difference of the wheel loads, right minus left, in {}. The parts add up to the total: springs, \
          stops and bars (elastic), side forces through the links (geometric), brake and drive forces through the links \
          (longitudinal), weight and inertia of the wheels (unsprung).",
         record.force_unit

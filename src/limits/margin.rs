@@ -90,14 +90,22 @@ pub(super) fn margin(
             )
         };
     }
-    for range in ranges.rockers {
-        text += &toggles(range, moved, unit);
+    for sentence in ranges
+        .rockers
+        .iter()
+        .flat_map(|r| toggles(r, moved, unit))
+        .flatten()
+    {
+        // The bar's lever follows the rocker of the pushrod, so both end at one toggle.
+        if !text.contains(&sentence) {
+            text += &sentence;
+        }
     }
     Ok(text)
 }
 
 /// Sentences about the toggles of a rocker, at the ends of the travel where it has one.
-fn toggles(range: &RockerRange, moved: &Curves, unit: &str) -> String {
+fn toggles(range: &RockerRange, moved: &Curves, unit: &str) -> [Option<String>; 2] {
     let travels = || moved.along("travel").flatten();
     let least = travels().fold(0.0, f64::min);
     let most = travels().fold(0.0, f64::max);
@@ -114,7 +122,8 @@ fn toggles(range: &RockerRange, moved: &Curves, unit: &str) -> String {
             brief(travel)
         ))
     };
-    let lower = sentence(range.lower, &|travel| least - travel);
-    let upper = sentence(range.upper, &|travel| travel - most);
-    lower.into_iter().chain(upper).collect()
+    [
+        sentence(range.lower, &|travel| least - travel),
+        sentence(range.upper, &|travel| travel - most),
+    ]
 }

@@ -2,6 +2,7 @@
 //! only reported.
 
 mod axle;
+mod carrier;
 mod spring;
 
 pub use axle::{axle_plausibility, both_wheels_plausibility};
@@ -35,8 +36,6 @@ const WHEEL_AT_CENTRE: f64 = 0.5;
 const FAR: f64 = 12.0;
 /// Plausible range of this distance in metres, for the farthest point of a study without a wheel radius.
 const REACH: [f64; 2] = [0.05, 4.0];
-/// Largest plausible distance of the wheel centre beyond the points of its carrier, in wheel radii: in height and along x.
-const OFF_CARRIER: [f64; 2] = [0.25, 1.0];
 /// Largest plausible deviation of a wheel from half the track, as a fraction of it.
 const OFF_TRACK: f64 = 0.1;
 
@@ -223,58 +222,6 @@ impl<'a> PlausibilityRemarks<'a> {
                 "{} is {depth} {unit} below the ground. Does z have the wrong sign?",
                 point.name
             ));
-        }
-    }
-
-    /// Doubt about a wheel centre well above, below, ahead of or behind all points of its carrier. Probably its coordinates have
-    /// another unit or origin. Axles are left out: their points may all be high above the wheel centres.
-    fn wheel_centre_off_its_carrier(&mut self) {
-        let Suspension {
-            mechanism,
-            design,
-            length_unit,
-            wheel_radius,
-            ..
-        } = self.suspension;
-        let Some(radius) = wheel_radius.filter(|_| mechanism.rigid_axle.is_none()) else {
-            return;
-        };
-        let joint = |constraint: &Constraint| match *constraint {
-            Constraint::Link { outer, .. } => Some(outer),
-            Constraint::StrutLine { top, .. } => Some(top),
-            Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => Some(at),
-            _ => None,
-        };
-        let mut joints: Vec<PointId> = mechanism.constraints.iter().filter_map(joint).collect();
-        joints.dedup();
-        let points: Vec<Vector3<f64>> = joints.into_iter().map(|id| design[id.0]).collect();
-        if points.len() < 2 {
-            return;
-        }
-        let centre = self.at(mechanism.wheel_centre);
-        let [height, along] = OFF_CARRIER;
-        for (k, limit, words) in [
-            (2, height, ["above", "below"]),
-            (0, along, ["ahead of", "behind"]),
-        ] {
-            let of = |point: &Vector3<f64>| point.to_array()[k];
-            let low = points.iter().map(of).fold(f64::INFINITY, f64::min);
-            let high = points.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
-            let here = of(&centre);
-            let [above, below] = [here - high, low - here];
-            let (off, word) = if above > below {
-                (above, words[0])
-            } else {
-                (below, words[1])
-            };
-            if off > limit * radius {
-                let unit = length_unit.symbol();
-                self.say(format!(
-                    "wheel_centre is {} {unit} {word} every joint of its carrier. Is it in another unit, or from another \
-                     origin?",
-                    brief(off)
-                ));
-            }
         }
     }
 

@@ -359,3 +359,32 @@ pub fn misfit_in_words(value: f64) -> String {
         format!("{value:.2}")
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A fitted factor is shown as the rate that it gives, with its interval: 2200 N/mm times exp(-0.4417 .. -0.4161).
+    #[test]
+    fn the_interval_of_a_factor_is_that_of_its_rate() {
+        let variable = |unit: &str| VariableSummary {
+            hardpoint: "bushing:lower_arm_rear".to_owned(),
+            axis: "stiffness y".to_owned(),
+            design: Some(2200.0),
+            tuned: Some(1432.6),
+            offset: Some(-0.429),
+            unit: unit.to_owned(),
+            range: [-1.2, 1.1],
+            at_bound: None,
+            standard_error: None,
+            interval: None,
+            fitted: Some(FittedOffset::TwoSided {
+                offset_lower: -0.4417,
+                offset_upper: -0.4161,
+            }),
+        };
+        let factor = variable("factor").tuned_interval();
+        assert_eq!(factor.as_deref(), Some("1414 .. 1451"));
+        assert_eq!(variable("N/mm").tuned_interval(), None);
+    }
+}

@@ -54,7 +54,8 @@ pub struct ValueRecord {
     pub remainder_error: Option<f64>,
     /// Second-order estimate of this fraction.
     pub remainder_second_order: Option<f64>,
-    /// False if the builds differ only by rounding errors.
+    /// False if the builds differ only by rounding errors. Earlier versions did not write it.
+    #[serde(default = "scatters")]
     pub scatters: bool,
     /// True for a value at the design position.
     pub(super) at_rest: bool,
@@ -69,6 +70,11 @@ pub struct HistogramRecord {
     pub range: [f64; 2],
     /// Number of builds in each bin.
     pub counts: Vec<u32>,
+}
+
+/// Default of [`ValueRecord::scatters`].
+fn scatters() -> bool {
+    true
 }
 
 fn finite(value: f64) -> Option<f64> {

@@ -236,8 +236,11 @@ fn refusals_name_keys_once() {
     let study = studies().join("car.toml");
     let refused = |set: &str| {
         let call = ["check", study.to_str().unwrap(), "--set", set];
-        let ended = hardpoint(&call).code(2).get_output().clone();
-        text(ended.stderr)
+        let ended = hardpoint(Path::new("."), &call)
+            .code(2)
+            .get_output()
+            .clone();
+        text(&ended.stderr)
     };
     let said = refused("rear.suspension.length_unit=\"in\"");
     let words = said.split_whitespace().collect::<Vec<_>>().join(" ");

@@ -207,11 +207,9 @@ scatter = [ { car = "mass", sigma = 15.0 } ]
 bands = [ { case = "braking", characteristic = "roll", between = [-0.1, 0.1] } ]"#,
     );
     // The sample's centre of gravity is off the middle.
-    let middle = "sprung_cg";
-    let ended = hardpoint(
-        directory.path(),
-        &["tolerance", "car.toml", "--format", "json"],
-    );
+    let middle = "car.sprung_cg=[-1290.0, 0.0, 560.0]";
+    let call = ["tolerance", "car.toml", "--format", "json", "--set", middle];
+    let ended = hardpoint(directory.path(), &call);
     let said = text(&ended.success().get_output().stdout);
     let tables: serde_json::Value = serde_json::from_str(&said).unwrap();
     assert_eq!(

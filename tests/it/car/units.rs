@@ -233,8 +233,8 @@ fn both_axles_need_the_same_units() {
 /// Units of both axles are named by their keys, and each need of a result once.
 #[test]
 fn refusals_name_keys_once() {
-    let study = studies().join("car.toml");
-    let refused = |set: &str| {
+    let refused = |name: &str, set: &str| {
+        let study = studies().join(name);
         let call = ["check", study.to_str().unwrap(), "--set", set];
         let ended = hardpoint(Path::new("."), &call)
             .code(2)
@@ -242,12 +242,15 @@ fn refusals_name_keys_once() {
             .clone();
         text(&ended.stderr)
     };
-    let said = refused("rear.suspension.length_unit=\"in\"");
+    let said = refused("car.toml", "rear.suspension.length_unit=\"in\"");
     let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
         words.contains("the rear study has length_unit = \"in\" and force_unit = \"N\""),
         "{said}"
     );
-    let said = refused("outputs.characteristics=[\"ride_height\"]");
+    let said = refused(
+        "off_road_car.toml",
+        "outputs.characteristics=[\"ride_height\"]",
+    );
     assert_eq!(said.matches("ride_height_point_front").count(), 1, "{said}");
 }

@@ -155,6 +155,9 @@ struct TargetSummary {
     /// Smallest and largest target value, in the unit of the tolerance. `None` if a band has no limit.
     #[serde(default)]
     wanted: [Option<f64>; 2],
+    /// True for a band between curves. Then `wanted` has the ends of both.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    between_curves: bool,
     weight: f64,
     before: Option<DeviationSummary>,
     after: Option<DeviationSummary>,
@@ -363,6 +366,22 @@ pub fn misfit_in_words(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A band between curves is no range of allowed values: its cell says so.
+    #[test]
+    fn a_band_between_curves_is_named() {
+        let target = |between_curves| TargetSummary {
+            output: "camber_deg".to_owned(),
+            tolerance: 0.1,
+            wanted: [Some(-2.6), Some(-0.4)],
+            between_curves,
+            weight: 1.0,
+            before: None,
+            after: None,
+        };
+        assert_eq!(target(false).wanted_in_words(), "-2.6 .. -0.4");
+        assert_eq!(target(true).wanted_in_words(), "curves, -2.6 .. -0.4");
+    }
 
     /// A fitted factor is shown as the rate that it gives, with its interval: 2200 N/mm times exp(-0.4417 .. -0.4161).
     #[test]

@@ -205,6 +205,7 @@ impl TunedStudy<'_> {
                 output: self.name(target),
                 tolerance: target.tolerance * target.of.factor().abs(),
                 wanted: wanted(target),
+                between_curves: is_between_curves(target),
                 weight: target.weight,
                 before: self.tuning.before.as_ref().ok().map(deviation),
                 after: self.tuning.best.as_ref().map(|b| deviation(&b.after)),
@@ -263,6 +264,15 @@ impl StartSummary {
             misfit: fit.map(Fit::misfit),
             kkt_residual: fit.map(|fit| fit.residual),
         }
+    }
+}
+
+/// True for a band with a curve as a limit.
+fn is_between_curves(target: &Target) -> bool {
+    let is_curve = |limit: &Option<Limit>| matches!(limit, Some(Limit::Curve { .. }));
+    match &target.wanted {
+        Wanted::Band { lower, upper, .. } => is_curve(lower) || is_curve(upper),
+        _ => false,
     }
 }
 

@@ -242,7 +242,17 @@ impl TuningSummary {
 }
 
 impl TargetSummary {
-    fn wanted_in_words(&self) -> String {
+    /// Target value or limits of the target.
+    pub(super) fn wanted_in_words(&self) -> String {
+        let values = self.wanted_values();
+        if self.between_curves {
+            format!("curves, {values}")
+        } else {
+            values
+        }
+    }
+
+    fn wanted_values(&self) -> String {
         match self.wanted {
             [None, None] => String::new(),
             [Some(lower), None] => format!("from {}", brief(lower)),

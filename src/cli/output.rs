@@ -423,7 +423,7 @@ fn in_words(removed: &[String]) -> String {
     let again = pages.into_iter().chain(pictures);
     let again: String = again.map(|option| format!("; {option}")).collect();
     let names = removed.join(", ");
-    format!("Removed, because from an earlier run: {names}{again}.\n")
+    format!("Removed files of an earlier run: {names}{again}.\n")
 }
 
 /// Study in the run's directory. After a tuning it is the tuned study.

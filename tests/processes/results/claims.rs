@@ -388,7 +388,7 @@ fn removed_pages_and_pictures_are_named() {
     );
     assert!(!first.contains("Removed"), "{first}");
     let second = said(&[]);
-    let names = "Removed, because from an earlier run: camber_deg.svg, report.html";
+    let names = "Removed files of an earlier run: camber_deg.svg, report.html";
     assert!(second.contains(names), "{second}");
     assert!(
         second.contains("--report writes the page again"),

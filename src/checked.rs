@@ -2,7 +2,7 @@
 
 use crate::curves::Curves;
 use crate::model::Suspension;
-use crate::report::{FailureRange, variable_plausibility};
+use crate::report::{FailureRange, remarks_on_motion, variable_plausibility};
 use crate::solved::Solved;
 use crate::study::{Study, Vehicle};
 
@@ -33,7 +33,7 @@ impl<'s> Checked<'s> {
     pub fn remarks(&self, study: &Study) -> Vec<String> {
         let mut remarks = self.plausibility.clone();
         remarks.extend(variable_plausibility(study));
-        remarks.extend(self.solved.remarks());
+        remarks.extend(self.motions().remarks(study.wheel()));
         remarks
     }
 
@@ -44,8 +44,56 @@ impl<'s> Checked<'s> {
 
     /// True if every requested value was found.
     pub fn is_complete(&self) -> bool {
-        let mut motions = self.of_motions.iter().map(|motion| &motion.curves);
-        self.solved.is_complete() && motions.all(Curves::are_complete)
+        self.motions().are_complete()
+    }
+
+    fn motions(&self) -> AllMotions<'_> {
+        AllMotions {
+            own: self.solved.curves(),
+            named: &self.of_motions,
+        }
+    }
+}
+
+/// Curves of a study's own motion and of its named ones. A quantity may be undefined throughout one motion, for example the
+/// Ackermann percentage without steering. It is missing only if no motion has a value.
+pub(crate) struct AllMotions<'c> {
+    pub(crate) own: &'c Curves,
+    pub(crate) named: &'c [NamedCurves],
+}
+
+impl AllMotions<'_> {
+    /// True if every station is solved, and every column has a value in some motion.
+    pub(crate) fn are_complete(&self) -> bool {
+        let mut names = self.all().flat_map(|curves| &curves.columns);
+        self.all().all(Curves::are_whole) && names.all(|column| self.has_value(&column.name))
+    }
+
+    /// Remarks on the curves, one per line: their accuracy, and missing values. Those of a named motion begin with its name.
+    pub(crate) fn remarks(&self, wheel: &Suspension) -> Vec<String> {
+        let of =
+            |curves| remarks_on_motion(curves, wheel.length_unit, |column| self.has_value(column));
+        let mut found = of(self.own);
+        for NamedCurves { name, curves } in self.named {
+            let named = of(curves);
+            found.extend(named.iter().map(|line| match line.split_once("warning: ") {
+                Some(("", rest)) => format!("warning: motion {name}: {rest}"),
+                _ => format!("motion {name}: {line}"),
+            }));
+        }
+        found
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Curves> {
+        std::iter::once(self.own).chain(self.named.iter().map(|motion| &motion.curves))
+    }
+
+    fn has_value(&self, name: &str) -> bool {
+        let has = |curves: &Curves| {
+            let own = curves.columns.iter().position(|column| column.name == name);
+            own.is_some_and(|column| curves.has_value(column))
+        };
+        self.all().any(has)
     }
 }
 

@@ -7,7 +7,7 @@ use crate::mechanism::NoPose;
 use crate::plan::Plan;
 use crate::report::{
     CurveTable, FailureRange, Record, SolveSummary, Summary, both_wheels_plausibility, curves_csv,
-    plausibility, rack_doubt, remarks, sensitivities_csv,
+    plausibility, rack_doubt, remarks, sensitivities_csv, spring_doubts,
 };
 use crate::study::{AxleStudy, Study, Vehicle, WheelStudy};
 
@@ -138,6 +138,7 @@ impl<'s> Solved<'s> {
             }
         };
         found.extend(rack_doubt(self.study));
+        found.extend(spring_doubts(self.study, &self.curves));
         Ok(found)
     }
 

@@ -119,7 +119,7 @@ impl Source {
         if let Some(step) = arguments.round {
             source.round(step, arguments.round_all, &before)?;
         }
-        source.set_other_curves_aside(&before);
+        source.set_other_curves_aside(&before, arguments.to == Target::Xlsx);
         Ok(source)
     }
 
@@ -213,8 +213,8 @@ impl Source {
         Ok(())
     }
 
-    /// Renames the tables of curves of a run if they do not belong to the exported points.
-    fn set_other_curves_aside(&mut self, before: &[Vector3<f64>]) {
+    /// Renames the curves of a run if they do not belong to the exported points. If the file has sheets, a note says so.
+    fn set_other_curves_aside(&mut self, before: &[Vector3<f64>], has_sheets: bool) {
         let Some(study) = &self.study else { return };
         let manifest = Manifest::read(&self.path).unwrap_or_default();
         let author = manifest
@@ -236,9 +236,11 @@ impl Source {
         };
         for (table, _) in &mut self.tables {
             if table == "curves" {
-                note(&format!(
-                    "curves: solved for the points of the file; the sheet {name} has the curves of the run\n"
-                ));
+                if has_sheets {
+                    note(&format!(
+                        "curves: solved for the points of the file; the sheet {name} has the curves of the run\n"
+                    ));
+                }
                 table.clone_from(&name);
             }
         }

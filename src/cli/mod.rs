@@ -35,6 +35,7 @@ mod studio;
 mod sweep;
 mod terminal;
 mod tolerance;
+mod unknown_option;
 mod yields;
 
 use crate::threads::stoppable;
@@ -350,7 +351,8 @@ pub fn run_embedded<A: Into<std::ffi::OsString> + Clone>(
     arguments: impl IntoIterator<Item = A>,
 ) -> u8 {
     crate::attia::register();
-    match Arguments::try_parse_from(arguments) {
+    let arguments: Vec<std::ffi::OsString> = arguments.into_iter().map(Into::into).collect();
+    match Arguments::try_parse_from(&arguments) {
         Ok(arguments) => {
             let run = || stoppable(interrupt::stop(), || carried_out(arguments));
             let ended = catch_unwind(AssertUnwindSafe(run));
@@ -365,6 +367,9 @@ pub fn run_embedded<A: Into<std::ffi::OsString> + Clone>(
                 .unwrap_or(Exit::Interrupted)
         }
         Err(error) => {
+            let words = arguments.iter().skip(1).filter_map(|word| word.to_str());
+            let command = words.into_iter().find(|word| !word.starts_with('-'));
+            let error = unknown_option::with_tip(error, command);
             // clap also reports requests for help and version as errors.
             terminal::print_usage(&error);
             if error.use_stderr() {

@@ -9,8 +9,8 @@ use super::yields::yields;
 use super::{interrupt, progress, terminal};
 use crate::optimise::{Control, Tuning, tune};
 use crate::report::{
-    FrontRecord, PriceRecord, Record, TuningSummary, counted, history_csv, shown_side_effects,
-    side_effects_table, unchanged_in_words, variable_plausibility,
+    FrontRecord, PriceRecord, Record, TuningSummary, counted, further_in_words, history_csv,
+    shown_side_effects, side_effects_table, variable_plausibility,
 };
 use crate::rig::RigTests;
 use crate::side_effects::{SideEffect, side_effects};
@@ -64,7 +64,7 @@ pub(super) fn say_side_effects(output: &Output, effects: &[SideEffect]) -> Resul
     }
     let more =
         (more > 0).then(|| format!("{} in side_effects.csv", counted(more, "further change")));
-    for line in more.into_iter().chain(unchanged_in_words(effects)) {
+    for line in more.into_iter().chain(further_in_words(effects)) {
         output.say(&format!("\n  {line}\n"))?;
     }
     Ok(())
@@ -227,7 +227,7 @@ impl Finished<'_> {
             files.push("report.json");
         }
         if !self.is_interrupted {
-            files.extend(report.show(output.directory())?);
+            files.extend(report.show(&output)?);
         }
         output.finish()?;
         Ok((files, refused))

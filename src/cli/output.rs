@@ -70,6 +70,8 @@ pub(super) struct Output {
     format: Format,
     /// Tables for programs. They are printed at the end.
     tables: RefCell<Tables>,
+    /// Directory of the pictures, and their names. Empty without pictures.
+    pictures: RefCell<Option<(PathBuf, Vec<String>)>>,
 }
 
 /// Files of a command, and the place to which they are written.
@@ -193,6 +195,7 @@ impl Output {
                 directory: None,
                 format,
                 tables: RefCell::default(),
+                pictures: RefCell::default(),
             });
         }
         let claim = Claim {
@@ -213,6 +216,7 @@ impl Output {
             directory: Some(directory),
             format,
             tables: RefCell::default(),
+            pictures: RefCell::default(),
         })
     }
 
@@ -387,15 +391,39 @@ impl Output {
                 None => terminal::eprint(&text),
             }
         }
-        match &self.directory {
-            Some(directory) => self.say(&format!(
-                "\n{}: {}\n",
-                directory.path().display(),
-                files.join(", ")
-            )),
-            None => Ok(()),
+        let Some(directory) = &self.directory else {
+            return Ok(());
+        };
+        let mut text = format!("\n{}: {}\n", directory.path().display(), files.join(", "));
+        if let Some((plots, names)) = &*self.pictures.borrow() {
+            text += &format!("{}: {}\n", plots.display(), names.join(", "));
         }
+        text += &in_words(&directory.removed());
+        self.say(&text)
     }
+
+    /// Records the pictures of the run, for the list of its files.
+    pub(super) fn list_pictures(&self, plots: &Path, names: Vec<String>) {
+        *self.pictures.borrow_mut() = Some((plots.to_owned(), names));
+    }
+}
+
+/// Removed files of an earlier run in words, and the options that write them again. Empty without files.
+fn in_words(removed: &[String]) -> String {
+    if removed.is_empty() {
+        return String::new();
+    }
+    let has = |ends: &[&str]| {
+        removed
+            .iter()
+            .any(|name| ends.iter().any(|end| name.ends_with(end)))
+    };
+    let pages = has(&[".html"]).then_some("--report writes the page again");
+    let pictures = has(&[".svg", ".png"]).then_some("--plots writes pictures again");
+    let again = pages.into_iter().chain(pictures);
+    let again: String = again.map(|option| format!("; {option}")).collect();
+    let names = removed.join(", ");
+    format!("Removed files of an earlier run: {names}{again}.\n")
 }
 
 /// Study in the run's directory. After a tuning it is the tuned study.

@@ -1,10 +1,11 @@
 //! `hardpoint report`, and the options `--report` and `--plots` of other commands.
 
 use super::exit::{Exit, Stop};
-use super::output::Destination;
+use super::output::{Destination, Output};
 use super::{ReportArguments, RunArguments};
 use crate::report::{
-    FinishedRun, Record, Run, SweepRun, car_page, page, picture_names, pictures, sweep_page,
+    FinishedRun, Picture, Record, Run, SweepRun, car_page, page, picture_names, pictures,
+    sweep_page,
 };
 use crate::results::{Claim, Manifest, Refusal, RunDirectory};
 use crate::study::Study;
@@ -87,10 +88,10 @@ impl ReportOptions {
         })
     }
 
-    /// Reads the finished run and makes its page and pictures. Returns the files written into the run's directory.
-    pub(super) fn show(&self, directory: Option<&RunDirectory>) -> Result<Vec<&'static str>, Stop> {
+    /// Reads the finished run and makes its page and pictures. Returns the page's file, if any; the output lists the pictures.
+    pub(super) fn show(&self, output: &Output) -> Result<Vec<&'static str>, Stop> {
         let mut files = Vec::new();
-        let Some(directory) = directory else {
+        let Some(directory) = output.directory() else {
             return Ok(files);
         };
         if !self.page && self.plots.is_none() {
@@ -102,14 +103,12 @@ impl ReportOptions {
             files.push("report.html");
         }
         if let Some(plots) = &self.plots {
-            if is_same(plots, directory.path()) {
-                for picture in pictures(&run) {
-                    let written = directory.write(&picture.name, &picture.contents);
-                    written.map_err(Stop::unwritten)?;
-                }
+            let names = if is_same(plots, directory.path()) {
+                write_all(pictures(&run), directory)?
             } else {
-                write_pictures(&run, plots, self.force)?;
-            }
+                write_pictures(&run, plots, self.force)?
+            };
+            output.list_pictures(plots, names);
         }
         Ok(files)
     }
@@ -161,9 +160,15 @@ fn write_pictures(run: &Run, plots: &Path, force: bool) -> Result<Vec<String>, S
     let names: Vec<&str> = pictures.iter().map(|p| p.name.as_str()).collect();
     let claim = claim_of_pictures(&names, force);
     let directory = RunDirectory::claim(plots, &claim).map_err(no_place_for_pictures)?;
-    for picture in &pictures {
+    write_all(pictures, &directory)
+}
+
+/// Writes pictures and returns their names.
+fn write_all(pictures: Vec<Picture>, directory: &RunDirectory) -> Result<Vec<String>, Stop> {
+    let written = pictures.into_iter().map(|picture| {
         let written = directory.write(&picture.name, &picture.contents);
         written.map_err(Stop::unwritten)?;
-    }
-    Ok(pictures.into_iter().map(|picture| picture.name).collect())
+        Ok(picture.name)
+    });
+    written.collect()
 }

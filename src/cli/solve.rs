@@ -4,7 +4,7 @@ use super::RunArguments;
 use super::exit::{Exit, Stop};
 use super::output::Output;
 use super::report::ReportOptions;
-use crate::checked::NamedCurves;
+use crate::checked::{AllMotions, NamedCurves};
 use crate::report::{counted, curves_csv};
 use crate::solved::Solved;
 use crate::study::{CarStudy, Study};
@@ -40,7 +40,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         output.record("report.json", &record)?;
         files.push("report.json");
     }
-    files.extend(report.show(output.directory())?);
+    files.extend(report.show(&output)?);
     output.finish()?;
 
     output.say(&format!("{}\n\n", summary.headline()))?;
@@ -48,14 +48,19 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.table_for_programs("stations", || stations);
     output.table("outputs", &ranges)?;
     output.table_for_programs("not_solved", || not_solved);
-    let mut complete = solved.is_complete();
-    let remarks = plausibility.into_iter().chain(solved.remarks());
+    let motions = AllMotions {
+        own: solved.curves(),
+        named: &of_motions,
+    };
+    let complete = motions.are_complete();
+    let remarks = plausibility
+        .into_iter()
+        .chain(motions.remarks(study.wheel()));
     output.say_plausibility(remarks, complete)?;
     for failure in solved.failures() {
         output.say_failure(&format!("\nnot solved: {failure}\n"))?;
     }
     for motion in &of_motions {
-        complete &= motion.curves.are_complete();
         for failure in motion.failures(study.wheel()) {
             output.say_failure(&format!("\n{failure}\n"))?;
         }

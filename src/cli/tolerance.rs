@@ -75,7 +75,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
         files.extend(fans(&output, path, &problem, &builds)?);
     }
     if !interrupted {
-        files.extend(report.show(output.directory())?);
+        files.extend(report.show(&output)?);
     }
     output.finish()?;
 

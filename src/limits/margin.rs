@@ -1,9 +1,9 @@
 //! Distance of a motion to the limits, in words.
 
-use crate::analyse::Range;
+use crate::analyse::{Range, RockerRange};
 use crate::curves::Curves;
 use crate::derive::MotionPoint;
-use crate::mechanism::DesignFault;
+use crate::mechanism::{DesignFault, Toggle};
 use crate::model;
 use crate::plan::Plan;
 use crate::report::{as_written, brief};
@@ -17,12 +17,20 @@ pub(crate) fn travel_left<'r>(ranges: impl Iterator<Item = &'r Range>, values: &
     left.fold(f64::INFINITY, f64::min)
 }
 
-/// Smallest distance to a singular pose over the motion of the study, in words.
+/// Ranges of a wheel: of its drive at each rack displacement, and of its rockers with the rack in the middle.
+#[derive(Clone, Copy)]
+pub(super) struct Ranges<'r> {
+    pub(super) by_rack: &'r [(f64, Range)],
+    pub(super) rockers: &'r [RockerRange],
+}
+
+/// Smallest distance to a singular pose over the motion of the study, and its distance to the travel limits and to the toggles
+/// of rockers, in words.
 pub(super) fn margin(
     study: &Study,
     plan: &Plan,
     solver: &mut Solver,
-    by_rack: &[(f64, Range)],
+    ranges: Ranges,
     moved: &Curves,
 ) -> Result<String, DesignFault> {
     let unit = study.wheel().length_unit.symbol();
@@ -56,14 +64,15 @@ pub(super) fn margin(
         return Ok("The mechanism can reach no station of the study's motion.".to_owned());
     }
     let mut text = format!(
-        "{stations} the mechanism stays at least {} {unit} away from a dead centre or fold. It is nearest at {} {}.",
+        "{stations} the wheel's links stay at least {} {unit} away from a dead centre or fold, by the conditioning of their \
+         equations. They are nearest at {} {}.",
         brief(distance),
         plan.drive.name(),
         as_written(plan.drive.printed(at))
     );
     if drive == model::Drive::Travel {
-        let reached = || by_rack.iter().filter(|(_, range)| !range.is_empty());
-        let where_reached = if reached().count() == by_rack.len() {
+        let reached = || ranges.by_rack.iter().filter(|(_, range)| !range.is_empty());
+        let where_reached = if reached().count() == ranges.by_rack.len() {
             ""
         } else {
             " at the rack positions that can be reached"
@@ -81,5 +90,40 @@ pub(super) fn margin(
             )
         };
     }
+    for sentence in ranges
+        .rockers
+        .iter()
+        .flat_map(|r| toggles(r, moved, unit))
+        .flatten()
+    {
+        // The bar's lever follows the rocker of the pushrod, so both end at one toggle.
+        if !text.contains(&sentence) {
+            text += &sentence;
+        }
+    }
     Ok(text)
+}
+
+/// Sentences about the toggles of a rocker, at the ends of the travel where it has one.
+fn toggles(range: &RockerRange, moved: &Curves, unit: &str) -> [Option<String>; 2] {
+    let travels = || moved.along("travel").flatten();
+    let least = travels().fold(0.0, f64::min);
+    let most = travels().fold(0.0, f64::max);
+    let sentence = |toggle: Option<Toggle>, left: &dyn Fn(f64) -> f64| {
+        let Toggle { travel, rod } = toggle?;
+        let left = left(travel);
+        let place = if left > 0.0 {
+            format!("{} {unit} beyond the motion", brief(left))
+        } else {
+            "within the motion".to_owned()
+        };
+        Some(format!(
+            " The {rod} reaches its toggle at travel {} {unit}, {place}.",
+            brief(travel)
+        ))
+    };
+    [
+        sentence(range.lower, &|travel| least - travel),
+        sentence(range.upper, &|travel| travel - most),
+    ]
 }

@@ -16,8 +16,8 @@ use crate::solve::Solver;
 use crate::solved::Solved;
 use crate::study::{AxleStudy, Drive, Study, Vehicle, WheelStudy};
 pub(crate) use elastic::{ElasticRow, rows_of_axle, rows_of_wheel};
-use margin::margin;
 pub(crate) use margin::travel_left;
+use margin::{Ranges, margin};
 pub(crate) use row::Row;
 use row::{LOST, at_toggle, because, columns, row};
 
@@ -132,7 +132,11 @@ impl<'s> WheelLimits<'s> {
         if study.motion().drive == Drive::PaperTheta {
             return Ok(None);
         }
-        margin(study, &self.plan, &mut self.solver, &self.by_rack, moved).map(Some)
+        let ranges = Ranges {
+            by_rack: &self.by_rack,
+            rockers: &self.limits.rockers,
+        };
+        margin(study, &self.plan, &mut self.solver, ranges, moved).map(Some)
     }
 
     fn table(&self, study: &Study) -> Table {

@@ -146,7 +146,13 @@ pub(super) fn because(limit: &Limit, study: &Study) -> String {
                 _ => "tie rod",
             };
             let angle = nearest.sine.min(1.0).asin().to_degrees();
-            format!("{cause} (nearest to one: the {part}, {angle:.1} deg away)")
+            if angle < 0.1 {
+                let cause = cause.to_string();
+                let stands = cause.split(", no part").next().unwrap_or_default();
+                format!("{stands}: the {part} is at its dead centre, to 0.1 deg")
+            } else {
+                format!("{cause} (nearest to one: the {part}, {angle:.1} deg away)")
+            }
         }
         (cause, _) => cause.to_string(),
     }

@@ -10,6 +10,15 @@ use serde::{Deserialize, Serialize};
 
 /// Remarks on curves, one per line: their accuracy, and missing values.
 pub fn remarks(curves: &Curves, length: LengthUnit) -> Vec<String> {
+    remarks_on_motion(curves, length, |_| false)
+}
+
+/// Remarks on the curves of one of several motions. `elsewhere` tells if another motion has values of a column.
+pub fn remarks_on_motion(
+    curves: &Curves,
+    length: LengthUnit,
+    elsewhere: impl Fn(&str) -> bool,
+) -> Vec<String> {
     let certificate = CertificateSummary::of(curves);
     let certificate = certificate.map(|c| c.remark(curves.stations.len(), length.symbol()));
     let warning = ConditionSummary::of(curves).and_then(|c| c.warning());
@@ -18,7 +27,7 @@ pub fn remarks(curves: &Curves, length: LengthUnit) -> Vec<String> {
         .chain(warning)
         .chain(unsupported(curves))
         .chain(toggled(curves))
-        .chain(Completeness::of(curves).remarks())
+        .chain(Completeness::of(curves).remarks(elsewhere))
         .collect()
 }
 

@@ -50,7 +50,11 @@ impl Record {
             command: command.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             study: study.name.clone(),
-            topology: format!("{}_axle", axle.left.mechanism.topology.name),
+            topology: match axle.left.mechanism.topology.name {
+                // A solid axle has the word in its name.
+                name if name.ends_with("axle") => name.to_owned(),
+                name => format!("{name}_axle"),
+            },
             length_unit: length.symbol().to_owned(),
             drive: column(&moving[0]),
             abscissae: further.clone(),

@@ -45,11 +45,10 @@ fn empty_columns(curves: &Curves) -> Vec<EmptyCells> {
             .iter()
             .map(|(_, reason, _)| reason.reason())
             .collect();
-        let has_value = curves.stations.iter().any(|s| s.values[column].is_ok());
         found.push(EmptyCells {
             columns: vec![curves.columns[column].name.clone()],
             stations: of_column.iter().map(|(.., stations)| stations).sum(),
-            throughout: !has_value,
+            throughout: !curves.has_value(column),
             reason: reasons.join("; or "),
         });
     }
@@ -105,21 +104,33 @@ impl Completeness {
         (all > 0).then(|| format!("{solved} of {all} stations solved{others}"))
     }
 
-    /// Remarks on empty cells, one per line.
-    pub fn remarks(&self) -> impl Iterator<Item = String> {
-        self.empty.iter().map(|cells| {
-            let columns = cells.columns.join(", ");
-            let have = if cells.columns.len() == 1 {
-                "has"
-            } else {
-                "have"
+    /// Remarks on empty cells, one per line. A column without any value is no warning if another motion of the study has values
+    /// of it, which `elsewhere` tells.
+    pub fn remarks(&self, elsewhere: impl Fn(&str) -> bool) -> Vec<String> {
+        let remarks = self.empty.iter().flat_map(|cells| {
+            let columns = cells.columns.iter().map(String::as_str);
+            let (there, nowhere): (Vec<_>, Vec<_>) = columns.partition(|column| elsewhere(column));
+            let (stations, reason) = (cells.stations, &cells.reason);
+            let remark = |columns: Vec<&str>, is_elsewhere: bool| {
+                let have = if columns.len() == 1 { "has" } else { "have" };
+                let names = columns.join(", ");
+                let text = match (cells.throughout, is_elsewhere, stations) {
+                    (true, true, _) => format!("{names} {have} no value in this motion: {reason}"),
+                    (true, false, _) => {
+                        format!("warning: {names} {have} no value at any station: {reason}")
+                    }
+                    (false, _, 1) => format!("{names} {have} no value at 1 station: {reason}"),
+                    (false, _, n) => format!("{names} {have} no value at {n} stations: {reason}"),
+                };
+                (!columns.is_empty()).then_some(text)
             };
-            let reason = &cells.reason;
-            match (cells.throughout, cells.stations) {
-                (true, _) => format!("warning: {columns} {have} no value at any station: {reason}"),
-                (false, 1) => format!("{columns} {have} no value at 1 station: {reason}"),
-                (false, n) => format!("{columns} {have} no value at {n} stations: {reason}"),
+            if cells.throughout {
+                [remark(nowhere, false), remark(there, true)]
+            } else {
+                let all = cells.columns.iter().map(String::as_str);
+                [remark(all.collect(), false), None]
             }
-        })
+        });
+        remarks.flatten().collect()
     }
 }

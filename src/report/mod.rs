@@ -44,7 +44,7 @@ mod tuning_summary;
 mod yields;
 
 pub use crate::curves::Influence;
-pub use accuracy::remarks;
+pub use accuracy::{remarks, remarks_on_motion};
 pub use axle_record::SolvedAxle;
 pub use bands::BandRecord;
 pub use benchmarks::{
@@ -75,8 +75,8 @@ pub use page::{
 pub use picture::{Picture, picture_names, pictures};
 pub use places::{Clearance, Places, Rim, Shape};
 pub use plausibility::{
-    axle_plausibility, both_wheels_plausibility, plausibility, rack_doubt, study_doubts,
-    variable_plausibility,
+    axle_plausibility, both_wheels_plausibility, plausibility, rack_doubt, spring_doubts,
+    study_doubts, variable_plausibility,
 };
 pub use record::{BandCurve, DesignRecord, DrawnDesign, OutputRecord, Record, TargetRecord};
 pub(crate) use record::{readable_unit, wanted_between};
@@ -86,7 +86,7 @@ pub use set_up_summary::{
     AdjustmentRecord, SetUpSide, SetUpSummary, StaticRecord, set_up_refusal, static_column,
 };
 pub use side_effects::{
-    shown_side_effects, side_effects_in_words, side_effects_table, unchanged_in_words,
+    further_in_words, shown_side_effects, side_effects_in_words, side_effects_table,
 };
 pub use solve_summary::SolveSummary;
 pub use sweep::{

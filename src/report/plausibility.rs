@@ -2,8 +2,11 @@
 //! only reported.
 
 mod axle;
+mod carrier;
+mod spring;
 
 pub use axle::{axle_plausibility, both_wheels_plausibility};
+pub use spring::spring_doubts;
 
 use super::figure::{brief, with_decimals};
 use super::{Directions, Reading};
@@ -45,6 +48,7 @@ pub fn plausibility(suspension: &Suspension) -> Result<Vec<String>, DesignFault>
     remarks.axes();
     remarks.wheel_at_the_centre_plane();
     remarks.distances();
+    remarks.wheel_centre_off_its_carrier();
     remarks.rods();
     remarks.seats();
     remarks.front_and_rear();

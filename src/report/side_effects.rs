@@ -30,22 +30,36 @@ fn decimals(effect: &SideEffect) -> usize {
     decimals.clamp(0.0, 9.0) as usize
 }
 
-/// Largest change with its sign.
+/// Tolerance with three significant digits: 1 mm is 0.0394 in.
+fn in_three_digits(tolerance: f64) -> String {
+    let digits = 10f64.powi(2 - tolerance.abs().log10().floor() as i32);
+    brief((tolerance * digits).round() / digits)
+}
+
+/// Largest change beyond what targets ask for, with its sign.
 fn change(effect: &SideEffect) -> Option<String> {
     let change = effect.largest_change?;
     let text = with_decimals(change, decimals(effect));
-    let is_positive = change > 0.0 && text.contains(|c: char| ('1'..='9').contains(&c));
-    Some(if is_positive {
+    Some(if change > 0.0 && has_digits(&text) {
         format!("+{text}")
     } else {
         text
     })
 }
 
-/// True if the printed values show a change.
+/// True if a printed number is not 0.
+fn has_digits(text: &str) -> bool {
+    text.contains(|c: char| ('1'..='9').contains(&c))
+}
+
+/// True if the printed values show a change that no target asks for.
 pub(super) fn is_visible(effect: &SideEffect) -> bool {
-    let shown = change(effect).unwrap_or_default();
-    effect.flagged || shown.contains(|c: char| ('1'..='9').contains(&c))
+    effect.flagged || has_digits(&change(effect).unwrap_or_default())
+}
+
+/// True if the printed values show a change, but none that no target asks for.
+fn is_as_asked(effect: &SideEffect) -> bool {
+    !is_visible(effect) && has_digits(&with_decimals(effect.asked_change, decimals(effect)))
 }
 
 /// Station of the largest change, such as `roll 3 deg, heave -40 mm, left wheel` or `skid_pad, front left wheel`.
@@ -87,7 +101,7 @@ pub fn side_effects_table(effects: &[SideEffect]) -> Table {
         Column::for_programs("unit"),
         Column::for_readers("before"),
         Column::for_readers("after"),
-        Column::for_readers("change"),
+        Column::for_readers("not asked for"),
         Column::for_readers("tolerance"),
         Column::for_readers("at"),
     ];
@@ -118,7 +132,7 @@ pub fn side_effects_table(effects: &[SideEffect]) -> Table {
             }
             _ => Cell::from("no value"),
         };
-        let tolerance = effect.tolerance.map(brief);
+        let tolerance = effect.tolerance.map(in_three_digits);
         let tolerance = match (effect.flagged, effect.lost) {
             (true, 0) => tolerance.map(|tolerance| format!("{tolerance} exceeded")),
             (true, lost) => Some(format!("no value at {}", counted(lost, "station"))),
@@ -170,9 +184,14 @@ pub fn side_effects_in_words(effects: &[SideEffect]) -> Option<String> {
     })
 }
 
-/// Names of the outputs without a visible change, in words. `None` if there is none.
-pub fn unchanged_in_words(effects: &[SideEffect]) -> Option<String> {
-    let unchanged = effects.iter().filter(|e| !is_visible(e));
-    let names: Vec<String> = unchanged.map(SideEffect::column).collect();
-    (!names.is_empty()).then(|| format!("unchanged: {}", names.join("; ")))
+/// Names of the outputs that change only as targets ask, and of those without a visible change, in words. No line without names.
+pub fn further_in_words(effects: &[SideEffect]) -> Vec<String> {
+    let line = |heading: &str, is_in: &dyn Fn(&SideEffect) -> bool| {
+        let names = effects.iter().filter(|e| is_in(e)).map(SideEffect::column);
+        let names: Vec<String> = names.collect();
+        (!names.is_empty()).then(|| format!("{heading}: {}", names.join("; ")))
+    };
+    let as_asked = line("as targets ask", &is_as_asked);
+    let unchanged = line("unchanged", &|e| !is_visible(e) && !is_as_asked(e));
+    as_asked.into_iter().chain(unchanged).collect()
 }

@@ -247,11 +247,7 @@ impl ToleranceSummary {
                     Some(false) if value.second_order.is_some_and(|s| s >= HOLDS) => "no: curved",
                     Some(false) => "no: builds differ",
                     None if value.drawn.is_none() || value.builds == 0 => "",
-                    None if value.second_order.is_none()
-                        && value.shares.iter().all(Option::is_none) =>
-                    {
-                        "does not scatter"
-                    }
+                    None if !value.scatters => "does not scatter",
                     None => "not known",
                 };
                 let because = match value.linear_holds {

@@ -31,6 +31,8 @@ struct RunState {
     replaced: Vec<RunRecord>,
     /// Names of the files that this run has written.
     written: BTreeSet<String>,
+    /// Names of the files of earlier runs that [`RunDirectory::finish`] has removed.
+    removed: Vec<String>,
     /// True if a signal stopped the work before its end.
     interrupted: bool,
 }
@@ -95,6 +97,7 @@ impl RunDirectory {
                 replaced,
                 manifest,
                 written: BTreeSet::new(),
+                removed: Vec::new(),
                 interrupted: false,
             }),
             command: claim.command.to_owned(),
@@ -378,6 +381,7 @@ impl RunDirectory {
             manifest,
             replaced,
             written,
+            removed,
             interrupted,
         } = &mut *state;
         let mut stale: Vec<String> = Vec::new();
@@ -405,9 +409,16 @@ impl RunDirectory {
             };
             if is_stale && manifest.author(&name).is_none() && !is_input(&path) {
                 std::fs::remove_file(&path).map_err(unwritten(&path))?;
+                removed.push(name);
             }
         }
         self.store_last(&state)
+    }
+
+    /// Sorted names of the files of earlier runs that [`RunDirectory::finish`] has removed, because they would contradict the new
+    /// results.
+    pub fn removed(&self) -> Vec<String> {
+        self.state().removed.clone()
     }
 
     /// Removes the temporary files of runs that died.

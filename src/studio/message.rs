@@ -4,8 +4,8 @@
 use crate::SideEffect;
 use crate::curves::Frame;
 use crate::report::{
-    Cell, FailureRange, OutputRecord, Scene, Table, counted, shown_side_effects,
-    side_effects_table, unchanged_in_words,
+    Cell, FailureRange, OutputRecord, Scene, Table, counted, further_in_words, shown_side_effects,
+    side_effects_table,
 };
 use crate::study::ValueEdit;
 use serde::{Deserialize, Serialize};
@@ -468,10 +468,7 @@ impl SideEffectRows {
         SideEffectRows {
             header: table.header().into_iter().map(str::to_owned).collect(),
             rows: rows.collect(),
-            rest: more
-                .into_iter()
-                .chain(unchanged_in_words(effects))
-                .collect(),
+            rest: more.into_iter().chain(further_in_words(effects)).collect(),
         }
     }
 }

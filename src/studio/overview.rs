@@ -7,7 +7,7 @@ use super::message::{
 use super::study_file::Opened;
 use crate::attia::PaperTheta;
 use crate::characteristics::Characteristic;
-use crate::compliance::not_of_equilibrium;
+use crate::compliance::{not_of_equilibrium, sign_of_figure};
 use crate::model::Suspension;
 use crate::number::Vector3;
 use crate::plan::Plan;
@@ -168,7 +168,7 @@ fn catalogue(own: &WheelStudy, optimise: Option<&Optimise>) -> Vec<Characteristi
     let figures = figures.iter().map(|figure| CharacteristicOverview {
         name: figure.name.clone(),
         unit: figure.unit.suffix(suspension.length_unit),
-        positive: "as in docs/compliance.md",
+        positive: sign_of_figure(&figure.name),
         asked: wanted.figures.iter().any(|own| own.value == figure.value),
         available: true,
     });

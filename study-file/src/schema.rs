@@ -152,6 +152,11 @@ fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
     (found, needed)
 }
 
+/// Sections and names of the keys of a study, in the order of their names.
+pub fn keys(root: Root) -> Vec<(String, String)> {
+    book::manual(root).into_keys().collect()
+}
+
 /// JSON schema (draft 4) of studies: keys, required keys, and types of values. In later drafts 8.0 is an integer, but not in
 /// TOML. `allowed` returns the allowed texts or table keys for a kind of study and a place, if they are limited.
 pub fn schema(allowed: fn(Root, &str) -> Option<Allowed>) -> Value {

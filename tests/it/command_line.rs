@@ -654,6 +654,27 @@ fn a_run_without_a_page_removes_that_of_an_earlier_one() {
     assert!(!page.exists());
 }
 
+/// An option that is a key of the study gets the way to set the key.
+#[test]
+fn a_key_as_an_option_is_told_how_to_set_it() {
+    let path = studies().join("macpherson_front.toml");
+    let path = path.to_str().unwrap();
+    for (call, tip) in [
+        (
+            ["optimise", path, "--starts", "8"],
+            "'--set optimise.starts=VALUE'",
+        ),
+        (
+            ["tolerance", path, "--builds", "8"],
+            "'--set tolerance.builds=VALUE'",
+        ),
+    ] {
+        let refused = hardpoint(&call).code(2);
+        let said = text(&refused.get_output().stderr);
+        assert!(said.contains(tip) && !said.contains("-- --"), "{said}");
+    }
+}
+
 /// Slips that make a suspension all the same.
 #[test]
 fn doubtful_studies_are_called_so() {
@@ -682,7 +703,25 @@ fn doubtful_studies_are_called_so() {
         let line = good.lines().find(is_pivot).unwrap();
         good.replace(line, &format!("lower_arm_rear = {place}"))
     };
+    let wheel_centre = |place: &str| {
+        let is_centre = |line: &&str| line.starts_with("wheel_centre ");
+        let line = good.lines().find(is_centre).unwrap();
+        good.replace(line, &format!("wheel_centre = {place}"))
+    };
     let cases = [
+        (
+            // Centimetres.
+            wheel_centre("[0.0, 620.0, 25.5]"),
+            "mm below every joint of its carrier",
+        ),
+        (
+            wheel_centre("[0.0, 620.0, 510.0]"),
+            "mm above every joint of its carrier",
+        ),
+        (
+            wheel_centre("[-1560.0, 620.0, 255.0]"),
+            "mm behind every joint of its carrier",
+        ),
         (
             swapped("upper_ball_joint", "lower_ball_joint"),
             "upper_ball_joint is not above lower_ball_joint",

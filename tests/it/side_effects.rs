@@ -109,17 +109,12 @@ fn the_first_study_keeps_its_toe() {
     assert!(angles.clone().all(|e| !e.flagged), "{effects:?}");
 }
 
-/// Part of a change that is beyond both no change and the wanted change of the nearest station.
+/// Part of a change that is outside of the changes between none and the wanted one of the nearest station.
 fn beyond(change: f64, wanted: f64) -> f64 {
-    let rest = change - wanted;
-    if change.abs() <= rest.abs() {
-        change
-    } else {
-        rest
-    }
+    change - change.clamp(wanted.min(0.0), wanted.max(0.0))
 }
 
-/// A caster that is wanted in the design position may change by the same amount everywhere, or stay: only the rest is a side
+/// A caster that is wanted in the design position may change by up to the same amount everywhere: only the rest is a side
 /// effect. The same with the inclination, by a limit of a constraint.
 #[test]
 fn a_change_that_a_target_asks_for_at_one_place_is_taken_off_elsewhere() {
@@ -441,4 +436,101 @@ fn a_robust_tuning_stands_beside_the_plain_optimum() {
     for band in yields["bands"].as_array().unwrap() {
         assert!(band["plain"].as_f64().is_some());
     }
+}
+
+/// Values of an axle's quantity at all stations.
+fn axle_values(study: &Study, column: &str) -> Vec<Option<f64>> {
+    let curves = study.curves().unwrap();
+    let number = curves
+        .columns
+        .iter()
+        .position(|c| c.name == column)
+        .unwrap();
+    curves.stations.iter().map(|s| s.value(number)).collect()
+}
+
+/// A turning circle is judged by 1 % of it, at the station with the largest relative change. A target of an Ackermann quantity asks
+/// for other steer angles, and the lateral roll centre moves without bounds in roll: neither is flagged then.
+#[test]
+fn turning_circles_are_judged_relative_to_their_size() {
+    let with = |target: &str| {
+        let optimise = format!(
+            "optimise={{ variables = [{{ hardpoint = \"tie_rod_outer\", axis = \"x\", range = [-10.0, 10.0] }}], \
+             targets = [{target}] }}"
+        );
+        let before = study(
+            "double_wishbone_axle",
+            &[
+                &optimise,
+                "motion={ roll = [-2.0, 0.0, 2.0], steering_wheel_angle = [20.0, 60.0, 120.0] }",
+                "outputs.characteristics=[\"turning_circle\", \"roll_centre_lateral\"]",
+            ],
+        );
+        let after = before.moved(&[4.0]);
+        let effects = side_effects(&before, &after).unwrap();
+        (before, after, effects)
+    };
+    let toe =
+        "{ characteristic = \"toe\", over = \"roll\", at = 0.0, value = 0.0, tolerance = 0.1 }";
+    let (before, after, effects) = with(toe);
+    let column = "turning_circle_mm";
+    let pairs = axle_values(&before, column)
+        .into_iter()
+        .zip(axle_values(&after, column));
+    let shares = pairs.filter_map(|(from, to)| Some((to? - from?, from?)));
+    let (change, from) = shares
+        .max_by(|a, b| (a.0 / a.1).abs().total_cmp(&(b.0 / b.1).abs()))
+        .unwrap();
+    let circle = named(&effects, "turning_circle");
+    assert!((circle.largest_change.unwrap() - change).abs() < 1e-6 * change.abs());
+    assert!((circle.tolerance.unwrap() - 0.01 * from).abs() < 1e-9 * from);
+    assert!(circle.flagged && change.abs() > 0.01 * from, "{circle:?}");
+    let lateral = named(&effects, "roll_centre_lateral");
+    assert!(
+        lateral.tolerance.is_none() && !lateral.flagged,
+        "{lateral:?}"
+    );
+    let asked = "{ characteristic = \"ackermann\", over = \"steering_wheel_angle\", at = 120.0, value = 50.0, tolerance = 5.0 }";
+    let (.., effects) = with(asked);
+    let circle = named(&effects, "turning_circle");
+    assert!(circle.tolerance.is_none() && !circle.flagged, "{circle:?}");
+}
+
+/// What changes only as a target asks is listed as such on the terminal, and not as unchanged: caster in the design position.
+#[test]
+fn changes_as_asked_have_their_own_line() {
+    let directory = tempfile::tempdir().unwrap();
+    let out = directory.path().join("run");
+    let study = path("macpherson_front");
+    let sets = [
+        "optimise.targets=[{ characteristic = \"caster\", at = 0.0, value = 5.0, tolerance = 0.01 }]",
+        "optimise.variables=[{ hardpoint = \"strut_top\", axis = \"x\", range = [-40.0, 40.0] }]",
+        "optimise.starts=1",
+    ];
+    let mut call = vec![
+        "optimise",
+        study.to_str().unwrap(),
+        "--out",
+        out.to_str().unwrap(),
+    ];
+    call.extend(sets.iter().flat_map(|set| ["--set", set]));
+    let said = String::from_utf8(run(&call).stdout).unwrap();
+    let text = std::fs::read_to_string(out.join("summary.json")).unwrap();
+    let summary: Value = serde_json::from_str(&text).unwrap();
+    let effects = summary["side_effects"].as_array().unwrap();
+    let caster = effects.iter().find(|e| e["output"] == "caster").unwrap();
+    assert!(
+        caster["asked_change"].as_f64().unwrap().abs() > 0.1,
+        "{caster}"
+    );
+    let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let unchanged = words.split("unchanged: ").nth(1).unwrap_or("");
+    let unchanged = unchanged.split(" start ").next().unwrap();
+    assert!(!unchanged.contains("caster_deg"), "{said}");
+    let shown = caster["largest_change"].as_f64().unwrap().abs() > 0.005;
+    assert_eq!(
+        words.contains("as targets ask: caster_deg"),
+        !shown,
+        "{said}"
+    );
 }

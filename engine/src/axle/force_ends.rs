@@ -1,6 +1,6 @@
-//! Poses in which a spring or bump stop is beyond the ends of its force curve.
+//! Poses in which a spring pulls, or a spring or bump stop is beyond the ends of its force curve.
 
-use super::spring::{ForceCurve, Law};
+use super::spring::{ForceCurve, Law, SpringLaw};
 use super::{Axle, AxleCurves};
 use crate::mechanism::Configuration;
 use crate::model::Side;
@@ -27,6 +27,17 @@ pub struct BeyondCurve {
     pub end: f64,
     /// Travel of the wheel.
     pub travel: f64,
+}
+
+/// Station at which a spring pulls.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pull {
+    /// The wheel.
+    pub side: Side,
+    /// Force of the spring without its stops, in newtons; below 0.
+    pub force: f64,
+    /// Index of the station.
+    pub station: usize,
 }
 
 impl BeyondCurve {
@@ -68,6 +79,47 @@ impl Axle {
         found
     }
 
+    /// Finds the station with the largest tension in a spring. `None` if no spring pulls. Stops do not count: a rebound stop
+    /// pulls.
+    pub fn pulling_spring(&self, curves: &AxleCurves) -> Option<Pull> {
+        let stations = curves.placed.iter().enumerate();
+        let forces = stations.flat_map(|(station, placed)| {
+            let placed = placed.as_ref().ok();
+            let of_side = move |side: Side| {
+                let placed = placed?;
+                let (pose, rack) = (placed.poses()[side as usize], placed.rack * side.sign());
+                let ([length, design], law) = self.spring_lengths(side, pose, rack)?;
+                let force = match &law.spring {
+                    Law::Linear { force, rate } => force + rate * (design - length),
+                    Law::Curve(curve) => curve.at(length),
+                };
+                Some(Pull {
+                    side,
+                    force,
+                    station,
+                })
+            };
+            Side::ALL.into_iter().filter_map(of_side)
+        });
+        let least = forces.min_by(|a, b| a.force.total_cmp(&b.force))?;
+        (least.force < 0.0).then_some(least)
+    }
+
+    /// Length of a wheel's spring in a pose and in the design position, and its law. `None` without a spring.
+    fn spring_lengths(
+        &self,
+        side: Side,
+        pose: crate::mechanism::Pose<f64>,
+        rack: f64,
+    ) -> Option<([f64; 2], &SpringLaw)> {
+        let wheel = self.suspension(side);
+        let (spring, springs) = (wheel.mechanism.spring?, self.setup.springs.as_ref()?);
+        let at = Configuration::new(&wheel.mechanism, &wheel.design, pose, rack);
+        let length = (at.point(spring.upper) - at.point(spring.lower)).norm();
+        let design = (at.designed(spring.upper) - at.designed(spring.lower)).norm();
+        Some(([length, design], &springs[side as usize]))
+    }
+
     /// Parts of a wheel that are beyond an end of their curve in a pose, with value and end.
     fn beyond_at(
         &self,
@@ -75,14 +127,9 @@ impl Axle {
         pose: crate::mechanism::Pose<f64>,
         rack: f64,
     ) -> [Option<(ForcePart, f64, f64)>; 2] {
-        let wheel = self.suspension(side);
-        let (Some(spring), Some(springs)) = (wheel.mechanism.spring, &self.setup.springs) else {
+        let Some(([length, design], law)) = self.spring_lengths(side, pose, rack) else {
             return [None; 2];
         };
-        let law = &springs[side as usize];
-        let at = Configuration::new(&wheel.mechanism, &wheel.design, pose, rack);
-        let length = (at.point(spring.upper) - at.point(spring.lower)).norm();
-        let design = (at.designed(spring.upper) - at.designed(spring.lower)).norm();
         let of_spring = match &law.spring {
             Law::Curve(curve) => beyond(curve, length).map(|end| (ForcePart::Spring, length, end)),
             Law::Linear { .. } => None,

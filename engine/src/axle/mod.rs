@@ -41,7 +41,7 @@ pub use coordinate::Coordinate;
 pub use curves::{AxleCurves, AxlePlan, axle_curves};
 pub(crate) use elastic::{AxleRead, Equilibria};
 pub use elastic::{TestFigure, not_in_equilibrium};
-pub use force_ends::{BeyondCurve, ForcePart};
+pub use force_ends::{BeyondCurve, ForcePart, Pull};
 pub(crate) use formulas::rigid::{FROM_DESIGN, place_of};
 pub use frames::{axle_frames, axle_sides};
 pub use lanes::LaneWheel;

@@ -5,7 +5,7 @@ use super::run::{motion, place};
 use super::{Column, Curves, Sensitivity, Station, Status};
 use crate::ask::NoValue;
 use crate::characteristics::{Characteristic, Quantity};
-use crate::compliance::{KcRun, KcValue, NoEquilibrium, Parameter};
+use crate::compliance::{KcRun, KcValue, NoEquilibrium, Parameter, sign_of_figure};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, LengthUnit, PointId, Suspension};
 use crate::number::{Each, Tape};
@@ -45,14 +45,16 @@ fn columns(length: LengthUnit, plan: &Plan) -> Vec<(Column, Read)> {
     found
 }
 
-/// Reference to the signs of test figures.
-const SIGNS: &str = "as in docs/compliance.md";
-
 impl ElasticFigure {
     /// The test figure as a column of results.
     pub(crate) fn as_column(&self, length: LengthUnit) -> Column {
         let (suffix, factor) = (self.unit.suffix(length), self.unit.printed_factor(length));
-        Column::of_value(self.name.clone(), suffix, SIGNS, factor)
+        Column::of_value(
+            self.name.clone(),
+            suffix,
+            sign_of_figure(&self.name),
+            factor,
+        )
     }
 }
 

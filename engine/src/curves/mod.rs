@@ -224,8 +224,17 @@ impl Curves {
     /// Returns true if every requested value exists at every station. A quantity may be undefined at some stations, but not at
     /// all of them.
     pub fn are_complete(&self) -> bool {
-        let has_value = |column: usize| self.stations.iter().any(|s| s.values[column].is_ok());
-        self.stations.iter().all(|s| s.status.is_whole()) && (0..self.columns.len()).all(has_value)
+        self.are_whole() && (0..self.columns.len()).all(|column| self.has_value(column))
+    }
+
+    /// Returns true if every station is solved.
+    pub fn are_whole(&self) -> bool {
+        self.stations.iter().all(|s| s.status.is_whole())
+    }
+
+    /// Returns true if a column has a value at some station.
+    pub fn has_value(&self, column: usize) -> bool {
+        self.stations.iter().any(|s| s.values[column].is_ok())
     }
 
     /// Numbers of empty cells by column and reason, at stations with a pose. Cells that are empty because of a toggle or a

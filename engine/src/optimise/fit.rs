@@ -160,8 +160,12 @@ impl fmt::Display for Termination {
             Termination::StepBelowResolution => "converged: the step is below resolution",
             Termination::Stationary => "converged: stationary between the bounds",
             Termination::NoFeasibleStep(reason) => return write!(f, "no feasible step: {reason}"),
-            Termination::NearestGoodEnough => "converged: smallest change that is good enough",
-            Termination::NearestOfTheBest => "converged: smallest change among the best designs",
+            Termination::NearestGoodEnough => {
+                "converged: smallest change with a misfit below good_enough"
+            }
+            Termination::NearestOfTheBest => {
+                "converged: smallest change among designs with nearly the least misfit"
+            }
             Termination::GoodEnoughNotKnownNearest => {
                 "good enough, not known to be the smallest change"
             }

@@ -238,7 +238,7 @@ impl Plan {
                     };
                     written(study, &["outputs", "characteristics"], &names)
                 };
-                let one = format!("right-hand side {derivative} of each pose");
+                let one = format!("derivative {derivative} in each pose");
                 (one, because, cost::DERIVATIVES[k])
             });
             Effect::of(names[k], found)

@@ -8,7 +8,7 @@ use crate::axle::{
 };
 use crate::mechanism::DesignFault;
 use crate::model::Side;
-use crate::study::{AxleStudy, Optimise, Study};
+use crate::study::{AxleStudy, Optimise, Study, TargetKind};
 
 /// Names of the quantities that are compared in addition to the study's outputs.
 const COMPARED: [&str; 10] = [
@@ -77,6 +77,33 @@ fn is_about(quantity: Quantity, column: &AxleColumn) -> bool {
         }
         (quantity, of) => of == Some(quantity),
     }
+}
+
+/// Returns true for the kinematic roll centre. In roll the normals of both wheels become parallel, and it moves without bounds.
+fn is_unbounded(quantity: Quantity) -> bool {
+    use AxleQuantity::{RollCentreHeight, RollCentreLateral};
+    matches!(
+        quantity,
+        Quantity::Axle(RollCentreHeight | RollCentreLateral)
+    )
+}
+
+/// Returns true for a turning circle if a target asks for another steer angle of one wheel over that of the other. The turning
+/// circle follows from both.
+fn follows_a_target(quantity: Quantity, study: &Study) -> bool {
+    use AxleQuantity::{Ackermann, AckermannByCotangents, AckermannError, TurningCircle};
+    let mut targets = study.optimise.iter().flat_map(|o| &o.targets);
+    let asks = |of: &Quantity| {
+        matches!(
+            of,
+            Quantity::Axle(Ackermann | AckermannByCotangents | AckermannError)
+        )
+    };
+    quantity == Quantity::Axle(TurningCircle)
+        && targets.any(|target| match &target.of.kind {
+            TargetKind::Axle(quantities) => quantities.iter().any(asks),
+            _ => false,
+        })
 }
 
 /// Plan of the study without derivatives, with those compared quantities that the axle has.
@@ -152,10 +179,9 @@ fn series_of(column: &AxleColumn, stations: &[Station], study: &Study) -> Option
                     _ => name,
                 },
                 wheel: wheel.map(Side::name),
-                // In roll the normals of both wheels become parallel, and the kinematic roll centre moves without bounds.
                 tolerance: series
                     .tolerance
-                    .filter(|_| *quantity != Quantity::Axle(AxleQuantity::RollCentreHeight)),
+                    .filter(|_| !is_unbounded(*quantity) && !follows_a_target(*quantity, study)),
                 ..series
             }
         }

@@ -64,11 +64,20 @@ pub(super) fn compare(
     effects.collect()
 }
 
-/// Change of one series at one station.
+/// Change of one series at one station, beyond what targets ask for.
 struct Change {
     amount: f64,
+    /// Tolerance of the value there.
+    tolerance: Option<f64>,
     station: usize,
     series: usize,
+}
+
+impl Change {
+    /// Size for comparison with other stations: in tolerances, if there is one.
+    fn size(&self) -> f64 {
+        self.amount.abs() / self.tolerance.unwrap_or(1.0)
+    }
 }
 
 /// Side effect of an output, from its series before and after. `None` if it has no value at the compared stations.
@@ -79,7 +88,7 @@ fn effect(
 ) -> Option<SideEffect> {
     let stations = &observed.stations;
     let (mut was, mut is) = (Range::default(), Range::default());
-    let (mut lost, mut largest) = (0, None::<Change>);
+    let (mut lost, mut largest, mut asked_change) = (0, None::<Change>, 0.0_f64);
     for (series, (before, after)) in pairs.iter().enumerate() {
         let wanted = Wanted::of(before, after, stations);
         for station in compared(before, stations) {
@@ -95,28 +104,27 @@ fn effect(
             } else {
                 wanted.shift_at(stations, station)
             };
-            // A value has no side effect if it does not change, or if it changes as a target asks.
-            let [plain, beyond] = [to - from, to - from - shift];
-            let amount = if plain.abs() <= beyond.abs() {
-                plain
-            } else {
-                beyond
+            // Anything between no change and the change that a target asks for is no side effect.
+            let as_asked = (to - from).clamp(shift.min(0.0), shift.max(0.0));
+            let here = Change {
+                amount: to - from - as_asked,
+                tolerance: before.tolerance.map(|tolerance| tolerance.of(from)),
+                station,
+                series,
             };
-            if largest
-                .as_ref()
-                .is_none_or(|l| amount.abs() > l.amount.abs())
-            {
-                largest = Some(Change {
-                    amount,
-                    station,
-                    series,
-                });
+            if as_asked.abs() > asked_change.abs() {
+                asked_change = as_asked;
+            }
+            if largest.as_ref().is_none_or(|l| here.size() > l.size()) {
+                largest = Some(here);
             }
         }
     }
     let first = pairs[0].0;
     let magnitude = was.magnitude().max(is.magnitude());
-    let rounding = ROUNDING * magnitude.max(first.tolerance.unwrap_or(LEAST_CHANGE / ROUNDING));
+    let tolerance = largest.as_ref().and_then(|l| l.tolerance);
+    let tolerance = tolerance.or(first.tolerance.map(|of| of.of(magnitude)));
+    let rounding = ROUNDING * magnitude.max(tolerance.unwrap_or(LEAST_CHANGE / ROUNDING));
     let change = largest.as_ref().filter(|l| l.amount.abs() > rounding);
     let exceeds = |tolerance: f64| change.is_some_and(|l| l.amount.abs() > tolerance);
     (was.ends.is_some() || is.ends.is_some()).then(|| SideEffect {
@@ -133,8 +141,13 @@ fn effect(
         at: change.map_or(Vec::new(), |l| stations[l.station].place.clone()),
         case: change.and_then(|l| stations[l.station].case.clone()),
         wheel: change.and_then(|l| Some(pairs[l.series].0.wheel?.to_owned())),
-        tolerance: first.tolerance,
-        flagged: lost > 0 || first.tolerance.is_some_and(exceeds),
+        asked_change: if asked_change.abs() > rounding {
+            asked_change
+        } else {
+            0.0
+        },
+        tolerance,
+        flagged: lost > 0 || tolerance.is_some_and(exceeds),
         lost,
     })
 }

@@ -6,6 +6,27 @@ use crate::model::LengthUnit;
 
 /// Change of a length, in mm, that counts.
 const LENGTH: f64 = 1.0;
+/// Change of a turning circle that counts, as a share of it. It grows without bounds near straight ahead.
+const TURNING_CIRCLE: f64 = 0.01;
+
+/// Customary tolerance of a change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Tolerance {
+    /// In the printed unit.
+    Fixed(f64),
+    /// Share of the value before the tuning.
+    Share(f64),
+}
+
+impl Tolerance {
+    /// Tolerance in the printed unit, for a value before the tuning.
+    pub(super) fn of(self, before: f64) -> f64 {
+        match self {
+            Tolerance::Fixed(tolerance) => tolerance,
+            Tolerance::Share(share) => share * before.abs(),
+        }
+    }
+}
 
 /// Lengths that grow without bounds as links become parallel. They must be judged by their curves, so they have no tolerance.
 const UNBOUNDED: [&str; 6] = [
@@ -25,27 +46,28 @@ const UNBOUNDED_IN_TURNS: [&str; 3] = [
 ];
 
 /// Largest change of a quantity that an engineer tolerates, in the printed unit. Angles: toe 0.05 degrees, camber, roll and
-/// pitch 0.1 degrees, caster and inclination of the steering axis 0.2 degrees. Others: lengths 1 mm, share of the front axle
-/// in the load transfer 1 %, roll gradient 0.05 degrees/g. `None` for all others.
-pub(super) fn tolerance(name: &str, unit: Unit, length: LengthUnit) -> Option<f64> {
-    match (name, unit) {
-        ("toe", _) => Some(0.05),
-        ("camber" | "camber_to_road" | "roll" | "pitch", _) => Some(0.1),
-        ("lateral_load_transfer_distribution", _) => Some(1.0),
-        ("roll_gradient", _) => Some(0.05),
-        _ if UNBOUNDED_IN_TURNS.iter().any(|of| name.starts_with(of)) => None,
-        ("caster" | "kingpin_inclination", _) => Some(0.2),
+/// pitch 0.1 degrees, caster and inclination of the steering axis 0.2 degrees. Others: turning circle 1 % of it, other lengths
+/// 1 mm, share of the front axle in the load transfer 1 %, roll gradient 0.05 degrees/g. `None` for all others.
+pub(super) fn tolerance(name: &str, unit: Unit, length: LengthUnit) -> Option<Tolerance> {
+    let fixed = match (name, unit) {
+        ("turning_circle", _) => return Some(Tolerance::Share(TURNING_CIRCLE)),
+        ("toe" | "roll_gradient", _) => 0.05,
+        ("camber" | "camber_to_road" | "roll" | "pitch", _) => 0.1,
+        ("lateral_load_transfer_distribution", _) => 1.0,
+        _ if UNBOUNDED_IN_TURNS.iter().any(|of| name.starts_with(of)) => return None,
+        ("caster" | "kingpin_inclination", _) => 0.2,
         (_, Unit::Length) if !UNBOUNDED.contains(&name) => {
-            Some(length.convert(LENGTH, LengthUnit::Millimetre))
+            length.convert(LENGTH, LengthUnit::Millimetre)
         }
-        _ => None,
-    }
+        _ => return None,
+    };
+    Some(Tolerance::Fixed(fixed))
 }
 
 /// Returns true for a quantity that is judged only with the rack at 0. With steered wheels, toe is a steer angle, and the
 /// kinematic roll centre moves without bounds.
 pub(super) fn is_judged_straight_ahead(name: &str) -> bool {
-    ["toe", "roll_centre_height"].contains(&name)
+    ["toe", "roll_centre_height", "roll_centre_lateral"].contains(&name)
 }
 
 /// Characteristic whose curve over travel follows from a gain, except for its value in the design position.

@@ -9,11 +9,11 @@
 //! c(s) = (a(s) - b(s)) - (a(n) - b(n))            n the station nearest to s at which one does, (2)
 //! ```
 //!
-//! or (1) where it is smaller than (2): a value that does not change has no side effect.
+//! and 0 where the change is between 0 and the one asked for at n. A change against it counts by (1).
 //!
-//! Example: a target requests a caster in the design position. Then caster may change by the same amount over the whole travel,
-//! or stay unchanged at other travels; any other change is a side effect. Distances between stations are in shares of the
-//! motion's ranges. Over a named motion without a target for the quantity, n is the station of `[motion]` with the nearest drive
+//! Example: a target asks for a caster in the design position. Then caster may change by up to the same amount over the whole
+//! travel; more, or less than before, is a side effect. Distances between stations are in shares of the motion's
+//! ranges. Over a named motion without a target for the quantity, n is the station of `[motion]` with the nearest drive
 //! value.
 //!
 //! A target for a gain also counts for the quantity whose slope is the gain: bump steer for toe, motion ratio for spring
@@ -48,10 +48,13 @@ pub struct SideEffect {
     pub after_min: Option<f64>,
     /// Largest value after the tuning.
     pub after_max: Option<f64>,
-    /// Change with the largest absolute value, with its sign. 0 if only rounding changes the values. `None` if no station
-    /// has a value both before and after.
+    /// Largest change beyond what targets ask for, with its sign: the one with the most tolerances. 0 if only rounding changes
+    /// the values. `None` if no station has a value both before and after.
     pub largest_change: Option<f64>,
-    /// Station of this change. Empty without a change.
+    /// Largest change that targets ask for, at the same stations. 0 without one.
+    #[serde(default)]
+    pub asked_change: f64,
+    /// Station of the largest change. Empty without a change.
     pub at: Vec<PlaceCoordinate>,
     /// Load case of this change, for results of a car's load cases.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -59,7 +62,7 @@ pub struct SideEffect {
     /// Wheel with the largest change: `left` or `right` for an axle, `front_left` and so on for a car. `None` for other
     /// outputs.
     pub wheel: Option<String>,
-    /// Customary tolerance. `None` if the output has none.
+    /// Customary tolerance at the station of the largest change. `None` if the output has none.
     pub tolerance: Option<f64>,
     /// True if the change exceeds the tolerance, or if stations have lost their values.
     pub flagged: bool,

@@ -1,5 +1,6 @@
 //! Values of a design at stations: of a motion of one wheel or an axle, or of the load cases of a car.
 
+use super::customary::Tolerance;
 use super::{PlaceCoordinate, axle, corner, customary};
 use crate::ask::Unit;
 use crate::mechanism::DesignFault;
@@ -47,7 +48,7 @@ pub(super) struct Series {
     /// Unit, as in column names.
     pub unit: String,
     /// Customary tolerance.
-    pub tolerance: Option<f64>,
+    pub tolerance: Option<Tolerance>,
     /// True if stations with a steered rack are omitted.
     pub straight_only: bool,
     /// Name of the wheel, for an axle or a car.

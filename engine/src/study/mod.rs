@@ -66,7 +66,7 @@ use hardpoint_study_file::{error, file, names, overrides, parse, source, value};
 pub(crate) use optimise::{GOOD_ENOUGH, MAX_ITERATIONS};
 pub use samples::{AxleSample, Sample};
 pub use scatter::{Adjustment, Band, Contributor, Increment, Law, Setup, Source, Tolerance, Want};
-pub use schema::schema;
+pub use schema::{keys, schema};
 pub use sweep::MOST_DESIGNS;
 pub(crate) use sweep::MOST_EXCHANGED;
 pub use target::{

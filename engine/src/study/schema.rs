@@ -6,6 +6,11 @@ use crate::model::{FrameConvention, LengthUnit, Side, Topology};
 use crate::number::Each;
 use hardpoint_study_file::schema::{self, Allowed, Root};
 
+/// Sections and names of the keys of a study of a suspension.
+pub fn keys() -> Vec<(String, String)> {
+    schema::keys(Root::Suspension)
+}
+
 /// JSON schema (draft 4) of studies, for editors: keys, required keys, types of values, and permitted names.
 pub fn schema() -> serde_json::Value {
     schema::schema(allowed)

@@ -29,10 +29,10 @@ pub(super) struct SheetTarget {
     pub numbers: Vec<(&'static str, f64)>,
 }
 
-/// Reads the file of a target if it is a sheet; otherwise `None`.
-fn sheet(path: &Text, context: &Context) -> Option<Arc<Source>> {
+/// Reads the file of a target with the needed columns that it lacks. `None` if it cannot be read, which the reader of curves
+/// reports.
+fn sheet(path: &Text, context: &Context) -> Option<(Arc<Source>, Vec<&'static str>)> {
     let full = context.directory.join(path.get_ref());
-    // A file that cannot be read is reported by the reader of curves.
     let text = read_text(&full, LONGEST_TEXT).ok()?;
     let header = text.trim_start().lines().next()?;
     let separator = char::from(delimiter(&text));
@@ -40,12 +40,22 @@ fn sheet(path: &Text, context: &Context) -> Option<Arc<Source>> {
         .split(separator)
         .map(|name| name.trim().trim_matches('"'))
         .collect();
-    NEEDED.iter().all(|name| names.contains(name)).then(|| {
-        Arc::new(Source {
-            name: full.display().to_string(),
-            text,
-        })
-    })
+    let missing = NEEDED.into_iter().filter(|name| !names.contains(name));
+    let missing = missing.collect();
+    let source = Source {
+        name: full.display().to_string(),
+        text,
+    };
+    Some((Arc::new(source), missing))
+}
+
+/// Returns true if a target does not say what a file of a curve measures, so its file must be a sheet.
+fn must_be_a_sheet(written: &Written) -> bool {
+    let named = [&written.figure, &written.characteristic];
+    named.iter().all(|name| name.is_none())
+        && written.column.is_none()
+        && written.point.is_none()
+        && written.length.is_none()
 }
 
 /// Targets of a measured sheet. `None` if the target's file is not a sheet. If the target names a figure or a characteristic,
@@ -62,7 +72,19 @@ pub(super) fn targets(
         (None, Some(both)) if both.axle.elastic.is_some() => SheetOf::Axle(both),
         _ => return None,
     };
-    let source = sheet(path, context)?;
+    let (source, missing) = sheet(path, context)?;
+    if !missing.is_empty() {
+        if !must_be_a_sheet(written) {
+            return None;
+        }
+        let message = format!(
+            "{} has no column {}. A measured sheet needs the columns load, quantity and value. For a file with a curve, name its \
+             figure or characteristic here",
+            path.get_ref(),
+            missing.join(", ")
+        );
+        return Some(problems.refuse(path.span(), &message));
+    }
     Some(of_sheet(spanned, of, &source, context, problems))
 }
 

@@ -22,6 +22,10 @@ use std::ops::ControlFlow;
 /// Limit for the second-order term as a share of the variance. Below it, the linear result is valid.
 pub const HOLDS: f64 = 0.02;
 
+/// Smallest first-order standard deviation of a value that scatters, relative to the value or to 1 of its unit (rad, mm).
+/// Smaller ones are rounding errors, for example of a camber that alignment sets.
+const SCATTERS: f64 = 1e-12;
+
 /// Largest number of sources for which products are computed.
 const MOST_SOURCES: usize = 120;
 
@@ -84,6 +88,12 @@ impl Expansion {
     /// Derivatives of a value by each source.
     pub fn gradient(&self, cell: usize) -> &[f64] {
         &self.gradient[cell * self.sources..(cell + 1) * self.sources]
+    }
+
+    /// Returns true if a value with this nominal scatters. Otherwise only rounding errors differ, and these have no shares and
+    /// cost no yield.
+    pub fn scatters(&self, cell: usize, drawn: f64) -> bool {
+        self.variance[cell].sqrt() > SCATTERS * drawn.abs().max(1.0)
     }
 
     /// Second-order term as a share of the first-order variance. NaN if it is not known.

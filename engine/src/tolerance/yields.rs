@@ -83,6 +83,10 @@ impl Sample {
         for draw in 0..draws {
             tolerance.draw(draw, &mut z);
             for cell in &cells {
+                if !expansion.scatters(*cell, drawn[*cell]) {
+                    place += contributors;
+                    continue;
+                }
                 let mut terms = expansion.gradient(*cell).iter().zip(&z);
                 for contributor in &tolerance.scatter {
                     let own = terms.by_ref().take(contributor.sources.len());
@@ -157,11 +161,11 @@ impl Forecast {
             |contributor: usize, factor: f64| sample.yields(Some((contributor, factor))).1 - all;
         let worth = |contributor: usize| {
             let cells = problem.cells_of_bands().flatten();
+            let cells = cells.filter(|cell| expansion.scatters(*cell, drawn[*cell]));
             let share =
                 |cell: usize| expansion.part(problem, cell, contributor) / expansion.variance[cell];
-            let shares = cells.map(share).filter(|share| share.is_finite());
             Worth {
-                share: shares.fold(0.0, f64::max),
+                share: cells.map(share).fold(0.0, f64::max),
                 halved: moved(contributor, 0.5),
                 doubled: moved(contributor, 2.0),
             }

@@ -1,10 +1,10 @@
 //! Scatter of a car: `tolerance.csv`, `contributors.csv`, `summary.json` and tables.
 
 use crate::report::files::csv_of_rows;
-use crate::report::optional;
 use crate::report::table::{Cell, Column, Table};
 use crate::report::text::counted;
 use crate::report::tolerance_summary::percent;
+use crate::report::{optional, resolution};
 use crate::tolerance::{CarBuilds, CarExpansion, CarProblem, PERCENTILES};
 use serde::Serialize;
 
@@ -45,6 +45,8 @@ struct CarValue {
     range: [Option<f64>; 2],
     /// Share of each contributor in the first-order variance.
     shares: Vec<Option<f64>>,
+    /// False if the builds differ only by rounding errors.
+    scatters: bool,
     /// True if the value has a band.
     has_band: bool,
 }
@@ -80,11 +82,14 @@ impl CarToleranceSummary {
         let values = results.map(|(k, result)| {
             let (spread, first) = (&builds.spreads[k], &expansion[k]);
             let (output, case) = column(result.case, result.quantity);
+            let unit = result.quantity.info().unit.suffix(length);
+            // The roll of a symmetric car on a straight differs only by rounding errors, and these have no shares.
+            let scatters = first.sigma() > resolution(&unit);
             let contributors = 0..tolerance.contributors.len();
             CarValue {
                 output,
                 case,
-                unit: result.quantity.info().unit.suffix(length),
+                unit,
                 builds: spread.count,
                 drawn: finite(nominal[k]),
                 mean: finite(spread.mean),
@@ -92,10 +97,13 @@ impl CarToleranceSummary {
                 sigma: finite(spread.sigma),
                 sigma_error: finite(spread.sigma_error),
                 sigma_linear: finite(first.sigma()),
-                linear_holds: first.holds(spread),
+                linear_holds: first.holds(spread).filter(|_| scatters),
                 percentiles: spread.percentiles.map(finite),
                 range: spread.range.map(finite),
-                shares: contributors.map(|c| finite(first.share(c))).collect(),
+                shares: contributors
+                    .map(|c| finite(first.share(c)).filter(|_| scatters))
+                    .collect(),
+                scatters,
                 has_band: tolerance
                     .bands
                     .iter()
@@ -166,7 +174,7 @@ impl CarToleranceSummary {
             let is_shown = if has_bands {
                 value.has_band
             } else {
-                value.sigma.is_some_and(|sigma| sigma > 0.0)
+                value.scatters
             };
             if !is_shown {
                 continue;
@@ -182,6 +190,7 @@ impl CarToleranceSummary {
             let words = match value.linear_holds {
                 Some(true) => "yes",
                 Some(false) => "no",
+                None if !value.scatters => "does not scatter",
                 None => "",
             };
             let figure = |v: Option<f64>| Cell::from(v.map(|v| Cell::figure(v, &value.unit)));

@@ -270,10 +270,9 @@ fn transfer(record: &CarRecord) -> String {
     });
     let figures: String = figures.collect();
     let note = format!(
-        "Half the difference between the loads of the right and the left wheel, in {}. The parts \
-         add up to the total: springs, stops and bars (elastic), side forces through the links \
-         (geometric), brake and drive forces through the links (longitudinal), weight and inertia \
-         of the wheels (unsprung).",
+        "Half the difference between the wheel loads, right minus left, in {}. The parts add up to the total: springs, \
+         stops and bars (elastic), side forces through the links (geometric), brake and drive forces through the links \
+         (longitudinal), weight and inertia of the wheels (unsprung).",
         record.force_unit
     );
     let content = format!("{}<div class=\"plots\">{figures}</div>", charts::key());

@@ -24,14 +24,19 @@ pub(super) fn opening(tuning: &TuningSummary, record: &Record) -> String {
     } else {
         ""
     };
-    let moved = moved.html();
+    let (title, moved) = if moved.rows().next().is_some() {
+        (format!("Moved points [{unit}]"), moved.html())
+    } else {
+        // Without moved points, the variables are rates, or nothing moved.
+        ("Variables".to_owned(), tuning.variables_table().html())
+    };
     let picture = pictures(record);
     format!(
         r#"<section id="answer" aria-labelledby="answer-title">
   <h2 id="answer-title">Result</h2>
   <p class="verdict">{verdict}</p>
   <div class="answer">
-    <div><h3>Moved points [{unit}]</h3>{moved}{together}{bounds}</div>
+    <div><h3>{title}</h3>{moved}{together}{bounds}</div>
     {picture}
   </div>
   <div class="answer">

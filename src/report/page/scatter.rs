@@ -101,8 +101,12 @@ fn row(svg: &mut String, top: f64, band: &BandRecord, value: &ValueRecord) {
         100.0 * band.kept
     );
     let known = value.mean.zip(value.sigma);
-    if let Some((mean, sigma)) = known.filter(|(_, sigma)| *sigma > 0.0) {
-        let words = capability([band.low, band.high], mean, sigma);
+    let words = match known {
+        Some(_) if !value.scatters => Some("does not scatter".to_owned()),
+        Some((mean, sigma)) => Some(capability([band.low, band.high], mean, sigma)),
+        None => None,
+    };
+    if let Some(words) = words {
         let _ = write!(
             svg,
             "<text class=\"small\" x=\"{WIDTH}\" y=\"{:.1}\" text-anchor=\"end\">{words}</text>",

@@ -75,9 +75,12 @@ fn wanted_strips(summary: &SetUpSummary) -> Vec<Strip> {
     let wanted = summary.statics.iter().filter_map(|s| Some((s, s.wanted?)));
     wanted
         .map(|(s, wanted)| {
+            let goal = if s.kept { "kept at" } else { "wanted" };
+            // An angle that is kept at 0 has a rounding error.
+            let figure = brief(if wanted.abs() < 1e-9 { 0.0 } else { wanted });
             let dots = [("former", s.drawn), ("main", s.set_rounded)].into_iter();
             Strip {
-                title: s.column.clone(),
+                title: format!("{}, {goal} {figure}", s.column),
                 range: None,
                 band: Some([wanted - s.allowed_rounded, wanted + s.allowed_rounded]),
                 dots: dots

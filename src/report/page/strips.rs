@@ -16,8 +16,9 @@ const HEIGHT: f64 = 58.0;
 const LINE: f64 = 30.0;
 /// Half of the height of a band, and of the ticks at the ends of a range.
 const HALF: f64 = 6.0;
-/// Width of a digit in the numbers.
+/// Width of a digit in the numbers, and their least distance from the edge of the picture.
 const DIGIT: f64 = 7.0;
+const EDGE: f64 = 8.0;
 
 /// A quantity with a range, a band or values.
 pub(super) struct Strip {
@@ -25,7 +26,7 @@ pub(super) struct Strip {
     pub title: String,
     /// Range, drawn as a line with ends.
     pub range: Option<[f64; 2]>,
-    /// Band behind the line.
+    /// Band behind the line. Its ends have numbers beside a range only; otherwise the title names the wanted value.
     pub band: Option<[f64; 2]>,
     /// Class and value of each dot.
     pub dots: Vec<(&'static str, f64)>,
@@ -103,12 +104,12 @@ fn draw(strip: &Strip, top: f64, svg: &mut String) {
     }
     // Numbers of the values come first, then those of the ends of range and band, if there is enough space.
     let dots = strip.dots.iter().rev().map(|(_, value)| *value);
-    let ends = strip.range.into_iter().chain(strip.band).flatten();
+    let ends = strip.range.into_iter().chain(strip.range.and(strip.band));
     let mut taken: Vec<[f64; 2]> = Vec::new();
-    for value in dots.chain(ends) {
+    for value in dots.chain(ends.flatten()) {
         let words = brief(rounded(value, scale.high - scale.low)).replace('-', "\u{2212}");
         let half = DIGIT * words.chars().count() as f64 / 2.0;
-        let x = at(value).clamp(half, WIDTH - half);
+        let x = at(value).clamp(half + EDGE, WIDTH - half - EDGE);
         let place = [x - half - DIGIT / 2.0, x + half + DIGIT / 2.0];
         if taken
             .iter()
@@ -131,6 +132,39 @@ fn rounded(value: f64, span: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Without a range, dots have numbers and the ends of the band have none. A rounding error is 0, and no number leaves the
+    /// picture.
+    #[test]
+    fn numbers_are_those_of_the_dots() {
+        let strip = Strip {
+            title: "toe_deg, wanted -0.2".to_owned(),
+            range: None,
+            band: Some([-0.2351, -0.1649]),
+            dots: vec![("former", -2.505e-14), ("main", -0.1704)],
+        };
+        let svg = strips(&[strip], "values");
+        let numbers = svg.lines().filter(|line| line.contains("axis-text"));
+        let numbers: Vec<&str> = numbers
+            .map(|line| line.split(['>', '<']).nth(2).unwrap())
+            .collect();
+        assert_eq!(numbers, ["-0.1704", "0"]);
+        let long = Strip {
+            title: String::new(),
+            range: Some([-1234.0, 1e-4]),
+            band: None,
+            dots: vec![("main", 1.234e-4)],
+        };
+        for line in strips(&[long], "values").lines() {
+            let Some((_, x)) = line.split_once("axis-text\" x=\"") else {
+                continue;
+            };
+            let x: f64 = x.split('"').next().unwrap().parse().unwrap();
+            let letters = line.split(['>', '<']).nth(2).unwrap().len() as f64;
+            let half = 0.5 * DIGIT * letters;
+            assert!(x - half >= 8.0 && x + half <= WIDTH - 8.0, "{line}");
+        }
+    }
 
     /// Ends of range and band, and dots, are at positions proportional to their values.
     #[test]

@@ -1,7 +1,7 @@
 //! Warnings about an axle, over its motion and between its wheels.
 
 use super::plausibility;
-use crate::ask::Need;
+use crate::ask::{Need, Unit};
 use crate::axle::{
     Axle, AxleCurves, AxlePlan, BeyondCurve, ForcePart, Law, Quantity, WheelQuantity,
 };
@@ -61,10 +61,7 @@ pub fn axle_plausibility(
 ) -> Vec<String> {
     let mut remarks: Vec<String> = soft_spring(axle).into_iter().collect();
     if turns_against {
-        let c_factor = axle.setup.c_factor.unwrap_or(0.0) * axle.left.frame.sign(Axis::Y);
-        remarks.push(format!(
-            "please check: with c_factor = {c_factor} the wheels turn in the opposite direction to the steering wheel; a rack behind the wheel centres moves to the right in a left turn"
-        ));
+        remarks.push(turned_against(axle));
     }
     remarks.extend(lifted(plan, found));
     let reads_springs = |quantity: &Quantity| {
@@ -72,10 +69,39 @@ pub fn axle_plausibility(
         needs.contains(&Need::SpringForce) || needs.contains(&Need::Springs)
     };
     if plan.quantities.iter().any(reads_springs) {
+        remarks.extend(pulling(axle, found));
         let beyond = axle.beyond_force_curves(found);
         remarks.extend(beyond.iter().map(|beyond| beyond_curve(axle, beyond)));
     }
     remarks
+}
+
+/// Doubt about the sign of `c_factor`. The steering arms decide the right one, wherever the rack is.
+fn turned_against(axle: &Axle) -> String {
+    let c_factor = axle.setup.c_factor.unwrap_or(0.0);
+    let printed = c_factor * axle.left.frame.sign(Axis::Y);
+    let (to, sign) = (
+        if c_factor < 0.0 { "left" } else { "right" },
+        if printed < 0.0 { "above" } else { "below" },
+    );
+    format!(
+        "please check: with c_factor = {printed} the wheels turn against the steering wheel. In a left turn this rack must \
+         move to the {to}: give a c_factor {sign} 0"
+    )
+}
+
+/// Warning about the station at which a spring pulls most, if one does.
+fn pulling(axle: &Axle, found: &AxleCurves) -> Option<String> {
+    let pull = axle.pulling_spring(found)?;
+    let length = axle.left.length_unit;
+    let force = brief(pull.force * Unit::Force.printed_factor(length));
+    Some(format!(
+        "warning: the force of the {} spring falls to {force} {} at {}: there it would pull, and a coil spring would leave \
+         its seat",
+        pull.side.name(),
+        Unit::Force.suffix(length),
+        place_in_words(&found.curves, pull.station)
+    ))
 }
 
 /// Warning about the station with the smallest wheel load, if the load is below 0.

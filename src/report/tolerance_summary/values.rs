@@ -54,6 +54,9 @@ pub struct ValueRecord {
     pub remainder_error: Option<f64>,
     /// Second-order estimate of this fraction.
     pub remainder_second_order: Option<f64>,
+    /// False if the builds differ only by rounding errors. Earlier versions did not write it.
+    #[serde(default = "scatters")]
+    pub scatters: bool,
     /// True for a value at the design position.
     pub(super) at_rest: bool,
     /// Unit of the value.
@@ -67,6 +70,11 @@ pub struct HistogramRecord {
     pub range: [f64; 2],
     /// Number of builds in each bin.
     pub counts: Vec<u32>,
+}
+
+/// Default of [`ValueRecord::scatters`].
+fn scatters() -> bool {
+    true
 }
 
 fn finite(value: f64) -> Option<f64> {
@@ -105,8 +113,7 @@ pub(super) fn values(
             let travel = stations.values()[stations.value_of(station)];
             let rack = stations.racks[stations.rack_of(station)];
             let deviation = expansion.variance[cell].sqrt();
-            // After alignment, an aligned value varies only by rounding errors, so contributors have no shares.
-            let scatters = deviation > 1e-12 * drawn[cell].abs().max(1.0);
+            let scatters = expansion.scatters(cell, drawn[cell]);
             let variance = if scatters {
                 deviation * deviation
             } else {
@@ -154,6 +161,7 @@ pub(super) fn values(
                 remainder: of_scatter(remainder.part),
                 remainder_error: of_scatter(remainder.error),
                 remainder_second_order: of_scatter(remainder.second),
+                scatters,
                 at_rest: station == stations.design(),
                 unit: unit.clone(),
             });

@@ -120,6 +120,28 @@ struct VariableSummary {
 }
 
 impl VariableSummary {
+    /// True if the offset is the logarithm of a factor of a rate.
+    fn is_factor(&self) -> bool {
+        self.unit == "factor"
+    }
+
+    /// 95 % confidence interval of the rate that a fitted factor gives, in words. `None` for other variables.
+    fn tuned_interval(&self) -> Option<String> {
+        let (fitted, design) = (self.fitted.filter(|_| self.is_factor())?, self.design?);
+        // Four digits are enough for the ends of an interval.
+        let rate = |offset: f64| {
+            let rate = design * offset.exp();
+            let text = format!("{rate:.3e}");
+            as_written(text.parse().unwrap_or(rate))
+        };
+        Some(match fitted.ends().map(|end| end.map(rate)) {
+            [Some(lower), Some(upper)] => format!("{lower} .. {upper}"),
+            [Some(lower), None] => format!(">= {lower}"),
+            [None, Some(upper)] => format!("<= {upper}"),
+            [None, None] => "not determined".to_owned(),
+        })
+    }
+
     /// Kind of move without its unit: `z`, `turn about x`, `rate`.
     fn way(&self) -> &str {
         self.axis.split(',').next().unwrap_or_default()
@@ -133,6 +155,9 @@ struct TargetSummary {
     /// Smallest and largest target value, in the unit of the tolerance. `None` if a band has no limit.
     #[serde(default)]
     wanted: [Option<f64>; 2],
+    /// True for a band between curves. Then `wanted` has the ends of both.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    between_curves: bool,
     weight: f64,
     before: Option<DeviationSummary>,
     after: Option<DeviationSummary>,
@@ -335,5 +360,50 @@ pub fn misfit_in_words(value: f64) -> String {
         format!("{value:.0e}")
     } else {
         format!("{value:.2}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A band between curves is no range of allowed values: its cell says so.
+    #[test]
+    fn a_band_between_curves_is_named() {
+        let target = |between_curves| TargetSummary {
+            output: "camber_deg".to_owned(),
+            tolerance: 0.1,
+            wanted: [Some(-2.6), Some(-0.4)],
+            between_curves,
+            weight: 1.0,
+            before: None,
+            after: None,
+        };
+        assert_eq!(target(false).wanted_in_words(), "-2.6 .. -0.4");
+        assert_eq!(target(true).wanted_in_words(), "curves, -2.6 .. -0.4");
+    }
+
+    /// A fitted factor is shown as the rate that it gives, with its interval: 2200 N/mm times exp(-0.4417 .. -0.4161).
+    #[test]
+    fn the_interval_of_a_factor_is_that_of_its_rate() {
+        let variable = |unit: &str| VariableSummary {
+            hardpoint: "bushing:lower_arm_rear".to_owned(),
+            axis: "stiffness y".to_owned(),
+            design: Some(2200.0),
+            tuned: Some(1432.6),
+            offset: Some(-0.429),
+            unit: unit.to_owned(),
+            range: [-1.2, 1.1],
+            at_bound: None,
+            standard_error: None,
+            interval: None,
+            fitted: Some(FittedOffset::TwoSided {
+                offset_lower: -0.4417,
+                offset_upper: -0.4161,
+            }),
+        };
+        let factor = variable("factor").tuned_interval();
+        assert_eq!(factor.as_deref(), Some("1414 .. 1451"));
+        assert_eq!(variable("N/mm").tuned_interval(), None);
     }
 }

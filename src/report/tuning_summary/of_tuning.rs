@@ -4,7 +4,7 @@ use super::*;
 use crate::number::Vector3;
 use crate::optimise::{StandardErrors, Start};
 use crate::report::record::readable_unit;
-use crate::study::{Constraint, Variable};
+use crate::study::{Constraint, Rate, Variable};
 
 impl TuningSummary {
     /// Summarises a tuning. `after` has the curves of the tuned design.
@@ -104,13 +104,18 @@ impl TunedStudy<'_> {
         let (unit, of_axis) = match (&variable.turn, &variable.rate) {
             (Some(_), _) => ("deg".to_owned(), ", deg".to_owned()),
             (None, Some(rate)) => {
-                let unit = readable_unit(&rate.value_unit(length)).replace('_', " ");
+                let readable =
+                    |rate: &Rate| readable_unit(&rate.value_unit(length)).replace('_', " ");
+                let own = readable(&Rate {
+                    is_relative: false,
+                    ..*rate
+                });
                 let of_axis = if rate.is_relative {
-                    ", logarithm of a factor".to_owned()
+                    format!(", {own} (moved, range: ln of a factor)")
                 } else {
-                    format!(", {unit}")
+                    format!(", {own}")
                 };
-                (unit, of_axis)
+                (readable(rate), of_axis)
             }
             (None, None) => (length.symbol().to_owned(), String::new()),
         };
@@ -200,6 +205,7 @@ impl TunedStudy<'_> {
                 output: self.name(target),
                 tolerance: target.tolerance * target.of.factor().abs(),
                 wanted: wanted(target),
+                between_curves: is_between_curves(target),
                 weight: target.weight,
                 before: self.tuning.before.as_ref().ok().map(deviation),
                 after: self.tuning.best.as_ref().map(|b| deviation(&b.after)),
@@ -258,6 +264,15 @@ impl StartSummary {
             misfit: fit.map(Fit::misfit),
             kkt_residual: fit.map(|fit| fit.residual),
         }
+    }
+}
+
+/// True for a band with a curve as a limit.
+fn is_between_curves(target: &Target) -> bool {
+    let is_curve = |limit: &Option<Limit>| matches!(limit, Some(Limit::Curve { .. }));
+    match &target.wanted {
+        Wanted::Band { lower, upper, .. } => is_curve(lower) || is_curve(upper),
+        _ => false,
     }
 }
 

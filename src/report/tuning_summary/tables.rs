@@ -17,13 +17,24 @@ impl TuningSummary {
 
     /// Table of the variables and their moves.
     pub fn variables_table(&self) -> Table {
-        let columns = ["hardpoint", "axis", "design", "tuned", "moved"].map(Column::from);
+        let columns = ["axis", "design", "tuned", "moved"].map(Column::from);
+        let has_parts = self.variables.iter().any(|v| v.hardpoint.contains(':'));
+        let name = if has_parts {
+            Column::named("part", "hardpoint")
+        } else {
+            "hardpoint".into()
+        };
+        let columns = [name].into_iter().chain(columns);
         let range = Column::for_readers("range");
         let ends = ["range min", "range max"].map(Column::for_programs);
         let columns = columns.into_iter().chain([range]).chain(ends);
         let is_fit = self.variables.iter().any(|v| v.fitted.is_some());
         let interval = is_fit.then(FittedOffset::columns).into_iter().flatten();
-        let columns = columns.chain(["bound".into()]).chain(interval);
+        // The interval of a factor is also shown for the rate itself.
+        let has_factors = is_fit && self.variables.iter().any(VariableSummary::is_factor);
+        let of_rates = has_factors.then(|| Column::for_readers("tuned, 95 %"));
+        let columns = columns.chain(["bound".into()]);
+        let columns = columns.chain(of_rates).chain(interval);
         let mut table = Table::with_columns(columns).keyed(2);
         for v in &self.variables {
             // For a fit, values are shown with as many decimals as two digits of the standard error.
@@ -55,6 +66,9 @@ impl TuningSummary {
                 high.into(),
                 bound.into(),
             ];
+            if has_factors {
+                row.push(v.tuned_interval().into());
+            }
             row.extend(v.fitted.iter().flat_map(|fitted| fitted.cells(decimals)));
             table.push_row(row);
         }
@@ -228,7 +242,17 @@ impl TuningSummary {
 }
 
 impl TargetSummary {
-    fn wanted_in_words(&self) -> String {
+    /// Target value or limits of the target.
+    pub(super) fn wanted_in_words(&self) -> String {
+        let values = self.wanted_values();
+        if self.between_curves {
+            format!("curves, {values}")
+        } else {
+            values
+        }
+    }
+
+    fn wanted_values(&self) -> String {
         match self.wanted {
             [None, None] => String::new(),
             [Some(lower), None] => format!("from {}", brief(lower)),

@@ -1,5 +1,6 @@
 //! `[motions.NAME]` of an axle: curves of their own, and constraints on both wheels.
 
+use super::commands::{folder, run, study as sample};
 use super::tuning::study;
 use hardpoint::characteristics::Characteristic;
 use hardpoint::optimise::Control;
@@ -141,4 +142,56 @@ fn motions_that_do_not_fit_are_refused() {
         &[own, "motions.m={ heave = 1.0 }", &limit("")],
         "the right wheel has different dimensions",
     );
+}
+
+/// A quantity that one motion cannot have is no failure if another motion has it: without steering there is no Ackermann
+/// percentage. If no motion has it, the exit code is 1 with the reason.
+#[test]
+fn a_value_of_another_motion_is_enough() {
+    let path = sample("double_wishbone_axle.toml");
+    let path = path.to_str().unwrap();
+    let out = folder("a_value_of_another_motion");
+    let steer = "{ heave = 0.0, steering_wheel_angle = [-60.0, 0.0, 60.0] }";
+    let heave = "{ heave = [-10.0, 0.0, 10.0] }";
+    let said = |motion: &str, named: &str, code: i32| {
+        let sets = [
+            "outputs.characteristics=[\"ackermann\"]".to_owned(),
+            format!("motion={motion}"),
+            format!("motions.other={named}"),
+        ];
+        let sets = sets.iter().flat_map(|set| ["--set", set]);
+        let sets: Vec<&str> = sets.collect();
+        let directory = ["--out", out.to_str().unwrap(), "--force"];
+        let solved = run(&[&["solve", path][..], &directory, &sets].concat(), code);
+        let checked = run(&[&["check", path][..], &sets].concat(), code);
+        [solved, checked].map(|(said, errors)| {
+            let words = said + &errors;
+            words.split_whitespace().collect::<Vec<_>>().join(" ")
+        })
+    };
+    for said in said(heave, steer, 0) {
+        assert!(
+            said.contains("ackermann_percent has no value in this motion: not defined near"),
+            "{said}"
+        );
+        assert!(
+            said.contains("motion other: ackermann_percent has no value at 1 station"),
+            "{said}"
+        );
+        assert!(!said.contains("warning: ackermann"), "{said}");
+    }
+    for said in said(steer, heave, 0) {
+        assert!(
+            said.contains("motion other: ackermann_percent has no value in this motion"),
+            "{said}"
+        );
+    }
+    for said in said(heave, heave, 1) {
+        let warning = "ackermann_percent has no value at any station: not defined near";
+        assert!(said.contains(&format!("warning: {warning}")), "{said}");
+        assert!(
+            said.contains(&format!("warning: motion other: {warning}")),
+            "{said}"
+        );
+    }
 }

@@ -150,3 +150,67 @@ fn tyres_are_in_series_with_the_roll_stiffness() {
         assert!(series.abs() * rate < 1e-12, "{name}: {series}");
     }
 }
+
+/// A spring that pulls somewhere in the motion is warned of, with its force in the output; a preloaded one is not.
+#[test]
+fn a_spring_that_pulls_is_warned_of() {
+    let path = study("double_wishbone_axle.toml");
+    let path = path.to_str().unwrap();
+    let solved = |force: &str| {
+        let force = format!("spring.force={force}");
+        let outputs = "outputs.characteristics=[\"spring_force\"]";
+        let motion = "motion={ heave = [-40.0, 0.0, 40.0], roll = 1.0 }";
+        let sets = ["--set", &force, "--set", outputs, "--set", motion];
+        let (csv, said) = run(&[&["solve", path, "--out", "-"][..], &sets].concat(), 0);
+        let mut rows = csv.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let header = rows.next().unwrap();
+        let rows: Vec<Vec<&str>> = rows.collect();
+        let of = |side: &str| {
+            let name = format!("{side}_spring_force_N");
+            let column = header.iter().position(|column| **column == name).unwrap();
+            rows.iter()
+                .map(move |row| row[column].parse::<f64>().unwrap())
+        };
+        let least = ["left", "right"]
+            .into_iter()
+            .flat_map(of)
+            .fold(f64::INFINITY, f64::min);
+        (least, said.split_whitespace().collect::<Vec<_>>().join(" "))
+    };
+    let (least, said) = solved("100.0");
+    assert!(least < 0.0, "{least}");
+    let (_, rest) = said.split_once("spring falls to ").unwrap();
+    let (force, rest) = rest
+        .split_once(" N at roll 1 deg, heave -40 mm: there it would pull")
+        .unwrap();
+    assert!(
+        (force.parse::<f64>().unwrap() - least).abs() < 1e-3 * least.abs(),
+        "{said}"
+    );
+    assert!(!rest.contains("would pull"), "{said}");
+    let (least, said) = solved("3000.0");
+    assert!(least > 0.0 && !said.contains("would pull"), "{said}");
+}
+
+/// The doubt about `c_factor` states the sign that turns the wheels with the steering wheel, in the axes of the study.
+#[test]
+fn a_c_factor_of_the_wrong_sign_is_doubted_with_the_right_one() {
+    for (name, wrong, words) in [
+        (
+            "double_wishbone_axle",
+            "-80.0",
+            "move to the left: give a c_factor above 0",
+        ),
+        (
+            "macpherson_axle",
+            "52.0",
+            "move to the right: give a c_factor below 0",
+        ),
+    ] {
+        let path = study(&format!("{name}.toml"));
+        let set = format!("steering.c_factor={wrong}");
+        let (said, _) = run(&["check", path.to_str().unwrap(), "--set", &set], 0);
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(said.contains(words), "{said}");
+    }
+}

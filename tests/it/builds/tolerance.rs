@@ -277,3 +277,56 @@ fn builds_can_be_ended_early() {
     let spread = &found.spreads[0];
     assert!(spread.count + found.rejected() <= found.builds && spread.sigma.is_finite());
 }
+
+/// Alignment sets camber and toe in the design position, so they do not scatter there. Wide bands on both change nothing of the
+/// ranking: rounding errors have no share and cost no yield.
+#[test]
+fn bands_on_values_that_do_not_scatter_leave_the_ranking() {
+    let run = |more: &str| {
+        let bands = format!(
+            "tolerance.bands=[{more} {{ characteristic = \"bump_steer\", at = 0.0, between = [-0.015, -0.009] }}]"
+        );
+        let short = ["motion.travel=[-30.0,0.0,30.0]", "tolerance.builds=2000"];
+        let study = study(
+            "double_wishbone_tolerance",
+            &[&bands, "tolerance.aligned=true", short[0], short[1]],
+        );
+        let problem = problem(&study);
+        let (drawn, expansion, builds) = built(&problem);
+        rank(&problem, &expansion, &builds, &drawn).unwrap()
+    };
+    let alone = run("");
+    let both = run(
+        "{ characteristic = \"camber\", at = 0.0, between = [-2.1, -1.9] }, \
+         { characteristic = \"toe\", at = 0.0, between = [-0.1, 0.1] },",
+    );
+    assert_eq!(both.all, alone.all);
+    assert_eq!(both.ranking, alone.ranking);
+    assert!(alone.all.monte_carlo > 0.05 && alone.all.monte_carlo < 0.999);
+}
+
+/// The page says that an aligned camber does not scatter, and gives no Cp of rounding errors.
+#[test]
+fn the_page_has_no_capability_of_rounding_errors() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let path = path.join("studies/double_wishbone_tolerance.toml");
+    let out = directory.path().join("run");
+    let set = [
+        "tolerance.aligned=true",
+        "tolerance.builds=500",
+        "motion.travel=[0.0, 30.0]",
+        "tolerance.bands=[{ characteristic = \"camber\", at = 0.0, between = [-2.1, -1.9] }, \
+         { characteristic = \"camber\", at = 30.0, between = [-4.0, -2.0] }]",
+    ];
+    let mut command = assert_cmd::Command::cargo_bin("hardpoint").unwrap();
+    command.arg("tolerance").arg(&path).arg("--report");
+    command.arg("--out").arg(&out);
+    command
+        .args(set.iter().flat_map(|set| ["--set", set]))
+        .assert()
+        .success();
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert_eq!(page.matches(">does not scatter</text>").count(), 1);
+    assert_eq!(page.matches(">Cp ").count(), 1);
+}

@@ -102,7 +102,7 @@ fn largest_changes_are_those_of_the_cases_solved_before_and_after() {
 
 #[test]
 fn a_target_takes_its_change_off_the_other_cases() {
-    // The share of the front axle is wanted in `turn`. Elsewhere it may change as much, or stay: only the rest is a side effect.
+    // The share of the front axle is wanted in `turn`. Elsewhere it may change by up to as much: only the rest is a side effect.
     let before = study(&[]);
     let after = at(&before, &values(&before, &[(0, 2e5)]));
     let quantity = CarQuantity::named("lateral_load_transfer_distribution")[0];
@@ -121,12 +121,7 @@ fn a_target_takes_its_change_off_the_other_cases() {
     let others = (0..before.cases.len()).filter(|case| *case != turn);
     let rest = others.filter_map(|case| {
         let plain = change(case)?;
-        let beyond = plain - asked;
-        Some(if plain.abs() <= beyond.abs() {
-            plain
-        } else {
-            beyond
-        })
+        Some(plain - plain.clamp(0.0, asked))
     });
     let rest = rest.fold(
         0.0,

@@ -193,3 +193,29 @@ fn the_command_is_deterministic() {
         "{kept}"
     );
 }
+
+/// A symmetric car does not roll under braking, whatever its mass. Its roll there has no shares, and its mass no place in the
+/// ranking of the bands.
+#[test]
+fn a_result_that_does_not_scatter_ranks_nothing() {
+    let directory = tempfile::tempdir().unwrap();
+    car(
+        directory.path(),
+        r#"[tolerance]
+builds = 8
+scatter = [ { car = "mass", sigma = 15.0 } ]
+bands = [ { case = "braking", characteristic = "roll", between = [-0.1, 0.1] } ]"#,
+    );
+    // The sample's centre of gravity is off the middle.
+    let middle = "car.sprung_cg=[-1290.0, 0.0, 560.0]";
+    let call = ["tolerance", "car.toml", "--format", "json", "--set", middle];
+    let ended = hardpoint(directory.path(), &call);
+    let said = text(&ended.success().get_output().stdout);
+    let tables: serde_json::Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(
+        tables["ranking"].as_array().map(Vec::len),
+        Some(0),
+        "{said}"
+    );
+    assert!(said.contains("does not scatter"), "{said}");
+}

@@ -229,3 +229,28 @@ fn both_axles_need_the_same_units() {
         "{said}"
     );
 }
+
+/// Units of both axles are named by their keys, and each need of a result once.
+#[test]
+fn refusals_name_keys_once() {
+    let refused = |name: &str, set: &str| {
+        let study = studies().join(name);
+        let call = ["check", study.to_str().unwrap(), "--set", set];
+        let ended = hardpoint(Path::new("."), &call)
+            .code(2)
+            .get_output()
+            .clone();
+        text(&ended.stderr)
+    };
+    let said = refused("car.toml", "rear.suspension.length_unit=\"in\"");
+    let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        words.contains("the rear study has length_unit = \"in\" and force_unit = \"N\""),
+        "{said}"
+    );
+    let said = refused(
+        "off_road_car.toml",
+        "outputs.characteristics=[\"ride_height\"]",
+    );
+    assert_eq!(said.matches("ride_height_point_front").count(), 1, "{said}");
+}

@@ -362,3 +362,28 @@ fn mirror(line: &str) -> String {
         numbers[0], -numbers[1], numbers[2]
     )
 }
+
+/// A sheet without the needed columns is named with the columns that it lacks.
+#[test]
+fn a_sheet_without_its_columns_is_named() {
+    let directory = tempfile::tempdir().unwrap();
+    let targets = "\n[optimise]\nvariables = [{ bushing = \"lower_arm_rear\", stiffness = \"y\", range = [0.5, 2.0], \
+         relative = true }]\ntargets = [{ file = \"sheet.csv\", tolerance = 1.0 }]\n";
+    let text = with(NAME, targets);
+    for (header, missing) in [
+        ("parameter;measured;tol", "no column load, quantity, value."),
+        ("load,quantity,unit", "no column value."),
+    ] {
+        std::fs::write(
+            directory.path().join("sheet.csv"),
+            format!("{header}\nlateral,1,2\n"),
+        )
+        .unwrap();
+        let refused = Study::elastic_from_text("case.toml", &text, directory.path());
+        let said = refused.unwrap_err().to_string();
+        assert!(
+            said.contains("sheet.csv has") && said.contains(missing),
+            "{said}"
+        );
+    }
+}

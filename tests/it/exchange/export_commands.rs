@@ -165,6 +165,15 @@ fn a_run_has_its_own_curves() {
         said.contains("the sheet curves_of_solve has the curves of the run"),
         "{said}"
     );
+    // A table has no sheets.
+    let to_table = ["--to", "csv", "--force", "--out"];
+    let table = directory.path().join("points.csv");
+    let call = ["export", out, "--set", moved];
+    let (_, said) = run(
+        &[&call[..], &to_table, &[table.to_str().unwrap()]].concat(),
+        0,
+    );
+    assert!(!said.contains("sheet"), "{said}");
 }
 
 /// Rounding moves the coordinates that a tuning may move or has moved, and no others; with --round-all all of them.

@@ -1,5 +1,6 @@
 //! `check`, `solve` and `limits` report the same for one motion, and have the same exit codes.
 
+use hardpoint::study::Study;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -233,5 +234,56 @@ fn a_rack_that_nothing_is_on_is_doubted() {
                 "{command} {study}: {without}"
             );
         }
+    }
+}
+
+/// A motion that ends just before the toggle of its pushrod is told so by `limits`: toggle less distance is the end of the motion.
+#[test]
+fn a_toggle_beside_the_motion_is_named() {
+    let set = "motion.travel=[0.0, 140.0]";
+    let output = run("limits", "double_wishbone_pushrod.toml", &[set]);
+    let said = said(&output);
+    let (_, rest) = said
+        .rsplit_once("The pushrod reaches its toggle at travel ")
+        .unwrap();
+    let (travel, rest) = rest.split_once(" mm, ").unwrap();
+    let (beyond, _) = rest.split_once(" mm beyond the motion").unwrap();
+    let [travel, beyond] = [travel, beyond].map(|number| number.parse::<f64>().unwrap());
+    assert!(
+        beyond > 0.0 && (travel - beyond - 140.0).abs() < 1e-3,
+        "{said}"
+    );
+    assert!(said.matches("reaches its toggle").count() == 2, "{said}");
+}
+
+/// A spring is shortest where it stops shortening in jounce. Beyond that travel `check` and `solve` doubt it; a motion that ends
+/// before is not doubted.
+#[test]
+fn a_spring_that_turns_round_is_doubted_at_its_shortest_length() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/double_wishbone_pushrod.toml");
+    let sets = [
+        "outputs.characteristics=[\"spring_length\"]",
+        "outputs.order=\"position\"",
+        "motion.travel={ from = 100.0, to = 130.0, steps = 3001 }",
+    ];
+    let study = Study::read(&path, &sets.map(str::to_owned)).unwrap();
+    let curves = study.curves().unwrap();
+    let lengths = curves.stations.iter().enumerate();
+    let lengths = lengths.filter_map(|(k, station)| Some((k, station.value(0)?)));
+    let (shortest, _) = lengths.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+    let shortest = 100.0 + 0.01 * shortest as f64;
+    assert!(shortest > 101.0 && shortest < 129.0, "{shortest}");
+    for command in ["check", "solve"] {
+        let with = |to: f64| {
+            let motion = format!("motion.travel=[0.0, {to:?}]");
+            said(&run(command, "double_wishbone_pushrod.toml", &[&motion]))
+        };
+        let doubted = with(shortest + 5.0);
+        let (_, rest) = doubted.split_once("please check: above travel ").unwrap();
+        let (travel, rest) = rest.split_once(" mm ").unwrap();
+        let travel: f64 = travel.parse().unwrap();
+        assert!((travel - shortest).abs() < 0.1, "{travel} {shortest}");
+        assert!(rest.starts_with("the spring from spring_lower to spring_upper lengthens"));
+        assert!(!with(shortest - 1.0).contains("doubtful"), "{command}");
     }
 }

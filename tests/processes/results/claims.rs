@@ -371,6 +371,37 @@ fn pictures_in_the_way_are_refused_before_a_run() {
     );
 }
 
+/// A page or pictures of an earlier run beside new results would be wrong, so a run without them removes them. It names what it
+/// removes, and the option that writes it again.
+#[test]
+fn removed_pages_and_pictures_are_named() {
+    let bench = Bench::new();
+    let said = |more: &[&str]| {
+        let call = [&["solve", "study.toml", "--out", "run"][..], more].concat();
+        let ended = bench.run(&call).success();
+        String::from_utf8(ended.get_output().stdout.clone()).unwrap()
+    };
+    let first = said(&["--report", "--plots", "run"]);
+    assert!(
+        first.contains("report.html") && first.contains("run: camber_deg.svg"),
+        "{first}"
+    );
+    assert!(!first.contains("Removed"), "{first}");
+    let second = said(&[]);
+    let names = "Removed files of an earlier run: camber_deg.svg, report.html";
+    assert!(second.contains(names), "{second}");
+    assert!(
+        second.contains("--report writes the page again"),
+        "{second}"
+    );
+    assert!(second.contains("--plots writes pictures again"), "{second}");
+    assert!(!bench.path("run/report.html").exists());
+    assert!(!bench.path("run/camber_deg.svg").exists());
+    assert!(!said(&[]).contains("Removed"));
+    // Pictures elsewhere are named, too.
+    assert!(said(&["--plots", "pictures"]).contains("pictures: camber_deg.svg"));
+}
+
 /// A sweep is of its designs, so that of another command it is not known whether the study is the same.
 #[test]
 fn results_in_the_way_are_called_what_is_known_of_them() {

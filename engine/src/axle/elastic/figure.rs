@@ -1,7 +1,7 @@
 //! Test figures as quantities of an axle.
 
 use crate::ask::{Info, Unit};
-use crate::compliance::{HeldQuantity, KcSubject, KcTest, TestLoad, TestMode};
+use crate::compliance::{HeldQuantity, KcSubject, KcTest, TestLoad, TestMode, sign_of_figure};
 use crate::model::Side;
 
 /// Figure of a test on both wheels: a derivative at a station, or a secant over the window of the test.
@@ -83,7 +83,7 @@ impl TestFigure {
         Info {
             name: self.quantity,
             unit: self.unit,
-            positive: "as in docs/compliance.md",
+            positive: sign_of_figure(self.quantity),
             formula: "derivative of an equilibrium by the load or motion of a test",
             source: "a rig test of kinematics and compliance",
             ..Info::EMPTY

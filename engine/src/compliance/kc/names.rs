@@ -47,3 +47,53 @@ pub const FIGURE_NAMES: &[&str] = &[
     "understeer_by_aligning_moment",
     "compliant_wheel_rate",
 ];
+
+/// Beginnings and parts of the names of figures, each with the meaning of a positive value. The first one that a name contains
+/// counts.
+const SIGNS: &[(&str, &str)] = &[
+    ("toe_by", "toe-in"),
+    ("camber_by", "top outboard"),
+    ("caster_by", "top of the steering axis rearward"),
+    ("spin_by", "carrier nose up, as caster grows"),
+    ("recession_by", "wheel centre rearward"),
+    ("jacking_by", "upward force at the contact point"),
+    ("wheel_centre_by", "inboard"),
+    ("contact_by", "inboard"),
+    ("half_track_by", "contact point outboard"),
+    ("wheelbase_by", "contact point forward"),
+    ("understeer_by", "understeer"),
+    ("steer_by", "steer to the left"),
+    ("rack_force", "force along +y"),
+    ("roll_centre_height", "above the ground"),
+    ("tension", "tension"),
+    ("stiffness", "load along the displacement"),
+    ("rate", "load grows as the contact point rises"),
+];
+
+/// Meaning of a positive value of a figure. The name may have a side before it and the test's trail after it.
+pub fn sign_of_figure(name: &str) -> &'static str {
+    let mut signs = SIGNS.iter();
+    let own = signs.find(|(part, _)| name.contains(part));
+    own.map_or("", |(_, sign)| sign)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_figure_has_a_sign() {
+        for name in FIGURE_NAMES {
+            assert_ne!(sign_of_figure(name), "", "{name}");
+        }
+        assert_eq!(
+            sign_of_figure("left_toe_by_lateral_force_trail_30"),
+            "toe-in"
+        );
+        assert_eq!(
+            sign_of_figure("axle_steer_by_lateral_force"),
+            "steer to the left"
+        );
+        assert_eq!(sign_of_figure("understeer_by_lateral_force"), "understeer");
+    }
+}

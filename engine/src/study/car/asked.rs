@@ -55,11 +55,13 @@ impl Resolver<'_> {
         }
         let met: Vec<CarQuantity> = found.iter().copied().filter(|q| q.is_met_by(car)).collect();
         if met.is_empty() {
-            let needs: Vec<String> = found
-                .iter()
-                .flat_map(|q| q.info().needs)
-                .map(|need| need.key().to_owned())
-                .collect();
+            let mut needs: Vec<&str> = Vec::new();
+            for need in found.iter().flat_map(|q| q.info().needs) {
+                // A result of both axles needs the same keys at each.
+                if !needs.contains(&need.key()) {
+                    needs.push(need.key());
+                }
+            }
             let message = format!("{} needs {}", text.get_ref(), needs.join(" and "));
             return self.problems.refuse(text.span(), message);
         }

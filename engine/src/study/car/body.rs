@@ -57,9 +57,12 @@ impl Resolver<'_> {
         let axles = [front?, rear?];
         let [unit, of_rear] = axles.each_ref().each(|axle| axle.left.length_unit);
         if of_rear != unit {
-            let words = |unit: LengthUnit| format!("{} and {}", unit.symbol(), unit.force_symbol());
+            let words = |unit: LengthUnit| {
+                let (length, force) = (unit.symbol(), unit.force_symbol());
+                format!("length_unit = \"{length}\" and force_unit = \"{force}\"")
+            };
             let message = format!(
-                "the rear study is in {}, the front study in {}: both axles of a car need one length_unit and one force_unit",
+                "the rear study has {}, the front study {}. Both axles of a car need the same units",
                 words(of_rear),
                 words(unit)
             );

@@ -60,9 +60,16 @@ pub struct TwistBeam {
     pub hinge: PointId,
     /// End of the rod on the far half. It keeps its offset from the far mount.
     pub rod_end: PointId,
+    /// Point of the near arm at its mount, if parts are assembled. The mount is then a point of the body alone.
+    pub eye: Option<PointId>,
 }
 
 impl TwistBeam {
+    /// Point of the near arm that moves sideways, and the far mount opposite to it.
+    pub(crate) fn moving_mount(&self) -> PointId {
+        self.eye.unwrap_or(self.mount)
+    }
+
     /// Points that a study does not give. Each keeps its offset from the second point of its pair.
     pub fn followers(&self) -> [[PointId; 2]; 2] {
         [
@@ -142,6 +149,7 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
                 shear_centre,
                 hinge,
                 rod_end,
+                eye: None,
             }),
         }),
         ..given.mechanism(topology, &bodies)

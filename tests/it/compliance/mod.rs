@@ -91,6 +91,7 @@ pub fn spring(case: &Value) -> SpringLaw {
             curve: ForceCurve::through(&points(&stop["force_curve"])).unwrap(),
         }),
         rebound_stop: None,
+        own_length: None,
     }
 }
 

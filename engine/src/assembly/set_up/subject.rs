@@ -1,6 +1,6 @@
 //! Assembled parts of a set-up, their static values, and the derivatives of these values by each adjustment.
 //!
-//! A wheel is assembled by itself. A solid axle is assembled as a whole, once as each of its wheels sees it (`RigidAxle`). A value
+//! A wheel is assembled by itself. Module `elastic` has suspensions with elastic parts. A solid axle is assembled as a whole, once as each of its wheels sees it (`RigidAxle`). A value
 //! y of the axle then has gradients by the built designs p_l and p_r of both views. With x the amount of an adjustment,
 //!
 //! ```text
@@ -10,6 +10,7 @@
 //! Place and direction of the axle itself count from the nominal design, not from the built one. They follow from the pose in which the
 //! parts were assembled, with its exact derivative.
 
+use super::elastic::Elastic;
 use super::{AdjustedSuspension, SetUpError};
 use crate::assembly::assembler::Assembler;
 use crate::assembly::derivatives::built_curves;
@@ -25,7 +26,7 @@ use crate::study::{Adjustment, AxleStudy, Outputs, WheelStudy};
 use std::borrow::Cow;
 
 /// Dimensions that an adjustment changes in one assembled mechanism: one, or none.
-type Change = Vec<(BuildParameter, f64)>;
+pub(super) type Change = Vec<(BuildParameter, f64)>;
 
 /// A suspension to set up.
 pub(super) enum Subject<'a> {
@@ -37,6 +38,8 @@ pub(super) enum Subject<'a> {
     },
     /// A solid axle.
     Axle(Box<WholeAxle<'a>>),
+    /// A wheel or an axle with elastic parts.
+    Elastic(Box<Elastic<'a>>),
 }
 
 /// A solid axle as each of its wheels sees it: first the left, then the right one.
@@ -97,6 +100,7 @@ impl<'a> Subject<'a> {
         match self {
             Subject::Wheel { assembler, .. } => assembler.suspension(),
             Subject::Axle(axle) => axle.assemblers[0].suspension(),
+            Subject::Elastic(elastic) => elastic.suspension(),
         }
     }
 
@@ -113,6 +117,7 @@ impl<'a> Subject<'a> {
                 plan,
             } => state_of_wheel((assembler, plan), changes, amounts, rest),
             Subject::Axle(axle) => axle.state(amounts, rest),
+            Subject::Elastic(elastic) => elastic.state(amounts, rest),
         }
     }
 }
@@ -124,7 +129,7 @@ fn from_design(quantity: Quantity) -> Option<usize> {
 }
 
 /// Assembles parts that the adjustments have changed by these amounts.
-fn build(
+pub(super) fn build(
     assembler: &Assembler,
     changes: &[Change],
     amounts: &[f64],

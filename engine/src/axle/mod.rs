@@ -183,8 +183,7 @@ impl Axle {
         };
         rigid.complete(&self.left.design, left);
         if let Some(beam) = &rigid.twist_beam {
-            let places = beam.followers_of(left);
-            for ([point, _], place) in beam.followers().into_iter().zip(places) {
+            for (point, place) in beam.further_points(left) {
                 left[point.0] = place;
             }
         }

@@ -78,11 +78,7 @@ impl RigidAxle {
     /// Points that a study does not give, each with the point that it follows.
     #[inline]
     fn followers(&self) -> impl Iterator<Item = [PointId; 2]> {
-        let beam = self.twist_beam.iter();
-        let beam = beam.flat_map(|own| {
-            let eye = own.eye.map(|eye| [eye, own.mount]);
-            own.followers().into_iter().chain(eye)
-        });
+        let beam = self.twist_beam.iter().flat_map(TwistBeam::followers);
         beam.chain(self.steering.iter().map(AxleSteering::follower))
     }
 

@@ -12,6 +12,7 @@ mod reference;
 mod robust;
 mod samples;
 mod schema;
+mod set_up;
 mod sheets;
 mod study;
 pub mod support;

@@ -1,5 +1,6 @@
 //! Solid axles: against independent answers, and against their own mirror images and limits.
 
+mod beam_builds;
 mod beam_loads;
 mod builds;
 mod by_design;

@@ -77,7 +77,7 @@ fn section<'f>(
         let message = "this command does not know elastic parts; here they would be left out";
         let error = problems.add(section.span(), message);
         error.help(
-            "kc, solve, sweep, optimise, tolerance, limits, compare, export and studio take them; for the rigid mechanism remove [compliance], [bushings] and [links]",
+            "kc, solve, sweep, optimise, setup, tolerance, limits, compare, export and studio take them; for the rigid mechanism remove [compliance], [bushings] and [links]",
         );
         return None;
     }

@@ -162,7 +162,11 @@ impl WheelToSetUp {
             let own = |side: Side| assembler(None, both.axle.suspension(side));
             let is_whole = both.axle.is_set_up_as_a_whole();
             if is_whole || study.is_elastic() {
-                let from_right = if is_whole { Some(own(Side::Right)?) } else { None };
+                let from_right = if is_whole {
+                    Some(own(Side::Right)?)
+                } else {
+                    None
+                };
                 return Ok(vec![WheelToSetUp {
                     side: (!is_whole).then_some(SetUpSide::Both),
                     study: study.clone(),
@@ -224,7 +228,10 @@ fn adjusted(study: &Study, found: &[SetUp]) -> Study {
     let first = wheels.next().expect("a set-up has one wheel at least");
     match &mut adjusted.vehicle {
         Vehicle::Axle(both) => {
-            both.axle = both.axle.with_kept_springs().with_wheels(first, wheels.next());
+            both.axle = both
+                .axle
+                .with_kept_springs()
+                .with_wheels(first, wheels.next());
         }
         Vehicle::Wheel(own) => {
             if let Some(elastic) = &mut own.compliance {

@@ -54,8 +54,7 @@ impl Assembler {
         match rest {
             Rest::Height(height) => self.rebuild(&mut built, height)?,
             Rest::Spring(longer) => {
-                let drawn =
-                    suspension
+                let drawn = suspension
                     .spring_length(&suspension.design)
                     .ok_or(AssemblyError::Spring)?;
                 self.settle_on_spring(&mut built, drawn + longer)?;

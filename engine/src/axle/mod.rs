@@ -61,7 +61,7 @@ use crate::ask::Need;
 use crate::characteristics::Slot;
 use crate::mechanism::DesignFault;
 use crate::model::{Frame, RockerId, Side, Suspension};
-use crate::number::{Each, Vector3};
+use crate::number::Vector3;
 use crate::study::AxleComplianceStudy;
 
 /// An axle.

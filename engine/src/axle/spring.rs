@@ -381,7 +381,10 @@ mod tests {
         for length in [535.0, 528.0, 510.0, 492.0, 475.0] {
             for design in [492.0, 500.0, 507.0] {
                 assert_eq!(kept.force(length, design), law.force(length, 500.0));
-                assert_eq!(kept.meets_stop(length, design), law.meets_stop(length, 500.0));
+                assert_eq!(
+                    kept.meets_stop(length, design),
+                    law.meets_stop(length, 500.0)
+                );
             }
         }
         // The force does not depend on the design, so it has no derivative by its length.

@@ -109,7 +109,8 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         Body::Knuckle => Body::Rocker(beam),
         body => body,
     };
-    let (singles, pairs) = given.add_far_half(|name| name == "shear_centre" || name == HINGE, far_body);
+    let (singles, pairs) =
+        given.add_far_half(|name| name == "shear_centre" || name == HINGE, far_body);
     let given_hinge = given.find(HINGE);
     let mut add = |name: &str, body: Body| {
         let name = name.to_owned();

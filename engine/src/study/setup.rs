@@ -26,9 +26,7 @@ pub(super) fn setup(
         let message = "expected at least one adjustment, found an empty list";
         problems.add(section.adjust.span(), message);
     }
-    let whole = context
-        .axle
-        .filter(|both| both.axle.is_set_up_as_a_whole());
+    let whole = context.axle.filter(|both| both.axle.is_set_up_as_a_whole());
     let mut adjust: Vec<(usize, Adjustment)> = Vec::new();
     let mut sound = true;
     for (number, entry) in written.iter().enumerate() {

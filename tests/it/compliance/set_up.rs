@@ -4,8 +4,8 @@
 use super::support::{elastic, fourth_order, with};
 use hardpoint::assembly::{Assembler, Rest};
 use hardpoint::axle::Law;
-use hardpoint::compliance::{KcRun, KcValue};
 use hardpoint::characteristics::Characteristic;
+use hardpoint::compliance::{KcRun, KcValue};
 use hardpoint::model::Suspension;
 use hardpoint::report::SetUpSummary;
 use hardpoint::set_up::{FoundSetUp, Refusal, set_up};
@@ -19,7 +19,10 @@ const SUBFRAME: &str = "subframe_axle_compliance.toml";
 
 /// A study of the repository with this set-up, relaxed in the design position without load.
 fn free(name: &str, setup: &str) -> Study {
-    let text = with(name, &format!("\n[outputs]\ncharacteristics = {OUTPUTS}\n[setup]\n{setup}\n"));
+    let text = with(
+        name,
+        &format!("\n[outputs]\ncharacteristics = {OUTPUTS}\n[setup]\n{setup}\n"),
+    );
     elastic(&text.replace("\"at_design_load\"", "\"free\""))
 }
 
@@ -45,12 +48,18 @@ fn set(summary: &SetUpSummary, column: &str) -> f64 {
 
 fn effect(summary: &SetUpSummary, adjustment: &str, column: &str) -> f64 {
     let place = summary.statics.iter().position(|s| s.column == column);
-    let own = summary.adjustments.iter().find(|a| a.adjustment == adjustment);
+    let own = summary
+        .adjustments
+        .iter()
+        .find(|a| a.adjustment == adjustment);
     own.unwrap().by_length[place.unwrap()].unwrap()
 }
 
 fn amount(summary: &SetUpSummary, adjustment: &str) -> f64 {
-    let own = summary.adjustments.iter().find(|a| a.adjustment == adjustment);
+    let own = summary
+        .adjustments
+        .iter()
+        .find(|a| a.adjustment == adjustment);
     own.unwrap_or_else(|| panic!("no {adjustment}")).amount
 }
 
@@ -61,7 +70,14 @@ fn spring(suspension: &Suspension) -> f64 {
 /// Force of the spring of a study at this length between its hardpoints.
 fn force_at(study: &Study, length: f64) -> f64 {
     let law = match &study.vehicle {
-        Vehicle::Wheel(own) => own.compliance.as_ref().unwrap().parts.spring.clone().unwrap(),
+        Vehicle::Wheel(own) => own
+            .compliance
+            .as_ref()
+            .unwrap()
+            .parts
+            .spring
+            .clone()
+            .unwrap(),
         Vehicle::Axle(both) => both.axle.setup.springs.clone().unwrap()[0].clone(),
     };
     let Law::Linear { force, rate } = law.spring else {
@@ -93,11 +109,18 @@ fn read_again(study: &Study, found: &FoundSetUp) -> Study {
 fn at_rest(study: &Study, columns: &[&str]) -> Vec<f64> {
     let solved = Solved::of(study).unwrap();
     let curves = solved.curves();
-    let rest = curves.stations.iter().position(|station| station.at.iter().all(|c| *c == 0.0));
+    let rest = curves
+        .stations
+        .iter()
+        .position(|station| station.at.iter().all(|c| c.unwrap_or(0.0) == 0.0));
     let rest = &curves.stations[rest.unwrap()];
     let value = |name: &&str| {
-        let place = curves.columns.iter().position(|column| column.name == *name);
-        rest.value(place.unwrap_or_else(|| panic!("no {name}"))).unwrap()
+        let place = curves
+            .columns
+            .iter()
+            .position(|column| column.name == *name);
+        rest.value(place.unwrap_or_else(|| panic!("no {name}")))
+            .unwrap()
     };
     columns.iter().map(value).collect()
 }
@@ -173,7 +196,12 @@ fn at_the_design_load_the_set_up_is_that_of_the_rigid_mechanism() {
         for (a, b) in own.adjustments.iter().zip(&other.adjustments) {
             assert_eq!(a.adjustment, b.adjustment);
             assert_eq!(a.instruction, b.instruction, "{name}");
-            assert!((a.amount - b.amount).abs() < 1e-9, "{name}: {} {}", a.amount, b.amount);
+            assert!(
+                (a.amount - b.amount).abs() < 1e-9,
+                "{name}: {} {}",
+                a.amount,
+                b.amount
+            );
             let height = own.statics.len() - 1;
             for place in [0, 1, height] {
                 let [a, b] = [a, b].map(|own| own.by_length[place].unwrap());
@@ -186,7 +214,11 @@ fn at_the_design_load_the_set_up_is_that_of_the_rigid_mechanism() {
                 assert!((a.set.unwrap() - b.set.unwrap()).abs() > 1e-7);
                 continue;
             }
-            assert!((a.set.unwrap() - b.set.unwrap()).abs() < 1e-9, "{name} {}", a.column);
+            assert!(
+                (a.set.unwrap() - b.set.unwrap()).abs() < 1e-9,
+                "{name} {}",
+                a.column
+            );
         }
     }
 }
@@ -204,12 +236,15 @@ fn the_spring_keeps_the_length_of_the_nominal_equilibrium() {
     };
     let again = read_again(&study, &found);
     let values = at_rest(&again, &["toe", "spring_length"]);
-    assert!((values[0] - 0.2).abs() < 1e-9 && (values[1] - nominal).abs() < 1e-9, "{values:?}");
+    assert!(
+        (values[0] - 0.2).abs() < 1e-9 && (values[1] - nominal).abs() < 1e-9,
+        "{values:?}"
+    );
     // The tubes yield under the force of the spring, so the hardpoints of the equilibrium have another length.
     assert!((spring(study.wheel()) - nominal).abs() > 1e-3);
     let wheel = study.wheel();
-    let [before, after] = [wheel, again.wheel()]
-        .map(|own| own.design[own.mechanism.wheel_centre.0].z);
+    let [before, after] =
+        [wheel, again.wheel()].map(|own| own.design[own.mechanism.wheel_centre.0].z);
     assert!((after - before - 7.0).abs() < 1e-9, "{after} {before}");
 }
 
@@ -259,11 +294,17 @@ fn effects_are_slopes_of_elastic_builds() {
         for adjustment in ["tie_rod", "upper_ball_joint y", "lower_arm_front z"] {
             let h = 0.2;
             let at = [-2.0, -1.0, 1.0, 2.0].map(|step| built(&study, adjustment, step * h, -5.0));
-            for (k, column) in ["camber_deg", "toe_deg", "bump_steer_deg/mm"].iter().enumerate() {
+            for (k, column) in ["camber_deg", "toe_deg", "bump_steer_deg/mm"]
+                .iter()
+                .enumerate()
+            {
                 let slope = fourth_order(at.map(|values| values[k]), h);
                 let own = effect(summary, adjustment, column);
                 let size = own.abs().max(1e-3);
-                assert!((own - slope).abs() < 1e-6 * size, "{adjustment} {column}: {own} {slope}");
+                assert!(
+                    (own - slope).abs() < 1e-6 * size,
+                    "{adjustment} {column}: {own} {slope}"
+                );
             }
         }
     }
@@ -272,7 +313,8 @@ fn effects_are_slopes_of_elastic_builds() {
 /// The same of a pushrod, whose builds settle on the spring.
 #[test]
 fn effects_of_a_pushrod_are_slopes_of_settled_builds() {
-    let setup = "adjust = [{ length = \"pushrod\" }, { length = \"tie_rod\" }]\nwant = { toe = 0.1 }";
+    let setup =
+        "adjust = [{ length = \"pushrod\" }, { length = \"tie_rod\" }]\nwant = { toe = 0.1 }";
     let study = free(TUBES, setup);
     let found = found(&study);
     let summary = one(&found);
@@ -296,15 +338,20 @@ fn effects_of_a_pushrod_are_slopes_of_settled_builds() {
         };
         let h = 0.1;
         let at = [-2.0, -1.0, 1.0, 2.0].map(|step| settled(step * h));
-        for (k, column) in ["camber_deg", "toe_deg", "ride_height_change_mm"].iter().enumerate() {
+        for (k, column) in ["camber_deg", "toe_deg", "ride_height_change_mm"]
+            .iter()
+            .enumerate()
+        {
             let slope = fourth_order(at.map(|values| values[k]), h);
             let own = effect(summary, adjustment, column);
             let size = own.abs().max(1e-2);
-            assert!((own - slope).abs() < 1e-6 * size, "{adjustment} {column}: {own} {slope}");
+            assert!(
+                (own - slope).abs() < 1e-6 * size,
+                "{adjustment} {column}: {own} {slope}"
+            );
         }
     }
 }
-
 
 /// Ever stiffer parts come to the amounts of the rigid mechanism; the rest is proportional to one over the stiffness.
 #[test]
@@ -317,7 +364,10 @@ fn stiff_parts_have_the_amounts_of_the_rigid_mechanism() {
         ["tie_rod", "upper_ball_joint y"].map(|name| amount(one(&found), name))
     };
     let rigid = with(TUBES, "");
-    let rigid = format!("{}[setup]\n{setup}\n", rigid.split("[compliance]").next().unwrap());
+    let rigid = format!(
+        "{}[setup]\n{setup}\n",
+        rigid.split("[compliance]").next().unwrap()
+    );
     let rigid = Study::from_text("rigid.toml", &rigid, std::path::Path::new("")).unwrap();
     let rigid = found(&rigid);
     let rigid = ["tie_rod", "upper_ball_joint y"].map(|name| amount(one(&rigid), name));
@@ -364,7 +414,9 @@ fn set_ups_do_not_depend_on_side_and_units() {
         study.wheel().mechanism.point(name).is_some()
     };
     // Every y has the other sign, and so has a shim along y.
-    let text = rescaled(&study.text, |line| is_point(line).then(|| vec![1.0, -1.0, 1.0]));
+    let text = rescaled(&study.text, |line| {
+        is_point(line).then(|| vec![1.0, -1.0, 1.0])
+    });
     let text = text.replace("[suspension]\n", "[suspension]\nside = \"right\"\n");
     let right = found(&elastic(&text));
     assert!((amount(one(&right), "tie_rod") - expected[0]).abs() < 1e-9);
@@ -386,7 +438,10 @@ fn set_ups_do_not_depend_on_side_and_units() {
     let inches = found(&elastic(&text));
     for (name, expected) in ["tie_rod", "upper_ball_joint y"].iter().zip(expected) {
         let own = amount(one(&inches), name);
-        assert!((own - inch * expected).abs() < 1e-10, "{name}: {own} {expected}");
+        assert!(
+            (own - inch * expected).abs() < 1e-10,
+            "{name}: {own} {expected}"
+        );
     }
 }
 
@@ -414,7 +469,10 @@ fn both_wheels_of_an_axle_are_set_up_in_equilibrium() {
     };
     let alone = found(&axle(false));
     for (name, expected) in ["tie_rod", "upper_ball_joint y"].iter().zip(expected) {
-        assert!((amount(one(&alone), name) - expected).abs() < 1e-8, "{name}");
+        assert!(
+            (amount(one(&alone), name) - expected).abs() < 1e-8,
+            "{name}"
+        );
     }
     assert_eq!(one(&alone).side.map(|side| side.name()), Some("both"));
     let study = axle(true);
@@ -427,7 +485,10 @@ fn both_wheels_of_an_axle_are_set_up_in_equilibrium() {
         assert!((value - want).abs() < 1e-8, "{values:?}");
     }
     let own = at_rest(&coupled.adjusted, &names);
-    assert!(own.iter().zip(&values).all(|(a, b)| (a - b).abs() < 1e-8), "{own:?}");
+    assert!(
+        own.iter().zip(&values).all(|(a, b)| (a - b).abs() < 1e-8),
+        "{own:?}"
+    );
 }
 
 /// Wheels that differ are set up together: each has its own adjustments. With left and right exchanged, so are the amounts.
@@ -436,7 +497,10 @@ fn wheels_that_differ_are_set_up_as_a_whole() {
     let setup = "adjust = [{ length = \"tie_rod\", per_turn = 2.0 }, { shim = \"upper_ball_joint\", axis = \"y\" }]\nwant = { camber = -1.2, toe = 0.15 }";
     let study = |further: &str| {
         let outputs = "[\"camber\", \"toe\", \"spring_length\"]";
-        let text = with(SUBFRAME, &format!("\n[outputs]\ncharacteristics = {outputs}\n[setup]\n{setup}\n{further}\n"));
+        let text = with(
+            SUBFRAME,
+            &format!("\n[outputs]\ncharacteristics = {outputs}\n[setup]\n{setup}\n{further}\n"),
+        );
         elastic(&text.replace("\"at_design_load\"", "\"free\""))
     };
     let soft = "[axle.right.bushings.lower_arm_rear]\nscale = 0.5\n";
@@ -456,7 +520,9 @@ fn wheels_that_differ_are_set_up_as_a_whole() {
         assert!((value - want).abs() < 1e-8, "{values:?}");
     }
     // The left wheel has the soft bushing instead.
-    let text = right.text.replace(soft, "[axle.right.bushings.lower_arm_rear]\nscale = 2.0\n");
+    let text = right
+        .text
+        .replace(soft, "[axle.right.bushings.lower_arm_rear]\nscale = 2.0\n");
     let text = text.replace(
         "[bushings.lower_arm_rear]\nstiffness = [700.0, 2500.0, 1800.0, 8.0e4, 2.5e5, 2.5e5]",
         "[bushings.lower_arm_rear]\nstiffness = [350.0, 1250.0, 900.0, 4.0e4, 1.25e5, 1.25e5]",
@@ -483,8 +549,15 @@ fn what_cannot_be_set_up_is_refused() {
         read.map(|_| ()).unwrap_err().to_string()
     };
     let adjust = "adjust = [{ length = \"tie_rod\" }]";
-    let said = refusal(RUBBER, &format!("{adjust}\nwant = {{ roll_centre_height = 30.0 }}"), "");
-    assert!(said.contains("roll_centre_height") && said.contains("rigid mechanism"), "{said}");
+    let said = refusal(
+        RUBBER,
+        &format!("{adjust}\nwant = {{ roll_centre_height = 30.0 }}"),
+        "",
+    );
+    assert!(
+        said.contains("roll_centre_height") && said.contains("rigid mechanism"),
+        "{said}"
+    );
     let links = "adjust = [{ length = \"toe_link\" }]\nwant = { caster = 3.0 }";
     let said = refusal(LINKS, links, "");
     assert!(said.contains("joints of a steering axis"), "{said}");
@@ -500,7 +573,8 @@ fn what_cannot_be_set_up_is_refused() {
 /// A height at which the wheel has no equilibrium is a reason, not a number.
 #[test]
 fn a_rest_without_equilibrium_is_named() {
-    let setup = "adjust = [{ length = \"tie_rod\" }]\nwant = { toe = 0.1 }\nride_height_change = -400.0";
+    let setup =
+        "adjust = [{ length = \"tie_rod\" }]\nwant = { toe = 0.1 }\nride_height_change = -400.0";
     let study = free(RUBBER, setup);
     let reason = match set_up(&study, study.setup.as_ref().unwrap()) {
         Ok(_) => panic!("found"),

@@ -99,9 +99,8 @@ impl Parts {
         let centre = self.shear_centre;
         let [left, right] = [0, 1].map(|side| carried(x, side, centre));
         let [along, other] = [0, 1].map(|side| turned(half(x, side).1, [0.0, 300.0, 0.0]));
-        let mounts = [0, 1].map(|side| {
-            minus(carried(x, side, nominal("mount", side)), self.mounts[side])
-        });
+        let mounts =
+            [0, 1].map(|side| minus(carried(x, side, nominal("mount", side)), self.mounts[side]));
         let height = |side: usize| {
             let now = carried(x, side, self.centres[side]);
             now[2] - nominal("wheel_centre", side)[2] - travels[side]
@@ -277,13 +276,18 @@ fn built(motion: &str, steps: &[(&str, f64)]) -> Vec<Vec<f64>> {
         format!("{{ {part}, limits = [{low:?}, {high:?}] }}")
     };
     let scatter: Vec<String> = steps.iter().map(entry).collect();
-    let scatter = format!("[tolerance]\nbuilds = 2\nscatter = [{}]\n", scatter.join(", "));
+    let scatter = format!(
+        "[tolerance]\nbuilds = 2\nscatter = [{}]\n",
+        scatter.join(", ")
+    );
     let study = study(motion, &scatter);
     let problem = problem(&study);
     let Vehicle::Axle(both) = problem.built_vehicle(0).unwrap() else {
         panic!("an axle");
     };
-    let curves = hardpoint::axle::axle_curves(&both.axle, &both.plan).unwrap().curves;
+    let curves = hardpoint::axle::axle_curves(&both.axle, &both.plan)
+        .unwrap()
+        .curves;
     let outputs = problem.outputs().iter().enumerate();
     let values = outputs.map(|(k, output)| {
         assert_eq!(output.name, curves.columns[k].name);
@@ -312,7 +316,10 @@ fn gradients_are_slopes_of_builds() {
         .iter()
         .map(|part| format!("{{ {part}, sigma = 0.1 }}"))
         .collect();
-    let study = study(ROLL, &format!("[tolerance]\nscatter = [{}]\n", scatter.join(", ")));
+    let study = study(
+        ROLL,
+        &format!("[tolerance]\nscatter = [{}]\n", scatter.join(", ")),
+    );
     let problem = problem(&study);
     let expansion = Expansion::of(&problem).unwrap();
     let mut looked_at = 0;
@@ -352,7 +359,10 @@ fn second_order_is_that_of_builds() {
         let parts = pair.map(|k: usize| ENTRIES[k]);
         let scatter = parts.map(|part| format!("{{ {part}, sigma = {sigma:?} }}"));
         for motion in motions {
-            let study = study(motion, &format!("[tolerance]\nscatter = [{}]\n", scatter.join(", ")));
+            let study = study(
+                motion,
+                &format!("[tolerance]\nscatter = [{}]\n", scatter.join(", ")),
+            );
             let problem = problem(&study);
             let expansion = Expansion::of(&problem).unwrap();
             let station = problem.stations().of_motion().last().unwrap();
@@ -376,7 +386,10 @@ fn second_order_is_that_of_builds() {
             for (output, column) in problem.outputs().iter().enumerate() {
                 let cell = problem.cell(output, station);
                 let found = expansion.second[cell];
-                if ["roll_steer", "anti_lift"].iter().any(|name| column.name.contains(name)) {
+                if ["roll_steer", "anti_lift"]
+                    .iter()
+                    .any(|name| column.name.contains(name))
+                {
                     assert!(found[0].is_nan() && expansion.holds(cell).is_none());
                     continue;
                 }
@@ -385,7 +398,11 @@ fn second_order_is_that_of_builds() {
                 let mean = 0.5 * (one + two);
                 let growth = 0.5 * (one * one + two * two) + mixed * mixed;
                 // Rounding of differences of positions in millimetres.
-                let rounding = if column.name.ends_with("_deg") { 1e-12 } else { 1e-9 };
+                let rounding = if column.name.ends_with("_deg") {
+                    1e-12
+                } else {
+                    1e-9
+                };
                 let size = one.abs() + two.abs() + mixed.abs() + rounding;
                 let at = format!("{parts:?}, {motion} {}", column.name);
                 assert!(
@@ -410,7 +427,9 @@ fn second_order_is_that_of_builds() {
 fn builds_are_the_same_in_lanes_and_one_by_one() {
     assert!(Width::ALL.iter().any(|width| width.is_available()));
     let on = |_: u64| ControlFlow::Continue(());
-    let narrow = ALL.replace("1.5", "0.1").replace("[tolerance]\n", "[tolerance]\nbuilds = 200\n");
+    let narrow = ALL
+        .replace("1.5", "0.1")
+        .replace("[tolerance]\n", "[tolerance]\nbuilds = 200\n");
     let study = study(ROLL, &narrow);
     let problem = problem(&study);
     assert_eq!(problem.not_in_lanes(), None);
@@ -427,12 +446,18 @@ fn builds_are_the_same_in_lanes_and_one_by_one() {
     let expansion = Expansion::of(&problem).unwrap();
     for (cell, (a, b)) in one.spreads.iter().zip(&single.spreads).enumerate() {
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * (1.0 + b.abs());
-        assert!(near(a.mean, b.mean) && near(a.sigma, b.sigma), "{a:?} {b:?}");
+        assert!(
+            near(a.mean, b.mean) && near(a.sigma, b.sigma),
+            "{a:?} {b:?}"
+        );
         let linear = expansion.variance[cell].sqrt();
         if linear > 1e-9 {
             let off = (a.sigma - linear).abs();
             let column = &problem.outputs()[cell / problem.stations().count()].name;
-            assert!(off < 0.01 * linear + 4.5 * a.sigma_error, "{column}: {a:?} {linear}");
+            assert!(
+                off < 0.01 * linear + 4.5 * a.sigma_error,
+                "{column}: {a:?} {linear}"
+            );
         }
     }
 }
@@ -478,17 +503,29 @@ fn set_ups_are_met_in_the_other_formulation() {
     for side in 0..2 {
         let [centre, axis] = parts.wheel(&x, side);
         let [camber, toe] = angles(axis);
-        assert!((camber + 1.6).abs() < 1e-9 && (toe - 0.25).abs() < 1e-9, "{side}: {camber} {toe}");
+        assert!(
+            (camber + 1.6).abs() < 1e-9 && (toe - 0.25).abs() < 1e-9,
+            "{side}: {camber} {toe}"
+        );
         let moved = minus(centre, nominal("wheel_centre", side));
         middle = [0, 1, 2].map(|k: usize| middle[k] + 0.5 * moved[k]);
     }
-    assert!((middle[0] - 1.5).abs() < 1e-9 && (middle[1] + 0.7).abs() < 1e-9, "{middle:?}");
+    assert!(
+        (middle[0] - 1.5).abs() < 1e-9 && (middle[1] + 0.7).abs() < 1e-9,
+        "{middle:?}"
+    );
     // The curves count from the new resting position.
     let Vehicle::Axle(both) = &found.adjusted.vehicle else {
         panic!("an axle");
     };
-    let curves = hardpoint::axle::axle_curves(&both.axle, &both.plan).unwrap().curves;
-    let camber = curves.columns.iter().position(|c| c.name == "left_camber").unwrap();
+    let curves = hardpoint::axle::axle_curves(&both.axle, &both.plan)
+        .unwrap()
+        .curves;
+    let camber = curves
+        .columns
+        .iter()
+        .position(|c| c.name == "left_camber")
+        .unwrap();
     assert!((curves.stations[0].value(camber).unwrap() + 1.6).abs() < 1e-9);
 }
 
@@ -496,7 +533,10 @@ fn set_ups_are_met_in_the_other_formulation() {
 #[test]
 fn effects_are_slopes_in_the_other_formulation() {
     let adjust = "adjust = [{ shim = \"mount\", axis = \"x\" }, { shim = \"mount\", axis = \"z\" }, { shim = \"spindle_inner\", axis = \"z\" }]";
-    let study = study(HEAVE, &format!("[setup]\n{adjust}\nwant = {{ toe = 0.1 }}\n"));
+    let study = study(
+        HEAVE,
+        &format!("[setup]\n{adjust}\nwant = {{ toe = 0.1 }}\n"),
+    );
     let found = found(&study);
     let summary = &found.wheels[0];
     for adjustment in &summary.adjustments {
@@ -508,11 +548,20 @@ fn effects_are_slopes_in_the_other_formulation() {
             let [left, right] = [0, 1].map(|side| angles(parts.wheel(&x, side)[1]));
             [left[0], right[0], left[1], right[1]]
         });
-        let columns = ["left_camber_deg", "right_camber_deg", "left_toe_deg", "right_toe_deg"];
+        let columns = [
+            "left_camber_deg",
+            "right_camber_deg",
+            "left_toe_deg",
+            "right_toe_deg",
+        ];
         for (k, column) in columns.iter().enumerate() {
             let [a, b, c, d] = at.map(|values| values[k]);
             let slope = (a - d + 8.0 * (c - b)) / (12.0 * h);
-            let place = summary.statics.iter().position(|s| s.column == *column).unwrap();
+            let place = summary
+                .statics
+                .iter()
+                .position(|s| s.column == *column)
+                .unwrap();
             let own = adjustment.by_length[place].unwrap();
             assert!(
                 (own - slope).abs() < 1e-7 * slope.abs() + 1e-9,
@@ -527,7 +576,10 @@ fn effects_are_slopes_in_the_other_formulation() {
 #[test]
 fn parts_that_a_beam_does_not_have_are_refused() {
     let refusal = |further: &str| {
-        let text = format!("{}{further}", include_str!("../../../engine/templates/twist_beam.toml"));
+        let text = format!(
+            "{}{further}",
+            include_str!("../../../engine/templates/twist_beam.toml")
+        );
         let read = Study::from_text("beam.toml", &text, Path::new(""));
         read.map(|_| ()).unwrap_err().to_string()
     };
@@ -535,8 +587,15 @@ fn parts_that_a_beam_does_not_have_are_refused() {
     assert!(said.contains("a twist beam has no links"), "{said}");
     let said = refusal("\n[setup]\nadjust = [{ length = \"mount\" }]\nwant = { toe = 0.1 }\n");
     assert!(said.contains("a twist beam has no links"), "{said}");
-    let said = refusal("\n[tolerance]\nscatter = [{ hardpoint = \"shear_centre\", sigma = 0.1, side = \"left\" }]\n");
-    assert!(said.contains("the axle has only one shear_centre"), "{said}");
-    let said = refusal("\n[setup]\nadjust = [{ shim = \"spring_lower\", axis = \"z\" }]\nwant = { toe = 0.1 }\n");
+    let said = refusal(
+        "\n[tolerance]\nscatter = [{ hardpoint = \"shear_centre\", sigma = 0.1, side = \"left\" }]\n",
+    );
+    assert!(
+        said.contains("the axle has only one shear_centre"),
+        "{said}"
+    );
+    let said = refusal(
+        "\n[setup]\nadjust = [{ shim = \"spring_lower\", axis = \"z\" }]\nwant = { toe = 0.1 }\n",
+    );
     assert!(said.contains("springs cannot be adjusted yet"), "{said}");
 }

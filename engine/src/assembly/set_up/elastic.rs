@@ -20,10 +20,10 @@
 
 use super::subject::{Change, build};
 use super::{AdjustedSuspension, SetUpError};
+use crate::ask::Unit;
 use crate::assembly::assembler::Assembler;
 use crate::assembly::assembly_error::AssemblyError;
 use crate::assembly::rest::{Built, Rest};
-use crate::ask::Unit;
 use crate::axle::{Axle, AxleRead, Quantity};
 use crate::characteristics::Characteristic;
 use crate::compliance::{AxleParameter, KcRun, KcValue, NoEquilibrium, Parameter};
@@ -107,7 +107,11 @@ impl<'a> Elastic<'a> {
     ) -> Result<Self, SetUpError> {
         let suspension = assembler.suspension();
         let elastic = elastic.with_kept_spring(suspension);
-        let mut values: Vec<KcValue> = characteristics.iter().copied().map(KcValue::Wheel).collect();
+        let mut values: Vec<KcValue> = characteristics
+            .iter()
+            .copied()
+            .map(KcValue::Wheel)
+            .collect();
         let keeps = lifts && elastic.parts.spring.is_some();
         if keeps {
             values.push(KcValue::Wheel(Characteristic::SpringLength));
@@ -136,7 +140,7 @@ impl<'a> Elastic<'a> {
         lifts: bool,
     ) -> Result<Self, SetUpError> {
         let mut axle = nominal.clone();
-        let [left, right] = assemblers.each(|assembler| assembler.suspension().clone());
+        let [left, right] = assemblers.map(|assembler| assembler.suspension().clone());
         (axle.left, axle.right) = (left, Some(right));
         let axle = axle.with_kept_springs();
         let keeps = lifts && axle.setup.springs.is_some();
@@ -151,7 +155,10 @@ impl<'a> Elastic<'a> {
             let change = |a: &Adjustment| a.is_of(Some(side)).then_some(a.change);
             Half {
                 assembler,
-                changes: adjust.iter().map(|a| change(a).into_iter().collect()).collect(),
+                changes: adjust
+                    .iter()
+                    .map(|a| change(a).into_iter().collect())
+                    .collect(),
             }
         });
         Elastic {

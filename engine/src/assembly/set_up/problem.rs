@@ -46,9 +46,10 @@ impl<'a> Problem<'a> {
         let statics = statics.map(Static::Characteristic).collect();
         let lifts = adjust.iter().any(|a| a.lifts(mechanism));
         let elastic = match &study.vehicle {
-            Vehicle::Wheel(own) => own.compliance.as_ref().map(|elastic| {
-                Elastic::wheel(assembler, elastic, adjust, &characteristics, lifts)
-            }),
+            Vehicle::Wheel(own) => own
+                .compliance
+                .as_ref()
+                .map(|elastic| Elastic::wheel(assembler, elastic, adjust, &characteristics, lifts)),
             Vehicle::Axle(both) => both.axle.elastic.as_ref().map(|_| {
                 let of_left = |c: &Characteristic| Quantity::Corner(Side::Left, *c);
                 let of_left: Vec<Quantity> = characteristics.iter().map(of_left).collect();

@@ -107,7 +107,9 @@ pub(super) fn want(
 /// Reason why a quantity has no static value that adjustments could set.
 fn no_static_value(quantity: Quantity) -> Option<&'static str> {
     if let Quantity::Figure(_) = quantity {
-        return Some("is a figure of a test, and a set-up is one of static values; tune it with [optimise]");
+        return Some(
+            "is a figure of a test, and a set-up is one of static values; tune it with [optimise]",
+        );
     }
     let sprung = [
         Need::SpringForce,

@@ -266,6 +266,41 @@ fn both_wheels_see_the_same_build() {
     }
 }
 
+/// A build printed as a study is the build: the study has both points of its hinge, and its curves are those of the build.
+#[test]
+fn printed_builds_are_the_builds() {
+    let study = study(ROLL, ALL);
+    let problem = problem(&study);
+    for build in [0, 3] {
+        let text = problem.built_text(build).unwrap();
+        let printed = Study::from_text("built.toml", &text, Path::new(""));
+        let printed = printed.unwrap_or_else(|e| panic!("{e}\n{text}"));
+        let suspension = printed.wheel();
+        let place = |name| suspension.design[suspension.mechanism.point(name).unwrap().0];
+        let along = place("hinge") - place("shear_centre");
+        assert!(along.x.abs() > 0.05 && along.y > 300.0, "{along:?}");
+        let curves = |vehicle: &Vehicle| {
+            let both = match vehicle {
+                Vehicle::Axle(both) => both,
+                Vehicle::Wheel(_) => panic!("an axle"),
+            };
+            hardpoint::axle::axle_curves(&both.axle, &both.plan)
+                .unwrap()
+                .curves
+        };
+        let (own, other) = (
+            curves(&problem.built_vehicle(build).unwrap()),
+            curves(&printed.vehicle),
+        );
+        for (k, column) in own.columns.iter().enumerate() {
+            for (a, b) in own.stations.iter().zip(&other.stations) {
+                let (a, b) = (a.value(k).unwrap(), b.value(k).unwrap());
+                assert!((a - b).abs() < 1e-8, "{}: {a} {b}", column.name);
+            }
+        }
+    }
+}
+
 /// Half the width of the scatter of a build whose parts are known.
 const NARROW: f64 = 1e-13;
 

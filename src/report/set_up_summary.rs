@@ -448,10 +448,7 @@ pub fn set_up_refusal(study: &Study, setup: &Setup, none: &SetUpError) -> String
     let length = study.wheel().length_unit;
     match none {
         SetUpError::Fault(reason) => reason.describe(&study.wheel().mechanism),
-        SetUpError::NoEquilibrium(reason) => format!(
-            "the elastic parts are not in balance at rest: {}",
-            reason.describe(length, study.wheel().frame)
-        ),
+        SetUpError::NoEquilibrium(reason) => reason.describe(length, study.wheel().frame),
         SetUpError::AssemblyError(AssemblyError::OutOfReach { share }) => format!(
             "the links cannot reach: they allow {:.0} % of the way from the design to the wanted height and the adjusted parts",
             100.0 * share

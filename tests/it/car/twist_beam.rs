@@ -62,7 +62,11 @@ fn parts_of_a_beam_scatter_in_a_car() {
         };
         let h = 0.05;
         let values = [-h, h].map(|step| {
-            let study = scattered(&format!("limits = [{:?}, {:?}]", step - 1e-12, step + 1e-12));
+            let study = scattered(&format!(
+                "limits = [{:?}, {:?}]",
+                step - 1e-12,
+                step + 1e-12
+            ));
             let problem = problem(&study);
             let car = problem.built(0).unwrap();
             let mut values = vec![0.0; problem.request.results.len()];

@@ -12,7 +12,7 @@ mod reference;
 mod robust;
 mod samples;
 mod schema;
-mod set_up;
+pub mod set_up;
 mod sheets;
 mod study;
 pub mod support;

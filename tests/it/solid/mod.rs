@@ -2,7 +2,9 @@
 
 mod beam_builds;
 mod beam_loads;
+mod beam_set_up;
 mod builds;
+mod built_beam;
 mod by_design;
 mod certificate;
 mod elastic;

@@ -66,6 +66,9 @@ pub fn with_fans<R>(
 pub fn refusal(study: &Study, reason: SetUpError) -> String {
     match reason {
         SetUpError::Fault(reason) => reason.describe(&study.wheel().mechanism),
+        SetUpError::NoEquilibrium(reason) => {
+            reason.describe(study.wheel().length_unit, study.wheel().frame)
+        }
         SetUpError::AssemblyError(reject) => reject.to_string(),
         SetUpError::Unsettled | SetUpError::OutOfReach(_) | SetUpError::Absurd { .. } => {
             "aligned = true, but the adjustments of [setup] do not move toe and camber independently"

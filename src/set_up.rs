@@ -9,7 +9,8 @@ use serde::Serialize;
 
 /// Set-up of all wheels.
 pub struct FoundSetUp {
-    /// One set-up for a single wheel, for both wheels of a mirrored axle, or for a solid axle. Otherwise one for each wheel.
+    /// One set-up for a single wheel, for both wheels of a mirrored axle, or for an axle that is set up as a whole. Otherwise one for
+    /// each wheel.
     pub wheels: Vec<SetUpSummary>,
     /// Study with the adjusted wheels. Its design position is the new static position.
     pub adjusted: Study,
@@ -98,7 +99,7 @@ pub fn about(side: Option<SetUpSide>, sentence: &str) -> String {
 }
 
 /// Finds the adjustments that give the target values. If the independent wheels of an axle are not mirror images, each wheel has
-/// its own set-up. A solid axle is set up as a whole.
+/// its own set-up. A solid axle is set up as a whole, and so is an axle with elastic parts and wheels that differ.
 ///
 /// # Errors
 /// A singular design, or target values that the adjustments do not reach.
@@ -138,19 +139,19 @@ fn refusal(
     Refusal::NotMet(reason, nominal.unwrap_or_default())
 }
 
-/// A wheel that needs a set-up, or a solid axle.
+/// A wheel that needs a set-up, or an axle.
 struct WheelToSetUp {
     side: Option<SetUpSide>,
-    /// Study of this wheel alone, or of the solid axle.
+    /// Study of this wheel alone. That of the axle if it is set up as a whole, or if elastic parts can couple its wheels.
     study: Study,
     assembler: Assembler,
-    /// Assembler of a solid axle as seen from its right wheel. `None` for one wheel.
+    /// Assembler of the right wheel of an axle that is set up as a whole. `None` for one wheel, and if both wheels are alike.
     from_right: Option<Assembler>,
 }
 
 impl WheelToSetUp {
-    /// Wheels that need a set-up: both wheels of an axle if the right wheel is not a mirror image, else one. A solid axle counts
-    /// as one.
+    /// Wheels that need a set-up: both wheels of an axle if the right wheel is not a mirror image, else one. An axle that is set up as a
+    /// whole counts as one.
     fn all(study: &Study) -> Result<Vec<Self>, String> {
         let assembler = |side: Option<SetUpSide>, suspension: &Suspension| {
             let fault = |fault: DesignFault| about(side, &fault.describe(&suspension.mechanism));
@@ -158,13 +159,19 @@ impl WheelToSetUp {
         };
         let mut wheels = vec![(None, study.wheel().clone())];
         if let Some(both) = study.axle() {
-            if both.axle.is_rigid() {
-                let own = |side: Side| assembler(None, both.axle.suspension(side));
+            let own = |side: Side| assembler(None, both.axle.suspension(side));
+            let is_whole = both.axle.is_set_up_as_a_whole();
+            if is_whole || study.is_elastic() {
+                let from_right = if is_whole {
+                    Some(own(Side::Right)?)
+                } else {
+                    None
+                };
                 return Ok(vec![WheelToSetUp {
-                    side: None,
+                    side: (!is_whole).then_some(SetUpSide::Both),
                     study: study.clone(),
                     assembler: own(Side::Left)?,
-                    from_right: Some(own(Side::Right)?),
+                    from_right,
                 }]);
             }
             wheels[0].0 = Some(SetUpSide::Both);
@@ -174,8 +181,12 @@ impl WheelToSetUp {
             }
         }
         let wheel = |(side, suspension)| {
+            let compliance = study.compliance().cloned();
             let mut study = study.clone();
-            study.vehicle = Vehicle::Wheel(Box::new(WheelStudy::of(suspension)));
+            study.vehicle = Vehicle::Wheel(Box::new(WheelStudy {
+                compliance,
+                ..WheelStudy::of(suspension)
+            }));
             Ok(WheelToSetUp {
                 side,
                 assembler: assembler(side, study.wheel())?,
@@ -216,8 +227,16 @@ fn adjusted(study: &Study, found: &[SetUp]) -> Study {
     });
     let first = wheels.next().expect("a set-up has one wheel at least");
     match &mut adjusted.vehicle {
-        Vehicle::Axle(both) => both.axle = both.axle.with_wheels(first, wheels.next()),
+        Vehicle::Axle(both) => {
+            both.axle = both
+                .axle
+                .with_kept_springs()
+                .with_wheels(first, wheels.next());
+        }
         Vehicle::Wheel(own) => {
+            if let Some(elastic) = &mut own.compliance {
+                *elastic = elastic.with_kept_spring(&own.suspension);
+            }
             own.suspension = first;
             own.formulation = Formulation::KnucklePose;
         }

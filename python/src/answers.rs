@@ -159,7 +159,7 @@ pub(crate) fn kc<'py>(
 /// Adjustments that give the static values of `[setup]`.
 #[pyfunction]
 pub(crate) fn setup<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, PyDict>> {
-    let own = rigid(study.whole(), "setup")?;
+    let own = study.whole();
     let setup = own.setup.as_ref().ok_or_else(|| {
         failure("the study has no [setup] section, which gives adjustments and target values")
     })?;

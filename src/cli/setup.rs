@@ -11,7 +11,7 @@ use crate::study::{Drive, Study};
 
 pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
-    let study = Study::read(path, &arguments.study.set)?;
+    let study = Study::read_elastic(path, &arguments.study.set)?;
     let Some(setup) = &study.setup else {
         let what = "the adjustments and the target values";
         return Err(Stop::no_section(path, "setup", what));

@@ -448,6 +448,7 @@ pub fn set_up_refusal(study: &Study, setup: &Setup, none: &SetUpError) -> String
     let length = study.wheel().length_unit;
     match none {
         SetUpError::Fault(reason) => reason.describe(&study.wheel().mechanism),
+        SetUpError::NoEquilibrium(reason) => reason.describe(length, study.wheel().frame),
         SetUpError::AssemblyError(AssemblyError::OutOfReach { share }) => format!(
             "the links are too short or too long: they allow {:.0} % of the way from the design \
              to the target height and the adjusted parts",

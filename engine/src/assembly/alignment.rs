@@ -19,7 +19,7 @@ use crate::characteristics::Characteristic;
 use crate::derive::DesignedSpinAxis;
 use crate::linear::lu::Vector6;
 use crate::mechanism::{Pose, Twist};
-use crate::model::Mechanism;
+use crate::model::{Mechanism, Side};
 use crate::number::{Real, Vector3};
 use crate::study::Adjustment;
 use nalgebra::DMatrix;
@@ -45,9 +45,14 @@ pub(crate) struct Alignment {
 }
 
 impl Alignment {
-    /// Keeps toe and camber at nominal with the adjustments of the set-up. A single adjustment keeps only toe. Other targets
-    /// of the set-up are ignored.
-    pub(crate) fn of(adjust: &[Adjustment], assembler: &Assembler) -> Result<Self, SetUpError> {
+    /// Keeps toe and camber at nominal with the adjustments of the set-up that act on the wheel of this side, or on a single wheel.
+    /// A single adjustment keeps only toe. Other targets of the set-up are ignored.
+    pub(crate) fn of(
+        adjust: &[Adjustment],
+        side: Option<Side>,
+        assembler: &Assembler,
+    ) -> Result<Self, SetUpError> {
+        let adjust: Vec<&Adjustment> = adjust.iter().filter(|a| a.is_of(side)).collect();
         let suspension = assembler.suspension();
         let held: &[Characteristic] = match adjust.len() {
             1 => &[Characteristic::Toe],

@@ -22,7 +22,7 @@
 
 use super::alignment::Alignment;
 use super::assembly_error::AssemblyError;
-use super::carriers::with_spindle;
+use super::carriers::{with_eye, with_spindle};
 use super::parts::{BuildParameter, Member, Parts, is_of_body};
 use super::settle::Settling;
 use crate::linear::lu::{Lu6, Matrix6, Vector6};
@@ -58,7 +58,7 @@ pub(crate) struct Linearised {
 impl Assembler {
     /// Prepares to assemble builds of a suspension. Fails if its nominal design cannot move.
     pub fn new(suspension: &Suspension) -> Result<Self, DesignFault> {
-        let suspension = with_spindle(suspension);
+        let suspension = with_eye(with_spindle(suspension));
         let (mechanism, design) = (&suspension.mechanism, &suspension.design);
         let solver = Solver::new(mechanism, design)?;
         let (pose, size) = (solver.design_pose(), solver.size());
@@ -322,7 +322,13 @@ impl Assembler {
     /// counterpart.
     #[inline(always)]
     pub(super) fn in_carrier<T: Real>(&self, parts: &Parts<T>, number: usize) -> Vector3<T> {
-        if is_of_body(&self.suspension.mechanism, PointId(number)) {
+        let mechanism = &self.suspension.mechanism;
+        let beam = mechanism
+            .rigid_axle
+            .as_ref()
+            .and_then(|rigid| rigid.twist_beam);
+        let id = PointId(number);
+        if is_of_body(mechanism, id) || beam.is_some_and(|beam| beam.mount == id) {
             parts.drawn[number]
         } else {
             parts.points[number]

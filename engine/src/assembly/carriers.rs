@@ -4,15 +4,27 @@
 //! (Watt linkage, steered knuckles) holds it. Its closure equations use positions in which every rod has its own length. These are
 //! the points of the parts with the axle in its nominal pose ([`Assembler::turned`]). From them, the equations of designs turn the
 //! rockers in any pose of the axle.
+//!
+//! The far half of a twist beam is such a rocker. Its axis is the hinge, which both halves have at the shear centre. In a build the
+//! mounts are points of the body, and a point of the near arm ([`TwistBeam::eye`]) is where its mount is in the design. The rubber lets
+//! both arms move sideways until their displacements against the mounts are equal and opposite. With y_n and y_f the places of the arms
+//! at the mounts Y_n and Y_f,
+//!
+//! ```text
+//! y_n - Y_n = -(y_f - Y_f),   so y_n + y_f = Y_n + Y_f                                         (1)
+//! ```
+//!
+//! A sideways deviation of the near mount thus acts like the same deviation of the far mount ([`Parts::change`]).
 
 use super::assembler::Assembler;
 use super::assembly_error::AssemblyError;
 use super::parts::Parts;
 use crate::mechanism::{Pose, Turn, has_leverage};
 use crate::model::{
-    Body, Point, PointId, Rocker, RockerId, SPINDLE_INNER, SpinAxis, Suspension, mirrored,
+    Body, Constraint, Point, PointId, Rocker, RockerId, SPINDLE_INNER, SpinAxis, Suspension,
+    TwistBeam, mirrored,
 };
-use crate::number::{Matrix3, Real, Vector3};
+use crate::number::{Each, Matrix3, Real, Vector3};
 use std::borrow::Cow;
 
 impl Assembler {
@@ -33,6 +45,9 @@ impl Assembler {
         let Some(rigid) = &mechanism.rigid_axle else {
             return;
         };
+        if let Some(beam) = &rigid.twist_beam {
+            return self.turn_far_half(beam, parts);
+        }
         if let Some(steering) = &rigid.steering {
             parts.points[steering.place.0] = parts.points[steering.end.0];
         }
@@ -44,6 +59,27 @@ impl Assembler {
                 if mechanism.body(PointId(i)) == Body::Rocker(RockerId(number)) {
                     *point = built.place(*point);
                 }
+            }
+        }
+    }
+
+    /// Turns the far half of a twist beam about the hinge of the near half in its nominal pose, until its mount is as near to its place
+    /// on the body as the hinge allows. The far half keeps its shape: so do the distances of its mount from the points of the hinge.
+    #[inline(always)]
+    fn turn_far_half<T: Real>(&self, beam: &TwistBeam, parts: &mut Parts<T>) {
+        let mechanism = &self.suspension().mechanism;
+        let mount = parts.drawn[beam.far_mount.0];
+        for (number, constraint) in mechanism.constraints.iter().enumerate() {
+            if let Constraint::Link { outer, .. } = constraint {
+                parts.lengths[number] = (parts.points[outer.0] - mount).norm();
+            }
+        }
+        let ends = [beam.shear_centre, beam.hinge, beam.rod_end, beam.far_mount];
+        let [first, second, inner, now] = ends.each(|id| parts.points[id.0]);
+        let turn = Turn::of([first, second, inner, mount, now]);
+        for (i, point) in parts.points.iter_mut().enumerate() {
+            if let Body::Rocker(_) = mechanism.body(PointId(i)) {
+                *point = turn.moved(*point);
             }
         }
     }
@@ -71,7 +107,8 @@ impl Assembler {
         for (i, (place, &point)) in into.iter_mut().zip(&parts.points).enumerate() {
             let id = PointId(i);
             *place = match mechanism.body(id) {
-                Body::Chassis | Body::Rack | Body::Opposite(_) | Body::SteeringGear(_) => point,
+                Body::Chassis | Body::Rack | Body::SteeringGear(_) => point,
+                Body::Opposite(_) => at.grounded(id),
                 Body::Rocker(_) if mechanism.rigid_axle.is_some() => at.point(id),
                 Body::Rocker(_) => point,
                 Body::Knuckle => at.carried(id),
@@ -90,6 +127,10 @@ impl Assembler {
         if let Some(rigid) = &mechanism.rigid_axle {
             if let Some(steering) = &rigid.steering {
                 steering.displace(into[0].x.zero(), into);
+            }
+            // The rubber of a twist beam's mount follows the arm sideways.
+            if let Some((beam, eye)) = rigid.twist_beam.and_then(|beam| Some((beam, beam.eye?))) {
+                into[beam.mount.0] = into[eye.0];
             }
             return;
         }
@@ -242,5 +283,30 @@ pub(super) fn with_spindle(suspension: &Suspension) -> Suspension {
         }
         mechanism.spin_axis = SpinAxis::From(near);
     }
+    suspension
+}
+
+/// The suspension of a twist beam with a point of the near arm at its mount. The mount is then a point of the body alone. The points
+/// of the hinge move together. Other suspensions stay as they are.
+pub(super) fn with_eye(mut suspension: Suspension) -> Suspension {
+    let mechanism = &mut suspension.mechanism;
+    let beam = mechanism
+        .rigid_axle
+        .as_mut()
+        .and_then(|rigid| rigid.twist_beam.as_mut());
+    let Some(beam) = beam.filter(|beam| beam.eye.is_none()) else {
+        return suspension;
+    };
+    let eye = PointId(suspension.design.len());
+    beam.eye = Some(eye);
+    let (mount, far_mount) = (beam.mount, beam.far_mount);
+    let hinge = [beam.shear_centre, beam.hinge];
+    mechanism.points[far_mount.0].body = Body::Opposite(eye);
+    mechanism.points.push(Point {
+        name: "mount_eye".to_owned(),
+        body: Body::Knuckle,
+    });
+    mechanism.parallel_axes.push(hinge);
+    suspension.design.push(suspension.design[mount.0]);
     suspension
 }

@@ -181,7 +181,8 @@ impl<T: Real> Parts<T> {
         }
     }
 
-    /// Changes a dimension. If angles give the spin axis, it moves with the wheel centre, in parallel.
+    /// Changes a dimension. If angles give the spin axis, it moves with the wheel centre, in parallel. A sideways change of a twist
+    /// beam's mount acts at the far mount, by (1) of module `carriers`.
     #[inline(always)]
     pub fn change(&mut self, mechanism: &Mechanism, parameter: BuildParameter, by: T) {
         match parameter {
@@ -189,6 +190,11 @@ impl<T: Real> Parts<T> {
                 self.shift(point, axis, by);
                 if let Some(beside) = mechanism.moves_with(point) {
                     self.shift(beside, axis, by);
+                }
+                let rigid = mechanism.rigid_axle.as_ref();
+                let beam = rigid.and_then(|rigid| rigid.twist_beam);
+                if let Some(beam) = beam.filter(|beam| beam.mount == point && axis == Axis::Y) {
+                    self.shift(beam.far_mount, axis, by);
                 }
             }
             BuildParameter::Length(member) => {

@@ -54,8 +54,9 @@ impl Assembler {
         match rest {
             Rest::Height(height) => self.rebuild(&mut built, height)?,
             Rest::Spring(longer) => {
-                let drawn =
-                    spring_length(suspension, &suspension.design).ok_or(AssemblyError::Spring)?;
+                let drawn = suspension
+                    .spring_length(&suspension.design)
+                    .ok_or(AssemblyError::Spring)?;
                 self.settle_on_spring(&mut built, drawn + longer)?;
             }
         }
@@ -107,7 +108,7 @@ impl Assembler {
     /// Length of the spring, and its derivative along a direction of the parts with `rise` as the derivative of the height.
     fn spring_by(&self, built: &Built, direction: &Direction, rise: f64) -> Option<[f64; 2]> {
         let (_, design) = self.design_along(built, dual, 1, direction, rise);
-        let length = spring_length(self.suspension(), &design)?;
+        let length = self.suspension().spring_length(&design)?;
         Some([length.value, length.partials[0]])
     }
 
@@ -173,6 +174,12 @@ impl Assembler {
         (slopes.collect(), rise)
     }
 
+    /// Derivatives of every point of the built design as the wheel centre rises, with the same parts.
+    pub(super) fn design_by_height(&self, built: &Built) -> Vec<Vector3<f64>> {
+        let (_, design) = self.design_along(built, dual, 1, &[], 1.0);
+        design.iter().map(|p| p.map(|c| c.partials[0])).collect()
+    }
+
     /// Returns the built design as a series to second order along a direction, at constant height.
     pub fn design_series(&self, built: &Built, direction: &Direction) -> Vec<Vector3<Jet<f64, 3>>> {
         let number = |value, by| Jet([value, by, 0.0]);
@@ -204,10 +211,4 @@ fn dual(value: f64, by: f64) -> Slope {
         value,
         partials: [by],
     }
-}
-
-/// Length of the spring from seat to seat in a design.
-pub(super) fn spring_length<T: Real>(suspension: &Suspension, design: &[Vector3<T>]) -> Option<T> {
-    let spring = suspension.mechanism.spring?;
-    Some((design[spring.upper.0] - design[spring.lower.0]).norm())
 }

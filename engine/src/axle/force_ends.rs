@@ -135,7 +135,7 @@ impl Axle {
             Law::Linear { .. } => None,
         };
         let stop = law.bump_stop.as_ref().and_then(|stop| {
-            let compression = design - length - stop.gap;
+            let compression = law.shortened(length, design) - stop.gap;
             let end = beyond(&stop.curve, compression).filter(|_| compression > 0.0)?;
             Some((ForcePart::BumpStop, compression, end))
         });

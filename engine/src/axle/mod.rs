@@ -61,7 +61,7 @@ use crate::ask::Need;
 use crate::characteristics::Slot;
 use crate::mechanism::DesignFault;
 use crate::model::{Frame, RockerId, Side, Suspension};
-use crate::number::{Each, Vector3};
+use crate::number::Vector3;
 use crate::study::AxleComplianceStudy;
 
 /// An axle.
@@ -182,30 +182,18 @@ impl Axle {
         };
         rigid.complete(&self.left.design, left);
         if let Some(beam) = &rigid.twist_beam {
-            let places = beam.followers_of(left);
-            for ([point, _], place) in beam.followers().into_iter().zip(places) {
+            for (point, place) in beam.further_points(left) {
                 left[point.0] = place;
             }
         }
     }
 
-    /// Returns the axle with other wheels of the same topology in the design position. `right` is `None` for a mirror image. The
-    /// springs stay the same parts: a spring that is shorter now exerts more force.
+    /// Returns the axle with other wheels of the same topology at rest. The springs stay the same parts: a spring that is shorter
+    /// now exerts more force. Springs of elastic parts keep their force in the design position.
     pub fn with_wheels(&self, left: Suspension, right: Option<Suspension>) -> Axle {
-        let mut changed = Axle {
-            left,
-            right,
-            setup: self.setup.clone(),
-            elastic: self.elastic.clone(),
-        };
-        if let Some(laws) = &self.setup.springs {
-            let law = |side: Side| {
-                let [before, now] = [self, &changed].each(|axle| axle.design_spring_length(side));
-                let shortened = before.zip(now).map_or(0.0, |(before, now)| before - now);
-                laws[side as usize].of_shorter_design(shortened)
-            };
-            changed.setup.springs = Some(Side::ALL.map(law));
-        }
+        let mut changed = self.clone();
+        changed.setup.springs = self.kept_springs();
+        (changed.left, changed.right) = (left, right);
         if let Some(law) = &mut changed.setup.rocker_springs.heave_spring {
             let before = self.design_heave_spring();
             let now = Axle::heave_spring_between(&changed.left, changed.right.as_ref());
@@ -213,6 +201,39 @@ impl Axle {
             law.load += law.rate * shortened;
         }
         changed
+    }
+
+    /// Returns the axle with springs that stay the same parts in another design, also among elastic parts.
+    pub fn with_kept_springs(&self) -> Axle {
+        let mut kept = self.clone();
+        kept.setup.springs = self.kept_springs();
+        if let (Some(elastic), Some(laws)) = (&mut kept.elastic, &kept.setup.springs) {
+            for (wheel, law) in elastic.parts.wheels.iter_mut().zip(laws) {
+                wheel.spring = Some(law.clone());
+            }
+        }
+        kept
+    }
+
+    /// Laws of the springs as those of parts that stay the same in another design.
+    fn kept_springs(&self) -> Option<[SpringLaw; 2]> {
+        let laws = self.setup.springs.as_ref()?;
+        let kept = |side: Side| {
+            let (law, wheel) = (&laws[side as usize], self.suspension(side));
+            let length = wheel.spring_length(&wheel.design);
+            length.map_or_else(|| law.clone(), |length| law.kept_from(length))
+        };
+        Some(Side::ALL.map(kept))
+    }
+
+    /// Returns true if a set-up adjusts the axle as a whole. Otherwise it adjusts each wheel by itself, or both wheels alike. One body
+    /// carries the wheels, or elastic parts couple wheels that differ.
+    pub fn is_set_up_as_a_whole(&self) -> bool {
+        let differs = |elastic: &AxleComplianceStudy| {
+            let [left, right] = &elastic.parts.wheels;
+            self.right.is_some() || left != right
+        };
+        self.is_rigid() || self.elastic.as_deref().is_some_and(differs)
     }
 
     /// Length of the heave spring in the design position.
@@ -224,13 +245,6 @@ impl Axle {
         let end = |wheel: &Suspension| Some(wheel.design[wheel.mechanism.heave_spring()?.0]);
         let (left, right) = (end(left)?, end(right.unwrap_or(left))?);
         Some(rocker_springs::between(left, right).norm())
-    }
-
-    /// Length of a wheel's spring in the design position.
-    fn design_spring_length(&self, side: Side) -> Option<f64> {
-        let wheel = self.suspension(side);
-        let spring = wheel.mechanism.spring?;
-        Some((wheel.design[spring.upper.0] - wheel.design[spring.lower.0]).norm())
     }
 
     /// Returns true if the study gives a figure or part.

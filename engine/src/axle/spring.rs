@@ -25,6 +25,9 @@ pub struct SpringLaw<T = f64> {
     pub bump_stop: Option<BumpStop>,
     /// Rebound stop. Its abscissa is its deformation: the spring's extension minus the gap.
     pub rebound_stop: Option<BumpStop>,
+    /// Length of the spring at which it has the force of its law and the gaps of its stops. `None` for its length in the design
+    /// position, so that hardpoints can move without a change of the force. The parts of an assembled car keep their own length.
+    pub own_length: Option<f64>,
 }
 
 /// A stop. The field comments describe a bump stop; for a rebound stop, read extension in place of compression.
@@ -49,13 +52,26 @@ impl<T: Copy> SpringLaw<T> {
             },
             bump_stop: self.bump_stop.clone(),
             rebound_stop: self.rebound_stop.clone(),
+            own_length: self.own_length,
         }
+    }
+
+    /// Length from which deflections count. `design` is the length in the design position.
+    #[inline(always)]
+    fn reference<U: Scalar>(&self, design: U) -> U {
+        self.own_length.map_or(design, |own| design.constant(own))
+    }
+
+    /// Deflection of the spring at a length, positive in compression. `design` is the length in the design position.
+    #[inline(always)]
+    pub(crate) fn shortened<U: Scalar>(&self, length: U, design: U) -> U {
+        self.reference(design) - length
     }
 
     /// Force at a length. `over` converts the numbers of the law to the type of the length.
     #[inline(always)]
     fn force_over<U: Scalar>(&self, length: U, design: U, over: impl Fn(T) -> U) -> U {
-        let shortened = design - length;
+        let shortened = self.shortened(length, design);
         let spring = match &self.spring {
             Law::Linear { force, rate } => over(*force) + over(*rate) * shortened,
             Law::Curve(curve) => curve.at(length),
@@ -86,7 +102,7 @@ impl<T: Scalar> SpringLaw<T> {
 
     /// Returns true if a stop is in contact at a length.
     pub(crate) fn meets_stop(&self, length: T, design: T) -> bool {
-        let shortened = (design - length).value();
+        let shortened = self.shortened(length, design).value();
         let meets = |stop: &Option<BumpStop>, by: f64| stop.as_ref().is_some_and(|s| by > s.gap);
         meets(&self.bump_stop, shortened) || meets(&self.rebound_stop, -shortened)
     }
@@ -115,14 +131,16 @@ impl SpringLaw {
         self.force_over(length, design, |c| length.constant(c))
     }
 
-    /// Energy at a length, relative to the design position: integral of the force over the shortening.
+    /// Energy at a length: integral of the force over the shortening. It counts from the design position, or from the spring's own
+    /// length.
     pub fn energy<T: Scalar>(&self, length: T, design: T) -> T {
-        let shortened = design - length;
+        let reference = self.reference(design);
+        let shortened = reference - length;
         let spring = match &self.spring {
             Law::Linear { force, rate } => {
                 shortened * (length.constant(*force) + shortened.scaled(0.5 * rate))
             }
-            Law::Curve(curve) => curve.integral(design) - curve.integral(length),
+            Law::Curve(curve) => curve.integral(reference) - curve.integral(length),
         };
         let touched = |stop: &Option<BumpStop>, by: T| match stop {
             Some(stop) if by.value() > stop.gap => {
@@ -134,30 +152,11 @@ impl SpringLaw {
         spring + touched(&self.bump_stop, shortened) + touched(&self.rebound_stop, -shortened)
     }
 
-    /// Law of the same parts in a design whose spring is shorter by `shortened`. Its force in the new design position is
-    /// that of this law at the same length, and the gap to the bump stop is smaller.
-    pub fn of_shorter_design(&self, shortened: f64) -> SpringLaw {
-        let spring = match &self.spring {
-            Law::Linear { force, rate } => Law::Linear {
-                force: force + rate * shortened,
-                rate: *rate,
-            },
-            // A curve depends on the length itself.
-            Law::Curve(curve) => Law::Curve(curve.clone()),
-        };
-        let bump_stop = self.bump_stop.as_ref().map(|stop| BumpStop {
-            gap: stop.gap - shortened,
-            curve: stop.curve.clone(),
-        });
-        let rebound_stop = self.rebound_stop.as_ref().map(|stop| BumpStop {
-            gap: stop.gap + shortened,
-            curve: stop.curve.clone(),
-        });
-        SpringLaw {
-            spring,
-            bump_stop,
-            rebound_stop,
-        }
+    /// Law of the same parts in another design. `length` is the spring's length in the design of this law.
+    pub fn kept_from(&self, length: f64) -> SpringLaw {
+        let mut kept = self.clone();
+        kept.own_length.get_or_insert(length);
+        kept
     }
 }
 
@@ -353,6 +352,7 @@ mod tests {
                 gap: 25.0,
                 curve: ForceCurve::through(&[[0.0, 0.0], [5.0, 400.0]]).unwrap(),
             }),
+            own_length: None,
         };
         assert_eq!(law.force(490.0, 500.0), 3300.0);
         assert_eq!(law.force(475.0, 500.0), 3750.0 + 250.0);
@@ -361,7 +361,7 @@ mod tests {
     }
 
     #[test]
-    fn a_law_of_a_shorter_design_has_the_same_forces() {
+    fn kept_parts_have_the_same_forces_in_every_design() {
         let law = SpringLaw {
             spring: Law::Linear {
                 force: 3000.0,
@@ -375,10 +375,20 @@ mod tests {
                 gap: 25.0,
                 curve: ForceCurve::through(&[[0.0, 0.0], [5.0, 400.0]]).unwrap(),
             }),
+            own_length: None,
         };
-        let shorter = law.of_shorter_design(8.0);
+        let kept = law.kept_from(500.0);
         for length in [535.0, 528.0, 510.0, 492.0, 475.0] {
-            assert_eq!(shorter.force(length, 492.0), law.force(length, 500.0));
+            for design in [492.0, 500.0, 507.0] {
+                assert_eq!(kept.force(length, design), law.force(length, 500.0));
+                assert_eq!(
+                    kept.meets_stop(length, design),
+                    law.meets_stop(length, 500.0)
+                );
+            }
         }
+        // The force does not depend on the design, so it has no derivative by its length.
+        let design = Jet::<f64, 2>::variable(492.0);
+        assert_eq!(kept.force(Jet::constant(470.0), design)[1], 0.0);
     }
 }

@@ -28,6 +28,7 @@ pub use seats::Seat;
 pub use steered_axle::AxleSteering;
 pub use suspension::{AxlePosition, Suspension, TorquePath, VehicleFigures};
 pub use topology::{Group, Hardpoint, Topology};
+pub(crate) use twist_beam::HINGE;
 pub use twist_beam::TwistBeam;
 
 use crate::number::Vector3;
@@ -305,7 +306,7 @@ impl Mechanism {
                 design.push(mirrored(design[near.0]));
             }
             if let Some(beam) = &rigid.twist_beam {
-                design.extend(beam.followers_of(design));
+                design.extend(beam.further_points(design).map(|(_, place)| place));
             }
             if let Some(steering) = &rigid.steering {
                 design.push(design[steering.end.0]);

@@ -1,7 +1,7 @@
 //! A suspension with its dimensions, and data of the whole vehicle.
 
 use super::{Frame, LengthUnit, Mechanism};
-use crate::number::Vector3;
+use crate::number::{Real, Vector3};
 
 /// Data of the whole vehicle that some characteristics need. Lengths are in the study's unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -68,5 +68,11 @@ impl Suspension {
     /// are relative to it.
     pub fn size(&self) -> f64 {
         self.mechanism.size(&self.design)
+    }
+
+    /// Length of the spring from seat to seat, with the points at `design`. `None` without a spring.
+    pub fn spring_length<T: Real>(&self, design: &[Vector3<T>]) -> Option<T> {
+        let spring = self.mechanism.spring?;
+        Some((design[spring.upper.0] - design[spring.lower.0]).norm())
     }
 }

@@ -1,6 +1,7 @@
 //! Twist beam: two rigid halves that are hinged about the line of the cross member's shear centres.
 //!
-//! Each half is a trailing arm with half of the cross member. The hinge is the line along y through the shear centre S. A
+//! Each half is a trailing arm with half of the cross member. The hinge is the line along y through the shear centre S, or through S
+//! and a second point: a beam of parts with deviations stands a little askew. A
 //! mount holds its half in x and z. The rubber of the mounts lets them move sideways, by equal distances in opposite
 //! directions. Each half has six unknowns. The hinge removes five of these twelve, the mounts five, and the two travels
 //! determine the rest.
@@ -19,6 +20,9 @@ use super::topology::{
 use super::{Body, Constraint, Mechanism, Point, PointId, Rocker, RockerId, Rod};
 use crate::number::{Each, Vector3};
 
+/// Name of the hinge's second point.
+pub(crate) const HINGE: &str = "hinge";
+
 /// The twist beam.
 pub(super) static TWIST_BEAM: Topology = Topology {
     name: "twist_beam",
@@ -33,6 +37,10 @@ pub(super) static TWIST_BEAM: Topology = Topology {
         SPINDLE_INNER,
         SPRING_UPPER,
         optional("spring_lower", "lower end of spring and damper, on the arm"),
+        optional(
+            HINGE,
+            "second point of the hinge between both halves, left of the shear centre; without it the hinge is along y",
+        ),
     ],
     groups: &[&SPRING],
     distinct: &[
@@ -41,6 +49,7 @@ pub(super) static TWIST_BEAM: Topology = Topology {
             "shear_centre",
             "the arm turns about the line through both",
         ),
+        (HINGE, "shear_centre", "they define the hinge"),
         SPINDLE,
     ],
     build,
@@ -56,29 +65,37 @@ pub struct TwistBeam {
     pub far_mount: PointId,
     /// A point of the hinge: the shear centre.
     pub shear_centre: PointId,
-    /// Second point of the hinge. It keeps its offset from the shear centre.
+    /// Second point of the hinge. If the study does not give it, it keeps its offset from the shear centre along y.
     pub hinge: PointId,
+    /// True if the study gives the second point of the hinge.
+    pub is_hinge_given: bool,
     /// End of the rod on the far half. It keeps its offset from the far mount.
     pub rod_end: PointId,
+    /// Point of the near arm at its mount, if parts are assembled. The mount is then a point of the body alone.
+    pub eye: Option<PointId>,
 }
 
 impl TwistBeam {
     /// Points that a study does not give. Each keeps its offset from the second point of its pair.
-    pub fn followers(&self) -> [[PointId; 2]; 2] {
-        [
-            [self.hinge, self.shear_centre],
-            [self.rod_end, self.far_mount],
-        ]
+    pub fn followers(&self) -> impl Iterator<Item = [PointId; 2]> + use<> {
+        let hinge = (!self.is_hinge_given).then_some([self.hinge, self.shear_centre]);
+        let eye = self.eye.map(|eye| [eye, self.mount]);
+        let rod = [self.rod_end, self.far_mount];
+        hinge.into_iter().chain([rod]).chain(eye)
     }
 
-    /// Positions of [`TwistBeam::followers`] in a design with these mounts and this shear centre.
-    pub(crate) fn followers_of(&self, design: &[Vector3<f64>]) -> [Vector3<f64>; 2] {
+    /// Points of hinge and rod that a study does not give, with their places in a design with these mounts and this shear centre.
+    pub(crate) fn further_points(
+        &self,
+        design: &[Vector3<f64>],
+    ) -> impl Iterator<Item = (PointId, Vector3<f64>)> + use<> {
         let [mount, centre] = [self.far_mount, self.shear_centre].each(|id| design[id.0]);
         let aside = Vector3::new(0.0, mount.y.abs(), 0.0);
         // By Thales' theorem, the rod from the mount is perpendicular to the lever from the hinge.
         let (x, z) = (0.5 * (mount.x - centre.x), 0.5 * (mount.z - centre.z));
         let rod = Vector3::new(-x - z, 0.0, x - z);
-        [centre + aside, mount + rod]
+        let hinge = (!self.is_hinge_given).then_some((self.hinge, centre + aside));
+        hinge.into_iter().chain([(self.rod_end, mount + rod)])
     }
 }
 
@@ -92,16 +109,16 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         Body::Knuckle => Body::Rocker(beam),
         body => body,
     };
-    let (singles, pairs) = given.add_far_half(|name| name == "shear_centre", far_body);
+    let (singles, pairs) =
+        given.add_far_half(|name| name == "shear_centre" || name == HINGE, far_body);
+    let given_hinge = given.find(HINGE);
     let mut add = |name: &str, body: Body| {
         let name = name.to_owned();
         given.0.push(Point { name, body });
         PointId(given.0.len() - 1)
     };
-    let (hinge, rod_end) = (
-        add("twist_beam_axis", Body::Knuckle),
-        add("twist_beam_rod", Body::Rocker(beam)),
-    );
+    let hinge = given_hinge.unwrap_or_else(|| add("twist_beam_axis", Body::Knuckle));
+    let rod_end = add("twist_beam_rod", Body::Rocker(beam));
     let [shear_centre, far_mount, far_centre] =
         ["shear_centre", "right_mount", "right_wheel_centre"].each(|name| given.id(name));
     let held = AxleTravel::Mean;
@@ -141,7 +158,9 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
                 far_mount,
                 shear_centre,
                 hinge,
+                is_hinge_given: given_hinge.is_some(),
                 rod_end,
+                eye: None,
             }),
         }),
         ..given.mechanism(topology, &bodies)

@@ -170,7 +170,7 @@ impl<'a> BuiltWheel<'a> {
         let redrawn = self.assembler.redraw(design);
         redrawn.map_err(refused(self.mechanism()))?;
         let aligned = self.scatter.adjust.as_ref();
-        let alignment = aligned.map(|adjust| Alignment::of(adjust, &self.assembler));
+        let alignment = aligned.map(|adjust| Alignment::of(adjust, self.side, &self.assembler));
         self.alignment = alignment.transpose().map_err(|_| {
             Infeasible::Refused("the adjustments of [setup] do not move toe and camber".to_owned())
         })?;

@@ -406,10 +406,7 @@ pub(super) fn lacks_nothing(
     axle: &Axle,
     problems: &mut Problems,
 ) -> bool {
-    let reason =
-        not_in_equilibrium(quantity, axle.kind(), false).filter(|_| axle.elastic.is_some());
-    if let Some(reason) = reason {
-        refuse_in_equilibrium(text, reason, problems);
+    if !is_in_equilibrium(text, quantity, axle, problems) {
         return false;
     }
     if let Quantity::Corner(..) = quantity {
@@ -427,6 +424,22 @@ pub(super) fn lacks_nothing(
     let message = format!("{name} needs {needs}, which this study does not give");
     problems.add(text.span(), message);
     false
+}
+
+/// Refuses a quantity that an equilibrium does not have, if the axle has elastic parts. Returns true if it is available.
+pub(super) fn is_in_equilibrium(
+    text: &Text,
+    quantity: Quantity,
+    axle: &Axle,
+    problems: &mut Problems,
+) -> bool {
+    let reason =
+        not_in_equilibrium(quantity, axle.kind(), false).filter(|_| axle.elastic.is_some());
+    let is_available = reason.is_none();
+    if let Some(reason) = reason {
+        refuse_in_equilibrium(text, reason, problems);
+    }
+    is_available
 }
 
 /// Refuses a quantity with a reason from [`not_in_equilibrium`].

@@ -4,7 +4,7 @@ mod inside;
 
 use super::{AxleComplianceStudy, Designs, Study};
 use crate::compliance::{AxialStiffness, Compliance, Shape};
-use crate::model::{Axis, Frame, Mechanism, PointId, Suspension};
+use crate::model::{Axis, Frame, HINGE, Mechanism, PointId, SPINDLE_INNER, Suspension};
 use crate::number::{Each, Vector3};
 pub(super) use inside::{with_bushings_inside, with_curves_inside};
 use std::path::{Component, Path};
@@ -25,22 +25,30 @@ impl Study {
     }
 
     /// Returns a built suspension ([`crate::assembly`]) as the text of a study. If angles give the spin axis of the study, a
-    /// `spindle_inner` replaces them, because the axis of a build runs through points.
+    /// `spindle_inner` replaces them, because the axis of a build runs through points. The hinge of a twist beam gets its second point.
     pub fn with_built(&self, built: &Suspension) -> String {
         let text = self.with_design(&built.design);
         let mechanism = &built.mechanism;
         let given = self.wheel().mechanism.points.len();
-        let (Some(added), Ok(mut document)) =
-            (mechanism.points.get(given), text.parse::<DocumentMut>())
-        else {
+        let spindle = mechanism.points.get(given);
+        let spindle = spindle.filter(|added| added.name == SPINDLE_INNER);
+        let rigid = mechanism.rigid_axle.as_ref();
+        let beam = rigid.and_then(|rigid| rigid.twist_beam);
+        let hinge = beam.filter(|beam| !beam.is_hinge_given);
+        let Ok(mut document) = text.parse::<DocumentMut>() else {
             return text;
         };
         let root = document.as_table_mut();
-        if let Some(hardpoints) = table(root, &["suspension", "hardpoints"]) {
-            let place = written(built.design[given], built.frame);
-            hardpoints.insert(&added.name, place);
+        let added = [
+            spindle.map(|_| (SPINDLE_INNER, built.design[given])),
+            hinge.map(|beam| (HINGE, built.design[beam.hinge.0])),
+        ];
+        for (name, place) in added.into_iter().flatten() {
+            if let Some(hardpoints) = table(root, &["suspension", "hardpoints"]) {
+                hardpoints.insert(name, written(place, built.frame));
+            }
         }
-        if let Some(wheel) = table(root, &["wheel"]) {
+        if let (Some(_), Some(wheel)) = (spindle, table(root, &["wheel"])) {
             wheel.remove("static_camber");
             wheel.remove("static_toe");
         }

@@ -125,6 +125,16 @@ pub(super) fn quantity(
         return Some(ElasticQuantity::Figure(figures[number].clone()));
     }
     let known = super::outputs::characteristic(name, suspension, problems)?;
+    in_equilibrium(name, known, suspension, problems).map(ElasticQuantity::Characteristic)
+}
+
+/// Returns a characteristic with this name. Refuses one that an equilibrium does not have.
+pub(super) fn in_equilibrium(
+    name: &Text,
+    known: Characteristic,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<Characteristic> {
     if let Some([reason, instead]) = not_of_equilibrium(known) {
         let message = format!("{} {reason}", name.get_ref());
         problems.add(name.span(), message).help(instead);
@@ -143,7 +153,7 @@ pub(super) fn quantity(
         );
         return problems.refuse(name.span(), &message);
     }
-    Some(ElasticQuantity::Characteristic(known))
+    Some(known)
 }
 
 /// Quantity of a target or constraint in a study with elastic parts.

@@ -19,6 +19,10 @@ pub(super) fn member(
     problems: &mut Problems,
 ) -> Option<(String, Member)> {
     let mechanism = &suspension.mechanism;
+    if mechanism.topology.is_twist_beam() {
+        let message = "a twist beam has no links: expected hardpoints, such as mount, shear_centre, wheel_centre or spindle_inner";
+        return problems.refuse(written.span(), message);
+    }
     let mut members = Member::all(mechanism);
     // The names of a solid axle are those of its left half.
     members.retain(|(_, member)| {

@@ -1,7 +1,8 @@
 //! `[setup]` and `[tolerance]`, resolved: adjustments, sources of scatter, and bands.
 
 use super::*;
-use crate::assembly::Static;
+use crate::assembly::{Member, Static};
+use crate::model::{ClosedForm, Mechanism};
 
 /// Set-up: adjustments and target values.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,7 +23,8 @@ pub struct Adjustment {
     pub name: String,
     /// Dimension, and its change in the kernel's frame per unit of the adjustment.
     pub change: (BuildParameter, f64),
-    /// Half of a solid axle that has the dimension. `None` for other suspensions, and for a part that exists only once.
+    /// Half of an axle that has the dimension, if the axle is set up as a whole. `None` for both wheels alike, and for a part that exists
+    /// only once.
     pub side: Option<Side>,
     /// The same change in the mechanism of a solid axle's other wheel. `None` if that wheel does not have the part.
     pub seen_from_other: Option<(BuildParameter, f64)>,
@@ -31,6 +33,29 @@ pub struct Adjustment {
 }
 
 impl Adjustment {
+    /// Returns true if the adjustment acts on the wheel of this side, or on a single wheel.
+    pub(crate) fn is_of(&self, side: Option<Side>) -> bool {
+        self.side.is_none() || side.is_none() || self.side == side
+    }
+
+    /// Returns true if the adjustment lifts the car, because it changes a part between spring and arm. The spring then keeps its
+    /// length, which sets the height.
+    pub(crate) fn lifts(&self, mechanism: &Mechanism) -> bool {
+        let Some(spring) = mechanism.spring else {
+            return false;
+        };
+        match self.change.0 {
+            BuildParameter::Length(Member::Rod(rocker)) => {
+                Some(rocker) == mechanism.spring_rocker()
+            }
+            BuildParameter::Length(Member::Link(_)) => false,
+            BuildParameter::Coordinate(point, _) => {
+                let is_strut = matches!(mechanism.closed_form, Some(ClosedForm::Strut));
+                !is_strut && (point == spring.upper || point == spring.lower)
+            }
+        }
+    }
+
     /// Change of a solid axle's dimension in the mechanism of one of its wheels, if there is one.
     pub fn seen_from(&self, wheel: Side) -> Vec<(BuildParameter, f64)> {
         if self.side.unwrap_or(Side::Left) == wheel {

@@ -1,7 +1,9 @@
 //! `[setup]`: adjustments and target values.
 
-mod solid;
+mod whole;
 
+use super::axle::is_in_equilibrium;
+use super::elastic_targets::in_equilibrium;
 use super::error::Problems;
 use super::file;
 use super::members::{coordinate, member};
@@ -24,12 +26,12 @@ pub(super) fn setup(
         let message = "expected at least one adjustment, found an empty list";
         problems.add(section.adjust.span(), message);
     }
-    let whole = context.axle.filter(|both| both.axle.is_rigid());
+    let whole = context.axle.filter(|both| both.axle.is_set_up_as_a_whole());
     let mut adjust: Vec<(usize, Adjustment)> = Vec::new();
     let mut sound = true;
     for (number, entry) in written.iter().enumerate() {
         let own = match whole {
-            Some(both) => solid::adjustments(entry, both, context.suspension, problems),
+            Some(both) => whole::adjustments(entry, both, context.suspension, problems),
             None => adjustment_of_wheel(entry, context, problems).map(|one| vec![one]),
         };
         sound &= own.is_some();
@@ -46,7 +48,7 @@ pub(super) fn setup(
         }
     }
     let want = match whole {
-        Some(both) => solid::want(section, both, problems)?,
+        Some(both) => whole::want(section, both, problems)?,
         None => want_of_wheel(section, context, problems)?,
     };
     let adjust: Vec<_> = adjust
@@ -69,7 +71,18 @@ fn want_of_wheel(
     let mut want = Vec::new();
     for (name, number) in section.want.iter().flatten() {
         let found = characteristic(name, context.suspension, problems)?;
+        if context.is_elastic() {
+            in_equilibrium(name, found, context.suspension, problems)?;
+        }
         want.push((found, number.value));
+    }
+    if let Some(both) = context.axle {
+        let sound = section.want.iter().flatten().all(|(name, _)| {
+            let of_name = both.axle.quantities(name.get_ref());
+            let mut of_name = of_name.into_iter();
+            of_name.all(|quantity| is_in_equilibrium(name, quantity, &both.axle, problems))
+        });
+        sound.then_some(())?;
     }
     // Sorts by the order of the catalogue, whatever their order in the file.
     want.sort_by_key(|(characteristic, _)| *characteristic);
@@ -87,7 +100,8 @@ fn adjustment_of_wheel(
     problems: &mut Problems,
 ) -> Option<Adjustment> {
     if let Some(side) = &written.get_ref().side {
-        let message = "side is for solid axles; independent wheels are set up alike, or one by one";
+        let message = "side is for axles that are set up as a whole: solid axles, and axles with elastic parts and wheels that differ. \
+                       Other wheels are set up alike, or one by one";
         return problems.refuse(side.span(), message);
     }
     adjustment(written, context.suspension, problems)

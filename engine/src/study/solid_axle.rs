@@ -103,8 +103,8 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
     let is_quadratic = !is_beam && !has_watt && !is_steered;
     let certify = certify.filter(|certify| !is_quadratic && *certify.get_ref());
     let is_elastic = file.compliance.is_some();
-    let tolerance = file.tolerance.as_ref().filter(|_| is_beam || is_elastic);
-    let setup = file.setup.as_ref().filter(|_| is_beam || is_elastic);
+    let tolerance = file.tolerance.as_ref().filter(|_| is_elastic);
+    let setup = file.setup.as_ref().filter(|_| is_elastic);
     let parts = file.bushings.values().map(Spanned::span);
     let parts = parts.chain(file.links.values().map(Spanned::span));
     let parts = parts.chain(file.compliance.as_ref().map(Spanned::span));
@@ -125,11 +125,11 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
         ),
         (
             tolerance.map(Spanned::span),
-            if is_beam { "[tolerance] is not available for twist beams; leave it out" } else { "[tolerance] of a solid axle needs rigid links and joints; leave it out, or [compliance], [bushings] and [links]" },
+            "[tolerance] of a solid axle needs rigid links and joints; leave it out, or [compliance], [bushings] and [links]",
         ),
         (
             setup.map(|setup| setup.adjust.span()),
-            if is_beam { "[setup] is not available for twist beams; leave it out" } else { "[setup] of a solid axle needs rigid links and joints; leave it out, or [compliance], [bushings] and [links]" },
+            "[setup] of a solid axle needs rigid links and joints; leave it out, or [compliance], [bushings] and [links]",
         ),
     ]);
     refused.extend(parts.map(|span| {

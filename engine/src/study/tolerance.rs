@@ -132,10 +132,6 @@ pub(super) fn contributors_of_axle(
             Some(side)
         }
     };
-    if suspension.mechanism.topology.is_twist_beam() {
-        let message = "parts of a twist beam cannot scatter; leave this entry out";
-        return problems.refuse(written.span(), message);
-    }
     let elastic = study.axle.elastic.as_ref();
     let is_shared = |source: &Source| {
         let (rate, elastic) = (source.rate.as_ref(), elastic);

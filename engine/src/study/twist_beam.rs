@@ -50,9 +50,16 @@ pub(super) fn check(
         let written = names.find(|text| text.get_ref() == name);
         written.map_or(section.hardpoints.span(), Text::span)
     };
-    if centre.y != 0.0 {
+    if centre.y != 0.0 && !beam.is_hinge_given {
         let message = "the shear centre is given in the middle of the car: expected y = 0";
-        return problems.refuse(place("shear_centre"), message);
+        let error = problems.add(place("shear_centre"), message);
+        error.help("a hinge that is not along y has a second point, hinge");
+        return None;
+    }
+    let along = design[beam.hinge.0] - centre;
+    if along.y <= LEAST_SLOPE * along.norm() {
+        let message = "the hinge runs across the car: expected hinge left of the shear centre";
+        return problems.refuse(place("hinge"), message);
     }
     if mount.y <= 0.0 {
         let message = "the mount of the left half is on the left side of the car";
@@ -65,6 +72,9 @@ pub(super) fn check(
     }
     Some(())
 }
+
+/// Smallest share of the hinge's direction along y.
+const LEAST_SLOPE: f64 = 0.5;
 
 /// Smallest distance of the shear centre from the line through both mounts, as a share of the mechanism's size.
 const LEAST_APART: f64 = 1e-3;

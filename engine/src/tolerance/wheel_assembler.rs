@@ -26,7 +26,7 @@ impl WheelAssembler {
     ) -> Result<Self, SetUpError> {
         let assembler = Assembler::new(suspension)?;
         let alignment = match (tolerance.aligned, &study.setup) {
-            (true, Some(setup)) => Some(Alignment::of(&setup.adjust, &assembler)?),
+            (true, Some(setup)) => Some(Alignment::of(&setup.adjust, side, &assembler)?),
             _ => None,
         };
         Ok(WheelAssembler {

@@ -60,6 +60,7 @@ fn axle(case: &Value) -> Axle {
         },
         bump_stop: None,
         rebound_stop: None,
+        own_length: None,
     };
     let setup = Setup {
         wheel_radius: left.wheel_radius,

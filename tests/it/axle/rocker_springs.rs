@@ -145,6 +145,7 @@ fn a_t_bar_adds_to_the_load_of_the_springs() {
         },
         bump_stop: None,
         rebound_stop: None,
+        own_length: None,
     };
     let text = std::fs::read_to_string(study("double_wishbone_axle.toml")).unwrap();
     let study = Study::from_text("axle.toml", &text, std::path::Path::new(".")).unwrap();

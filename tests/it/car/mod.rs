@@ -98,6 +98,7 @@ fn axle(value: &Value) -> Axle {
         },
         bump_stop: stop(&value["bump_stop"]),
         rebound_stop: stop(&value["rebound_stop"]),
+        own_length: None,
     };
     let setup = Setup {
         wheel_radius: left.wheel_radius,

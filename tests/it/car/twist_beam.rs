@@ -2,6 +2,7 @@
 
 use hardpoint::car::{AxleEnd, AxleResult, CarQuantity, CarSolver, WheelPlace, WheelResult};
 use hardpoint::study::CarStudy;
+use hardpoint::tolerance::CarProblem;
 use std::path::Path;
 
 /// N mm/rad: `torsional_rate` of the beam and the rate of the front bar.
@@ -44,4 +45,55 @@ fn the_beam_has_a_torque_and_no_bar() {
         let roll = value(CarQuantity::named("roll")[0]);
         assert!(rear * roll > 0.0 && roll * ay > 0.0, "{rear} {roll}");
     }
+}
+
+/// First order of a twist beam's parts in a car is the slope of the results of built cars, by central differences.
+#[test]
+fn parts_of_a_beam_scatter_in_a_car() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/own/twist_beam_car.toml");
+    for part in [
+        r#"hardpoint = "mount", axis = "x", side = "left""#,
+        r#"hardpoint = "shear_centre", axis = "z""#,
+        r#"hardpoint = "wheel_centre", axis = "z", side = "right""#,
+    ] {
+        let scattered = |law: &str| {
+            let set = format!("tolerance.scatter=[{{ axle = \"rear\", {part}, {law} }}]");
+            CarStudy::read(&path, &[set]).unwrap_or_else(|e| panic!("{}", e.render(false)))
+        };
+        let h = 0.05;
+        let values = [-h, h].map(|step| {
+            let study = scattered(&format!(
+                "limits = [{:?}, {:?}]",
+                step - 1e-12,
+                step + 1e-12
+            ));
+            let problem = problem(&study);
+            let car = problem.built(0).unwrap();
+            let mut values = vec![0.0; problem.request.results.len()];
+            assert_eq!(problem.request.values(&car, &mut values).unwrap(), None);
+            values
+        });
+        let study = scattered("sigma = 1.0");
+        let problem = problem(&study);
+        let expansion = problem.expansion().unwrap_or_else(|_| panic!("expands"));
+        let mut scatter = 0;
+        for (place, expansion) in expansion.iter().enumerate() {
+            let slope = (values[1][place] - values[0][place]) / (2.0 * h);
+            let sigma = expansion.sigma();
+            // Errors of central differences, and rounding of values of a few thousand newtons.
+            let error = (sigma - slope.abs()).abs();
+            let result = &problem.request.results[place];
+            assert!(
+                error < 1e-4 * sigma + 1e-6,
+                "{part}, {result:?}: {sigma} {slope}"
+            );
+            scatter += usize::from(sigma > 1e-4);
+        }
+        assert!(scatter > 5, "{part}: {scatter}");
+    }
+}
+
+fn problem(study: &CarStudy) -> CarProblem<'_> {
+    CarProblem::of(study, study.tolerance.as_ref().unwrap())
+        .unwrap_or_else(|(axle, _)| panic!("axle {axle}"))
 }

@@ -12,6 +12,7 @@ mod reference;
 mod robust;
 mod samples;
 mod schema;
+pub mod set_up;
 mod sheets;
 mod study;
 pub mod support;
@@ -91,6 +92,7 @@ pub fn spring(case: &Value) -> SpringLaw {
             curve: ForceCurve::through(&points(&stop["force_curve"])).unwrap(),
         }),
         rebound_stop: None,
+        own_length: None,
     }
 }
 

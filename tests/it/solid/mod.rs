@@ -1,7 +1,10 @@
 //! Solid axles: against independent answers, and against their own mirror images and limits.
 
+mod beam_builds;
 mod beam_loads;
+mod beam_set_up;
 mod builds;
+mod built_beam;
 mod by_design;
 mod certificate;
 mod elastic;

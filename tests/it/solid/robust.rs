@@ -78,22 +78,47 @@ fn builds_of_a_solid_axle_are_those_of_tolerance() {
     }
 }
 
-/// A twist beam has no tolerances, so it has no builds.
-#[test]
-fn robust_tuning_of_a_twist_beam_is_refused() {
+/// Robust tuning of a twist beam.
+fn tuning_of_beam(scatter: &str) -> Study {
     let template = include_str!("../../../engine/templates/twist_beam.toml");
-    let point = "wheel_centre";
-    let text = format!(
-        "{template}\n[tolerance]\nscatter = [{{ hardpoint = \"{point}\", sigma = 0.3 }}]\n\
-         [optimise]\nscatter = 16\nvariables = [{{ hardpoint = \"{point}\", axis = \"z\", range = [-5.0, 5.0] }}]\n\
-         targets = [{{ characteristic = \"track\", over = \"heave\", at = 0.0, value = 1500.0, tolerance = 1.0 }}]\n"
+    read(&format!(
+        "{template}\n[tolerance]\nscatter = [{scatter}]\n[optimise]\nscatter = 2\nvariables = [\
+         {{ hardpoint = \"mount\", axis = \"z\", range = [-20.0, 20.0] }}, \
+         {{ hardpoint = \"mount\", axis = \"y\", range = [-20.0, 20.0] }}, \
+         {{ hardpoint = \"shear_centre\", axis = \"x\", range = [-20.0, 20.0] }}, \
+         {{ hardpoint = \"wheel_centre\", axis = \"z\", range = [-20.0, 20.0] }}]\ntargets = [\
+         {{ characteristic = \"mean_steer\", over = \"roll\", heave = -30.0, at = -2.0, value = 0.0, tolerance = 0.05 }}, \
+         {{ characteristic = \"camber\", over = \"roll\", at = 1.5, value = 0.0, tolerance = 0.05 }}, \
+         {{ characteristic = \"axle_lateral\", over = \"heave\", at = -20.0, value = 0.0, tolerance = 0.5 }}, \
+         {{ characteristic = \"roll_steer\", over = \"roll\", at = 0.0, value = 0.0, tolerance = 0.01 }}]\n"
+    ))
+}
+
+const X_OF_BEAM: [f64; 4] = [3.0, -2.0, 2.5, 1.0];
+
+/// The variables move both halves, and every part of a twist beam scatters.
+#[test]
+fn derivatives_of_builds_of_twist_beams_are_exact() {
+    let study = tuning_of_beam(
+        "{ hardpoints = [\"mount\", \"wheel_centre\"], sigma = 0.3 }, { hardpoint = \"shear_centre\", sigma = 0.3 }",
     );
-    let found = Study::from_text("solid.toml", &text, Path::new("")).unwrap_err();
-    let found = found.to_string();
-    assert!(
-        found.contains("[tolerance] is not available for twist beams"),
-        "{found}"
-    );
+    assert_derivatives_are_slopes(&study, &X_OF_BEAM, &[0.2; 4], 1e-7);
+}
+
+/// A build of the tuning is the build that `tolerance` assembles from the same deviations.
+#[test]
+fn builds_of_a_twist_beam_are_those_of_tolerance() {
+    let parts = [
+        known(r#"hardpoint = "mount", axis = "x", side = "left""#, 1.5),
+        known(r#"hardpoint = "mount", axis = "y", side = "right""#, -1.2),
+        known(
+            r#"hardpoint = "wheel_centre", axis = "z", side = "right""#,
+            0.7,
+        ),
+        known(r#"hardpoint = "shear_centre", axis = "z""#, 0.9),
+    ];
+    let study = tuning_of_beam(&parts.join(", "));
+    assert_builds_are_written_builds(&study, &X_OF_BEAM, read);
 }
 
 /// Without the scatter of parts there are no builds.

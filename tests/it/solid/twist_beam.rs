@@ -22,18 +22,18 @@ fn dot(a: Point, b: Point) -> f64 {
 }
 
 /// Both halves: position and quaternion of each.
-type Unknowns = [f64; 14];
+pub(super) type Unknowns = [f64; 14];
 
-const AT_REST: Unknowns = [
+pub(super) const AT_REST: Unknowns = [
     0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0,
 ];
 
-fn half(x: &Unknowns, side: usize) -> (Point, [f64; 4]) {
+pub(super) fn half(x: &Unknowns, side: usize) -> (Point, [f64; 4]) {
     let x = &x[7 * side..][..7];
     ([x[0], x[1], x[2]], [x[3], x[4], x[5], x[6]])
 }
 
-fn carried(x: &Unknowns, side: usize, point: Point) -> Point {
+pub(super) fn carried(x: &Unknowns, side: usize, point: Point) -> Point {
     let (shift, q) = half(x, side);
     plus(turned(q, point), shift)
 }

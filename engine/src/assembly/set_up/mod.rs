@@ -62,6 +62,7 @@
 //! The solver also assembles the rounded state. It bounds the errors as in (7), plus half a sixteenth of a turn of each
 //! thread.
 
+mod elastic;
 mod levels;
 mod problem;
 mod shims;
@@ -73,7 +74,8 @@ use super::rest::Built;
 use crate::ask::Unit;
 use crate::axle::Quantity;
 use crate::characteristics::Characteristic;
-use crate::mechanism::DesignFault;
+use crate::mechanism::{DesignFault, NoPose};
+use crate::model::Side;
 use crate::study::{AxleStudy, Increment, Setup, Study};
 use problem::Problem;
 
@@ -87,9 +89,9 @@ pub const PARTS_OF_A_TURN: f64 = 16.0;
 /// A quantity of the static position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Static {
-    /// A characteristic of one wheel at travel 0.
+    /// A characteristic of one wheel at travel 0, or of both wheels alike.
     Characteristic(Characteristic),
-    /// A quantity of a solid axle at rest. Place and direction of the axle itself count from the nominal design.
+    /// A quantity of an axle at rest that is adjusted as a whole. Place and direction of a solid axle count from the nominal design.
     Axle(Quantity),
     /// Change of the ride height from the design. Positive if the car is higher. It is the negative of the wheel travel of
     /// the static position.
@@ -105,6 +107,22 @@ impl Static {
             Static::RideHeightChange => Unit::Length,
         }
     }
+
+    /// Characteristic of a wheel, if the value is one.
+    fn characteristic(self) -> Option<Characteristic> {
+        match self {
+            Static::Characteristic(of) | Static::Axle(Quantity::Corner(_, of)) => Some(of),
+            _ => None,
+        }
+    }
+
+    /// Wheel of the value, if it belongs to one wheel of an axle.
+    fn side(self) -> Option<Side> {
+        match self {
+            Static::Axle(Quantity::Corner(side, _)) => Some(side),
+            _ => None,
+        }
+    }
 }
 
 /// A suspension in its static position, with its parts adjusted.
@@ -114,9 +132,10 @@ pub struct AdjustedSuspension {
     pub amounts: Vec<f64>,
     /// Assembled parts. For a solid axle, in the frame of its left wheel.
     pub built: Built,
-    /// Solid axle in the frame of its right wheel. `None` for one wheel.
+    /// Solid axle in the frame of its right wheel, or the right wheel of an axle that is adjusted as a whole. `None` for one wheel, and
+    /// if both wheels are alike.
     pub seen_from_right: Option<Built>,
-    /// Static values, in printed units.
+    /// Static values, in printed units. With elastic parts, they are those of the equilibrium.
     pub values: Vec<f64>,
     /// Derivatives of the static values, `[adjustment][value]`.
     pub by: Vec<Vec<f64>>,
@@ -183,6 +202,8 @@ pub enum SetUpError {
     AssemblyError(AssemblyError),
     /// The assembled parts form a design that cannot move.
     Fault(DesignFault),
+    /// The elastic parts have no equilibrium at rest.
+    NoEquilibrium(NoPose),
     /// No adjustment changes a value that must be kept.
     Unsettled,
     /// The adjustments cannot meet these aims.
@@ -209,12 +230,13 @@ impl From<DesignFault> for SetUpError {
 }
 
 impl SetUp {
-    /// Finds the adjustments that give the target values of a study of one wheel.
+    /// Finds the adjustments that give the target values of one wheel, or of both wheels of an axle with elastic parts that are alike.
     pub fn solve(study: &Study, setup: &Setup, assembler: &Assembler) -> Result<SetUp, SetUpError> {
         SetUp::solve_problem(Problem::of(study, setup, assembler)?, setup)
     }
 
-    /// Finds the adjustments of a solid axle, from its assemblers as seen from the left and from the right wheel.
+    /// Finds the adjustments of an axle as a whole, from the assemblers of its left and its right wheel. Those of a solid axle assemble
+    /// it as seen from each wheel.
     pub fn solve_axle(
         both: &AxleStudy,
         setup: &Setup,
@@ -263,7 +285,7 @@ impl SetUp {
         Problem::of(study, setup, assembler).map(SetUp::unsolved)
     }
 
-    /// Returns the same for a solid axle, from its assemblers as seen from the left and from the right wheel.
+    /// Returns the same for an axle as a whole, from the assemblers of its left and its right wheel.
     pub fn drawn_axle(
         both: &AxleStudy,
         setup: &Setup,

@@ -1,5 +1,6 @@
 //! Static values of a set-up, their aims, and states of the adjusted suspension.
 
+use super::elastic::Elastic;
 use super::levels::{Levels, felt};
 use super::subject::Subject;
 use super::{
@@ -11,9 +12,9 @@ use crate::assembly::parts::{BuildParameter, Member};
 use crate::assembly::rest::Rest;
 use crate::axle::{FROM_DESIGN, Quantity};
 use crate::characteristics::Characteristic;
-use crate::model::{RockerId, Side};
+use crate::model::{Mechanism, RockerId, Side, SteeringAxis};
 use crate::number::Each;
-use crate::study::{Adjustment, AxleStudy, Increment, Setup, Study};
+use crate::study::{AxleStudy, Increment, Setup, Study, Vehicle};
 use nalgebra::{DMatrix, DVector};
 
 /// Factor on the linear estimate of the error that rounding by half a step causes. It covers the curvature.
@@ -33,24 +34,39 @@ pub(super) struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    /// Makes the set-up of a study of one wheel, and the state of its design.
+    /// Makes the set-up of one wheel, or of both wheels of an axle with elastic parts that are alike, and the state of its design.
     pub(super) fn of(
         study: &Study,
         setup: &Setup,
         assembler: &'a Assembler,
     ) -> Result<(Self, AdjustedSuspension), SetUpError> {
-        let characteristics = characteristics(study, setup);
+        let (mechanism, adjust) = (&study.wheel().mechanism, &setup.adjust);
+        let characteristics = characteristics(mechanism, setup, study.is_elastic());
         let statics = characteristics.iter().copied();
         let statics = statics.map(Static::Characteristic).collect();
-        let subject = Subject::wheel(assembler, &setup.adjust, characteristics);
-        let lifts = setup.adjust.iter().any(|a| lifts(a, study));
+        let lifts = adjust.iter().any(|a| a.lifts(mechanism));
+        let elastic = match &study.vehicle {
+            Vehicle::Wheel(own) => own
+                .compliance
+                .as_ref()
+                .map(|elastic| Elastic::wheel(assembler, elastic, adjust, &characteristics, lifts)),
+            Vehicle::Axle(both) => both.axle.elastic.as_ref().map(|_| {
+                let of_left = |c: &Characteristic| Quantity::Corner(Side::Left, *c);
+                let of_left: Vec<Quantity> = characteristics.iter().map(of_left).collect();
+                Elastic::axle([assembler; 2], &both.axle, adjust, &of_left, lifts)
+            }),
+        };
+        let subject = match elastic.transpose()? {
+            Some(elastic) => Subject::Elastic(Box::new(elastic)),
+            None => Subject::wheel(assembler, adjust, characteristics),
+        };
         let mut problem = Problem::with(subject, setup, statics, lifts);
-        let drawn = problem.state(&vec![0.0; setup.adjust.len()])?;
-        problem.keep_toe(&drawn);
+        let drawn = problem.state(&vec![0.0; adjust.len()])?;
+        problem.keep_toe(&drawn, setup);
         Ok((problem, drawn))
     }
 
-    /// Makes the set-up of a solid axle, and the state of its design.
+    /// Makes the set-up of an axle as a whole, and the state of its design.
     pub(super) fn of_axle(
         both: &AxleStudy,
         setup: &Setup,
@@ -58,10 +74,20 @@ impl<'a> Problem<'a> {
     ) -> Result<(Self, AdjustedSuspension), SetUpError> {
         let quantities = quantities(both, setup);
         let statics = quantities.iter().copied().map(Static::Axle).collect();
-        let subject = Subject::axle(assemblers, both, &setup.adjust, quantities);
+        let subject = if both.axle.elastic.is_some() {
+            let adjust = &setup.adjust;
+            let elastic = Elastic::axle(assemblers, &both.axle, adjust, &quantities, false)?;
+            Subject::Elastic(Box::new(elastic))
+        } else {
+            Subject::axle(assemblers, both, &setup.adjust, quantities)
+        };
         let mut problem = Problem::with(subject, setup, statics, false);
         let drawn = problem.state(&vec![0.0; setup.adjust.len()])?;
-        problem.keep_steer(&drawn, setup, both);
+        if both.axle.is_rigid() {
+            problem.keep_steer(&drawn, setup, both);
+        } else {
+            problem.keep_toe(&drawn, setup);
+        }
         Ok((problem, drawn))
     }
 
@@ -110,24 +136,30 @@ impl<'a> Problem<'a> {
         self.subject.suspension().size()
     }
 
-    /// Keeps the toe of the design if the study gives no target for it and one of several threads is for toe. A thread is for toe
-    /// if it changes toe more than camber, caster and ride height. A single thread adjusts whatever the study requests.
-    fn keep_toe(&mut self, drawn: &AdjustedSuspension) {
-        let Some(toe) = self.toes().next() else {
-            return;
-        };
-        let settable =
-            [Characteristic::Camber, Characteristic::Caster].each(Static::Characteristic);
-        let sets_toe = |k: usize| {
-            let effect = |i: usize| (drawn.by[k][i] * self.weights[i]).abs();
-            let others = self.statics.iter().enumerate();
-            let mut others =
-                others.filter(|(_, s)| settable.contains(s) || **s == Static::RideHeightChange);
-            effect(toe) > 0.0 && others.all(|(i, _)| effect(i) < effect(toe))
-        };
-        let is_free = self.aims[toe] == Aim::Free && drawn.values[toe].is_finite();
-        if is_free && self.increments.len() > 1 && self.threads().any(sets_toe) {
-            self.aims[toe] = Aim::Kept(drawn.values[toe]);
+    /// Keeps the toe of the design if the study gives no target for it and one of several threads of the wheel is for toe. A thread is
+    /// for toe if it changes toe more than camber, caster and ride height. A single thread adjusts whatever the study
+    /// requests.
+    fn keep_toe(&mut self, drawn: &AdjustedSuspension, setup: &Setup) {
+        let toes: Vec<usize> = self.toes().collect();
+        for toe in toes {
+            let side = self.statics[toe].side();
+            let is_other = |of: &Static| match (of, of.characteristic()) {
+                (Static::RideHeightChange, _) => true,
+                (of, Some(Characteristic::Camber | Characteristic::Caster)) => of.side() == side,
+                _ => false,
+            };
+            let sets_toe = |k: usize| {
+                let effect = |i: usize| (drawn.by[k][i] * self.weights[i]).abs();
+                let others = self.statics.iter().enumerate();
+                let mut others = others.filter(|(_, of)| is_other(of));
+                effect(toe) > 0.0 && others.all(|(i, _)| effect(i) < effect(toe))
+            };
+            let own = |k: &usize| setup.adjust[*k].is_of(side);
+            let has_several = (0..setup.adjust.len()).filter(own).count() > 1;
+            let is_free = self.aims[toe] == Aim::Free && drawn.values[toe].is_finite();
+            if is_free && has_several && self.threads().filter(own).any(sets_toe) {
+                self.aims[toe] = Aim::Kept(drawn.values[toe]);
+            }
         }
     }
 
@@ -154,11 +186,8 @@ impl<'a> Problem<'a> {
     /// Indices of the toe of each wheel among the static values.
     fn toes(&self) -> impl Iterator<Item = usize> {
         let statics = self.statics.iter().enumerate();
-        statics.filter_map(|(i, value)| match value {
-            Static::Characteristic(Characteristic::Toe)
-            | Static::Axle(Quantity::Corner(_, Characteristic::Toe)) => Some(i),
-            _ => None,
-        })
+        let toes = statics.filter(|(_, of)| of.characteristic() == Some(Characteristic::Toe));
+        toes.map(|(i, _)| i)
     }
 
     /// Indices of the continuous adjustments.
@@ -299,17 +328,16 @@ impl<'a> Problem<'a> {
 }
 
 /// Characteristics of a set-up: the usual ones that exist, and further ones with targets.
-fn characteristics(study: &Study, setup: &Setup) -> Vec<Characteristic> {
-    let mechanism = &study.wheel().mechanism;
+fn characteristics(mechanism: &Mechanism, setup: &Setup, is_elastic: bool) -> Vec<Characteristic> {
     let usual = [
         Characteristic::Camber,
         Characteristic::Toe,
         Characteristic::Caster,
         Characteristic::BumpSteer,
     ];
+    let usual = usual.into_iter();
     let mut characteristics: Vec<_> = usual
-        .into_iter()
-        .filter(|c| mechanism.steering_axis.is_some() || !c.info().reads_steering_axis())
+        .filter(|c| has_value(*c, mechanism, is_elastic))
         .collect();
     for want in &setup.want {
         match want.of {
@@ -320,7 +348,16 @@ fn characteristics(study: &Study, setup: &Setup) -> Vec<Characteristic> {
     characteristics
 }
 
-/// Quantities of a solid axle's set-up: the usual ones that exist, and further ones with targets.
+/// Returns true if a suspension has the steering axis that a characteristic reads. In an equilibrium only joints define the axis.
+fn has_value(of: Characteristic, mechanism: &Mechanism, is_elastic: bool) -> bool {
+    let has_axis = match mechanism.steering_axis {
+        Some(SteeringAxis::Through { .. }) => true,
+        axis => axis.is_some() && !is_elastic,
+    };
+    has_axis || !of.info().reads_steering_axis()
+}
+
+/// Quantities of an axle's set-up as a whole: the usual ones that exist, and further ones with targets.
 fn quantities(both: &AxleStudy, setup: &Setup) -> Vec<Quantity> {
     let usual = [
         Characteristic::Camber,
@@ -331,7 +368,12 @@ fn quantities(both: &AxleStudy, setup: &Setup) -> Vec<Quantity> {
         .into_iter()
         .flat_map(|c| Side::ALL.each(|side| Quantity::Corner(side, c)));
     let usual = of_wheels.chain(FROM_DESIGN.each(Quantity::Axle));
-    let mut quantities: Vec<_> = usual.filter(|quantity| both.axle.has(*quantity)).collect();
+    let (mechanism, is_elastic) = (&both.axle.left.mechanism, both.axle.elastic.is_some());
+    let is_read = |quantity: &Quantity| match *quantity {
+        Quantity::Corner(_, of) if !has_value(of, mechanism, is_elastic) => false,
+        quantity => both.axle.has(quantity),
+    };
+    let mut quantities: Vec<_> = usual.filter(is_read).collect();
     for want in &setup.want {
         match want.of {
             Static::Axle(quantity) if !quantities.contains(&quantity) => quantities.push(quantity),
@@ -339,21 +381,4 @@ fn quantities(both: &AxleStudy, setup: &Setup) -> Vec<Quantity> {
         }
     }
     quantities
-}
-
-/// Returns true if an adjustment lifts the car. It does so if it changes a part between spring and arm. The spring then keeps its
-/// design length, which sets the height.
-fn lifts(adjustment: &Adjustment, study: &Study) -> bool {
-    let mechanism = &study.wheel().mechanism;
-    let Some(spring) = mechanism.spring else {
-        return false;
-    };
-    match adjustment.change.0 {
-        BuildParameter::Length(Member::Rod(rocker)) => Some(rocker) == mechanism.spring_rocker(),
-        BuildParameter::Length(Member::Link(_)) => false,
-        BuildParameter::Coordinate(point, _) => {
-            let is_strut = matches!(mechanism.closed_form, Some(crate::model::ClosedForm::Strut));
-            !is_strut && (point == spring.upper || point == spring.lower)
-        }
-    }
 }

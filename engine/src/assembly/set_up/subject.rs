@@ -1,7 +1,8 @@
 //! Assembled parts of a set-up, their static values, and the derivatives of these values by each adjustment.
 //!
-//! A wheel is assembled separately. A solid axle is assembled as a whole, once as each of its wheels sees it (`RigidAxle`). A
-//! value y of the axle then has gradients by the built designs p_l and p_r of both views. With x the amount of an adjustment,
+//! A wheel is assembled separately. The module `elastic` handles suspensions with elastic parts. A solid axle is assembled as a whole,
+//! once as each of its wheels sees it (`RigidAxle`). A value y of the axle then has gradients by the built designs p_l and p_r of both
+//! views. With x the amount of an adjustment,
 //!
 //! ```text
 //! dy/dx = (dy/dp_l) (dp_l/dx) + (dy/dp_r) (dp_r/dx)                                          (8)
@@ -10,6 +11,7 @@
 //! Place and direction of the axle itself count from the nominal design, not from the built one. They follow from the pose in which the
 //! parts were assembled, with its exact derivative.
 
+use super::elastic::Elastic;
 use super::{AdjustedSuspension, SetUpError};
 use crate::assembly::assembler::Assembler;
 use crate::assembly::derivatives::built_curves;
@@ -25,7 +27,7 @@ use crate::study::{Adjustment, AxleStudy, Outputs, WheelStudy};
 use std::borrow::Cow;
 
 /// Dimension that an adjustment changes in one assembled mechanism, if it changes one.
-type Change = Vec<(BuildParameter, f64)>;
+pub(super) type Change = Vec<(BuildParameter, f64)>;
 
 /// A suspension to set up.
 pub(super) enum Subject<'a> {
@@ -37,6 +39,8 @@ pub(super) enum Subject<'a> {
     },
     /// A solid axle.
     Axle(Box<WholeAxle<'a>>),
+    /// A wheel or an axle with elastic parts.
+    Elastic(Box<Elastic<'a>>),
 }
 
 /// Mechanisms of a solid axle as seen from its left and from its right wheel, in this order.
@@ -97,6 +101,7 @@ impl<'a> Subject<'a> {
         match self {
             Subject::Wheel { assembler, .. } => assembler.suspension(),
             Subject::Axle(axle) => axle.assemblers[0].suspension(),
+            Subject::Elastic(elastic) => elastic.suspension(),
         }
     }
 
@@ -113,6 +118,7 @@ impl<'a> Subject<'a> {
                 plan,
             } => state_of_wheel((assembler, plan), changes, amounts, rest),
             Subject::Axle(axle) => axle.state(amounts, rest),
+            Subject::Elastic(elastic) => elastic.state(amounts, rest),
         }
     }
 }
@@ -124,7 +130,7 @@ fn from_design(quantity: Quantity) -> Option<usize> {
 }
 
 /// Assembles parts that the adjustments have changed by these amounts.
-fn build(
+pub(super) fn build(
     assembler: &Assembler,
     changes: &[Change],
     amounts: &[f64],

@@ -76,6 +76,7 @@ pub(in crate::study) fn springs(
         spring,
         bump_stop: bump_stop.clone(),
         rebound_stop: rebound_stop.clone(),
+        own_length: None,
     };
     Some(Some([law(left?), law(right?)]))
 }

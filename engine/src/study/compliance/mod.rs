@@ -40,6 +40,20 @@ pub struct ComplianceStudy {
     pub tyre_rate: Option<f64>,
 }
 
+impl ComplianceStudy {
+    /// Returns the parts with a spring that stays the same part in another design. `suspension` has the design of these parts.
+    pub fn with_kept_spring(&self, suspension: &Suspension) -> Self {
+        let mut kept = self.clone();
+        if let (Some(law), Some(length)) = (
+            &mut kept.parts.spring,
+            suspension.spring_length(&suspension.design),
+        ) {
+            *law = law.kept_from(length);
+        }
+        kept
+    }
+}
+
 /// Section `[compliance]`. `None` if it has an error, `Some(None)` if it is missing or has no elastic parts.
 fn section<'f>(
     file: &'f File,
@@ -63,8 +77,8 @@ fn section<'f>(
         let message = "this command does not support elastic parts and would ignore them";
         let error = problems.add(section.span(), message);
         error.help(
-            "kc, solve, sweep, optimise, tolerance, limits, compare, export and studio support \
-             them; for the rigid mechanism remove [compliance], [bushings] and [links]",
+            "kc, solve, sweep, optimise, setup, tolerance, limits, compare, export and studio \
+             support them; for the rigid mechanism remove [compliance], [bushings] and [links]",
         );
         return None;
     }

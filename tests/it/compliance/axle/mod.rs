@@ -4,6 +4,7 @@ mod command;
 mod mechanics;
 mod names;
 mod robust;
+mod set_up;
 mod sheets;
 mod studies;
 mod world;

@@ -1,12 +1,14 @@
-//! Set-up of a solid axle: adjustments of its halves and of its single parts, and target values of the whole axle.
+//! Set-up of an axle as a whole: adjustments of its halves and of its single parts, and target values of the whole axle. The axle is
+//! solid, or it has elastic parts and wheels that differ.
 
 use super::super::AxleStudy;
 use super::super::axle::{lacks_nothing, quantities};
+use super::super::elastic_targets::in_equilibrium;
 use super::{Adjustment, Problems, Static, Want, file};
 use crate::ask::Need;
 use crate::assembly::BuildParameter;
 use crate::axle::{AxleQuantity, Quantity};
-use crate::model::{Side, Suspension};
+use crate::model::{Mechanism, Side, Suspension};
 use crate::number::Each;
 use crate::study::names::choose;
 use toml::Spanned;
@@ -36,8 +38,16 @@ pub(super) fn adjustments(
         };
         let mut own = super::adjustment(written, &of_side, problems)?;
         let (parameter, share) = own.change;
-        holds_no_spring(parameter, &of_side, written, problems)?;
         let mechanism = &of_side.mechanism;
+        if own.lifts(mechanism) || holds_spring(parameter, mechanism) {
+            let message = if both.axle.is_rigid() {
+                "the seats of a solid axle's springs cannot be adjusted yet; ride_height_change states the height at which the car stands"
+            } else {
+                "this adjustment lifts one side of an axle whose wheels differ, which elastic parts do not allow yet; \
+                 ride_height_change states the height at which the car stands"
+            };
+            return problems.refuse(written.span(), message);
+        }
         let seen = parameter.seen_from_other(mechanism);
         own.seen_from_other = seen.map(|(parameter, sign)| (parameter, sign * share));
         if parameter.is_single(mechanism) {
@@ -54,23 +64,13 @@ pub(super) fn adjustments(
     Some(found)
 }
 
-/// Refuses shims at a spring seat, because they would lift one side of the car.
-fn holds_no_spring(
-    parameter: BuildParameter,
-    suspension: &Suspension,
-    written: &Spanned<file::Adjustment>,
-    problems: &mut Problems,
-) -> Option<()> {
+/// Returns true for a seat of the spring.
+fn holds_spring(parameter: BuildParameter, mechanism: &Mechanism) -> bool {
     let BuildParameter::Coordinate(id, _) = parameter else {
-        return Some(());
+        return false;
     };
-    let spring = suspension.mechanism.spring;
-    if spring.is_none_or(|spring| id != spring.upper && id != spring.lower) {
-        return Some(());
-    }
-    let message = "the seats of a solid axle's springs cannot be adjusted yet; ride_height_change \
-                   gives the change of the ride height";
-    problems.refuse(written.span(), message)
+    let seats = mechanism.spring.map(|spring| [spring.upper, spring.lower]);
+    seats.is_some_and(|seats| seats.contains(&id))
 }
 
 /// Target values of the axle, in the order of the catalogue. A target for a quantity of a wheel applies to both wheels.
@@ -89,6 +89,9 @@ pub(super) fn want(
             if !lacks_nothing(name, quantity, axle, problems) {
                 return None;
             }
+            if let (Quantity::Corner(_, of), true) = (quantity, axle.elastic.is_some()) {
+                in_equilibrium(name, of, &axle.left, problems)?;
+            }
             if let Some(reason) = no_static_value(quantity) {
                 let message = format!("{} {reason}", name.get_ref());
                 return problems.refuse(name.span(), message);
@@ -103,6 +106,11 @@ pub(super) fn want(
 
 /// Reason why a quantity has no static value that adjustments could set.
 fn no_static_value(quantity: Quantity) -> Option<&'static str> {
+    if let Quantity::Figure(_) = quantity {
+        return Some(
+            "is a figure of a test, and a set-up is one of static values; tune it with [optimise]",
+        );
+    }
     let sprung = [
         Need::SpringForce,
         Need::Springs,

@@ -1,0 +1,345 @@
+//! Suspensions with elastic parts: static values of the equilibrium at rest, and their derivatives by each adjustment.
+//!
+//! The adjusted parts are assembled without load, like builds ([`crate::assembly`]). The assembled position is the design of the
+//! elastic suspension: there its parts are relaxed, or have the forces of the design load. Both wheels of an axle are in
+//! equilibrium together. The wheel centres stay at the height h of the assembled parts. With p the built designs, x the amount of an
+//! adjustment and y a value in equilibrium,
+//!
+//! ```text
+//! dy/dx = dy/dp (dp/dx + dp/dh dh/dx)                                                        (9)
+//! ```
+//!
+//! The springs stay the same parts ([`SpringLaw::kept_from`]), so their force depends on their length l alone. The study gives h. If
+//! an adjustment lifts the car instead, the spring keeps the length of the nominal equilibrium, and with it its force:
+//!
+//! ```text
+//! dh/dx = -(dl/dp dp/dx)/(dl/dp dp/dh)                                                       (10)
+//! ```
+//!
+//! [`SpringLaw::kept_from`]: crate::axle::SpringLaw::kept_from
+
+use super::subject::{Change, build};
+use super::{AdjustedSuspension, SetUpError};
+use crate::ask::Unit;
+use crate::assembly::assembler::Assembler;
+use crate::assembly::assembly_error::AssemblyError;
+use crate::assembly::rest::{Built, Rest};
+use crate::axle::{Axle, AxleRead, Quantity};
+use crate::characteristics::Characteristic;
+use crate::compliance::{AxleParameter, KcRun, KcValue, NoEquilibrium, Parameter};
+use crate::mechanism::NoPose;
+use crate::model::{Axis, PointId, Side, Suspension};
+use crate::number::{Each, Tape, Vector3};
+use crate::study::{Adjustment, ComplianceStudy};
+
+/// Largest number of steps in the search for the height at which the spring has its length.
+const MOST_STEPS: usize = 30;
+
+/// A wheel or an axle with elastic parts.
+pub(super) struct Elastic<'a> {
+    /// One wheel, or the left and the right one.
+    wheels: Vec<Half<'a>>,
+    reads: Reads,
+    /// Factors from the kernel's units to printed ones.
+    factors: Vec<f64>,
+    /// Length that the spring keeps, if an adjustment lifts the car. The last value read is then the spring's length.
+    kept: Option<f64>,
+    /// True if the right wheel is the mirror image of the left one, with the same adjustments.
+    is_mirrored: bool,
+}
+
+/// A wheel with its adjustments.
+struct Half<'a> {
+    assembler: &'a Assembler,
+    changes: Vec<Change>,
+}
+
+/// Source of the values.
+enum Reads {
+    Wheel(Box<ComplianceStudy>, Vec<KcValue>),
+    Axle(Box<Axle>, Vec<AxleRead>),
+}
+
+/// Values in an equilibrium, each with its derivatives by the coordinates of all points, wheel after wheel.
+struct Found {
+    values: Vec<f64>,
+    by: Vec<Vec<f64>>,
+}
+
+/// Rates of all points of each wheel.
+type Moves = Vec<Vec<Vector3<f64>>>;
+
+impl Found {
+    fn of(count: usize) -> Self {
+        Found {
+            values: vec![f64::NAN; count],
+            by: vec![Vec::new(); count],
+        }
+    }
+
+    /// Derivative of a value as the points of all wheels move. NaN if it has no value.
+    fn along(&self, number: usize, moves: &Moves) -> f64 {
+        if self.by[number].is_empty() {
+            return f64::NAN;
+        }
+        let points = moves.iter().flatten();
+        let pairs = points.zip(self.by[number].chunks_exact(3));
+        pairs
+            .map(|(way, by)| way.x * by[0] + way.y * by[1] + way.z * by[2])
+            .sum()
+    }
+}
+
+impl From<NoEquilibrium> for SetUpError {
+    fn from(why: NoEquilibrium) -> Self {
+        SetUpError::NoEquilibrium(NoPose::from(why))
+    }
+}
+
+impl<'a> Elastic<'a> {
+    /// A wheel, with these values. `lifts` is true if an adjustment lifts the car.
+    pub(super) fn wheel(
+        assembler: &'a Assembler,
+        elastic: &ComplianceStudy,
+        adjust: &[Adjustment],
+        characteristics: &[Characteristic],
+        lifts: bool,
+    ) -> Result<Self, SetUpError> {
+        let suspension = assembler.suspension();
+        let elastic = elastic.with_kept_spring(suspension);
+        let mut values: Vec<KcValue> = characteristics
+            .iter()
+            .copied()
+            .map(KcValue::Wheel)
+            .collect();
+        let keeps = lifts && elastic.parts.spring.is_some();
+        if keeps {
+            values.push(KcValue::Wheel(Characteristic::SpringLength));
+        }
+        let units = characteristics.iter().map(|c| c.info().unit);
+        let half = Half {
+            assembler,
+            changes: adjust.iter().map(|a| vec![a.change]).collect(),
+        };
+        Elastic {
+            factors: factors(units, suspension),
+            wheels: vec![half],
+            reads: Reads::Wheel(Box::new(elastic), values),
+            kept: None,
+            is_mirrored: false,
+        }
+        .keeping(keeps)
+    }
+
+    /// An axle with independent wheels, with these values. Adjustments without a side act on both wheels.
+    pub(super) fn axle(
+        assemblers: [&'a Assembler; 2],
+        nominal: &Axle,
+        adjust: &[Adjustment],
+        quantities: &[Quantity],
+        lifts: bool,
+    ) -> Result<Self, SetUpError> {
+        let mut axle = nominal.clone();
+        let [left, right] = assemblers.map(|assembler| assembler.suspension().clone());
+        (axle.left, axle.right) = (left, Some(right));
+        let axle = axle.with_kept_springs();
+        let keeps = lifts && axle.setup.springs.is_some();
+        let mut reads: Vec<AxleRead> = quantities.iter().copied().map(AxleRead::from).collect();
+        if keeps {
+            let length = Quantity::Corner(Side::Left, Characteristic::SpringLength);
+            reads.push(length.into());
+        }
+        let units = quantities.iter().map(|quantity| quantity.info().unit);
+        let halves = Side::ALL.into_iter().zip(assemblers);
+        let halves = halves.map(|(side, assembler)| {
+            let change = |a: &Adjustment| a.is_of(Some(side)).then_some(a.change);
+            Half {
+                assembler,
+                changes: adjust
+                    .iter()
+                    .map(|a| change(a).into_iter().collect())
+                    .collect(),
+            }
+        });
+        Elastic {
+            wheels: halves.collect(),
+            factors: factors(units, &axle.left),
+            is_mirrored: adjust.iter().all(|a| a.side.is_none()),
+            reads: Reads::Axle(Box::new(axle), reads),
+            kept: None,
+        }
+        .keeping(keeps)
+    }
+
+    /// Keeps the length that the spring has in the nominal equilibrium.
+    fn keeping(mut self, keeps: bool) -> Result<Self, SetUpError> {
+        if keeps {
+            let none = vec![0.0; self.wheels[0].changes.len()];
+            let (_, found) = self.at(&none, Rest::Height(0.0))?;
+            self.kept = found.values.last().copied();
+        }
+        Ok(self)
+    }
+
+    /// The nominal suspension of the wheel, or of the left one.
+    pub(super) fn suspension(&self) -> &Suspension {
+        self.wheels[0].assembler.suspension()
+    }
+
+    /// Assembles the parts with these amounts of the adjustments, and finds their equilibrium.
+    pub(super) fn state(
+        &self,
+        amounts: &[f64],
+        rest: Rest,
+    ) -> Result<AdjustedSuspension, SetUpError> {
+        let lifted = self.kept.filter(|_| matches!(rest, Rest::Spring(_)));
+        let (mut built, found) = match lifted {
+            Some(length) => self.settle(amounts, length)?,
+            None => self.at(amounts, rest)?,
+        };
+        let spring = self.factors.len();
+        let by_height = lifted.map(|_| self.by_height(&built));
+        let by = (0..amounts.len()).map(|k| {
+            let (moves, mut rise) = self.by_adjustment(&built, k);
+            if let Some(by_height) = &by_height {
+                rise = -found.along(spring, &moves) / found.along(spring, by_height);
+            }
+            let slope = |number: usize| {
+                let own = found.along(number, &moves);
+                match &by_height {
+                    Some(by_height) => own + rise * found.along(number, by_height),
+                    None => own,
+                }
+            };
+            let slopes = self.factors.iter().enumerate();
+            let slopes = slopes.map(|(number, factor)| factor * slope(number));
+            // The car is higher by as much as the wheel is lower. The form 0 - x avoids a negative zero.
+            slopes.chain([0.0 - rise]).collect()
+        });
+        let by = by.collect();
+        let values = found.values.iter().zip(&self.factors);
+        let values = values.map(|(value, factor)| value * factor);
+        let values = values.chain([0.0 - built[0].height]).collect();
+        let right = (built.len() > 1).then(|| built.swap_remove(1));
+        Ok(AdjustedSuspension {
+            amounts: amounts.to_vec(),
+            values,
+            by,
+            built: built.swap_remove(0),
+            seen_from_right: right.filter(|_| !self.is_mirrored),
+        })
+    }
+
+    /// Assembled parts, and their values in equilibrium.
+    fn at(&self, amounts: &[f64], rest: Rest) -> Result<(Vec<Built>, Found), SetUpError> {
+        let built = self.wheels.iter();
+        let built = built.map(|half| build(half.assembler, &half.changes, amounts, rest));
+        let built: Vec<Built> = built.collect::<Result<_, _>>()?;
+        let found = self.evaluate(&built)?;
+        Ok((built, found))
+    }
+
+    /// Applies Newton's method to the height at which the spring has a length in equilibrium, (10). It starts from the height of the
+    /// rigid mechanism and shortens steps that the parts cannot follow.
+    fn settle(&self, amounts: &[f64], length: f64) -> Result<(Vec<Built>, Found), SetUpError> {
+        let Half { assembler, changes } = &self.wheels[0];
+        let size = assembler.suspension().size();
+        let mut height = build(assembler, changes, amounts, Rest::Spring(0.0))?.height;
+        let (mut built, mut found) = self.at(amounts, Rest::Height(height))?;
+        let spring = self.factors.len();
+        let mut before = f64::INFINITY;
+        for _ in 0..MOST_STEPS {
+            let slope = found.along(spring, &self.by_height(&built));
+            let step = (length - found.values[spring]) / slope;
+            if step.is_nan() || step.abs() > size {
+                break;
+            }
+            // The last step is accepted if it no longer halves: it is rounding.
+            if step.abs() <= 1e-13 * size || (step.abs() <= 1e-10 * size && step.abs() >= before) {
+                return Ok((built, found));
+            }
+            before = step.abs();
+            let mut share = 1.0;
+            (built, found) = loop {
+                match self.at(amounts, Rest::Height(height + share * step)) {
+                    Ok(next) => break next,
+                    Err(_) if share > 1e-3 => share *= 0.5,
+                    Err(reject) => return Err(reject),
+                }
+            };
+            height += share * step;
+        }
+        Err(AssemblyError::Spring.into())
+    }
+
+    /// Rates of all points as the wheel centres rise with the same parts.
+    fn by_height(&self, built: &[Built]) -> Moves {
+        let wheels = self.wheels.iter().zip(built);
+        let rates = wheels.map(|(half, built)| half.assembler.design_by_height(built));
+        rates.collect()
+    }
+
+    /// Rates of all points by an adjustment, and that of the height.
+    fn by_adjustment(&self, built: &[Built], k: usize) -> (Moves, f64) {
+        let wheels = self.wheels.iter().zip(built);
+        let rates = wheels.map(|(half, built)| half.assembler.design_by(built, &half.changes[k]));
+        let (moves, rises): (Moves, Vec<f64>) = rates.unzip();
+        (moves, rises[0])
+    }
+
+    /// Values of assembled parts in equilibrium, with their derivatives.
+    fn evaluate(&self, built: &[Built]) -> Result<Found, SetUpError> {
+        let points = (0..built[0].suspension.design.len()).map(PointId);
+        let coordinates = points.flat_map(|point| Axis::ALL.each(|axis| (point, axis)));
+        let parameters = coordinates.map(|(point, axis)| Parameter::Point(point, axis));
+        let mut tape = Tape::default();
+        match &self.reads {
+            Reads::Wheel(elastic, wanted) => {
+                let (suspension, parts) = (self.suspension(), &elastic.parts);
+                let design = &built[0].suspension.design;
+                let run = KcRun::of(suspension, design, parts, elastic.tyre_rate)
+                    .map_err(|fault| SetUpError::Fault(fault.of_design(parts, suspension)))?;
+                let parameters: Vec<Parameter> = parameters.collect();
+                let mut found = Found::of(wanted.len());
+                run.gradients([0.0; 2], wanted, &parameters, &mut tape, &mut |own| {
+                    if let Some(value) = own.value {
+                        found.values[own.number] = value;
+                        found.by[own.number] = own.by.to_vec();
+                    }
+                })?;
+                Ok(found)
+            }
+            Reads::Axle(axle, wanted) => {
+                let elastic = axle.elastic.as_ref().expect("an axle with elastic parts");
+                let designs = [0, 1].map(|side: usize| &built[side].suspension.design[..]);
+                let equilibria = axle
+                    .equilibria(designs, &elastic.parts)
+                    .map_err(|(_, fault)| SetUpError::Fault(fault))?;
+                let parameters: Vec<Parameter> = parameters.collect();
+                let sides = Side::ALL.into_iter();
+                let parameters = sides.flat_map(|side| {
+                    let of_side = move |parameter: &Parameter| AxleParameter {
+                        parameter: *parameter,
+                        side: Some(side),
+                    };
+                    parameters.iter().map(of_side)
+                });
+                let parameters: Vec<AxleParameter> = parameters.collect();
+                let mut found = Found::of(wanted.len());
+                let at = ([0.0; 2], 0.0);
+                equilibria.gradients(at, wanted, &parameters, &mut tape, &mut |k, value, by| {
+                    found.values[k] = value;
+                    found.by[k] = by.to_vec();
+                })?;
+                Ok(found)
+            }
+        }
+    }
+}
+
+/// Factors from the kernel's units to printed ones.
+fn factors(units: impl Iterator<Item = Unit>, suspension: &Suspension) -> Vec<f64> {
+    units
+        .map(|unit| unit.printed_factor(suspension.length_unit))
+        .collect()
+}

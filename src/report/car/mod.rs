@@ -74,35 +74,23 @@ fn lifted_wheels(lifted: &[bool; 4]) -> String {
 impl<'s> CarResults<'s> {
     /// Solves the first `count` load cases.
     pub fn solve(study: &'s CarStudy, solver: &mut CarSolver<'s>, count: usize) -> Self {
-        let cases = 0..study.cases.len().min(count);
-        let cases = cases.map(|number| Self::solve_case(study, solver, number));
-        Self::of_cases(study, cases.collect())
-    }
-
-    /// Solves one load case. Returns its state and the forces in its members, which are empty if unknown or not requested.
-    pub fn solve_case(
-        study: &'s CarStudy,
-        solver: &mut CarSolver<'s>,
-        number: usize,
-    ) -> (CarState<'s>, Vec<f64>) {
-        let case = &study.cases[number];
-        let state = state(solver, case, None);
-        let forces = match &state {
-            CarState::Solved { found, .. } if study.member_loads => {
-                solver.members(case, found).ok()
-            }
-            _ => None,
-        };
-        let forces = forces.into_iter().flatten();
-        (state, forces.flat_map(|wheel| wheel.forces).collect())
-    }
-
-    /// Results of load cases that were solved one by one, in the order of the study.
-    pub fn of_cases(study: &'s CarStudy, cases: Vec<(CarState<'s>, Vec<f64>)>) -> Self {
-        let (states, members) = cases.into_iter().unzip();
+        let cases = study.cases.iter().take(count);
+        let mut members = Vec::new();
+        let states = cases.map(|case| {
+            let state = state(solver, case, None);
+            let forces = match &state {
+                CarState::Solved { found, .. } if study.member_loads => {
+                    solver.members(case, found).ok()
+                }
+                _ => None,
+            };
+            let forces = forces.into_iter().flatten();
+            members.push(forces.flat_map(|wheel| wheel.forces).collect());
+            state
+        });
         CarResults {
             study,
-            states,
+            states: states.collect(),
             members,
         }
     }

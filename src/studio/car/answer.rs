@@ -1,6 +1,6 @@
 //! Answers a dragged point of a car: solves all load cases.
 
-use super::misfit::{SolvedCase, assessed_rigs, by_coordinates, misfit};
+use super::misfit::{assessed_rigs, by_coordinates, misfit};
 use super::{OpenedCar, solver};
 use crate::car::{AXLE_NAMES, CarDrawing, CarQuantity, CarSolver};
 use crate::number::Vector3;
@@ -12,7 +12,6 @@ use crate::studio::message::{
 };
 use crate::studio::turns::Stop;
 use crate::study::CarStudy;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Results that these names denote.
@@ -40,24 +39,16 @@ pub(super) fn solved(
     let study = opened.moved(&request.of.design)?;
     let shown = shown_case(&study, &request.at)?;
     let quantities = quantities(&study, &request.characteristics)?;
-    let mut own_solver = solver(&study)?;
-    // Both threads take the next case until none is left. A case is solved from the design alone, so its numbers are the same.
-    let next = AtomicUsize::new(0);
-    let aside = || {
-        let others = (assessed_rigs(opened, &study), doubts(&study));
-        Ok::<_, String>((others, taken(&study, &mut solver(&study)?, &next)))
-    };
-    let (aside, here) = beside(stop, aside, || taken(&study, &mut own_solver, &next))?;
-    let ((rigs, doubts), mut solved) = aside?;
-    solved.extend(here);
-    solved.sort_by_key(|(number, _)| *number);
-    let solved = solved.into_iter().map(|(_, own)| own).collect();
-    let (results, gradients) = SolvedCase::collected(&study, solved);
+    let mut solver = solver(&study)?;
+    let all = study.cases.len();
+    let rigs = || (assessed_rigs(opened, &study), doubts(&study));
+    let ((rigs, doubts), results) =
+        beside(stop, rigs, || CarResults::solve(&study, &mut solver, all))?;
     let columns = quantities
         .iter()
         .map(|quantity| column(*quantity, &results));
     let columns = columns.collect();
-    let [left, right] = drawn(&study, shown, &mut own_solver, &results.states[shown]);
+    let [left, right] = drawn(&study, shown, &mut solver, &results.states[shown]);
     let is_moved = (0..2).any(|end| {
         let [own, was] = [&study, &opened.study].map(|study| &study.axles[end].wheel().design);
         own != was
@@ -97,23 +88,10 @@ pub(super) fn solved(
         frame: left,
         right,
         opened: was,
-        misfit: misfit(&study, &results, &gradients, rigs),
+        misfit: misfit(&study, &mut solver, &results, rigs),
         remarks: [results.remarks(), doubts?].concat(),
         milliseconds: start.elapsed().as_secs_f64() * 1e3,
     })
-}
-
-/// Solves cases one after the other until none is left, each with its number.
-fn taken<'s>(
-    study: &'s CarStudy,
-    solver: &mut CarSolver<'s>,
-    next: &AtomicUsize,
-) -> Vec<(usize, SolvedCase<'s>)> {
-    let numbers = std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed));
-    let numbers = numbers.take_while(|number| *number < study.cases.len());
-    numbers
-        .map(|number| (number, SolvedCase::of(study, solver, number)))
-        .collect()
 }
 
 /// Warnings about the points of each axle.

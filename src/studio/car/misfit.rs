@@ -40,53 +40,15 @@ pub(super) fn assessed_rigs(opened: &OpenedCar, study: &CarStudy) -> Rigs {
     })
 }
 
-/// A load case that was solved: its state, forces in its members, and gradients of its targets in their order. There are no
-/// gradients without an equilibrium.
-pub(super) struct SolvedCase<'s> {
-    pub results: (CarState<'s>, Vec<f64>),
-    pub gradients: Gradients,
-}
-
-impl<'s> SolvedCase<'s> {
-    /// Solves one case.
-    pub(super) fn of(study: &'s CarStudy, solver: &mut CarSolver<'s>, number: usize) -> Self {
-        let results = CarResults::solve_case(study, solver, number);
-        let targets = study.optimise.iter().flat_map(|o| &o.targets);
-        let own = targets.filter(|target| target.case == number);
-        let quantities: Vec<CarQuantity> = own.map(|target| target.quantity).collect();
-        let gradients = match &results.0 {
-            CarState::Failed(why) => Err(why.clone()),
-            CarState::Solved { .. } if quantities.is_empty() => Ok(Vec::new()),
-            CarState::Solved { found, .. } => {
-                solver.gradients(&study.cases[number], found, &quantities)
-            }
-        };
-        SolvedCase { results, gradients }
-    }
-
-    /// Results of all cases, and the gradients of the targets in each.
-    pub(super) fn collected(
-        study: &'s CarStudy,
-        cases: Vec<SolvedCase<'s>>,
-    ) -> (CarResults<'s>, Vec<Gradients>) {
-        let cases = cases.into_iter().map(|own| (own.results, own.gradients));
-        let (results, gradients): (Vec<_>, Vec<_>) = cases.unzip();
-        (CarResults::of_cases(study, results), gradients)
-    }
-}
-
-/// Gradients of the targets in a load case, or the reason why there are none.
-pub(super) type Gradients = Result<Vec<CarGradient>, NoEquilibrium>;
-
 /// Misfit of a design, if its study has targets.
-pub(super) fn misfit(
-    study: &CarStudy,
-    results: &CarResults<'_>,
-    gradients: &[Gradients],
+pub(super) fn misfit<'s>(
+    study: &'s CarStudy,
+    solver: &mut CarSolver<'s>,
+    results: &CarResults<'s>,
     rigs: Rigs,
 ) -> Option<Misfit> {
     let optimise = study.optimise.as_ref()?;
-    let found = of_cases(study, optimise, results, gradients).and_then(|mut found| {
+    let found = of_cases(study, optimise, solver, results).and_then(|mut found| {
         for rig in rigs.into_iter().flatten() {
             let (targets, constraints) = rig?;
             found.0.extend(targets);
@@ -146,11 +108,11 @@ pub(super) fn name_on_rig(name: &str, end: usize) -> String {
 }
 
 /// Targets and constraints of the load cases.
-fn of_cases(
-    study: &CarStudy,
+fn of_cases<'s>(
+    study: &'s CarStudy,
     optimise: &CarOptimise,
-    results: &CarResults<'_>,
-    gradients: &[Gradients],
+    solver: &mut CarSolver<'s>,
+    results: &CarResults<'s>,
 ) -> Result<Found, String> {
     let failed = |case: &Case, why: &NoEquilibrium| {
         format!("case {}: {}", case.name, why.describe(&study.car))
@@ -162,9 +124,15 @@ fn of_cases(
         if own.is_empty() {
             continue;
         }
-        let gradients = gradients[number].as_ref();
-        let gradients = gradients.map_err(|why| failed(case, why))?;
-        for (k, gradient) in own.into_iter().zip(gradients) {
+        let found = match &results.states[number] {
+            CarState::Solved { found, .. } => found,
+            CarState::Failed(why) => return Err(failed(case, why)),
+        };
+        let quantities: Vec<CarQuantity> =
+            own.iter().map(|k| optimise.targets[*k].quantity).collect();
+        let gradients = solver.gradients(case, found, &quantities);
+        let gradients = gradients.map_err(|why| failed(case, &why))?;
+        for (k, gradient) in own.into_iter().zip(&gradients) {
             let target = &optimise.targets[k];
             targets[k] = Some(of_target(target, study, gradient));
         }

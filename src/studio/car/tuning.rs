@@ -1,9 +1,9 @@
 //! Tuning of a car that runs for the page.
 
-use super::misfit::{SolvedCase, assessed_rigs, misfit};
+use super::misfit::{assessed_rigs, misfit};
 use super::{OpenedCar, coordinates, solver};
 use crate::car::CarVariable;
-use crate::report::{brief, misfit_in_words, settings_of_car, side_effects_in_words};
+use crate::report::{CarResults, brief, misfit_in_words, settings_of_car, side_effects_in_words};
 use crate::side_effects::side_effects_of_car;
 use crate::studio::job::{ALL_LOCKED, Job, NO_SECTION, Tuning, counted_from_file};
 use crate::studio::message::{Proposal, SideEffectRows, TuneRequest};
@@ -89,11 +89,9 @@ fn run(
 /// Misfit of a design, if it has one.
 fn misfit_of(opened: &OpenedCar, study: &CarStudy) -> Option<f64> {
     let mut solver = solver(study).ok()?;
-    let cases = 0..study.cases.len();
-    let cases = cases.map(|number| SolvedCase::of(study, &mut solver, number));
-    let (results, gradients) = SolvedCase::collected(study, cases.collect());
+    let results = CarResults::solve(study, &mut solver, study.cases.len());
     let rigs = assessed_rigs(opened, study);
-    misfit(study, &results, &gradients, rigs)?.value
+    misfit(study, &mut solver, &results, rigs)?.value
 }
 
 /// Changes that write the tuned rates and figures of the car into the texts. Also describes each change in words: part, present

@@ -100,8 +100,19 @@ pub fn read_again(study: &Study, found: &FoundSetUp) -> Study {
     let start = section + text[section..].find("force = ").unwrap();
     let end = start + text[start..].find(|c: char| c == '\n' || c == '#').unwrap();
     let text = format!("{}force = {force:?} {}", &text[..start], &text[end..]);
-    let text = text.split("[setup]").next().unwrap().to_owned();
-    elastic(&text)
+    let mut again = elastic(text.split("[setup]").next().unwrap());
+    // A text has one force for both springs of an axle.
+    if let Vehicle::Axle(both) = &mut again.vehicle {
+        let forces = hardpoint::model::Side::ALL
+            .map(|side| force_at(study, spring(both.axle.suspension(side))));
+        let elastic = both.axle.elastic.as_mut().unwrap();
+        for (wheel, own) in elastic.parts.wheels.iter_mut().zip(forces) {
+            if let Some(Law::Linear { force, .. }) = wheel.spring.as_mut().map(|s| &mut s.spring) {
+                *force = own;
+            }
+        }
+    }
+    again
 }
 
 /// Printed values at rest, by the names of the columns.
@@ -124,6 +135,16 @@ pub fn at_rest(study: &Study, columns: &[&str]) -> Vec<f64> {
     columns.iter().map(value).collect()
 }
 
+/// The rigid mechanism of a study's text, with more at its end. It has no spring and no tyre.
+fn rigid(text: &str, more: &str) -> Study {
+    let (head, _) = text.split_once("[compliance]").unwrap();
+    let (mechanism, further) = head.split_once("[spring]").unwrap();
+    let motion = &further[further.find("[motion]").unwrap()..];
+    let text = format!("{mechanism}{motion}\n{more}\n");
+    let read = Study::from_text("rigid.toml", &text, std::path::Path::new(""));
+    read.unwrap_or_else(|e| panic!("{e}"))
+}
+
 /// Wanted values are those of the equilibrium of the adjusted hardpoints. They differ from those of the rigid mechanism.
 #[test]
 fn wanted_values_are_those_of_the_adjusted_equilibrium() {
@@ -142,29 +163,24 @@ fn wanted_values_are_those_of_the_adjusted_equilibrium() {
         assert!(summary.met, "{name}");
         assert!((set(summary, "camber_deg") - want[0]).abs() < 1e-9);
         let again = read_again(&study, &found);
-        let values = at_rest(&again, &["camber", "toe", "spring_length"]);
+        let values = at_rest(&again, &["camber_deg", "toe_deg", "spring_length_mm"]);
         for (value, want) in values.iter().zip(want) {
             assert!((value - want).abs() < 1e-9, "{name}: {value} {want}");
         }
         // The curves of the command are those of this study.
-        let own = at_rest(&found.adjusted, &["camber", "toe", "spring_length"]);
+        let own = at_rest(
+            &found.adjusted,
+            &["camber_deg", "toe_deg", "spring_length_mm"],
+        );
         for (own, value) in own.iter().zip(&values) {
             assert!((own - value).abs() < 1e-9, "{name}: {own} {value}");
         }
         // The hardpoints themselves have other angles, because the parts yield.
-        let rigid = Study::from_text(
-            "rigid.toml",
-            again.text.split("[compliance]").next().unwrap(),
-            std::path::Path::new(""),
+        let rigid = rigid(
+            &again.text,
+            &format!("[outputs]\ncharacteristics = {OUTPUTS}"),
         );
-        let mut rigid = rigid.unwrap_or_else(|e| panic!("{e}"));
-        if let Vehicle::Wheel(own) = &mut rigid.vehicle {
-            own.outputs = match &study.vehicle {
-                Vehicle::Wheel(own) => own.outputs.clone(),
-                Vehicle::Axle(_) => unreachable!(),
-            };
-        }
-        let apart = at_rest(&rigid, &["toe"])[0] - values[1];
+        let apart = at_rest(&rigid, &["toe_deg"])[0] - values[1];
         assert!(apart.abs() > 1e-4, "{name}: {apart}");
     }
 }
@@ -187,9 +203,7 @@ fn at_the_design_load_the_set_up_is_that_of_the_rigid_mechanism() {
     ] {
         let text = with(name, &format!("\n[setup]\n{setup}\n"));
         let study = elastic(&text);
-        let (head, tail) = text.split_once("[compliance]").unwrap();
-        let rigid = format!("{head}[setup]{}", tail.split_once("[setup]").unwrap().1);
-        let rigid = Study::from_text("rigid.toml", &rigid, std::path::Path::new("")).unwrap();
+        let rigid = rigid(&text, &format!("[setup]\n{setup}"));
         let (own, other) = (found(&study), found(&rigid));
         let (own, other) = (one(&own), one(&other));
         for (a, b) in own.adjustments.iter().zip(&other.adjustments) {
@@ -230,11 +244,11 @@ fn the_spring_keeps_the_length_of_the_nominal_equilibrium() {
     let found = found(&study);
     let summary = one(&found);
     assert!((set(summary, "ride_height_change_mm") + 7.0).abs() < 1e-9);
-    let [nominal] = at_rest(&study, &["spring_length"])[..] else {
+    let [nominal] = at_rest(&study, &["spring_length_mm"])[..] else {
         panic!("one value");
     };
     let again = read_again(&study, &found);
-    let values = at_rest(&again, &["toe", "spring_length"]);
+    let values = at_rest(&again, &["toe_deg", "spring_length_mm"]);
     assert!(
         (values[0] - 0.2).abs() < 1e-9 && (values[1] - nominal).abs() < 1e-9,
         "{values:?}"
@@ -292,8 +306,8 @@ fn effects_are_slopes_of_elastic_builds() {
         let summary = one(&found);
         for adjustment in ["tie_rod", "upper_ball_joint y", "lower_arm_front z"] {
             let h = 0.2;
-            let at = [-2.0, -1.0, 1.0, 2.0].map(|step| built(&study, adjustment, step * h, -5.0));
-            for (k, column) in ["camber_deg", "toe_deg", "bump_steer_deg/mm"]
+            let at = [-2.0, -1.0, 1.0, 2.0].map(|step| built(&study, adjustment, step * h, 5.0));
+            for (k, column) in ["camber_deg", "toe_deg", "bump_steer_deg_per_mm"]
                 .iter()
                 .enumerate()
             {
@@ -362,12 +376,7 @@ fn stiff_parts_have_the_amounts_of_the_rigid_mechanism() {
         let found = found(&elastic(&text));
         ["tie_rod", "upper_ball_joint y"].map(|name| amount(one(&found), name))
     };
-    let rigid = with(TUBES, "");
-    let rigid = format!(
-        "{}[setup]\n{setup}\n",
-        rigid.split("[compliance]").next().unwrap()
-    );
-    let rigid = Study::from_text("rigid.toml", &rigid, std::path::Path::new("")).unwrap();
+    let rigid = rigid(&with(TUBES, ""), &format!("[setup]\n{setup}"));
     let rigid = found(&rigid);
     let rigid = ["tie_rod", "upper_ball_joint y"].map(|name| amount(one(&rigid), name));
     let [near, nearer] = [10.0, 100.0].map(amounts);

@@ -53,7 +53,7 @@ fn set_ups_are_met_in_the_other_formulation() {
     let camber = curves
         .columns
         .iter()
-        .position(|c| c.name == "left_camber")
+        .position(|c| c.name == "left_camber_deg")
         .unwrap();
     assert!((curves.stations[0].value(camber).unwrap() + 1.6).abs() < 1e-9);
 }

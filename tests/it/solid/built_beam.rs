@@ -15,6 +15,11 @@ const NOMINAL: [(&str, Point); 4] = [
 ];
 
 pub(super) fn study(motion: &str, further: &str) -> Study {
+    study_of(motion, OUTPUTS, further)
+}
+
+/// A study with these outputs.
+pub(super) fn study_of(motion: &str, outputs: &str, further: &str) -> Study {
     let points: String = NOMINAL
         .iter()
         .map(|(name, place)| format!("{name} = {place:?}\n"))
@@ -22,7 +27,7 @@ pub(super) fn study(motion: &str, further: &str) -> Study {
     let text = format!(
         "[suspension]\ntopology = \"twist_beam\"\n[suspension.hardpoints]\n{points}[wheel]\nradius = 300.0\n\
          [vehicle]\nwheelbase = 2600.0\ncg_height = 550.0\nposition = \"rear\"\nbrakes = \"outboard\"\nbrake_share_front = 0.7\n\
-         [motion]\n{motion}\n[outputs]\ncharacteristics = [{OUTPUTS}]\n{further}\n"
+         [motion]\n{motion}\n[outputs]\ncharacteristics = [{outputs}]\n{further}\n"
     );
     Study::from_text("beam.toml", &text, Path::new("")).unwrap_or_else(|e| panic!("{e}"))
 }

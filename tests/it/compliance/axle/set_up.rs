@@ -7,6 +7,8 @@ use crate::compliance::support::{elastic, with};
 use hardpoint::study::Study;
 
 const SUBFRAME: &str = "subframe_axle_compliance.toml";
+/// The section that differences of the right wheel replace.
+const MIRRORED: &str = "[axle]\nright = \"mirrored\"\n";
 
 /// The wheels of an axle with bushings alone are not coupled: the set-up is that of one wheel. With a subframe and an elastic rack it
 /// is another one, and both wheels of the adjusted axle have the wanted values.
@@ -42,7 +44,12 @@ fn both_wheels_of_an_axle_are_set_up_in_equilibrium() {
     let coupled = found(&study);
     assert!((amount(one(&coupled), "tie_rod") - expected[0]).abs() > 1e-4);
     let again = read_again(&study, &coupled);
-    let names = ["left_camber", "right_camber", "left_toe", "right_toe"];
+    let names = [
+        "left_camber_deg",
+        "right_camber_deg",
+        "left_toe_deg",
+        "right_toe_deg",
+    ];
     let values = at_rest(&again, &names);
     for (value, want) in values.iter().zip([-1.2, -1.2, 0.15, 0.15]) {
         assert!((value - want).abs() < 1e-8, "{values:?}");
@@ -62,11 +69,12 @@ fn wheels_that_differ_are_set_up_as_a_whole() {
         let outputs = "[\"camber\", \"toe\", \"spring_length\"]";
         let text = with(
             SUBFRAME,
-            &format!("\n[outputs]\ncharacteristics = {outputs}\n[setup]\n{setup}\n{further}\n"),
+            &format!("\n[outputs]\ncharacteristics = {outputs}\n{further}\n[setup]\n{setup}\n"),
         );
+        let text = text.replace(MIRRORED, "");
         elastic(&text.replace("\"at_design_load\"", "\"free\""))
     };
-    let soft = "[axle.right.bushings.lower_arm_rear]\nscale = 0.5\n";
+    let soft = "[axle.right.bushings.lower_arm_rear]\nscale = [0.5, 0.5, 0.5, 0.5, 0.5, 0.5]\n";
     let right = study(soft);
     let whole = found(&right);
     let summary = one(&whole);
@@ -77,15 +85,21 @@ fn wheels_that_differ_are_set_up_as_a_whole() {
     let [left, other] = ["left tie_rod", "right tie_rod"].map(|name| amount(summary, name));
     assert!((left - other).abs() > 1e-3, "{left} {other}");
     let again = read_again(&right, &whole);
-    let names = ["left_camber", "right_camber", "left_toe", "right_toe"];
+    let names = [
+        "left_camber_deg",
+        "right_camber_deg",
+        "left_toe_deg",
+        "right_toe_deg",
+    ];
     let values = at_rest(&again, &names);
     for (value, want) in values.iter().zip([-1.2, -1.2, 0.15, 0.15]) {
         assert!((value - want).abs() < 1e-8, "{values:?}");
     }
     // The left wheel has the soft bushing instead.
-    let text = right
-        .text
-        .replace(soft, "[axle.right.bushings.lower_arm_rear]\nscale = 2.0\n");
+    let text = right.text.replace(
+        soft,
+        "[axle.right.bushings.lower_arm_rear]\nscale = [2.0, 2.0, 2.0, 2.0, 2.0, 2.0]\n",
+    );
     let text = text.replace(
         "[bushings.lower_arm_rear]\nstiffness = [700.0, 2500.0, 1800.0, 8.0e4, 2.5e5, 2.5e5]",
         "[bushings.lower_arm_rear]\nstiffness = [350.0, 1250.0, 900.0, 4.0e4, 1.25e5, 1.25e5]",
@@ -108,6 +122,10 @@ fn wheels_that_differ_are_set_up_as_a_whole() {
 fn what_cannot_be_set_up_is_refused() {
     let refusal = |name: &str, setup: &str, further: &str| {
         let text = with(name, &format!("\n[setup]\n{setup}\n{further}"));
+        let text = match further {
+            "" => text,
+            _ => text.replace(MIRRORED, ""),
+        };
         let read = Study::elastic_from_text("case.toml", &text, std::path::Path::new(""));
         read.map(|_| ()).unwrap_err().to_string()
     };
@@ -124,7 +142,7 @@ fn what_cannot_be_set_up_is_refused() {
     let links = "adjust = [{ length = \"toe_link\" }]\nwant = { caster = 3.0 }";
     let said = refusal(LINKS, links, "");
     assert!(said.contains("joints of a steering axis"), "{said}");
-    let soft = "[axle.right.bushings.lower_arm_rear]\nscale = 0.5\n";
+    let soft = "[axle.right.bushings.lower_arm_rear]\nscale = [0.5, 0.5, 0.5, 0.5, 0.5, 0.5]\n";
     let seat = "adjust = [{ shim = \"spring_upper\", axis = \"z\" }]\nwant = { toe = 0.1 }";
     let said = refusal(SUBFRAME, seat, soft);
     assert!(said.contains("lifts one side"), "{said}");

@@ -101,7 +101,7 @@ pub fn side_effects_table(effects: &[SideEffect]) -> Table {
         Column::for_programs("unit"),
         Column::for_readers("before"),
         Column::for_readers("after"),
-        Column::for_readers("not asked for"),
+        Column::for_readers("unasked"),
         Column::for_readers("tolerance"),
         Column::for_readers("at"),
     ];

@@ -21,7 +21,7 @@ use super::{Body, Constraint, Mechanism, Point, PointId, Rocker, RockerId, Rod};
 use crate::number::{Each, Vector3};
 
 /// Name of the hinge's second point.
-pub(crate) const HINGE: &str = "hinge";
+pub(crate) const HINGE: &str = "hinge_end";
 
 /// The twist beam.
 pub(super) static TWIST_BEAM: Topology = Topology {

@@ -53,13 +53,13 @@ pub(super) fn check(
     if centre.y != 0.0 && !beam.is_hinge_given {
         let message = "the shear centre is given in the middle of the car: expected y = 0";
         let error = problems.add(place("shear_centre"), message);
-        error.help("a hinge that is not along y has a second point, hinge");
+        error.help("a hinge that is not along y has a second point, hinge_end");
         return None;
     }
     let along = design[beam.hinge.0] - centre;
     if along.y <= LEAST_SLOPE * along.norm() {
-        let message = "the hinge runs across the car: expected hinge left of the shear centre";
-        return problems.refuse(place("hinge"), message);
+        let message = "the hinge runs across the car: expected hinge_end left of the shear centre";
+        return problems.refuse(place("hinge_end"), message);
     }
     if mount.y <= 0.0 {
         let message = "the mount of the left half is on the left side of the car";

@@ -98,7 +98,7 @@ pub fn read_again(study: &Study, found: &FoundSetUp) -> Study {
     let force = force_at(study, spring(adjusted.wheel()));
     let section = text.find("[spring]").unwrap();
     let start = section + text[section..].find("force = ").unwrap();
-    let end = start + text[start..].find(|c: char| c == '\n' || c == '#').unwrap();
+    let end = start + text[start..].find(['\n', '#']).unwrap();
     let text = format!("{}force = {force:?} {}", &text[..start], &text[end..]);
     let mut again = elastic(text.split("[setup]").next().unwrap());
     // A text has one force for both springs of an axle.

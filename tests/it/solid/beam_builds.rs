@@ -113,7 +113,7 @@ fn printed_builds_are_the_builds() {
         let printed = printed.unwrap_or_else(|e| panic!("{e}\n{text}"));
         let suspension = printed.wheel();
         let place = |name| suspension.design[suspension.mechanism.point(name).unwrap().0];
-        let along = place("hinge") - place("shear_centre");
+        let along = place("hinge_end") - place("shear_centre");
         assert!(along.x.abs() > 0.05 && along.y > 300.0, "{along:?}");
         let curves = |vehicle: &Vehicle| {
             let both = match vehicle {

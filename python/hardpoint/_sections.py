@@ -181,7 +181,7 @@ def vehicle(
 
     `points` are the hardpoints of the topology. `motion` is a mapping, as in `{"travel": numpy.linspace(-80, 80, 41)}`.
     `outputs` are names of characteristics, or the section [outputs]. `right` makes the study an axle: "mirrored", or the
-    points of the right wheel that differ from mirror images, with their true y. Give other sections by name, as in
+    points of the right wheel that differ from mirror images, with their actual y. Give other sections by name, as in
     `wheel={"radius": 300.0}` or `optimise={"variables": [Variable(...)], "targets": [Target(...)]}`. docs/study.md explains
     the sections.
 

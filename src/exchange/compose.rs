@@ -104,7 +104,7 @@ impl Imported {
             })
             .collect();
         if !moved.is_empty() {
-            text += "\n[axle.right.hardpoints]         # with their true y\n";
+            text += "\n[axle.right.hardpoints]         # with their actual y\n";
             for point in moved {
                 let [x, y, z] = point.position;
                 let from = one_line(&format!("{:?}, {}", point.called, point.place));
@@ -171,7 +171,7 @@ impl Imported {
             let _ = writeln!(text, "{key} = \"{value}\"");
         }
         if self.hardpoints.iter().any(|h| h.name == "panhard_axle") {
-            text += "single = [\"upper_link\"]         # one upper link, with its true y\n";
+            text += "single = [\"upper_link\"]         # one upper link, with its actual y\n";
         }
         text += "\n[suspension.hardpoints]          # design position\n";
         let lengths = self.hardpoints.iter().map(|h| h.name.len());

@@ -106,7 +106,8 @@ fn with_titles(text: &str, separator: u8) -> Cow<'_, str> {
     let mut titles = String::with_capacity(text.len());
     for line in text.split_inclusive(['\n', '\r']) {
         let title = line.trim_start_matches('#');
-        let is_row = title.split(char::from(separator)).any(is_number)
+        let is_row = title.trim().is_empty()
+            || title.split(char::from(separator)).any(is_number)
             || title
                 .split_whitespace()
                 .filter(|word| is_number(word))
@@ -136,7 +137,9 @@ fn in_words(line: &str) -> Option<Vec<String>> {
         |word: &&&str| !word.ends_with(',') && word.replace(',', ".").parse::<f64>().is_ok();
     let is_axis = |(word, axis): (&&str, char)| {
         let mut letters = word.chars().flat_map(char::to_lowercase);
-        letters.next() == Some(axis) && !letters.next().is_some_and(char::is_alphanumeric)
+        letters.next() == Some(axis)
+            && !letters.next().is_some_and(char::is_alphanumeric)
+            && !word.contains(',')
     };
     let numbers = words.iter().rev().take_while(is_number).count();
     let cells = match words.len().checked_sub(3)? {

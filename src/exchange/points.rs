@@ -224,7 +224,9 @@ impl Rows<'_> {
 
     /// Reads a row without numbers: a title, or a line with the unit or the axes.
     fn title(&mut self, row: u32, texts: &[&str], is_above: bool) -> Result<(), String> {
-        if let Some(marks) = texts.iter().find_map(|text| marks_of_title(text)) {
+        let marks = texts.iter().filter_map(|text| marks_of_title(text));
+        let marks = marks.fold(Marks::default(), Marks::or);
+        if !marks.is_empty() {
             // The title of an axle starts a new section.
             self.section = match marks.axle {
                 Some(_) => marks,

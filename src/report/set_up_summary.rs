@@ -388,7 +388,7 @@ fn instruction(adjustment: &Adjustment, suspension: &Suspension, amount: f64) ->
     }
 }
 
-/// Direction of a displacement along an axis of the kernel's frame. A point that exists only once on a solid axle has its true y.
+/// Direction of a displacement along an axis of the kernel's frame. A point that exists only once on a solid axle has its actual y.
 fn direction(axis: Axis, amount: f64, is_single: bool) -> &'static str {
     match (axis, amount > 0.0) {
         (Axis::Y, true) if is_single => "to the left",

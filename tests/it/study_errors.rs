@@ -359,7 +359,7 @@ fn motions_that_go_nowhere() {
     let text = edited(travel, "drive = \"arm_angle\"\narm_angle = [1.0]");
     let text = text.replace("[   5.0, 705.0, 190.0]", "[ -70.0, 355.0, 500.0]");
     let text = &text[..text.find("[optimise]").unwrap()];
-    let phrases = ["dead centre", "moves lower_ball_joint level"];
+    let phrases = ["dead centre", "moves lower_ball_joint horizontally"];
     assert_mistake(text, "drive =", "motion.drive", &phrases);
 }
 

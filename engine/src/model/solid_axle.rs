@@ -1,7 +1,7 @@
 //! Solid axle: one body carries both wheels, on four links, or on three links and a Panhard rod or a Watt linkage.
 //!
 //! The wheels may be steered (see `steered_axle.rs`). A study gives the left half, which is mirrored. Points of the Panhard rod,
-//! of the Watt linkage, of the drag link, and of a single upper link have their true y.
+//! of the Watt linkage, of the drag link, and of a single upper link have their actual y.
 
 use super::rigid_axle::{AxleTravel, RigidAxle};
 use super::rocker::{ANTI_ROLL_BAR, Carriers};
@@ -16,8 +16,8 @@ use super::{Body, Constraint, Mechanism, RockerId, Topology};
 static PANHARD: Group = Group {
     what: "the Panhard rod",
     hardpoints: &[
-        optional("panhard_chassis", "Panhard rod at the body; true y"),
-        optional("panhard_axle", "Panhard rod at the axle; true y"),
+        optional("panhard_chassis", "Panhard rod at the body; actual y"),
+        optional("panhard_axle", "Panhard rod at the axle; actual y"),
     ],
     complete: &[&["panhard_chassis", "panhard_axle"]],
     beside: &[],
@@ -29,14 +29,26 @@ static WATT: Group = Group {
     what: "the Watt linkage",
     beside: &[],
     hardpoints: &[
-        optional("watt_pivot", "pivot of the Watt rocker; true y"),
-        optional("watt_axis", "a second point of the rocker's axis; true y"),
-        optional("watt_upper_chassis", "upper Watt link at the body; true y"),
-        optional("watt_upper_axle", "upper Watt link at the axle; true y"),
-        optional("watt_upper_rocker", "upper Watt link at the rocker; true y"),
-        optional("watt_lower_chassis", "lower Watt link at the body; true y"),
-        optional("watt_lower_axle", "lower Watt link at the axle; true y"),
-        optional("watt_lower_rocker", "lower Watt link at the rocker; true y"),
+        optional("watt_pivot", "pivot of the Watt rocker; actual y"),
+        optional("watt_axis", "a second point of the rocker's axis; actual y"),
+        optional(
+            "watt_upper_chassis",
+            "upper Watt link at the body; actual y",
+        ),
+        optional("watt_upper_axle", "upper Watt link at the axle; actual y"),
+        optional(
+            "watt_upper_rocker",
+            "upper Watt link at the rocker; actual y",
+        ),
+        optional(
+            "watt_lower_chassis",
+            "lower Watt link at the body; actual y",
+        ),
+        optional("watt_lower_axle", "lower Watt link at the axle; actual y"),
+        optional(
+            "watt_lower_rocker",
+            "lower Watt link at the rocker; actual y",
+        ),
     ],
     complete: &[
         &[
@@ -78,11 +90,11 @@ pub(super) static SOLID_AXLE: Topology = Topology {
         required("lower_link_axle", "lower link at the axle"),
         required(
             "upper_link_chassis",
-            "upper link at the body; true y if it is single",
+            "upper link at the body; actual y if it is single",
         ),
         required(
             "upper_link_axle",
-            "upper link at the axle; true y if it is single",
+            "upper link at the axle; actual y if it is single",
         ),
         WHEEL_CENTRE,
         SPINDLE_INNER,

@@ -51,9 +51,12 @@ pub(super) static STEERING: Group = Group {
     hardpoints: &[
         optional(
             "drag_link_body",
-            "drag link at the steering gear on the body; true y",
+            "drag link at the steering gear on the body; actual y",
         ),
-        optional("drag_link_knuckle", "drag link at the left knuckle; true y"),
+        optional(
+            "drag_link_knuckle",
+            "drag link at the left knuckle; actual y",
+        ),
         optional("kingpin_upper", "upper end of the kingpin, on the axle"),
         optional("kingpin_lower", "lower end of the kingpin, on the axle"),
         optional("tie_rod_end", "tie rod at the knuckle"),

@@ -22,7 +22,7 @@ pub(super) const ANTI_ROLL_BAR: Points = &[
 pub(super) const PANHARD: Points = &[
     (
         "upper_link_chassis",
-        "upper link at the body; single, with its true y",
+        "upper link at the body; single, with its actual y",
     ),
     ("upper_link_axle", "upper link at the axle"),
     ("panhard_chassis", "Panhard rod at the body; actual y"),
@@ -51,7 +51,7 @@ pub(super) const WATT: Points = &[
     PANHARD[1],
     (
         "watt_pivot",
-        "pivot of the Watt rocker, on the axle; true y",
+        "pivot of the Watt rocker, on the axle; actual y",
     ),
     ("watt_axis", "a second point of its axis"),
     (
@@ -89,7 +89,7 @@ pub(super) const PANHARD_PLACES: [[f64; 3]; PANHARD.len()] = [
 pub(super) const DRAG_LINK: Points = &[
     ("kingpin_upper", "upper end of the kingpin, on the axle"),
     ("kingpin_lower", "lower end of the kingpin"),
-    ("drag_link_body", "drag link at the steering gear; true y"),
+    ("drag_link_body", "drag link at the steering gear; actual y"),
     (
         "drag_link_knuckle",
         "drag link at the left knuckle; actual y",

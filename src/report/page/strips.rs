@@ -148,7 +148,7 @@ mod tests {
         let numbers: Vec<&str> = numbers
             .map(|line| line.split(['>', '<']).nth(2).unwrap())
             .collect();
-        assert_eq!(numbers, ["-0.1704", "0"]);
+        assert_eq!(numbers, ["\u{2212}0.1704", "0"]);
         let long = Strip {
             title: String::new(),
             range: Some([-1234.0, 1e-4]),
@@ -203,7 +203,7 @@ mod tests {
             title: "toe_deg".to_owned(),
             range: None,
             band: Some([-0.152, -0.048]),
-            dots: vec![("former", -1.977e-14)],
+            dots: vec![("former", -1.977e-14), ("main", -0.152)],
         };
         let svg = strips(&[strip], "values");
         assert!(

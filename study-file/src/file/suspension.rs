@@ -24,7 +24,7 @@ pub struct Suspension {
     pub frame: Option<Text>,
     /// `[suspension.hardpoints]`
     pub hardpoints: Spanned<BTreeMap<Text, Coordinates>>,
-    /// Links of a solid axle that exist only once and have their true y coordinate.
+    /// Links of a solid axle that exist only once and have their actual y coordinate.
     pub single: Option<Spanned<Vec<Text>>>,
     /// `[suspension.bodies]`: bodies on which ends of springs and rods are mounted.
     #[serde(default)]

@@ -631,7 +631,7 @@ fn mistakes_in_targets_of_an_axle_are_named() {
         ),
         (
             "characteristic = \"mean_steer\", over = \"roll\", travel_left = 1.0",
-            "and no travel_left",
+            "but no travel_left",
         ),
         (
             "characteristic = \"track\", side = \"left\", over = \"roll\"",
@@ -669,7 +669,7 @@ fn mistakes_in_targets_of_an_axle_are_named() {
 fn a_c_factor_of_the_wrong_sign_is_doubted() {
     let path = study("macpherson_axle.toml");
     let path = path.to_str().unwrap();
-    let doubt = "turn in the opposite direction to the steering wheel";
+    let doubt = "turn against the steering wheel";
     let (said, _) = run(&["check", path], 0);
     assert!(!said.contains(doubt), "{said}");
     let (said, _) = run(&["check", path, "--set", "steering.c_factor=52.0"], 0);

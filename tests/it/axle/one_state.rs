@@ -50,7 +50,7 @@ pub(super) fn axles() -> [Named; 5] {
                 "macpherson_axle",
                 &[
                     (
-                        "right = \"mirrored\"               # or [axle.right.hardpoints]: hardpoints that are not the mirror image, with their true y",
+                        "right = \"mirrored\"               # or [axle.right.hardpoints]: hardpoints that are not the mirror image, with their actual y",
                         "",
                     ),
                     ("[steering]", lopsided),

@@ -32,7 +32,7 @@ fn difference(at: impl Fn(usize) -> f64, step: f64) -> f64 {
     pairs.map(|(k, w)| w * (at(5 + k) - at(3 - k))).sum::<f64>() / step
 }
 
-/// In the axes of the body with their true y: where the design has them, and in roll the right wheel where the left one
+/// In the axes of the body with their actual y: where the design has them, and in roll the right wheel where the left one
 /// is in the opposite roll, mirrored.
 #[test]
 fn both_wheels_have_their_points_in_the_body_s_axes() {

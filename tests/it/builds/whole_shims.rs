@@ -1,6 +1,7 @@
 //! Set-ups with whole shims, weights of aims, and the largest adjustment.
 
 use super::{assembler, parameter, plan, study};
+use hardpoint::ask::Unit;
 use hardpoint::assembly::{Rest, SetUp, SetUpError, built_curves};
 
 const STUDY: &str = "double_wishbone_tolerance";
@@ -42,7 +43,13 @@ fn half_steps_allow_half_effects() {
 #[test]
 fn adjustments_beyond_a_tenth_of_the_size_are_refused() {
     let adjust = "setup.adjust=[{shim=\"upper_ball_joint\",axis=\"y\"}]";
-    let plain = study(STUDY, &["outputs.characteristics=[\"camber\"]"]);
+    let plain = study(
+        STUDY,
+        &[
+            "outputs.characteristics=[\"camber\"]",
+            "motion.travel=[0.0]",
+        ],
+    );
     let assembler = assembler(&plain);
     let size = plain.wheel().size();
     let at = |share: f64| {
@@ -66,51 +73,31 @@ fn adjustments_beyond_a_tenth_of_the_size_are_refused() {
     }
 }
 
-/// A shim cannot meet camber and scrub radius together. It minimises the sum of squares in which a tenth of a degree counts as
-/// much as a millimetre.
+/// A shim cannot meet camber, scrub radius and bump steer together. It minimises the sum of squares in which a tenth of a degree
+/// counts as much as a millimetre and as a thousandth of a degree per millimetre.
 #[test]
 fn a_tenth_of_a_degree_counts_as_a_millimetre() {
     let found = solved(&[
-        "setup.adjust=[{shim=\"upper_ball_joint\",axis=\"y\"}]",
+        "setup.adjust=[{shim=\"upper_ball_joint\",axis=\"y\",step=1e-4}]",
         "setup.want={camber=-2.5,scrub_radius=20.0,bump_steer=0.01}",
         "setup.ride_height_change=0.0",
     ]);
-    // A shim of any thickness counts as a thread: it meets the aim that it changes most.
-    assert!(
-        matches!(found, Ok(_) | Err(SetUpError::OutOfReach(_))),
-        "{found:?}"
-    );
-    let shim = |step: f64| {
-        let found = solved(&[
-            &format!("setup.adjust=[{{shim=\"upper_ball_joint\",axis=\"y\",step={step:?}}}]"),
-            "setup.want={camber=-2.5,scrub_radius=20.0,bump_steer=0.01}",
-            "setup.ride_height_change=0.0",
-        ]);
-        found.unwrap()
-    };
-    let found = shim(1e-4);
-    let weights: Vec<f64> = found
-        .statics
-        .iter()
-        .map(|of| {
-            use hardpoint::ask::Unit;
-            match of.unit() {
-                Unit::Angle => 1.0 / 0.1,
-                Unit::Length => 1.0,
-                Unit::AnglePerLength => 1.0 / 1e-3,
-                other => panic!("{other:?}"),
-            }
-        })
-        .collect();
-    let last = found.last();
-    let errors = found.misses();
-    let slope: f64 = (0..weights.len())
-        .filter_map(|i| Some(errors[i]? * weights[i].powi(2) * last.by[0][i]))
-        .sum();
-    let curvature: f64 = (0..weights.len())
-        .filter(|i| errors[*i].is_some())
-        .map(|i| (weights[i] * last.by[0][i]).powi(2))
-        .sum();
+    let found = found.unwrap();
+    let (errors, by) = (found.misses(), &found.last().by[0]);
+    let (mut slope, mut curvature) = (0.0, 0.0);
+    for ((of, error), by) in found.statics.iter().zip(errors).zip(by) {
+        let weight = match of.unit() {
+            Unit::Angle => 1.0 / 0.1,
+            Unit::Length => 1.0,
+            Unit::AnglePerLength => 1.0 / 1e-3,
+            other => panic!("{other:?}"),
+        };
+        if let Some(error) = error {
+            slope += weight * weight * error * by;
+            curvature += (weight * by).powi(2);
+        }
+    }
+    // The optimum of the squares is within a step of the shim.
     assert!((slope / curvature).abs() < 1e-4, "{}", slope / curvature);
 }
 
@@ -122,12 +109,20 @@ const SHIMS: [(&str, &str, f64); 5] = [
     ("tie_rod_inner", "z", 1.0),
 ];
 
-/// The whole shims of a set-up are the best of all whole shims one step up and down from them.
+/// The whole shims of a set-up are the best of all roundings, up and down, of the smallest adjustment that meets the aims.
 #[test]
-fn whole_shims_are_the_best_of_their_neighbours() {
-    let adjust =
-        SHIMS.map(|(point, axis, step)| format!("{{shim={point:?},axis={axis:?},step={step:?}}}"));
-    let adjust = format!("setup.adjust=[{}]", adjust.join(","));
+fn whole_shims_are_the_best_roundings() {
+    let adjust = |with_steps: bool| {
+        let all = SHIMS.map(|(point, axis, step)| {
+            let step = if with_steps {
+                format!(",step={step:?}")
+            } else {
+                String::new()
+            };
+            format!("{{shim={point:?},axis={axis:?}{step}}}")
+        });
+        format!("setup.adjust=[{}]", all.join(","))
+    };
     let at_rest = study(
         STUDY,
         &[
@@ -141,13 +136,15 @@ fn whole_shims_are_the_best_of_their_neighbours() {
     for wanted in [[-2.3, 0.1, 4.0], [-1.7, -0.2, 4.4], [-2.05, 0.33, 3.7]] {
         let [camber, toe, caster] = wanted;
         let want = format!("setup.want={{camber={camber:?},toe={toe:?},caster={caster:?}}}");
-        let found = solved(&[&adjust, &want, "setup.ride_height_change=0.0"]).unwrap();
-        let amounts = &found.last().amounts;
-        // Sum of squared errors of shims that are k steps away.
-        let error = |steps: [i32; 5]| {
+        let set_up = |with_steps: bool| {
+            let adjust = adjust(with_steps);
+            solved(&[&adjust, &want, "setup.ride_height_change=0.0"]).unwrap()
+        };
+        let (real, found) = (set_up(false), set_up(true));
+        // Sum of squared errors of whole shims.
+        let error = |amounts: [f64; 5]| {
             let mut parts = assembler.drawn().clone();
-            for (k, (point, axis, step)) in SHIMS.into_iter().enumerate() {
-                let amount = amounts[k] + f64::from(steps[k]) * step;
+            for ((point, axis, _), amount) in SHIMS.into_iter().zip(amounts) {
                 parts.change(mechanism, parameter(&assembler, point, Some(axis)), amount);
             }
             let built = assembler.build(&parts, Rest::Height(0.0)).unwrap();
@@ -156,15 +153,18 @@ fn whole_shims_are_the_best_of_their_neighbours() {
             let errors = values.iter().zip(wanted).map(|(v, w)| v.unwrap() - w);
             errors.map(|error| error * error).sum::<f64>()
         };
-        let own = error([0; 5]);
+        let own: [f64; 5] = found.last().amounts[..].try_into().unwrap();
         let reported = found.misses().iter().flatten().map(|e| e * e).sum::<f64>();
-        assert!((own / reported - 1.0).abs() < 1e-9, "{own} {reported}");
-        for number in 0..243 {
-            let steps = std::array::from_fn(|k| number / 3_i32.pow(k as u32) % 3 - 1);
+        assert!((error(own) / reported - 1.0).abs() < 1e-9, "{reported}");
+        for choice in 0..32_u32 {
+            let rounded = std::array::from_fn(|k| {
+                let step = SHIMS[k].2;
+                ((real.last().amounts[k] / step).floor() + f64::from(choice >> k & 1)) * step
+            });
+            let other = error(rounded);
             assert!(
-                error(steps) >= own * (1.0 - 1e-12),
-                "{wanted:?} {steps:?}: {} {own}",
-                error(steps)
+                other >= reported * (1.0 - 1e-9),
+                "{wanted:?} {rounded:?} {own:?}: {other} {reported}"
             );
         }
     }

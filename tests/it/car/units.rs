@@ -225,7 +225,8 @@ fn both_axles_need_the_same_units() {
     let made = CarStudy::of_axles("car", &metric[0], [axle(&front), axle(&metric[2])]);
     let said = made.unwrap_err().to_string();
     assert!(
-        said.contains("mm and N") && said.contains("in and lbf"),
+        said.contains("\"mm\" and force_unit = \"N\"")
+            && said.contains("\"in\" and force_unit = \"lbf\""),
         "{said}"
     );
 }

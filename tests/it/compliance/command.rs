@@ -224,7 +224,7 @@ fn a_load_that_is_not_held_is_said() {
         String::from_utf8_lossy(&ran.stderr)
     );
     assert!(
-        said.contains("not solved") && said.contains("holds 0."),
+        said.contains("not solved") && said.contains("exists for 0."),
         "{said}"
     );
     let levels = rows(&directory.path().join("kc/levels.csv"));
@@ -359,7 +359,7 @@ fn the_page_draws_the_figures() {
     let page = std::fs::read_to_string(directory.path().join("kc/report.html")).unwrap();
     // Of the reference corner, as above.
     let toe = 8.01723593199302e-7 * 1000.0_f64.to_degrees();
-    assert!(page.contains(&format!("toe by lateral force {toe:.5} deg/kN")));
+    assert!(page.contains(&format!("Toe by lateral force {toe:.5} deg/kN")));
     for load in [
         "lateral force",
         "braking force",

@@ -41,7 +41,7 @@ fn what_was_guessed_and_assumed_is_said() {
     for expected in [
         "unit: mm",
         "axes: iso8855, left wheel",
-        "static_camber and static_toe are taken as 0",
+        "static_camber and static_toe are assumed to be 0",
         "[wheel] radius",
     ] {
         assert!(said.contains(expected), "{expected}: {said}");
@@ -121,7 +121,7 @@ fn missing_doubled_and_unreadable_points_are_named() {
         refused.contains("strut_top (upper strut mount on the body)"),
         "{refused}"
     );
-    assert!(refused.contains("left over: Dom"), "{refused}");
+    assert!(refused.contains("unused points: Dom"), "{refused}");
     let mut said = Said::default();
     said.names.insert("strut_top".to_owned(), "Dom".to_owned());
     assert!(of_text(&without, &said).is_ok());

@@ -310,7 +310,7 @@ fn what_cannot_be_given_is_refused_by_line() {
                 "outputs.characteristics=[\"camber_gain\"]",
                 "outputs.order=acceleration",
             ],
-            "camber_gain with order = \"acceleration\" takes 3 derivatives",
+            "camber_gain with order = \"acceleration\" needs 3 derivatives",
         ),
         (
             "attia",

@@ -36,7 +36,7 @@ pub(super) const OUTPUTS: &str = r#""camber", "toe", "mean_steer", "track", "axl
 pub(super) const HEAVE: &str = "heave = [0.0]";
 pub(super) const ROLL: &str = "roll = [-2.0, 0.0, 1.5]\nheave = [-20.0]";
 
-/// Dimensions of a beam: places of the mounts on the body, and the shapes of both halves, with their true y.
+/// Dimensions of a beam: places of the mounts on the body, and the shapes of both halves, with their actual y.
 pub(super) struct Parts {
     mounts: [Point; 2],
     shear_centre: Point,
@@ -157,7 +157,7 @@ impl Parts {
         x
     }
 
-    /// Wheel centre and outward spin axis of a wheel, with their true y.
+    /// Wheel centre and outward spin axis of a wheel, with their actual y.
     pub(super) fn wheel(&self, x: &Unknowns, side: usize) -> [Point; 2] {
         let [centre, spindle] =
             [self.centres[side], self.spindles[side]].map(|point| carried(x, side, point));

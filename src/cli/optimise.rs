@@ -227,7 +227,7 @@ impl Finished<'_> {
             files.push("report.json");
         }
         if !self.is_interrupted {
-            files.extend(report.show(&output)?);
+            files.extend(report.show(output)?);
         }
         output.finish()?;
         Ok((files, refused))

@@ -137,9 +137,10 @@ pub(super) fn header(
 fn marks_of_all(three: &[(u32, Coordinates)]) -> Marks {
     let first = three.first().map(|(_, header)| header.marks);
     let first = first.unwrap_or_default();
-    match three.iter().all(|(_, header)| header.marks == first) {
-        true => first,
-        false => Marks::default(),
+    if three.iter().all(|(_, header)| header.marks == first) {
+        first
+    } else {
+        Marks::default()
     }
 }
 

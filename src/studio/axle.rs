@@ -192,9 +192,10 @@ pub(super) fn solved(
     let drive: Vec<Option<f64>> = drive.map(|place| Some(place[over])).collect();
     let groups = Groups::of(&places(&whole), over, &request.at);
     let is_partial = drive.len() < whole.stations();
-    let groups = match is_partial {
-        true => groups.with_shown_only(drive.len()),
-        false => groups,
+    let groups = if is_partial {
+        groups.with_shown_only(drive.len())
+    } else {
+        groups
     };
     let mut lines = plausibility(left).map_err(fault)?;
     lines.extend(axle_plausibility(axle, &plan, &found, false));

@@ -85,9 +85,12 @@ fn of_cases(study: &CarStudy, optimise: &CarOptimise) -> Result<Option<Vec<Row>>
             let factor = target.weight.sqrt() / target.tolerance;
             let deviation = target.deviation(printed * gradient.value);
             let is_inside = deviation == 0.0 && target.wanted[0] < target.wanted[1];
-            let slope = |variable: &CarVariable| match is_inside {
-                true => 0.0,
-                false => factor * printed * variable.moves.slope(&study.car, gradient),
+            let slope = |variable: &CarVariable| {
+                if is_inside {
+                    0.0
+                } else {
+                    factor * printed * variable.moves.slope(&study.car, gradient)
+                }
             };
             let slopes = optimise.variables.iter().map(slope).collect();
             rows.push((factor * deviation, slopes));

@@ -239,19 +239,21 @@ mod tests {
         }
     }
 
-    /// Newton's method for x^3 = 8 ends at 2 from both sides, from far away only by shorter steps. An error without a value ends
-    /// it at once.
+    /// Newton's method for x^3 = 8 ends at 2 from both sides. From 0.5 the full step would make the error larger. From 0.01 even a
+    /// thousandth of the step does. Without a step the iteration ends at once.
     #[test]
     fn the_iteration_finds_a_root_by_shorter_steps() {
         let errors = |x: &f64| DVector::from_element(1, x.powi(3) - 8.0);
         let step = |x: &f64, errors: &DVector<f64>| Some(errors / (3.0 * x * x));
-        for start in [1e-2, 1.9, 50.0] {
-            let trial = |x: &f64, displacement: &DVector<f64>| Some(x + displacement[0]);
+        let trial = |x: &f64, displacement: &DVector<f64>| Some(x + displacement[0]);
+        for start in [0.5, 1.9, 50.0] {
             let End::Settled(root) = iterate(start, 1.0, errors, step, trial) else {
                 panic!("no root from {start}");
             };
             assert!((root - 2.0).abs() < 1e-14, "{root}");
         }
+        let far = iterate(1e-2, 1.0, errors, step, trial);
+        assert!(matches!(far, End::Stuck(1e-2)));
         let missing = |_: &f64, _: &DVector<f64>| None;
         let end = iterate(1.0, 1.0, errors, missing, |_, _| None);
         assert!(matches!(end, End::Stuck(1.0)));

@@ -398,8 +398,9 @@ fn unit_above(texts: &[&str]) -> Option<LengthUnit> {
         && cut(key)
             .iter()
             .any(|word| word == "unit" || word == "units")
+        && let Some(unit) = unit_of(value.trim_matches(['[', ']', '(', ')']))
     {
-        return unit_of(value.trim_matches(['[', ']', '(', ')']));
+        return Some(unit);
     }
     let mut words = texts.iter().flat_map(|text| cut(text));
     // In running text, "in" and "m" have other meanings.

@@ -76,6 +76,8 @@ fn a_set_of_columns_for_each_corner() {
         );
         assert_eq!(position(&read, 1), [-4.0, 2.0, 3.0]);
     }
+    let stated = table("units mm,origin,\nname,x,y,z\nlbj,1,2,3\n");
+    assert_eq!(stated.unit, Some(LengthUnit::Millimetre));
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Text tables separated by commas, semicolons or tabs, or by spaces as in a text copied from a page.
 
 use super::cell::{Cell, Places, Sheet};
+use super::decimals::plain_number;
 use std::borrow::Cow;
 
 /// Reads a table. The separator is the comma, semicolon or tab that splits the largest number of lines. Without one, spaces
@@ -102,7 +103,7 @@ fn with_titles(text: &str, separator: u8) -> Cow<'_, str> {
     if !text.contains('#') {
         return Cow::Borrowed(text);
     }
-    let is_number = |cell: &str| cell.trim().replace(',', ".").parse::<f64>().is_ok();
+    let is_number = |cell: &str| plain_number(cell.trim(), true).is_ok();
     let mut titles = String::with_capacity(text.len());
     for line in text.split_inclusive(['\n', '\r']) {
         let title = line.trim_start_matches('#');

@@ -147,9 +147,8 @@ pub(super) fn because(limit: &Limit, study: &Study) -> String {
             };
             let angle = nearest.sine.min(1.0).asin().to_degrees();
             if angle < 0.1 {
-                let cause = cause.to_string();
-                let stands = cause.split(", no part").next().unwrap_or_default();
-                format!("{stands}: the {part} is at its dead centre, to 0.1 deg")
+                let event = cause.words();
+                format!("{event}: the {part} is at its dead centre, to 0.1 deg")
             } else {
                 format!("{cause} (nearest to one: the {part}, {angle:.1} deg away)")
             }

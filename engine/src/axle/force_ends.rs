@@ -89,13 +89,9 @@ impl Axle {
                 let placed = placed?;
                 let (pose, rack) = (placed.poses()[side as usize], placed.rack * side.sign());
                 let ([length, design], law) = self.spring_lengths(side, pose, rack)?;
-                let force = match &law.spring {
-                    Law::Linear { force, rate } => force + rate * (design - length),
-                    Law::Curve(curve) => curve.at(length),
-                };
                 Some(Pull {
                     side,
-                    force,
+                    force: law.force_without_stops(length, design),
                     station,
                 })
             };

@@ -68,14 +68,22 @@ impl<T: Copy> SpringLaw<T> {
         self.reference(design) - length
     }
 
+    /// Force at a length, without the stops. `over` converts the numbers of the law to the type of the length.
+    #[inline(always)]
+    fn without_stops<U: Scalar>(&self, length: U, design: U, over: &impl Fn(T) -> U) -> U {
+        match &self.spring {
+            Law::Linear { force, rate } => {
+                over(*force) + over(*rate) * self.shortened(length, design)
+            }
+            Law::Curve(curve) => curve.at(length),
+        }
+    }
+
     /// Force at a length. `over` converts the numbers of the law to the type of the length.
     #[inline(always)]
     fn force_over<U: Scalar>(&self, length: U, design: U, over: impl Fn(T) -> U) -> U {
         let shortened = self.shortened(length, design);
-        let spring = match &self.spring {
-            Law::Linear { force, rate } => over(*force) + over(*rate) * shortened,
-            Law::Curve(curve) => curve.at(length),
-        };
+        let spring = self.without_stops(length, design, &over);
         let pressed = match &self.bump_stop {
             Some(stop) if shortened.value() > stop.gap => {
                 spring + stop.curve.at(shortened - length.constant(stop.gap))
@@ -126,6 +134,11 @@ impl<T: Copy> SpringLaw<T> {
 }
 
 impl SpringLaw {
+    /// Force at a length, without the stops. `design` is the length in the design position.
+    pub(crate) fn force_without_stops(&self, length: f64, design: f64) -> f64 {
+        self.without_stops(length, design, &|number| number)
+    }
+
     /// Force at a length. `design` is the length in the design position.
     pub fn force<T: Scalar>(&self, length: T, design: T) -> T {
         self.force_over(length, design, |c| length.constant(c))

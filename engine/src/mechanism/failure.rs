@@ -127,30 +127,31 @@ impl LimitCause {
                 | LimitCause::AxleFolds
         )
     }
-}
 
-impl fmt::Display for LimitCause {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
+    /// Event at the limit in words, without a note on singular parts.
+    pub fn words(self) -> &'static str {
+        match self {
             LimitCause::TieRodToggle => "the tie rod is at toggle",
             LimitCause::UpperArmStraight => "the upper arm is in line with the steering axis",
             LimitCause::StrutSquare => "the strut is perpendicular to the steering axis",
             LimitCause::DependentLinks => "links are at a dead centre with each other",
             LimitCause::AxleFolds => "the links of the axle are at a dead centre",
-            LimitCause::CentreHighest => {
-                "the wheel centre is at its highest point, no part is at a singularity"
-            }
-            LimitCause::CentreLowest => {
-                "the wheel centre is at its lowest point, no part is at a singularity"
-            }
-            LimitCause::ArmStandsStill => {
-                "the arm stops while the wheel moves on, no part is at a singularity"
-            }
-            LimitCause::RackStandsStill => {
-                "the rack stops while the wheel steers on, no part is at a singularity"
-            }
+            LimitCause::CentreHighest => "the wheel centre is at its highest point",
+            LimitCause::CentreLowest => "the wheel centre is at its lowest point",
+            LimitCause::ArmStandsStill => "the arm stops while the wheel moves on",
+            LimitCause::RackStandsStill => "the rack stops while the wheel steers on",
             LimitCause::Unresolved => "the path meets another assembly there",
-        })
+        }
+    }
+}
+
+impl fmt::Display for LimitCause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.words())?;
+        if self.is_part() || *self == LimitCause::Unresolved {
+            return Ok(());
+        }
+        f.write_str(", no part is at a singularity")
     }
 }
 

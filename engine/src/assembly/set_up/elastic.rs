@@ -279,7 +279,7 @@ impl<'a> Elastic<'a> {
         rates.collect()
     }
 
-    /// Rates of all points by an adjustment, and that of the height.
+    /// Rates of all points and of the height by an adjustment.
     fn by_adjustment(&self, built: &[Built], k: usize) -> (Moves, f64) {
         let wheels = self.wheels.iter().zip(built);
         let rates = wheels.map(|(half, built)| half.assembler.design_by(built, &half.changes[k]));

@@ -135,7 +135,7 @@ pub struct AdjustedSuspension {
     /// Solid axle in the frame of its right wheel, or the right wheel of an axle that is adjusted as a whole. `None` for one wheel, and
     /// if both wheels are alike.
     pub seen_from_right: Option<Built>,
-    /// Static values, in printed units. With elastic parts, they are those of the equilibrium.
+    /// Static values, in printed units. With elastic parts, the equilibrium has these values.
     pub values: Vec<f64>,
     /// Derivatives of the static values, `[adjustment][value]`.
     pub by: Vec<Vec<f64>>,

@@ -90,40 +90,36 @@ pub(super) fn margin(
             )
         };
     }
-    for sentence in ranges
-        .rockers
-        .iter()
-        .flat_map(|r| toggles(r, moved, unit))
-        .flatten()
-    {
-        // The bar's lever follows the rocker of the pushrod, so both end at one toggle.
-        if !text.contains(&sentence) {
-            text += &sentence;
-        }
-    }
+    text += &toggles(ranges.rockers, moved, unit);
     Ok(text)
 }
 
-/// Sentences about the toggles of a rocker, at the ends of the travel where it has one.
-fn toggles(range: &RockerRange, moved: &Curves, unit: &str) -> [Option<String>; 2] {
+/// Sentences about the toggles of rockers, at the ends of the travel where they have one. The bar's lever follows the rocker
+/// of the pushrod, so both end at one toggle, which is named once.
+fn toggles(rockers: &[RockerRange], moved: &Curves, unit: &str) -> String {
     let travels = || moved.along("travel").flatten();
     let least = travels().fold(0.0, f64::min);
     let most = travels().fold(0.0, f64::max);
-    let sentence = |toggle: Option<Toggle>, left: &dyn Fn(f64) -> f64| {
-        let Toggle { travel, rod } = toggle?;
-        let left = left(travel);
-        let place = if left > 0.0 {
-            format!("{} {unit} beyond the motion", brief(left))
-        } else {
-            "within the motion".to_owned()
-        };
-        Some(format!(
-            " The {rod} reaches its toggle at travel {} {unit}, {place}.",
-            brief(travel)
-        ))
-    };
-    [
-        sentence(range.lower, &|travel| least - travel),
-        sentence(range.upper, &|travel| travel - most),
-    ]
+    let mut named = Vec::new();
+    let mut text = String::new();
+    for range in rockers {
+        for (is_upper, toggle) in [(false, range.lower), (true, range.upper)] {
+            let Some(Toggle { travel, rod }) = toggle else {
+                continue;
+            };
+            if named.contains(&(is_upper, rod)) {
+                continue;
+            }
+            named.push((is_upper, rod));
+            let left = if is_upper { travel - most } else { least - travel };
+            let place = if left > 0.0 {
+                format!("{} {unit} beyond the motion", brief(left))
+            } else {
+                "within the motion".to_owned()
+            };
+            let travel = brief(travel);
+            text += &format!(" The {rod} reaches its toggle at travel {travel} {unit}, {place}.");
+        }
+    }
+    text
 }

@@ -14,7 +14,6 @@ mod variable;
 pub use variable::{DesignVariable, FunctionError};
 
 use crate::axle::Axle;
-use crate::characteristics::Quantity;
 use crate::curves::Column;
 use crate::evaluate::{
     AxleStations, BLOCK, Block, Evaluated, Evaluator, GradientEvaluator, Request, Stations,
@@ -175,7 +174,7 @@ fn of_corner(own: &WheelStudy) -> Result<(Request<'static>, Vec<[f64; 2]>), Func
     }
     let suspension = &own.suspension;
     let mut plan = Plan::of(own);
-    let is_output = |o: &Output| !matches!(o.quantity, Quantity::AngularVelocity(_));
+    let is_output = |o: &Output| o.quantity().is_some_and(|quantity| !quantity.is_rate());
     plan.outputs.retain(is_output);
     for output in &mut plan.outputs {
         output.highest = 0;
@@ -184,7 +183,7 @@ fn of_corner(own: &WheelStudy) -> Result<(Request<'static>, Vec<[f64; 2]>), Func
         return Err(FunctionError::NoOutputs);
     }
     let columns = Column::all(&plan, suspension.length_unit);
-    let quantities = plan.outputs.iter().map(|o| o.quantity).collect();
+    let quantities = plan.outputs.iter().filter_map(Output::quantity).collect();
     let stations = Stations::of(&own.motion, &suspension.frame, &[]);
     let sign = suspension.frame.sign(Axis::Y);
     let printed = |value: f64| match stations.drive {

@@ -10,7 +10,7 @@ mod effects;
 
 pub use effects::Effect;
 
-use crate::characteristics::{Characteristic, Constants, Quantity, Slots};
+use crate::characteristics::{Characteristic, Constants, Measure, Quantity, Slots};
 use crate::model::{Axis, PointId};
 use crate::solve::StationOrder;
 use crate::study::{Drive, ElasticFigure, Formulation, Load, Optimise, Order, TimeLaw, WheelStudy};
@@ -18,8 +18,8 @@ use crate::study::{Drive, ElasticFigure, Formulation, Load, Optimise, Order, Tim
 /// One quantity with its requested derivatives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Output {
-    /// Quantity to compute.
-    pub quantity: Quantity,
+    /// Quantity or geometric measure to compute.
+    pub of: Measure,
     /// Name of the value, as in column names: `camber`.
     pub name: String,
     /// Unit of the value, as in column names: `deg`. Empty for a plain number.
@@ -28,6 +28,13 @@ pub struct Output {
     pub factor: f64,
     /// Highest derivative by the drive or by time.
     pub highest: usize,
+}
+
+impl Output {
+    /// Quantity of the catalogue, if the output is one.
+    pub fn quantity(&self) -> Option<Quantity> {
+        self.of.quantity()
+    }
 }
 
 /// Complete description of a computation of curves: motion, outputs, gradients, loads.
@@ -108,7 +115,7 @@ impl Plan {
         for c in characteristics {
             let unit = c.info().unit;
             outputs.push(Output {
-                quantity: Quantity::Characteristic(*c),
+                of: Measure::Quantity(Quantity::Characteristic(*c)),
                 name: c.info().name.to_owned(),
                 unit: unit.suffix(length),
                 factor: unit.printed_factor(length),
@@ -118,7 +125,7 @@ impl Plan {
         for point in &asked.points {
             for axis in Axis::ALL {
                 outputs.push(Output {
-                    quantity: Quantity::Coordinate(*point, axis),
+                    of: Measure::Quantity(Quantity::Coordinate(*point, axis)),
                     name: format!("{}_{}", suspension.mechanism.name(*point), axis.name()),
                     unit: length.symbol().to_owned(),
                     factor: suspension.frame.sign(axis),
@@ -126,10 +133,19 @@ impl Plan {
                 });
             }
         }
+        for measure in &asked.measures {
+            outputs.push(Output {
+                of: measure.of.clone(),
+                name: measure.name.clone(),
+                unit: measure.unit.suffix(length),
+                factor: measure.unit.printed_factor(length),
+                highest,
+            });
+        }
         if asked.knuckle && highest > 0 {
             for axis in Axis::ALL {
                 outputs.push(Output {
-                    quantity: Quantity::AngularVelocity(axis),
+                    of: Measure::Quantity(Quantity::AngularVelocity(axis)),
                     name: format!("knuckle_{}", axis.name()),
                     unit: "rad".to_owned(),
                     factor: suspension.frame.turn_sign(axis),
@@ -139,7 +155,7 @@ impl Plan {
         }
         let coefficients = outputs
             .iter()
-            .map(|o| o.highest + o.quantity.rate_order() + 1)
+            .map(|o| o.highest + o.of.rate_order() + 1)
             .max()
             .unwrap_or(1);
         Plan {
@@ -150,7 +166,7 @@ impl Plan {
             rack_moves: motion.rack_moves,
             rack_sign: suspension.frame.sign(Axis::Y),
             time: motion.time.clone(),
-            reads: Slots::of(outputs.iter().map(|o| o.quantity.reads())),
+            reads: Slots::of(outputs.iter().map(|o| o.of.reads())),
             outputs,
             coefficients,
             sensitivities: asked.sensitivities.clone(),

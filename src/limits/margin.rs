@@ -111,7 +111,11 @@ fn toggles(rockers: &[RockerRange], moved: &Curves, unit: &str) -> String {
                 continue;
             }
             named.push((is_upper, rod));
-            let left = if is_upper { travel - most } else { least - travel };
+            let left = if is_upper {
+                travel - most
+            } else {
+                least - travel
+            };
             let place = if left > 0.0 {
                 format!("{} {unit} beyond the motion", brief(left))
             } else {

@@ -23,6 +23,7 @@ mod infinity;
 mod lanes;
 mod limits;
 mod loads;
+mod measures;
 mod packages;
 mod point_coordinates;
 mod readme;

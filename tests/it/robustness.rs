@@ -179,6 +179,7 @@ impl Trial {
                 order: Order::Velocity,
                 sensitivities: vec![point("strut_top")],
                 certify: true,
+                measures: Vec::new(),
                 figures: Vec::new(),
                 loads: Vec::new(),
             },

@@ -19,10 +19,10 @@ mod tests;
 
 use super::{CarriedForce, Quantity, Slot};
 use crate::compliance::KcValue;
-use crate::derive::Seeds;
+use crate::derive::{Linearised, Seeds};
 use crate::mechanism::Configuration;
 use crate::model::{Mechanism, PointId, RockerId};
-use crate::number::{Dual, Each, Jet, Scalar, Vector3};
+use crate::number::{Dual, Each, Jet, Real, Scalar, Vector3};
 pub(crate) use input::Input;
 pub use input::Stud;
 
@@ -274,9 +274,60 @@ impl Measure {
         }
     }
 
+    /// Reason for a missing derivative of an angle.
+    pub const KINK: &'static str = "the angle of the joint is 0, where it has a kink";
+
+    /// Value that outputs show: the angle in rad if the measure is 1 minus its cosine, else the value. 1 - cos a = v gives
+    /// a = 2 asin(sqrt(v/2)), accurate for small angles, too.
+    pub fn shown<T: Scalar>(&self, at: &Configuration<T>) -> T {
+        let value = self.value(at);
+        if self.is_versine() {
+            value.scaled(0.5).sqrt().asin().scaled(2.0)
+        } else {
+            value
+        }
+    }
+
+    /// Gradients of the shown value, and of its derivatives by the drive up to `highest`, by every hardpoint coordinate.
+    /// `buffer` has a place for each point. `receive` gets every order and point with the gradient.
+    ///
+    /// The measure's formula f of its vectors v_k gives the seed series df/dv_k. For an angle it is multiplied by
+    /// da/dv = 1/sqrt(v (2 - v)).
+    pub fn shown_gradients<const N: usize>(
+        &self,
+        linearised: &Linearised<'_, N>,
+        highest: usize,
+        buffer: &mut [Vector3<Jet<f64, N>>],
+        receive: &mut dyn FnMut(usize, PointId, Vector3<f64>),
+    ) {
+        let at = &linearised.at;
+        let (inputs, count) = self.inputs(at.mechanism);
+        let zero = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);
+        let mut vectors = [zero; MOST];
+        for (vector, input) in vectors.iter_mut().zip(&inputs[..count]) {
+            *vector = input.read(at);
+        }
+        let mut slope = Jet::constant(1.0);
+        if self.is_versine() {
+            let value = self.formula(&vectors);
+            slope = slope / (value * (Jet::constant(2.0) - value)).sqrt();
+        }
+        buffer.fill(zero);
+        linearised.gradient(buffer, |seeds: &mut Seeds<'_, '_, _>| {
+            for (k, input) in inputs[..count].iter().enumerate() {
+                input.push(self.by_vector(k, &vectors) * slope, at, seeds);
+            }
+        });
+        for order in 0..=highest {
+            for (point, series) in buffer.iter().enumerate() {
+                receive(order, PointId(point), series.map(|c| c.derivative(order)));
+            }
+        }
+    }
+
     /// Derivative of the formula by the vector with this index.
-    pub(crate) fn by_vector(&self, number: usize, vectors: &Vectors<f64>) -> Vector3<f64> {
-        let mut seeded = vectors.each(|v| v.map(Dual::<f64, 3>::constant));
+    pub(crate) fn by_vector<T: Scalar>(&self, number: usize, vectors: &Vectors<T>) -> Vector3<T> {
+        let mut seeded = vectors.each(|v| v.map(Dual::<T, 3>::constant));
         seeded[number] = Dual::inputs(vectors[number]);
         Vector3::from(self.formula(&seeded).partials)
     }

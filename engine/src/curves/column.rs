@@ -83,8 +83,8 @@ impl Column {
 
     fn new(of: usize, output: &Output, order: usize, plan: &Plan, length: LengthUnit) -> Column {
         // An angular velocity is already a first derivative.
-        let rate_order = match output.quantity {
-            Quantity::AngularVelocity(_) => 1,
+        let rate_order = match output.quantity() {
+            Some(Quantity::AngularVelocity(_)) => 1,
             _ => 0,
         };
         let (by, factor) = match (&plan.time, plan.drive) {
@@ -94,10 +94,10 @@ impl Column {
         };
         let unit = per(&output.unit, by, order + rate_order);
         let by_time = plan.time.is_some();
-        let stem = match (output.quantity, order) {
-            (Quantity::AngularVelocity(axis), 0) => format!("knuckle_omega_{}", axis.name()),
-            (Quantity::AngularVelocity(axis), _) => format!("knuckle_alpha_{}", axis.name()),
-            (Quantity::Coordinate(_, axis), 1 | 2) if by_time => {
+        let stem = match (output.quantity(), order) {
+            (Some(Quantity::AngularVelocity(axis)), 0) => format!("knuckle_omega_{}", axis.name()),
+            (Some(Quantity::AngularVelocity(axis)), _) => format!("knuckle_alpha_{}", axis.name()),
+            (Some(Quantity::Coordinate(_, axis)), 1 | 2) if by_time => {
                 velocity_name(&output.name, axis, order)
             }
             (_, 0) => output.name.clone(),
@@ -107,8 +107,8 @@ impl Column {
             name: with_unit(stem, &unit),
             output: output.name.clone(),
             unit,
-            positive: match (output.quantity, order) {
-                (Quantity::Characteristic(c), 0) => Some(c.info().positive),
+            positive: match (output.quantity(), order) {
+                (Some(Quantity::Characteristic(c)), 0) => Some(c.info().positive),
                 _ => None,
             },
             order,

@@ -22,10 +22,11 @@ struct Read {
 fn columns(length: LengthUnit, plan: &Plan) -> Vec<(Column, Read)> {
     let mut found = Vec::new();
     for column in Column::all(plan, length) {
-        let of: Option<Characteristic> = column.of.and_then(|of| match plan.outputs[of].quantity {
-            Quantity::Characteristic(of) => Some(of),
-            _ => None,
-        });
+        let of: Option<Characteristic> =
+            column.of.and_then(|of| match plan.outputs[of].quantity() {
+                Some(Quantity::Characteristic(of)) => Some(of),
+                _ => None,
+            });
         let Some(of) = of else { continue };
         let value = match column.order {
             0 => KcValue::Wheel(of),

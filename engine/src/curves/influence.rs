@@ -31,7 +31,7 @@ pub fn influences(own: &WheelStudy, plan: &Plan) -> Result<Vec<Influence>, Desig
     let outputs: Vec<Output> = plan
         .outputs
         .iter()
-        .filter(|o| matches!(o.quantity, Quantity::Characteristic(_)))
+        .filter(|o| matches!(o.quantity(), Some(Quantity::Characteristic(_))))
         .map(|o| Output {
             highest: 0,
             ..o.clone()
@@ -40,7 +40,7 @@ pub fn influences(own: &WheelStudy, plan: &Plan) -> Result<Vec<Influence>, Desig
     if outputs.is_empty() && plan.figures.is_empty() {
         return Ok(Vec::new());
     }
-    let rate_order = outputs.iter().map(|o| o.quantity.rate_order()).max();
+    let rate_order = outputs.iter().map(|o| o.of.rate_order()).max();
     let points = 0..suspension.mechanism.points.len();
     let found = wheel_curves(
         own,

@@ -5,10 +5,10 @@ use super::loads::Loads;
 use super::prover::Prover;
 use super::{ByTime, Column, Curves, MotionColumn, Proof, Sensitivity, Station, Status};
 use crate::ask::NoValue;
-use crate::characteristics::{Quantity, Slot, Slots, WheelReading};
+use crate::characteristics::{Measure, Quantity, Slot, Slots, WheelReading};
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
 use crate::mechanism::{Configuration, DesignFault, Failure, Pose, Work, WorkCounter};
-use crate::model::{Axis, RockerId, Rod, Suspension};
+use crate::model::{Axis, PointId, RockerId, Rod, Suspension};
 use crate::number::{Each, Jet, Vector3};
 use crate::plan::{Output, Plan};
 use crate::solve::{LEAST_DIGITS, Rejection, Solver, Toggles, rate_digits};
@@ -94,7 +94,7 @@ impl<'a, const N: usize> Run<'a, N> {
         let rockers: Vec<_> = plan
             .outputs
             .iter()
-            .map(|o| o.quantity.rockers(&suspension.mechanism))
+            .map(|o| o.of.rockers(&suspension.mechanism))
             .collect();
         let watched = rockers.iter().flatten().copied().chain(loads.rocker());
         let toggles = Toggles::of(&suspension.mechanism, watched);
@@ -302,19 +302,24 @@ impl<'a, const N: usize> Run<'a, N> {
                 values.extend(columns.iter().map(|_| Err(NoValue::Toggle)));
                 continue;
             }
-            let (counts, undefined) = match output.quantity {
-                Quantity::Characteristic(c) => (1, NoValue::Undefined(c.undefined_where())),
-                Quantity::Coordinate(..) | Quantity::AngularVelocity(_) => (0, NoValue::NotFinite),
+            let (counts, undefined) = match output.quantity() {
+                Some(Quantity::Characteristic(c)) => (1, NoValue::Undefined(c.undefined_where())),
+                Some(_) => (0, NoValue::NotFinite),
+                None => (0, NoValue::Undefined(Measure::KINK)),
             };
             self.work_counter
                 .note(|w| w.characteristic_evaluations += counts);
-            let series = view.value(at, output.quantity);
+            let series = match output.quantity() {
+                Some(quantity) => view.value(at, quantity),
+                None => output.of.shown(at),
+            };
+            let is_rate = output.quantity().is_some_and(Quantity::is_rate);
             let mut orders = [0.0; 3];
             for (order, value) in orders.iter_mut().enumerate().take(output.highest + 1) {
                 *value = series.derivative(order);
             }
             for column in columns {
-                let value = in_time.apply(output.quantity.is_rate(), orders, column.order);
+                let value = in_time.apply(is_rate, orders, column.order);
                 let printed = value * column.factor;
                 values.push(if printed.is_finite() {
                     Ok(printed)
@@ -361,25 +366,32 @@ impl<'a, const N: usize> Run<'a, N> {
         let mut found: Vec<[Vector3<f64>; 3]> = vec![[Vector3::default(); 3]; buffer.len()];
         let mut index = 0;
         for (columns, output) in self.columns_by_output() {
-            let counts = matches!(output.quantity, Quantity::Characteristic(_));
+            let counts = matches!(output.quantity(), Some(Quantity::Characteristic(_)));
             self.work_counter
                 .note(|w| w.characteristic_gradients += u64::from(counts));
             if self.is_stuck(columns) {
                 found.fill([Vector3::new(f64::NAN, f64::NAN, f64::NAN); 3])
             } else {
-                view.gradients(
-                    linearised,
-                    output.quantity,
-                    output.highest,
-                    &mut buffer,
-                    &mut |order, id, gradient| found[id.0][order] = gradient,
-                )
+                let mut receive =
+                    |order: usize, id: PointId, gradient| found[id.0][order] = gradient;
+                let highest = output.highest;
+                match output.quantity() {
+                    Some(quantity) => {
+                        view.gradients(linearised, quantity, highest, &mut buffer, &mut receive);
+                    }
+                    None => {
+                        output
+                            .of
+                            .shown_gradients(linearised, highest, &mut buffer, &mut receive)
+                    }
+                }
             }
+            let is_rate = output.quantity().is_some_and(Quantity::is_rate);
             for column in columns {
                 for id in &plan.sensitivities {
                     for axis in Axis::ALL {
                         let orders = found[id.0].each(|g| g[axis]);
-                        let value = in_time.apply(output.quantity.is_rate(), orders, column.order);
+                        let value = in_time.apply(is_rate, orders, column.order);
                         gradients.push(Sensitivity {
                             station: 0,
                             column: index,

@@ -1,7 +1,7 @@
 //! Effects that a study may request: whether each is on, the reason, and its cost.
 
 use super::Plan;
-use crate::characteristics::{Quantity, Slot};
+use crate::characteristics::{Measure, Quantity, Slot};
 use crate::model::{RockerId, Spring, SteeringAxis};
 use crate::solve::has_closed_form;
 use crate::study::{Order, Study, TimeLaw};
@@ -104,7 +104,7 @@ impl Plan {
 
         let reasons = |reads: &dyn Fn(Slot) -> bool| {
             let names = self.outputs.iter().filter_map(|o| {
-                let used = o.quantity.reads().iter().any(|slot| reads(*slot));
+                let used = o.of.reads().iter().any(|slot| reads(*slot));
                 used.then_some(o.name.as_str())
             });
             let names = names.collect::<Vec<_>>().join(", ");
@@ -187,10 +187,10 @@ impl Plan {
             *direct == id || mechanism.rockers_moving(outer).any(|r| r == id)
         };
         let outputs = self.outputs.iter();
-        let moved = outputs.filter(|o| o.quantity.rockers(mechanism).iter().any(moves));
+        let moved = outputs.filter(|o| o.of.rockers(mechanism).iter().any(moves));
         let mut names: Vec<_> = moved
-            .map(|o| match o.quantity {
-                Quantity::Coordinate(point, _) => mechanism.name(point),
+            .map(|o| match o.quantity() {
+                Some(Quantity::Coordinate(point, _)) => mechanism.name(point),
                 _ => &o.name,
             })
             .collect();
@@ -229,7 +229,7 @@ impl Plan {
                     let of_velocities = self
                         .outputs
                         .iter()
-                        .filter(|o| o.quantity.rate_order() > 0 && o.highest + 1 >= derivative)
+                        .filter(|o| o.of.rate_order() > 0 && o.highest + 1 >= derivative)
                         .map(|o| o.name.as_str());
                     let names = of_velocities.collect::<Vec<_>>().join(", ");
                     let names = match order {
@@ -257,7 +257,7 @@ impl Plan {
             .map(|id| mechanism.name(*id))
             .collect();
         let outputs: Vec<_> = self.outputs.iter().map(|o| o.name.as_str()).collect();
-        let passes: usize = self.outputs.iter().map(|o| self.adjoints(o.quantity)).sum();
+        let passes: usize = self.outputs.iter().map(|o| self.adjoints(&o.of)).sum();
         let share = (points.len() as f64 / mechanism.points.len() as f64).min(1.0);
         let each = cost::LEAST_GRADIENT + (cost::GRADIENT - cost::LEAST_GRADIENT) * share;
         // Newton's method has already computed the factors.
@@ -285,8 +285,8 @@ impl Plan {
     }
 
     /// Number of adjoint passes for the gradients of an output.
-    fn adjoints(&self, quantity: Quantity) -> usize {
-        match quantity.rate_order() {
+    fn adjoints(&self, measure: &Measure) -> usize {
+        match measure.rate_order() {
             0 => 1,
             _ => self.coefficients - 1,
         }

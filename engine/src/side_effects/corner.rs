@@ -8,7 +8,7 @@ use crate::compliance::not_of_equilibrium;
 use crate::curves::wheel_curves;
 use crate::mechanism::DesignFault;
 use crate::model::LengthUnit;
-use crate::plan::Plan;
+use crate::plan::{Output, Plan};
 use crate::study::{
     Constraint, ElasticFigure, Motion, Optimise, Order, Outputs, Site, Study, Target, WheelStudy,
 };
@@ -41,7 +41,8 @@ pub(super) fn observe(
     let optimise = study.optimise.as_ref();
     let mut series = Vec::new();
     for (number, column) in found.columns.iter().enumerate() {
-        let quantity = plan.outputs.get(number).map(|output| output.quantity);
+        let output = plan.outputs.get(number);
+        let quantity = output.and_then(Output::quantity);
         let further = number.checked_sub(plan.outputs.len());
         let figure = further.and_then(|place| plan.figures.get(place));
         let is_moved = |quantity| match quantity {
@@ -55,19 +56,27 @@ pub(super) fn observe(
         if quantity.is_some_and(is_moved) {
             continue;
         }
+        let measure = output.filter(|output| output.quantity().is_none());
         let unit = match quantity {
             Some(Quantity::Characteristic(c)) => c.info().unit,
             Some(Quantity::Coordinate(..)) => Unit::Length,
             // Angular velocities are not requested. Other columns are test figures, or forces under a load.
-            Some(Quantity::AngularVelocity(_)) | None => figure.map_or(Unit::Force, |f| f.unit),
+            Some(Quantity::AngularVelocity(_)) | None => {
+                let measured = measure.and_then(|output| own.outputs.measured(&output.of));
+                let figure = figure.map(|figure| figure.unit);
+                measured
+                    .map(|own| own.unit)
+                    .or(figure)
+                    .unwrap_or(Unit::Force)
+            }
         };
         let at = Looked {
             motion,
             name,
             grid: &grid,
         };
-        let wanted = optimise.map(|optimise| match (quantity, figure) {
-            (Some(quantity), _) => at.wanted(quantity, optimise),
+        let wanted = optimise.map(|optimise| match (output, figure) {
+            (Some(output), _) => at.wanted(&output.of, optimise),
             (None, Some(figure)) => at.wanted_figure(figure, optimise),
             (None, None) => Vec::new(),
         });
@@ -142,16 +151,16 @@ struct Looked<'a> {
 }
 
 impl Looked<'_> {
-    /// Stations at which a target or a constraint concerns a quantity.
-    fn wanted(&self, quantity: Quantity, optimise: &Optimise) -> Vec<usize> {
-        let is_about = |measure: &Measure| match (measure, quantity) {
-            (Measure::Quantity(Quantity::Characteristic(gain)), Quantity::Characteristic(of))
-                if customary::integral_of(*gain) == Some(of) =>
-            {
-                true
-            }
-            (Measure::Quantity(other), quantity) => *other == quantity,
-            _ => false,
+    /// Stations at which a target or a constraint concerns a measure.
+    fn wanted(&self, measure: &Measure, optimise: &Optimise) -> Vec<usize> {
+        let characteristic = |measure: &Measure| match measure {
+            Measure::Quantity(Quantity::Characteristic(of)) => Some(*of),
+            _ => None,
+        };
+        let is_about = |other: &Measure| {
+            let integral = characteristic(other).and_then(customary::integral_of);
+            let is_gain = integral.is_some() && integral == characteristic(measure);
+            is_gain || other == measure
         };
         let targets = optimise.targets.iter();
         let of_targets = targets.filter(|target| {

@@ -11,6 +11,7 @@ use super::error::Problems;
 use super::file::{self, File};
 use super::loads::{Holding, loads_of_axle};
 use super::names::choose;
+use super::output_measures::measured;
 use super::outputs::{self, distinct};
 use super::resolve::Parts;
 use super::right_wheel::right_wheel;
@@ -339,6 +340,11 @@ fn plan(
     };
     if axle.elastic.is_some() {
         refuse_in_outputs(section, problems)?;
+    }
+    if let Some(place) = measured(section) {
+        let message = "lengths, plunges, articulations and clearances are those of one wheel; remove [axle] to get them for the \
+                       left wheel";
+        return problems.refuse(place, message);
     }
     let listed = distinct(&section.characteristics, problems, |text, problems| {
         quantities(text, axle, problems)

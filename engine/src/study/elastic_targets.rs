@@ -3,6 +3,7 @@
 use super::compliance::ComplianceStudy;
 use super::error::Problems;
 use super::names::choose;
+use super::output_measures::measured;
 use super::resolve::Context;
 use super::value::Text;
 use super::{
@@ -217,6 +218,10 @@ pub(super) fn refuse_in_outputs(section: &file::Outputs, problems: &mut Problems
         .filter(|o| o.get_ref() == "acceleration");
     let points = section.points.first().map(Text::span);
     let places = [
+        (
+            measured(section),
+            "lengths, plunges, articulations and clearances apply to the rigid mechanism; with [compliance] they are not available",
+        ),
         (
             points,
             "points apply to the rigid mechanism; with [compliance] levels.csv of `hardpoint kc` has wheel centre and contact point",

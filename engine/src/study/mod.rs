@@ -24,6 +24,7 @@ mod motion;
 mod moves;
 mod named_motions;
 mod optimise;
+mod output_measures;
 mod outputs;
 mod place;
 mod resolve;
@@ -168,6 +169,8 @@ pub struct Outputs {
     pub characteristics: Vec<Characteristic>,
     /// Points whose positions are in the results.
     pub points: Vec<PointId>,
+    /// Geometric measures, in the order of the study.
+    pub measures: Vec<OutputMeasure>,
     /// True if results contain the knuckle's angular velocity and acceleration (from velocity order up).
     pub knuckle: bool,
     /// Highest derivative.
@@ -180,6 +183,17 @@ pub struct Outputs {
     pub loads: Vec<Load>,
     /// Test figures of elastic parts, in the order of the study.
     pub figures: Vec<ElasticFigure>,
+}
+
+/// Geometric measure of a pose, under the name that its columns have.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutputMeasure {
+    /// Name without the unit, for example `drive_shaft_plunge`.
+    pub name: String,
+    /// Measure.
+    pub of: Measure,
+    /// Unit of the value.
+    pub unit: Unit,
 }
 
 /// Test figure of elastic parts, under the name that studies use.
@@ -201,11 +215,17 @@ impl ElasticFigure {
 }
 
 impl Outputs {
+    /// Entry of a geometric measure.
+    pub fn measured(&self, of: &Measure) -> Option<&OutputMeasure> {
+        self.measures.iter().find(|own| own.of == *of)
+    }
+
     /// Makes outputs that contain only the values of these characteristics.
     pub fn of(characteristics: Vec<Characteristic>) -> Self {
         Outputs {
             characteristics,
             points: Vec::new(),
+            measures: Vec::new(),
             knuckle: false,
             order: Order::Position,
             sensitivities: Vec::new(),

@@ -6,6 +6,7 @@ use super::error::Problems;
 use super::file::{self, File};
 use super::loads::{Holding, loads};
 use super::names::{choose, choose_or, nearest};
+use super::output_measures::measures;
 use super::resolve::each;
 use super::subject::point;
 use super::value::{Selection, Text};
@@ -59,6 +60,7 @@ pub(super) fn outputs(
         },
     );
     let points = points(section, suspension, problems);
+    let measures = measures(section, file, suspension, problems);
     let order = order(section, problems);
     let sensitivities = sensitivities(section, suspension, problems);
     let has_spring = elastic.map(|elastic| elastic.parts.spring.is_some());
@@ -83,6 +85,7 @@ pub(super) fn outputs(
     Some(Outputs {
         characteristics,
         points: points?,
+        measures: measures?,
         knuckle: knuckle(section, order, problems),
         order,
         sensitivities: sensitivities?,

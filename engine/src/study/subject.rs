@@ -69,6 +69,29 @@ pub(super) fn member(
     choose(text, "member", &options, problems)
 }
 
+/// Two members without a common joint, with their names. `expected` says in an error what may stand there.
+pub(super) fn pair(
+    names: &Spanned<Vec<Text>>,
+    expected: &str,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<([String; 2], [[PointId; 2]; 2])> {
+    let [a, b] = names.get_ref().as_slice() else {
+        let message = format!("expected {expected}; found {}", names.get_ref().len());
+        return problems.refuse(names.span(), message);
+    };
+    let found = [a, b].each(|name| member(name, suspension, problems));
+    let [Some(first), Some(second)] = found else {
+        return None;
+    };
+    if first.iter().any(|end| second.contains(end)) {
+        let message = format!("{} and {} meet in a joint", a.get_ref(), b.get_ref());
+        return problems.refuse(names.span(), message);
+    }
+    let names = [a.get_ref().clone(), b.get_ref().clone()];
+    Some((names, [first, second]))
+}
+
 /// A length with its name: that of a member, or the distance between two points.
 pub(super) fn length(
     written: &Spanned<MemberName>,

@@ -1,7 +1,7 @@
 //! `[outputs]`.
 
 use super::Coordinates;
-use crate::value::{Selection, Text};
+use crate::value::{MemberName, Selection, Text};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -15,6 +15,18 @@ pub struct Outputs {
     /// Names of points.
     #[serde(default)]
     pub points: Vec<Text>,
+    /// Members, or pairs of points, whose lengths are reported.
+    #[serde(default)]
+    pub lengths: Vec<Spanned<MemberName>>,
+    /// Members, or pairs of points, whose change of length since the design position is reported.
+    #[serde(default)]
+    pub plunges: Vec<Spanned<MemberName>>,
+    /// Joints whose angles are reported.
+    #[serde(default)]
+    pub articulations: Vec<Text>,
+    /// Pairs of members whose distance is reported.
+    #[serde(default)]
+    pub clearances: Vec<Spanned<Vec<Text>>>,
     /// Angular rates of the knuckle.
     pub knuckle: Option<Spanned<bool>>,
     /// `position`, `velocity` or `acceleration`.

@@ -2,11 +2,13 @@
 
 use super::super::Limited;
 use super::super::error::Problems;
+use super::super::file::File;
 use super::super::subject::{length, point};
+use super::super::suspension::three;
 use super::super::value::{MemberName, Text};
 use super::{LIMITS, Reader, words};
 use crate::characteristics::{Measure, Stud};
-use crate::model::{Body, Constraint as Holds, PointId, SteeringAxis};
+use crate::model::{Body, Constraint as Holds, Mechanism, PointId, SteeringAxis, Suspension};
 use crate::number::Each;
 use toml::Spanned;
 
@@ -17,9 +19,6 @@ impl Reader<'_> {
         problems: &mut Problems,
     ) -> Option<(String, Vec<Limited>)> {
         self.takes(&["at_most"], problems);
-        let suspension = self.suspension();
-        let mechanism = &suspension.mechanism;
-        let joint = point(name, suspension, problems)?;
         let Some(most) = &self.written.at_most else {
             let message = "articulation needs at_most: the largest angle, in degrees";
             return problems.refuse(self.place.clone(), message);
@@ -30,87 +29,30 @@ impl Reader<'_> {
         }
         let angle = most.value.to_radians();
         let degree = 1.0_f64.to_radians();
-        let title = || {
-            format!(
-                "articulation of {} at most {} deg",
-                name.get_ref(),
-                most.value
-            )
-        };
+        let of = joint_angle(name, self.context.file, self.suspension(), problems)?;
         // The versine 1 - cos a = 2 sin^2(a/2) is smooth at a = 0, where the angle itself has a kink. At the limit the
         // constraint's value changes by 1 per degree, so that the multiplier of a limit is per degree. Elsewhere
         // `Limited::margin` converts to degrees.
-        let versine = |of| Limited {
+        let (lower, upper, scale) = if of.is_versine() {
+            let most = 2.0 * (0.5 * angle).sin().powi(2);
+            (None, Some(most), angle.sin() * degree)
+        } else {
+            (Some(-angle), Some(angle), degree)
+        };
+        let part = Limited {
             of,
-            lower: None,
-            upper: Some(2.0 * (0.5 * angle).sin().powi(2)),
-            scale: angle.sin() * degree,
+            lower,
+            upper,
+            scale,
             visible: 1.0,
             unit: "deg".to_owned(),
         };
-        if let Some(of) = self.shaft_joint(name, joint, problems)? {
-            return Some((title(), vec![versine(of)]));
-        }
-        let stud = self.stud(name, joint, problems)?;
-        let arm = mechanism.arms.iter().find(|arm| arm.outer == joint);
-        let rod = mechanism.constraints.iter().find_map(|c| match *c {
-            Holds::Link { inner, outer } if outer == joint => Some(inner),
-            _ => None,
-        });
-        let part = match (arm, rod) {
-            (Some(arm), _) if mechanism.body(joint) == Body::Knuckle => {
-                versine(Measure::BallJoint {
-                    joint,
-                    axis: [arm.front, arm.rear],
-                    stud,
-                })
-            }
-            (None, Some(other)) => Limited {
-                of: Measure::RodEnd {
-                    rod: [joint, other],
-                    stud,
-                },
-                lower: Some(-angle),
-                upper: Some(angle),
-                scale: degree,
-                visible: 1.0,
-                unit: "deg".to_owned(),
-            },
-            _ => {
-                let message = format!(
-                    "{} is not a joint of the wheel carrier with an arm or a rod",
-                    name.get_ref()
-                );
-                return problems.refuse(name.span(), message);
-            }
-        };
-        Some((title(), vec![part]))
-    }
-
-    /// Angle of a drive shaft's joint, if `name` is such a joint.
-    fn shaft_joint(
-        &self,
-        name: &Text,
-        joint: PointId,
-        problems: &mut Problems,
-    ) -> Option<Option<Measure>> {
-        let mechanism = &self.suspension().mechanism;
-        let (of, body, expected): (fn([PointId; 2]) -> Measure, _, _) = match &**name.get_ref() {
-            "drive_shaft_outer" => (Measure::OuterShaftJoint, Body::Knuckle, "wheel carrier"),
-            "drive_shaft_inner" => (Measure::InnerShaftJoint, Body::Chassis, "chassis"),
-            _ => return Some(None),
-        };
-        if mechanism.body(joint) != body {
-            let message = format!("{} must be a point of the {expected}", name.get_ref());
-            return problems.refuse(name.span(), message);
-        }
-        let ends = ["drive_shaft_inner", "drive_shaft_outer"].each(|end| mechanism.point(end));
-        let [Some(inner), Some(outer)] = ends else {
-            let message = "a drive shaft has two ends: expected the extra points drive_shaft_inner and \
-                           drive_shaft_outer";
-            return problems.refuse(name.span(), message);
-        };
-        Some(Some(of([inner, outer])))
+        let title = format!(
+            "articulation of {} at most {} deg",
+            name.get_ref(),
+            most.value
+        );
+        Some((title, vec![part]))
     }
 
     /// Change of a length along the motion.
@@ -132,38 +74,109 @@ impl Reader<'_> {
         let of = self.limited(Measure::Plunge(ends), lower, upper);
         Some((format!("plunge of {name} {}", words(limits)), vec![of]))
     }
+}
 
-    /// Stud of a joint, fixed in the wheel carrier. In the design position it has the direction of `[suspension.studs]`, or
-    /// of the steering axis.
-    fn stud(&self, name: &Text, joint: PointId, problems: &mut Problems) -> Option<Stud> {
-        let mechanism = &self.suspension().mechanism;
-        let studs = &self.context.file.suspension.studs;
-        let given = studs
-            .iter()
-            .find(|(key, _)| key.get_ref() == name.get_ref());
-        if let Some((_, direction)) = given {
-            let along = self.vector(direction, problems)?;
-            if along.norm() == 0.0 {
-                return problems.refuse(direction.span(), "expected a direction other than 0");
-            }
-            return Some(Stud::Along(along * (1.0 / along.norm())));
+/// Measure of the angle of a joint: of the wheel carrier with an arm or a rod, or of a drive shaft.
+pub(crate) fn joint_angle(
+    name: &Text,
+    file: &File,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<Measure> {
+    let mechanism = &suspension.mechanism;
+    let joint = point(name, suspension, problems)?;
+    if let Some(of) = shaft_joint(name, joint, mechanism, problems)? {
+        return Some(of);
+    }
+    let stud = stud(name, joint, file, suspension, problems)?;
+    let arm = mechanism.arms.iter().find(|arm| arm.outer == joint);
+    let rod = mechanism.constraints.iter().find_map(|c| match *c {
+        Holds::Link { inner, outer } if outer == joint => Some(inner),
+        _ => None,
+    });
+    match (arm, rod) {
+        (Some(arm), _) if mechanism.body(joint) == Body::Knuckle => Some(Measure::BallJoint {
+            joint,
+            axis: [arm.front, arm.rear],
+            stud,
+        }),
+        (None, Some(other)) => Some(Measure::RodEnd {
+            rod: [joint, other],
+            stud,
+        }),
+        _ => {
+            let message = format!(
+                "{} is not a joint of the wheel carrier with an arm or a rod",
+                name.get_ref()
+            );
+            problems.refuse(name.span(), message)
         }
-        match mechanism.steering_axis {
-            Some(SteeringAxis::Through { lower, upper }) => Some(Stud::Between(lower, upper)),
-            _ => {
-                let message = format!(
-                    "the direction of the stud of {} is not known: {} has no steering axis through \
-                     two joints",
-                    mechanism.name(joint),
-                    mechanism.topology.name
-                );
-                let error = problems.add(name.span(), message);
-                error.help(format!(
-                    "[suspension.studs] {} = [0.0, 0.0, 1.0]",
-                    mechanism.name(joint)
-                ));
-                None
-            }
+    }
+}
+
+/// Angle of a drive shaft's joint, if `name` is such a joint.
+fn shaft_joint(
+    name: &Text,
+    joint: PointId,
+    mechanism: &Mechanism,
+    problems: &mut Problems,
+) -> Option<Option<Measure>> {
+    let (of, body, expected): (fn([PointId; 2]) -> Measure, _, _) = match &**name.get_ref() {
+        "drive_shaft_outer" => (Measure::OuterShaftJoint, Body::Knuckle, "wheel carrier"),
+        "drive_shaft_inner" => (Measure::InnerShaftJoint, Body::Chassis, "chassis"),
+        _ => return Some(None),
+    };
+    if mechanism.body(joint) != body {
+        let message = format!("{} must be a point of the {expected}", name.get_ref());
+        return problems.refuse(name.span(), message);
+    }
+    let ends = ["drive_shaft_inner", "drive_shaft_outer"].each(|end| mechanism.point(end));
+    let [Some(inner), Some(outer)] = ends else {
+        let message = "a drive shaft has two ends: expected the extra points drive_shaft_inner and \
+                       drive_shaft_outer";
+        return problems.refuse(name.span(), message);
+    };
+    Some(Some(of([inner, outer])))
+}
+
+/// Stud of a joint, fixed in the wheel carrier. In the design position it has the direction of `[suspension.studs]`, or
+/// of the steering axis.
+fn stud(
+    name: &Text,
+    joint: PointId,
+    file: &File,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<Stud> {
+    let mechanism = &suspension.mechanism;
+    let studs = &file.suspension.studs;
+    let given = studs
+        .iter()
+        .find(|(key, _)| key.get_ref() == name.get_ref());
+    if let Some((_, direction)) = given {
+        let along = suspension
+            .frame
+            .vector(three(direction, "coordinates", problems)?);
+        if along.norm() == 0.0 {
+            return problems.refuse(direction.span(), "expected a direction other than 0");
+        }
+        return Some(Stud::Along(along * (1.0 / along.norm())));
+    }
+    match mechanism.steering_axis {
+        Some(SteeringAxis::Through { lower, upper }) => Some(Stud::Between(lower, upper)),
+        _ => {
+            let message = format!(
+                "the direction of the stud of {} is not known: {} has no steering axis through \
+                 two joints",
+                mechanism.name(joint),
+                mechanism.topology.name
+            );
+            let error = problems.add(name.span(), message);
+            error.help(format!(
+                "[suspension.studs] {} = [0.0, 0.0, 1.0]",
+                mechanism.name(joint)
+            ));
+            None
         }
     }
 }

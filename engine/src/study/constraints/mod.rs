@@ -11,7 +11,7 @@ use super::error::Problems;
 use super::file::{self, Constraint as Written, Coordinates};
 use super::outputs::characteristic;
 use super::resolve::{Context, each};
-use super::subject::{force, length, member};
+use super::subject::{force, length, pair};
 use super::suspension::three;
 use super::targets::refuse_keys_of_cars;
 use super::value::Text;
@@ -21,6 +21,7 @@ use crate::characteristics::{Measure, Quantity};
 use crate::compliance::KcValue;
 use crate::model::{LengthUnit, Side, Suspension};
 use crate::number::{Each, Vector3};
+pub(super) use joints::joint_angle;
 use limits::{LIMITS, Limits, words};
 use std::ops::Range as Span;
 use toml::Spanned;
@@ -265,26 +266,13 @@ impl Reader<'_> {
             return self.members_inside(names, region, problems);
         }
         self.takes(&["inside", "clearance", "radii"], problems);
-        let [a, b] = names.get_ref().as_slice() else {
-            let message = format!(
-                "expected two members with a clearance, or inside = {{ rim = ... }}; found {}",
-                names.get_ref().len()
-            );
-            return problems.refuse(names.span(), message);
-        };
-        let found = [a, b].each(|name| member(name, self.suspension(), problems));
-        let [Some(first), Some(second)] = found else {
-            return None;
-        };
-        if first.iter().any(|end| second.contains(end)) {
-            let message = format!("{} and {} meet in a joint", a.get_ref(), b.get_ref());
-            return problems.refuse(names.span(), message);
-        }
+        let expected = "two members with a clearance, or inside = { rim = ... }";
+        let ([a, b], both) = pair(names, expected, self.suspension(), problems)?;
         let radii = self.radii(2, problems)?;
         let gap = self.clearance(problems)?;
         let least = radii[0] + radii[1] + gap;
-        let of = self.limited(Measure::Clearance([first, second]), Some(least), None);
-        let name = format!("clearance of {} and {}", a.get_ref(), b.get_ref());
+        let of = self.limited(Measure::Clearance(both), Some(least), None);
+        let name = format!("clearance of {a} and {b}");
         Some((name, vec![of]))
     }
 

@@ -13,7 +13,7 @@ pub(super) fn of_corner<'s>(
     swept: &[Target],
     wanted: &[Vec<Sample>],
 ) -> Planned<'s> {
-    let quantities: Vec<Quantity> = plan.outputs.iter().map(|o| o.quantity).collect();
+    let quantities: Vec<Quantity> = plan.outputs.iter().filter_map(Output::quantity).collect();
     let columns = Column::all(plan, suspension.length_unit);
     let (values, slopes): (Vec<_>, Vec<_>) = columns.into_iter().partition(|c| c.order == 0);
     let gain = |(slope, gain): (usize, Column)| {
@@ -65,7 +65,7 @@ pub(super) fn of_elastic<'s>(
         .into_iter()
         .partition(|column| column.order == 0);
     for (slope, (column, gain)) in values.into_iter().zip(slopes).enumerate() {
-        let Quantity::Characteristic(of) = plan.outputs[slope].quantity else {
+        let Some(Quantity::Characteristic(of)) = plan.outputs[slope].quantity() else {
             continue;
         };
         let has_gain = !of.info().reads_rates();
@@ -169,7 +169,11 @@ pub(super) fn of_axle<'s>(
 /// Outputs of a study and its targets, each with its first derivative by the drive.
 pub(super) fn with_gains(own: &WheelStudy, optimise: Option<&Optimise>) -> Plan {
     let plan = Plan::with_targets(own, optimise);
-    let outputs = plan.outputs.iter().filter(|o| !o.quantity.is_rate());
+    let is_swept = |quantity: Quantity| !quantity.is_rate();
+    let outputs = plan
+        .outputs
+        .iter()
+        .filter(|o| o.quantity().is_some_and(is_swept));
     Plan {
         time: None,
         loads: Vec::new(),

@@ -1,7 +1,7 @@
 //! Formulas of the geometric measures, over vectors.
 
 use super::{Measure, Vectors};
-use crate::number::{Scalar, Vector3, array_of};
+use crate::number::{Each, Scalar, Vector3, array_of};
 
 impl Measure {
     /// Evaluates the formula for the vectors that `inputs` names.
@@ -151,31 +151,38 @@ fn outside<T: Scalar>(excess: &[T]) -> T {
     }
 }
 
-/// Distance of two segments. The nearest places are found in plain numbers. The distance has its minimum there, so to first
-/// order the derivative does not depend on a move of these places.
+/// Distance of two segments. Their nearest places move with the ends, so derivatives of any order are exact. The distance has
+/// its minimum there, so to first order it does not depend on a move of these places.
 pub(super) fn between_segments<T: Scalar>(first: [Vector3<T>; 2], second: [Vector3<T>; 2]) -> T {
-    let plain = |v: Vector3<T>| v.map(|c| c.value());
-    let (p, q) = (plain(first[0]), plain(second[0]));
-    let (u, w) = (plain(first[1]) - p, plain(second[1]) - q);
+    let (p, q) = (first[0], second[0]);
+    let (u, w) = (first[1] - p, second[1] - q);
     let (uu, ww, uw) = (u.dot(u), w.dot(w), u.dot(w));
     let apart = p - q;
     let (ua, wa) = (u.dot(apart), w.dot(apart));
     let determinant = uu * ww - uw * uw;
-    let on_second = |s: f64| ((uw * s + wa) / ww).clamp(0.0, 1.0);
-    let on_first = |t: f64| ((uw * t - ua) / uu).clamp(0.0, 1.0);
-    let (s, t) = if determinant > 1e-12 * uu * ww {
-        let s = ((uw * wa - ww * ua) / determinant).clamp(0.0, 1.0);
+    let on_second = |s: T| on_segment((uw * s + wa) / ww);
+    let on_first = |t: T| on_segment((uw * t - ua) / uu);
+    let (s, t) = if determinant.value() > 1e-12 * uu.value() * ww.value() {
+        let s = on_segment((uw * wa - ww * ua) / determinant);
         let t = on_second(s);
         (on_first(t), t)
     } else {
         // Parallel members: the middle of their overlap.
-        let ends = [on_first(0.0), on_first(1.0)];
-        let s = 0.5 * (ends[0] + ends[1]);
+        let ends = [uu.zero(), uu.one()].each(on_first);
+        let s = (ends[0] + ends[1]).scaled(0.5);
         (s, on_second(s))
     };
-    let place = |ends: [Vector3<T>; 2], share: f64| {
-        let share = ends[0].x.constant(share);
-        ends[0] + (ends[1] - ends[0]) * share
-    };
+    let place = |ends: [Vector3<T>; 2], share: T| ends[0] + (ends[1] - ends[0]) * share;
     (place(first, s) - place(second, t)).norm()
+}
+
+/// Share of a segment's length, at its ends if it would be beyond them.
+#[inline]
+fn on_segment<T: Scalar>(share: T) -> T {
+    let value = share.value();
+    if value > 0.0 && value < 1.0 {
+        share
+    } else {
+        share.constant(value.clamp(0.0, 1.0))
+    }
 }

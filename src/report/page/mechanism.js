@@ -49,7 +49,7 @@ class ReportView extends MechanismView {
     this.designs = record.designs.map((_, k) => k).filter((k) => record.designs[k].frames.length);
     this.place = { station: 0, rack: 0 };
     set(this.svg, { tabindex: 0 });
-    this.svg.addEventListener('keydown', (event) => this.key(event));
+    this.svg.addEventListener('keydown', (event) => this.keyOfPicture(event));
     const layer = (name, kind) => this.layers[name].appendChild(svg('path', { class: kind }));
     this.former = [0, 1, 2].map(() => ({ bodies: this.linesIn('former', 'plain'), rim: layer('former', 'rim') }));
     this.ground = layer('bodies', 'ground');
@@ -181,19 +181,6 @@ class ReportView extends MechanismView {
       ...(leader ? [svg('path', { class: 'leader', d: `M${leader.map((p) => p.map((c) => c.toFixed(1)).join(' ')).join('L')}` })] : []),
       svg('text', { class: kind, x: x.toFixed(1), y: y.toFixed(1), text }),
     ]));
-  }
-
-  key(event) {
-    const by = { ArrowLeft: [-12, 0], ArrowRight: [12, 0], ArrowUp: [0, -12], ArrowDown: [0, 12] }[event.key];
-    const box = this.svg.getBoundingClientRect();
-    const middle = [box.x + box.width / 2, box.y + box.height / 2];
-    if (by) this.drag(...by);
-    else if (event.key === '+') this.zoom(1.2, middle);
-    else if (event.key === '-') this.zoom(1 / 1.2, middle);
-    else if (event.key === 'Home') this.fit();
-    else return;
-    event.preventDefault();
-    this.later();
   }
 }
 

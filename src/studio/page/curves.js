@@ -4,6 +4,7 @@ import { ask, askGhost, emit, here as placeNow, isInGesture, on, onRest, state }
 import { framed } from './frame.js';
 import { Deviation } from './deviation.js';
 import { EdgeHandles } from './handles.js';
+import { announce } from './speech.js';
 import { askForTarget } from './targets.js';
 
 const MARGIN = { left: 46, right: 10, top: 15, bottom: 33 };
@@ -124,7 +125,7 @@ class Chart {
     this.unit = html('span', { class: 'unit' });
     this.value = html('output');
     this.range = html('small');
-    this.svg = svg('svg', { class: 'chart', role: 'group' });
+    this.svg = svg('svg', { class: 'chart', role: 'group', tabindex: 0 });
     const id = `clip-${clips += 1}`;
     this.clip = svg('rect', { x: MARGIN.left, y: MARGIN.top });
     this.svg.append(svg('clipPath', { id }, this.clip));
@@ -147,7 +148,7 @@ class Chart {
     this.parts.cursor.append(...this.series.map(({ spot }) => spot));
     this.edges = new EdgeHandles(this);
     this.deviation = new Deviation(this.parts.deviation);
-    const adder = html('button', { class: 'adder', text: '+ target', on: { click: () => askForTarget(this.series, state.answer) } });
+    const adder = this.adder = html('button', { class: 'adder', text: '+ target', on: { click: () => askForTarget(this.series, state.answer) } });
     this.figure = html('figure', { class: 'chartbox', 'data-column': key },
       html('figcaption', {}, adder, html('span', { class: 'name' }, this.title, this.unit), html('span', { class: 'values' }, this.value, this.range)), html('div', { class: 'plot' }, this.svg));
     const point = (event) => {
@@ -164,6 +165,16 @@ class Chart {
     });
     this.svg.addEventListener('pointermove', (event) => { if (this.held) point(event); });
     for (const name of ['pointerup', 'pointercancel']) this.svg.addEventListener(name, () => { this.held = false; });
+    this.svg.addEventListener('keydown', (event) => {
+      const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+      if (event.target !== this.svg || (!by && event.key !== 'Home')) return;
+      event.preventDefault();
+      const [low, high] = this.xs;
+      const to = by ? placeNow() + by * (high - low) / (event.shiftKey ? 8 : 80) : state.overview.sliders[state.over].home;
+      state.at[state.over] = Math.max(low, Math.min(high, Number(to.toPrecision(6))));
+      emit('place', event);
+      announce(() => this.svg.getAttribute('aria-label'), 500);
+    });
     // Measured when it changes: to ask while drawing would lay the page out once for each chart.
     // A chart that is scrolled out of sight waits until the drag ends.
     this.isSeen = true;
@@ -286,6 +297,7 @@ class Chart {
     const sign = positive && positive !== 'always' ? `positive: ${positive}` : '';
     set(this.svg, { 'aria-label': `${this.title.textContent}${isPair ? ', both wheels' : ''}: ${words.join(', ')} ${unit} at ${brief(placeNow())}, ${text}${sign ? `; ${sign}` : ''}` });
     set(this.figure, { title: sign || null });
+    set(this.adder, { 'aria-label': `+ target for ${this.title.textContent}` });
   }
 
   drawAxes(width, height, x, y, unit) {

@@ -63,6 +63,23 @@ export const refill = (group, wanted) => {
   while (group.children.length > wanted.length) group.lastElementChild.remove();
 };
 export const byId = (id) => document.getElementById(id);
+// Replaces the content of an element. The focus stays at the control of the same name, else at the control in the same order.
+const CONTROLS = 'button, input, select, summary, a[href], [tabindex]';
+const controlName = (control) => control.id || control.getAttribute('aria-label') || control.textContent;
+export const renew = (element, ...children) => {
+  const held = document.activeElement;
+  const controls = () => [...element.querySelectorAll(CONTROLS)];
+  const order = held && element.contains(held) && held !== element ? controls().indexOf(held) : -1;
+  element.replaceChildren(...children);
+  if (order < 0) return;
+  const [after, name] = [controls(), controlName(held)];
+  const nearest = after[Math.min(order, after.length - 1)];
+  const isSame = (control) => controlName(control) === name;
+  const next = nearest && isSame(nearest) ? nearest : after.find(isSame) ?? nearest;
+  next?.focus({ preventScroll: true });
+};
+// A table that scrolls sideways. The keyboard reaches it.
+export const scroller = (label, ...children) => html('div', { class: 'scroll', tabindex: 0, role: 'group', 'aria-label': label }, ...children);
 
 // Five significant digits at most.
 export const brief = (value, digits = 5) => {

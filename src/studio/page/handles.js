@@ -66,7 +66,7 @@ export class EdgeHandles {
     handle.group = svg('g', {
       class: 'edge', tabindex: 0, role: 'slider', 'aria-orientation': 'vertical',
       on: { pointerdown: (event) => this.grab(event, key), keydown: (event) => this.key(event, handle) },
-    }, svg('circle', { class: 'hit', r: 11 }), svg('circle', { r: 4.5 }));
+    }, svg('circle', { class: 'hit', r: 12 }), svg('circle', { r: 4.5 }));
     this.layer.append(handle.group);
     this.shown.set(key, handle);
     return handle;

@@ -1,6 +1,6 @@
 // Targets, variables and constraints of the study, changed on the page. An edit is a value and a path; the server writes
 // it into the study's text and keeps the comments.
-import { AXES, brief, html } from './draw.js';
+import { AXES, brief, html, scroller } from './draw.js';
 import { placeAfter, state, takeOverview } from './design.js';
 import { question, say } from './dialog.js';
 import { post } from './server.js';
@@ -50,7 +50,7 @@ const field = (label, value, change, isOptional = false) => {
   return input;
 };
 const remover = (label, path, name) => html('button', { class: 'small', text: '✕', title: label, 'aria-label': label, on: { click: () => edit([{ path, value: null }], `Removed ${name}`) } });
-const headed = (title, head, rows, ...more) => html('div', { class: 'panel form' }, html('h2', { text: title }), html('div', { class: 'scroll' },
+const headed = (title, head, rows, ...more) => html('div', { class: 'panel form' }, html('h2', { text: title }), scroller(title,
   html('table', {}, html('thead', {}, html('tr', {}, ...head.map((text) => html(text ? 'th' : 'td', { text })))), html('tbody', {}, ...rows))), ...more);
 
 // Fields of the numbers by which a table of the study limits or wants a value.

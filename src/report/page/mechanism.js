@@ -195,7 +195,10 @@ const sayPlace = () => {
   const { name, unit } = axisName(record.drive);
   byId('station-text').textContent = [`${name} ${brief(now.drive)} ${unit}`, ...failed].join('; ');
   byId('rack-text').textContent = `${brief(now.rack)} ${secondColumn ? axisName(secondColumn).unit : record.length_unit}`;
-  for (const [id, value] of [['station', place.station], ['rack', place.rack]]) byId(id).value = value;
+  for (const [id, value] of [['station', place.station], ['rack', place.rack]]) {
+    byId(id).value = value;
+    set(byId(id), { 'aria-valuetext': byId(`${id}-text`).textContent });
+  }
   root.dataset.station = place.station;
   if (now.pose.Ok) root.dataset.wheelCentre = now.pose.Ok.points[scene.wheel_centre].join(' ');
 };

@@ -123,7 +123,7 @@ class Chart {
     this.key = key;
     this.title = html('b');
     this.unit = html('span', { class: 'unit' });
-    this.value = html('output');
+    this.value = html('output', { 'aria-live': 'off' });
     this.range = html('small');
     this.svg = svg('svg', { class: 'chart', role: 'group', tabindex: 0 });
     const id = `clip-${clips += 1}`;
@@ -294,8 +294,9 @@ class Chart {
       text = `${brief(rms, 3)} per ${state.overview.unit}`;
     }
     write(this.range, text);
+    const { name: over, unit: own } = state.overview.sliders[state.over];
     const sign = positive && positive !== 'always' ? `positive: ${positive}` : '';
-    set(this.svg, { 'aria-label': `${this.title.textContent}${isPair ? ', both wheels' : ''}: ${words.join(', ')} ${unit} at ${brief(placeNow())}, ${text}${sign ? `; ${sign}` : ''}` });
+    set(this.svg, { 'aria-label': `${this.title.textContent}${isPair ? ', both wheels' : ''}: ${words.join(', ')} ${unit} at ${over} ${brief(placeNow())} ${own}, ${first.slopes || !values.length ? '' : 'range '}${text}${sign ? `; ${sign}` : ''}` });
     set(this.figure, { title: sign || null });
     set(this.adder, { 'aria-label': `+ target for ${this.title.textContent}` });
   }

@@ -36,7 +36,9 @@ const startSliders = () => {
   let sliders = [];
   const show = () => sliders.forEach(({ input, output, unit }, k) => {
     input.value = state.at[k];
-    if (output) output.textContent = `${brief(state.at[k], 4)} ${unit}`;
+    if (!output) return;
+    output.textContent = `${brief(state.at[k], 4)} ${unit}`;
+    input.setAttribute('aria-valuetext', output.textContent);
   });
   const build = () => {
     const { sliders: wanted, unit } = state.overview;
@@ -47,7 +49,7 @@ const startSliders = () => {
         return { input, label: html('label', { for: key }, html('span', { text: name }), input) };
       }
       const input = html('input', { id: key, type: 'range', min: low, max: high, step: 'any', on: { input: (event) => { state.at[k] = Number(input.value); emit('place', event); } } });
-      const output = html('output', { for: key });
+      const output = html('output', { for: key, 'aria-live': 'off' });
       const label = html('label', { for: key }, html('span', { text: name }), input, output);
       label.hidden = low === high;
       return { input, output, label, unit: own };

@@ -1,5 +1,5 @@
 // Panels beside the curves: targets, constraints, limits, free directions, warnings.
-import { brief, byId, html, renew, scroller, set, write } from './draw.js';
+import { brief, byId, html, quantity, renew, scroller, set, write } from './draw.js';
 import { of, begin, copy, emit, finish, isInGesture, isSame, on, onRest, snapped, state } from './design.js';
 import { openTab, tellTab } from './layout.js';
 import { post } from './server.js';
@@ -10,8 +10,6 @@ let limits = null;
 let free = [];
 
 const words = (column) => column.replaceAll('_', ' ');
-// The unit of a quantity stands behind its name.
-const quantity = (text) => text.replace(/_(mm|m|in|deg|N|lbf|N_m|lbf_in)$/, ' [$1]').replaceAll('_', ' ');
 const panel = (title, ...children) => html('div', { class: 'panel', id: `panel-${title.toLowerCase().replaceAll(' ', '-')}` }, html('h2', { text: title }), ...children);
 const table = (head, body, isNumber = (k) => k > 0) => html('table', {}, html('thead', {}, html('tr', {}, ...head.map((text, k) => html('th', { text, class: isNumber(k) ? 'number' : null })))), html('tbody', {}, ...body));
 

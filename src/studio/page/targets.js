@@ -1,6 +1,6 @@
 // Targets, variables and constraints of the study, changed on the page. An edit is a value and a path; the server writes
 // it into the study's text and keeps the comments.
-import { AXES, brief, html, scroller } from './draw.js';
+import { AXES, brief, html, quantity, scroller } from './draw.js';
 import { placeAfter, state, takeOverview } from './design.js';
 import { question, say } from './dialog.js';
 import { post } from './server.js';
@@ -23,7 +23,7 @@ export const edit = (edits, label) => {
   return busy;
 };
 const at = (...path) => ['optimise', ...path];
-const nameOf = (k) => (state.overview.is_car ? goalName(writtenTarget(k) ?? {}) : words(state.overview.targets[k]?.column ?? `target ${k + 1}`));
+const nameOf = (k) => (state.overview.is_car ? goalName(writtenTarget(k) ?? {}) : quantity(state.overview.targets[k]?.column ?? `target ${k + 1}`));
 // A target or a constraint of a car, as it is written: the page lists those of cases before those of an axle by itself.
 const goalName = (own) => words([own.characteristic ?? own.load ?? 'target', own.case ? `in ${[].concat(own.case).join(', ')}` : `of the ${own.axle} axle`].join(' '));
 // `between` has two ends.

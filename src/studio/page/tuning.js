@@ -151,7 +151,7 @@ const propose = (base, { design, rates: changed, headline, side_effects: effects
     return html('tr', {}, html('td', {}, change.box), html('th', { scope: 'row', text: label }), html('td', { class: 'number', text: brief(base[p][axis], 6) }),
       (change.to = html('td', { class: 'number' })), (change.by = html('td', { class: 'number' })));
   });
-  const amount = html('output', { text: '100 %' });
+  const amount = html('output', { text: '100 %', 'aria-live': 'off' });
   const share = html('input', {
     type: 'range', min: 0, max: 100, value: 100, id: 'share', 'aria-label': 'Apply, percent',
     on: { input: () => { proposal.share = Number(share.value) / 100; amount.textContent = `${share.value} %`; preview(); } },

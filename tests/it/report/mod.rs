@@ -1,5 +1,6 @@
 //! The page and the pictures of a run: required content, forbidden content, and the display in a browser.
 
+mod access;
 mod browser;
 mod page;
 mod pictures;

@@ -16,6 +16,7 @@ pub(super) fn file(name: &str) -> Option<Response> {
         "design.js" => (SCRIPT, include_str!("page/design.js")),
         "cases.js" => (SCRIPT, include_str!("page/cases.js")),
         "draw.js" => (SCRIPT, include_str!("page/draw.js")),
+        "runs.js" => (SCRIPT, include_str!("page/runs.js")),
         "speech.js" => (SCRIPT, include_str!("page/speech.js")),
         "views.js" => (SCRIPT, include_str!("page/views.js")),
         "curves.js" => (SCRIPT, include_str!("page/curves.js")),

@@ -12,6 +12,7 @@ export const question = (title, text, answers, ...fields) => new Promise((done) 
   dialog.returnValue = '';
   dialog.addEventListener('close', () => done(dialog.returnValue ? { answer: dialog.returnValue, text: input?.value ?? '' } : null), { once: true });
   dialog.showModal();
+  if (!inputs.some((one) => one.matches('input, label'))) buttons[0].focus();
   input?.select();
 });
 // A message over the page, which moves nothing on it. The focus goes back to where it was when the message closes.

@@ -8,7 +8,7 @@ const SHAPES: &str = ".axis-text,.note,.end,.name{font:12px system-ui,-apple-sys
 .line.inner{stroke-dasharray:1 4}.line.fine{stroke-width:1;stroke-dasharray:none;opacity:.75}\
 .target{stroke-width:1.3;stroke-dasharray:1 3}.limit,.bar{stroke-width:1.6}.spot{stroke-width:7}.dot{stroke-width:6}\
 .failed,.zero{stroke-width:1}.missed{stroke-width:9;opacity:.7}.leader{stroke-width:.8}\
-.band{stroke:currentColor;stroke-width:.75;fill:currentColor;fill-opacity:.22}.fan{stroke:none;fill:currentColor;fill-opacity:.16}\
+.line.dot{stroke-width:6;stroke-dasharray:none}.band{stroke:currentColor;stroke-width:.75;fill:currentColor;fill-opacity:.22}.fan{stroke:none;fill:currentColor;fill-opacity:.16}\
 .axis-text,.note,.end,.name{stroke:none;fill:currentColor}";
 
 /// Classes with their colours on light and on dark background. Text has a contrast of at least 4.5 on both.

@@ -211,7 +211,7 @@ class Chart {
       const change = !isPair && is !== null && before !== null && Math.abs(is - before) > 1e-12 ? ` (${signed(is - before)})` : '';
       return `${side && isPair ? `${side[0].toUpperCase()} ` : ''}${brief(is, isPair ? 3 : 4)}${change}`;
     });
-    set(this.value, { class: isPair ? 'pair' : null });
+    set(this.value, { class: isPair || words[0].length > 14 ? 'pair' : null });
     write(this.value, words.join('  '));
     const values = lines.flatMap(({ pieces }) => heights(pieces));
     let text = values.length ? `${brief(Math.min(...values), 3)}…${brief(Math.max(...values), 3)}` : 'no value';

@@ -79,7 +79,9 @@ export const renew = (element, ...children) => {
   next?.focus({ preventScroll: true });
 };
 // A column by its quantity, with the unit in brackets.
-export const quantity = (column) => column.replace(/_(mm|m|in|deg|N|lbf|N_m|lbf_in|deg_per_\w+|\w+_per_\w+)$/, (_, unit) => ` [${unit.replace('_per_', '/').replaceAll('_', ' ')}]`).replaceAll('_', ' ');
+const UNIT = '(?:mm|m|in|deg|rad|N|lbf|kg|g|Hz|percent)';
+const UNIT_AT_END = new RegExp(`_(${UNIT}(?:_${UNIT})*(?:_per_${UNIT}(?:_${UNIT})*)?)$`);
+export const quantity = (column) => column.replace(UNIT_AT_END, (_, unit) => ` [${unit.replace('_per_', '/').replaceAll('_', ' ')}]`).replaceAll('_', ' ');
 // A table that scrolls sideways. The keyboard reaches it.
 export const scroller = (label, ...children) => html('div', { class: 'scroll', tabindex: 0, role: 'group', 'aria-label': label }, ...children);
 

@@ -2,7 +2,7 @@
 
 use super::super::lettering::{Anchor, Lettering, Words, text};
 use super::super::mark::{number, path};
-use super::{EndLabel, LETTER, Layout, SIZE};
+use super::{EndLabel, Layout, NOTE_LETTER, SIZE};
 use crate::report::figure::power_of_ten;
 use std::fmt::Write;
 

@@ -41,6 +41,11 @@ export const html = (tag, attributes = {}, ...children) => {
 // A place on the screen, to a tenth and to a hundredth of a pixel.
 export const tenth = (value) => Math.round(10 * value) / 10;
 export const hundredth = (value) => Math.round(100 * value) / 100;
+// A finger on this element drags it, and does not scroll the page.
+export const heldByFinger = (element) => {
+  element.addEventListener('touchstart', (event) => event.preventDefault(), { passive: false });
+  return element;
+};
 // Shows an element, or hides it.
 export const show = (element, isShown) => {
   if (element.isHidden === !isShown) return;

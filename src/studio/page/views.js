@@ -1,5 +1,5 @@
 // Front, side, top and a view in space: the mechanism at the sliders' place, with points that can be dragged.
-import { along, AXES, brief, byId, centred, cross, dot, html, minus, norm, placed, set, show, signed, svg, tenth, write } from './draw.js';
+import { along, AXES, brief, byId, centred, cross, dot, heldByFinger, html, minus, norm, placed, set, show, signed, svg, tenth, write } from './draw.js';
 import { MechanismView } from './mechanism_view.js';
 import { flat, rims } from './space.js';
 import { begin, emit, finish, gradient, grip, moveTo, on, snapped, state, stepped } from './design.js';
@@ -149,7 +149,7 @@ class View extends MechanismView {
           pointerleave: () => hover(this, null),
         },
       }, svg('circle', { class: 'hit', r: 13 }), circle);
-      this.layers.handles.append(group);
+      this.layers.handles.append(heldByFinger(group));
       return group;
     };
     this.mirrors = points.map((_, point) => handle(point, true));

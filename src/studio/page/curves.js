@@ -11,6 +11,8 @@ import { askForTarget } from './targets.js';
 const MARGIN = { left: 46, right: 10, top: 15, bottom: 33 };
 // Number of lines of a family that have a label each; of more only the first, the last and the present one.
 const MOST_LABELS = 5;
+// Letters of a value in large type.
+const MOST_LETTERS = 14;
 // Height of the strip of deviations.
 const STRIP = 26;
 let charts = [];
@@ -208,10 +210,11 @@ class Chart {
     const words = lines.map(({ side, here, before }) => {
       // A value that rounding leaves of nothing is nothing.
       const is = here !== null && Math.abs(here) < 1e-9 * (this.ys[1] - this.ys[0]) ? 0 : here;
-      const change = !isPair && is !== null && before !== null && Math.abs(is - before) > 1e-12 ? ` (${signed(is - before)})` : '';
-      return `${side && isPair ? `${side[0].toUpperCase()} ` : ''}${brief(is, isPair ? 3 : 4)}${change}`;
+      const isChanged = !isPair && is !== null && before !== null && Math.abs(is - before) > 1e-12;
+      const text = (digits) => `${side && isPair ? `${side[0].toUpperCase()} ` : ''}${brief(is, digits)}${isChanged ? ` (${signed(is - before, digits - 1)})` : ''}`;
+      return isPair || text(4).length > MOST_LETTERS ? text(3) : text(4);
     });
-    set(this.value, { class: isPair || words[0].length > 14 ? 'pair' : null });
+    set(this.value, { class: isPair || words[0].length > MOST_LETTERS ? 'pair' : null });
     write(this.value, words.join('  '));
     const values = lines.flatMap(({ pieces }) => heights(pieces));
     let text = values.length ? `${brief(Math.min(...values), 3)}…${brief(Math.max(...values), 3)}` : 'no value';

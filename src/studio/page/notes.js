@@ -94,7 +94,7 @@ const targets = () => {
     html('th', { scope: 'row' }, html('button', { class: 'name', text: quantity(t.column), title: 'Arrows for this target', 'aria-pressed': String(state.arrows === k), on: { click: () => { state.arrows = state.arrows === k ? null : k; emit('options'); } } })),
     html('td', { class: 'number', text: brief(t.rms, 3) }),
     html('td', { class: `number ${isMet(t) ? '' : 'bad'}`, text: brief(t.worst, 3) }), html('td', { class: 'number', text: t.worst_at === null ? words(t.worst_at_unit) : `${brief(t.worst_at, 4)} ${t.worst_at_unit}` })));
-  const found = [panel('Deviation from the targets, in tolerances', table(['target', 'rms', 'largest', 'at'], body))];
+  const found = [panel('Deviations in tolerances', table(['target', 'rms', 'largest', 'at'], body))];
   return found;
 };
 

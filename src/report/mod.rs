@@ -15,6 +15,8 @@ mod choices;
 mod common_motion;
 mod comparison;
 mod completeness;
+#[cfg(test)]
+pub(crate) mod contrast;
 mod curve_table;
 mod failures;
 mod figure;

@@ -17,8 +17,10 @@ const START: [f64; 2] = [62.0, 48.0];
 const BELOW: f64 = 44.0;
 /// Height of the strip of deviations, including the gap above it.
 const STRIP: f64 = 44.0;
-/// Width of a letter in labels and remarks.
+/// Width of a letter in labels.
 const LETTER: f64 = 7.0;
+/// Width of a letter in remarks below the name.
+const NOTE_LETTER: f64 = 6.5;
 
 /// Layout of a chart. Positions are in picture units.
 #[derive(Clone, Debug, Serialize)]

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-/// Draws a line through points. A single point becomes a dot.
+/// Draws a line through points. A single point becomes a dot that is wider than the line.
 pub(in crate::report) fn path(
     svg: &mut String,
     class: &str,
@@ -18,9 +18,13 @@ pub(in crate::report) fn path(
         (_, true) => "Z",
         (_, false) => "",
     };
+    let dot = match (places.len(), class.starts_with("line")) {
+        (1, true) => " dot",
+        _ => "",
+    };
     let _ = writeln!(
         svg,
-        "<path class=\"{class}\" d=\"M{}{end}\"/>",
+        "<path class=\"{class}{dot}\" d=\"M{}{end}\"/>",
         places.join("L")
     );
 }

@@ -4,11 +4,11 @@
 const SHAPES: &str = ".axis-text,.note,.end,.name{font:12px system-ui,-apple-system,Segoe UI,Roboto,Helvetica,Arial,sans-serif}\
 .name{font-size:14px;font-weight:650}\
 .line,.grid,.frame,.limit,.bar,.failed,.missed,.target,.spot,.dot,.leader,.zero{fill:none;stroke:currentColor;stroke-linejoin:round;stroke-linecap:round}\
-.line{stroke-width:1.5}.line.strong{stroke-width:2.4}.line.faint{opacity:.45}.line.former{stroke-dasharray:6 4}\
-.line.inner{stroke-dasharray:1 4}.line.fine{stroke-width:1;stroke-dasharray:none;opacity:.7}\
+.line{stroke-width:1.5}.line.strong{stroke-width:2.4}.line.faint{opacity:.75}.line.former{stroke-dasharray:6 4}\
+.line.inner{stroke-dasharray:1 4}.line.fine{stroke-width:1;stroke-dasharray:none;opacity:.75}\
 .target{stroke-width:1.3;stroke-dasharray:1 3}.limit,.bar{stroke-width:1.6}.spot{stroke-width:7}.dot{stroke-width:6}\
-.failed,.zero{stroke-width:1}.missed{stroke-width:9;opacity:.45}.leader{stroke-width:.8}\
-.band{stroke:none;fill:currentColor;fill-opacity:.22}.fan{stroke:none;fill:currentColor;fill-opacity:.16}\
+.failed,.zero{stroke-width:1}.missed{stroke-width:9;opacity:.7}.leader{stroke-width:.8}\
+.line.dot{stroke-width:6;stroke-dasharray:none}.band{stroke:currentColor;stroke-width:.75;fill:currentColor;fill-opacity:.22}.fan{stroke:none;fill:currentColor;fill-opacity:.16}\
 .axis-text,.note,.end,.name{stroke:none;fill:currentColor}";
 
 /// Classes with their colours on light and on dark background. Text has a contrast of at least 4.5 on both.
@@ -95,25 +95,7 @@ pub(in crate::report) fn page_style() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Relative luminance by WCAG 2.2.
-    fn luminance(colour: &str) -> f64 {
-        let part = |k: usize| {
-            let value = u8::from_str_radix(&colour[k..k + 2], 16).unwrap();
-            let share = f64::from(value) / 255.0;
-            if share <= 0.040_45 {
-                share / 12.92
-            } else {
-                ((share + 0.055) / 1.055).powf(2.4)
-            }
-        };
-        0.2126 * part(1) + 0.7152 * part(3) + 0.0722 * part(5)
-    }
-
-    fn contrast(a: &str, b: &str) -> f64 {
-        let [a, b] = [a, b].map(luminance);
-        (a.max(b) + 0.05) / (a.min(b) + 0.05)
-    }
+    use crate::report::contrast::{contrast, luminance, mixed};
 
     /// Colours of curve labels are readable on paper and on the dark page.
     #[test]
@@ -126,6 +108,25 @@ mod tests {
             };
             assert!(contrast(light, "#ffffff") >= least, "{classes} {light}");
             assert!(contrast(dark, "#14171b") >= least, "{classes} {dark}");
+        }
+    }
+
+    /// Lines that are pale can still be seen.
+    #[test]
+    fn pale_lines_can_be_seen() {
+        for class in [".line.faint", ".line.fine"] {
+            let looks = SHAPES.split('}').find(|rule| rule.contains(class));
+            let opacity = looks.unwrap().split("opacity:").nth(1).unwrap();
+            let opacity: f64 = opacity.split(';').next().unwrap().parse().unwrap();
+            for (classes, light, dark) in COLOURS {
+                if [".grid", ".frame,.leader", ".zero"].contains(&classes) {
+                    continue;
+                }
+                for (colour, paper) in [(light, "#ffffff"), (dark, "#14171b")] {
+                    let seen = contrast(&mixed(colour, paper, opacity), paper);
+                    assert!(seen >= 3.0, "{class} {classes} on {paper}: {seen}");
+                }
+            }
         }
     }
 

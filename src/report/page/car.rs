@@ -340,7 +340,7 @@ fn attitude(record: &CarRecord) -> String {
         "attitude",
         "Axles and attitude",
         note,
-        &format!("<div class=\"plots\">{figures}</div>"),
+        &format!("<div class=\"plots pairs\">{figures}</div>"),
     )
 }
 

@@ -99,7 +99,9 @@ class LiveChart {
     this.svg.addEventListener('pointercancel', () => { start = null; set(this.brush, { display: 'none' }); });
     this.svg.addEventListener('pointerleave', () => { if (!start) this.leave(); });
     this.svg.addEventListener('dblclick', () => this.reset());
-    this.svg.addEventListener('blur', () => this.leave());
+    // The readout of the chart that has the focus is read aloud.
+    this.svg.addEventListener('focus', () => set(this.readout, { 'aria-live': 'polite' }));
+    this.svg.addEventListener('blur', () => { set(this.readout, { 'aria-live': 'off' }); this.leave(); });
     this.svg.addEventListener('keydown', (event) => {
       const now = pointed.get(this.layout.x.column);
       const last = this.places.length - 1;

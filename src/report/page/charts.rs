@@ -19,7 +19,7 @@ impl Charts {
         let layout = chart.layout(&self.tables);
         let number = self.layouts.len();
         let figure = format!(
-            "<figure class=\"chart\" data-chart=\"{number}\"{attributes}>{}<output class=\"readout\"></output>{remarks}</figure>\n",
+            "<figure class=\"chart\" data-chart=\"{number}\"{attributes}>{}<output class=\"readout\" aria-live=\"off\"></output>{remarks}</figure>\n",
             layout.element()
         );
         self.layouts.push(layout);

@@ -49,7 +49,7 @@ class ReportView extends MechanismView {
     this.designs = record.designs.map((_, k) => k).filter((k) => record.designs[k].frames.length);
     this.place = { station: 0, rack: 0 };
     set(this.svg, { tabindex: 0 });
-    this.svg.addEventListener('keydown', (event) => this.key(event));
+    this.svg.addEventListener('keydown', (event) => this.keyOfPicture(event));
     const layer = (name, kind) => this.layers[name].appendChild(svg('path', { class: kind }));
     this.former = [0, 1, 2].map(() => ({ bodies: this.linesIn('former', 'plain'), rim: layer('former', 'rim') }));
     this.ground = layer('bodies', 'ground');
@@ -182,19 +182,6 @@ class ReportView extends MechanismView {
       svg('text', { class: kind, x: x.toFixed(1), y: y.toFixed(1), text }),
     ]));
   }
-
-  key(event) {
-    const by = { ArrowLeft: [-12, 0], ArrowRight: [12, 0], ArrowUp: [0, -12], ArrowDown: [0, 12] }[event.key];
-    const box = this.svg.getBoundingClientRect();
-    const middle = [box.x + box.width / 2, box.y + box.height / 2];
-    if (by) this.drag(...by);
-    else if (event.key === '+') this.zoom(1.2, middle);
-    else if (event.key === '-') this.zoom(1 / 1.2, middle);
-    else if (event.key === 'Home') this.fit();
-    else return;
-    event.preventDefault();
-    this.later();
-  }
 }
 
 let stage = null;
@@ -208,7 +195,10 @@ const sayPlace = () => {
   const { name, unit } = axisName(record.drive);
   byId('station-text').textContent = [`${name} ${brief(now.drive)} ${unit}`, ...failed].join('; ');
   byId('rack-text').textContent = `${brief(now.rack)} ${secondColumn ? axisName(secondColumn).unit : record.length_unit}`;
-  for (const [id, value] of [['station', place.station], ['rack', place.rack]]) byId(id).value = value;
+  for (const [id, value] of [['station', place.station], ['rack', place.rack]]) {
+    byId(id).value = value;
+    set(byId(id), { 'aria-valuetext': byId(`${id}-text`).textContent });
+  }
   root.dataset.station = place.station;
   if (now.pose.Ok) root.dataset.wheelCentre = now.pose.Ok.points[scene.wheel_centre].join(' ');
 };

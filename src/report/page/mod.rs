@@ -92,3 +92,41 @@ impl<Data: Serialize> Page<'_, Data> {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::contrast::{contrast, mixed, palettes};
+
+    /// Words of a page have a contrast of at least 4.5 on paper and in panels, lines at least 3. Cells of heat maps are shaded
+    /// with up to 70 % of their colour, and have ink on them.
+    #[test]
+    fn colours_can_be_read() {
+        const WORDS: [&str; 4] = ["ink", "muted", "accent", "bad"];
+        let all = palettes(STYLE);
+        let [light, system, dark] = all.as_slice() else {
+            panic!("{} palettes", all.len());
+        };
+        assert_eq!(dark, system);
+        for palette in [light, dark] {
+            let [paper, panel, ink] = ["paper", "panel", "ink"].map(|name| palette[name]);
+            for (name, colour) in palette {
+                let is = contrast(colour, paper);
+                let least = match *name {
+                    "paper" | "panel" | "rule" | "grid" | "less" => continue,
+                    "target" | "centre" => 4.5,
+                    name if WORDS.contains(&name) => {
+                        assert!(contrast(colour, panel) >= 4.5, "{name} in a panel");
+                        4.5
+                    }
+                    _ => 3.0,
+                };
+                assert!(is >= least, "{name} {colour}: {is:.2}");
+            }
+            for shade in ["strong", "less"] {
+                let is = contrast(&mixed(palette[shade], paper, 0.7), ink);
+                assert!(is >= 4.5, "{shade}: {is:.2}");
+            }
+        }
+    }
+}

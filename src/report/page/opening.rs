@@ -39,7 +39,7 @@ pub(super) fn opening(tuning: &TuningSummary, record: &Record) -> String {
     <div><h3>{title}</h3>{moved}{together}{bounds}</div>
     {picture}
   </div>
-  <div class="answer">
+  <div class="answer tables">
     <div><h3>Targets in tolerances</h3>{targets}</div>
     <div><h3>Side effects</h3>{effects}{margins}</div>
   </div>
@@ -68,11 +68,11 @@ fn verdict(tuning: &TuningSummary) -> String {
     }
     match flagged {
         0 => {}
-        1 => words += " 1 output that no target names changes by more than its tolerance.",
+        1 => words += " 1 output without a target changes by more than its tolerance.",
         n => {
             _ = write!(
                 words,
-                " {n} outputs that no target names change by more than their tolerance."
+                " {n} outputs without a target change by more than their tolerance."
             )
         }
     }

@@ -10,6 +10,9 @@ pub(super) fn table(table: &Table, class: impl Fn(usize) -> Option<&'static str>
         .rows()
         .enumerate()
         .map(|(number, cells)| {
+            if let Some(title) = group(&cells) {
+                return title;
+            }
             let class = class(number).map_or_else(String::new, |c| format!(" class=\"{c}\""));
             let cells: String = cells.into_iter().map(cell).collect();
             format!("<tr{class}>{cells}</tr>")
@@ -18,6 +21,23 @@ pub(super) fn table(table: &Table, class: impl Fn(usize) -> Option<&'static str>
     format!(
         r#"<div class="table" tabindex="0" role="group"><table><thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table></div>"#
     )
+}
+
+/// The row as a heading of the rows below it, if it has a text in its first cell only.
+fn group(cells: &[&Cell]) -> Option<String> {
+    let [title, others @ ..] = cells else {
+        return None;
+    };
+    let is_group = others.len() > 1
+        && !title.text().is_empty()
+        && others.iter().all(|cell| cell.text().is_empty());
+    is_group.then(|| {
+        format!(
+            "<tr class=\"group\"><th scope=\"rowgroup\" colspan=\"{}\">{}</th></tr>",
+            cells.len(),
+            breakable(title.text())
+        )
+    })
 }
 
 impl Table {

@@ -45,7 +45,7 @@ const build = () => {
       return { td: html('td', { class: 'number' }, value, note), value, note };
     });
     const sign = positive && positive !== 'always' ? `positive: ${positive}` : null;
-    const adder = html('button', { class: 'adder', text: '+ target', 'aria-label': `Add a target for ${title}`, on: { click: () => askForTarget([{ column }], state.answer) } });
+    const adder = html('button', { class: 'adder', text: '+ target', 'aria-label': `+ target for ${title}`, on: { click: () => askForTarget([{ column }], state.answer) } });
     const th = html('th', { scope: 'row', title: sign }, adder, title, unit ? html('span', { class: 'unit', text: ` [${unit}]` }) : '');
     return [column, { tr: html('tr', { 'data-column': column }, th, ...cells.map(({ td }) => td)), cells }];
   }));

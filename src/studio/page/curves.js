@@ -4,90 +4,20 @@ import { ask, askGhost, emit, here as placeNow, isInGesture, on, onRest, state }
 import { framed } from './frame.js';
 import { Deviation } from './deviation.js';
 import { EdgeHandles } from './handles.js';
+import { announce } from './speech.js';
+import { at, curveOf, endsOf, familyOf, heights, knownOf, runs, wholeOf } from './runs.js';
 import { askForTarget } from './targets.js';
 
 const MARGIN = { left: 46, right: 10, top: 15, bottom: 33 };
 // Number of lines of a family that have a label each; of more only the first, the last and the present one.
 const MOST_LABELS = 5;
+// Letters of a value in large type.
+const MOST_LETTERS = 14;
 // Height of the strip of deviations.
 const STRIP = 26;
 let charts = [];
 let clips = 0;
 
-// Data that all charts of an answer share, computed once: the stations of each group in rising order, the range of the
-// places, and the curves of each column.
-const known = new WeakMap();
-const knownOf = (answer) => {
-  if (known.has(answer)) return known.get(answer);
-  const order = new Map();
-  answer.groups.forEach((group, i) => {
-    if (!order.has(group)) order.set(group, []);
-    if (answer.drive[i] !== null) order.get(group).push(i);
-  });
-  for (const places of order.values()) places.sort((a, b) => answer.drive[a] - answer.drive[b]);
-  const own = { order, ends: endsOf(answer.drive.filter((x) => x !== null)), columns: new Map(answer.columns.map((c) => [c.column, c])), curves: new Map() };
-  known.set(answer, own);
-  return own;
-};
-// The curve of a column in a group.
-const curveOf = (answer, column, group) => {
-  const { curves, columns } = knownOf(answer);
-  const key = `${group} ${column}`;
-  if (!curves.has(key)) curves.set(key, runs(answer, columns.get(column).values, group));
-  return curves.get(key);
-};
-// Stations of one group by rising place, in runs without gaps.
-const runs = (answer, values, group) => {
-  const places = knownOf(answer).order.get(group) ?? [];
-  const found = [];
-  let run = [];
-  for (const i of places) {
-    if (values[i] === null) {
-      if (run.length) found.push(run);
-      run = [];
-    } else run.push([answer.drive[i], values[i]]);
-  }
-  if (run.length) found.push(run);
-  return found;
-};
-const groupsOf = (answer) => [...knownOf(answer).order.keys()];
-
-// Groups that differ from the one that is shown in the family's slider alone.
-const familyOf = (answer, shown) => {
-  const { family, over } = state;
-  if (family === null || !answer?.group_places.length) return [];
-  const own = answer.group_places[shown];
-  const isOfFamily = (place) => place.every((v, k) => k === over || k === family || v === own[k]);
-  const found = groupsOf(answer).filter((g) => g !== shown && isOfFamily(answer.group_places[g]));
-  return found.sort((a, b) => answer.group_places[a][family] - answer.group_places[b][family]);
-};
-// The answer with the other curves of the family. While a point moves it is an earlier one, and they are drawn as stale.
-const wholeOf = (answer) => {
-  if (!answer.is_partial) return answer;
-  const { whole, over, overview } = state;
-  return whole?.digest === overview.digest && whole.over === over ? whole.answer : null;
-};
-
-// The value of a curve at a place, by straight lines between stations.
-const at = (pieces, x) => {
-  for (const piece of pieces) {
-    for (let i = 1; i < piece.length; i += 1) {
-      const [[x0, y0], [x1, y1]] = [piece[i - 1], piece[i]];
-      if (x >= x0 && x <= x1) return x1 === x0 ? y0 : y0 + ((y1 - y0) * (x - x0)) / (x1 - x0);
-    }
-    if (piece.length === 1 && piece[0][0] === x) return piece[0][1];
-  }
-  return null;
-};
-const heights = (pieces) => pieces.flat().map(([, y]) => y);
-const endsOf = (values) => {
-  let [low, high] = [Infinity, -Infinity];
-  for (const value of values) {
-    if (value < low) low = value;
-    if (value > high) high = value;
-  }
-  return [low, high];
-};
 // Draws a curve, unless it is drawn already in these scales.
 const drawCurve = (element, pieces, path, frame) => {
   if (element.pieces === pieces && element.frame === frame) return;
@@ -122,9 +52,9 @@ class Chart {
     this.key = key;
     this.title = html('b');
     this.unit = html('span', { class: 'unit' });
-    this.value = html('output');
+    this.value = html('output', { 'aria-live': 'off' });
     this.range = html('small');
-    this.svg = svg('svg', { class: 'chart', role: 'group' });
+    this.svg = svg('svg', { class: 'chart', role: 'group', tabindex: 0 });
     const id = `clip-${clips += 1}`;
     this.clip = svg('rect', { x: MARGIN.left, y: MARGIN.top });
     this.svg.append(svg('clipPath', { id }, this.clip));
@@ -147,7 +77,7 @@ class Chart {
     this.parts.cursor.append(...this.series.map(({ spot }) => spot));
     this.edges = new EdgeHandles(this);
     this.deviation = new Deviation(this.parts.deviation);
-    const adder = html('button', { class: 'adder', text: '+ target', on: { click: () => askForTarget(this.series, state.answer) } });
+    const adder = this.adder = html('button', { class: 'adder', text: '+ target', on: { click: () => askForTarget(this.series, state.answer) } });
     this.figure = html('figure', { class: 'chartbox', 'data-column': key },
       html('figcaption', {}, adder, html('span', { class: 'name' }, this.title, this.unit), html('span', { class: 'values' }, this.value, this.range)), html('div', { class: 'plot' }, this.svg));
     const point = (event) => {
@@ -164,6 +94,16 @@ class Chart {
     });
     this.svg.addEventListener('pointermove', (event) => { if (this.held) point(event); });
     for (const name of ['pointerup', 'pointercancel']) this.svg.addEventListener(name, () => { this.held = false; });
+    this.svg.addEventListener('keydown', (event) => {
+      const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+      if (event.target !== this.svg || (!by && event.key !== 'Home')) return;
+      event.preventDefault();
+      const [low, high] = this.xs;
+      const to = by ? placeNow() + by * (high - low) / (event.shiftKey ? 8 : 80) : state.overview.sliders[state.over].home;
+      state.at[state.over] = Math.max(low, Math.min(high, Number(to.toPrecision(6))));
+      emit('place', event);
+      announce(() => this.svg.getAttribute('aria-label'), 500);
+    });
     // Measured when it changes: to ask while drawing would lay the page out once for each chart.
     // A chart that is scrolled out of sight waits until the drag ends.
     this.isSeen = true;
@@ -270,10 +210,11 @@ class Chart {
     const words = lines.map(({ side, here, before }) => {
       // A value that rounding leaves of nothing is nothing.
       const is = here !== null && Math.abs(here) < 1e-9 * (this.ys[1] - this.ys[0]) ? 0 : here;
-      const change = !isPair && is !== null && before !== null && Math.abs(is - before) > 1e-12 ? ` (${signed(is - before)})` : '';
-      return `${side && isPair ? `${side[0].toUpperCase()} ` : ''}${brief(is, isPair ? 3 : 4)}${change}`;
+      const isChanged = !isPair && is !== null && before !== null && Math.abs(is - before) > 1e-12;
+      const text = (digits) => `${side && isPair ? `${side[0].toUpperCase()} ` : ''}${brief(is, digits)}${isChanged ? ` (${signed(is - before, digits - 1)})` : ''}`;
+      return isPair || text(4).length > MOST_LETTERS ? text(3) : text(4);
     });
-    set(this.value, { class: isPair ? 'pair' : null });
+    set(this.value, { class: isPair || words[0].length > MOST_LETTERS ? 'pair' : null });
     write(this.value, words.join('  '));
     const values = lines.flatMap(({ pieces }) => heights(pieces));
     let text = values.length ? `${brief(Math.min(...values), 3)}…${brief(Math.max(...values), 3)}` : 'no value';
@@ -283,9 +224,11 @@ class Chart {
       text = `${brief(rms, 3)} per ${state.overview.unit}`;
     }
     write(this.range, text);
+    const { name: over, unit: own } = state.overview.sliders[state.over];
     const sign = positive && positive !== 'always' ? `positive: ${positive}` : '';
-    set(this.svg, { 'aria-label': `${this.title.textContent}${isPair ? ', both wheels' : ''}: ${words.join(', ')} ${unit} at ${brief(placeNow())}, ${text}${sign ? `; ${sign}` : ''}` });
+    set(this.svg, { 'aria-label': `${this.title.textContent}${isPair ? ', both wheels' : ''}: ${words.join(', ')} ${unit} at ${over} ${brief(placeNow())} ${own}, ${first.slopes || !values.length ? '' : 'range '}${text}${sign ? `; ${sign}` : ''}` });
     set(this.figure, { title: sign || null });
+    set(this.adder, { 'aria-label': `+ target for ${this.title.textContent}` });
   }
 
   drawAxes(width, height, x, y, unit) {

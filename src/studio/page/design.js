@@ -62,6 +62,9 @@ export const stepped = (value, by) => Number((value + by).toPrecision(14));
 let timeline = [];
 let present = 0;
 let gesture = null;
+// Keys on one point, each soon after the one before, are one deed.
+const SOON = 1500;
+let keys = null;
 export const history = () => ({ timeline, present });
 export const canUndo = () => present > 0;
 export const canRedo = () => present < timeline.length - 1;
@@ -81,11 +84,28 @@ export const remember = (label) => {
   if (timeline.length > 500) timeline.shift();
   present = timeline.length - 1;
 };
-export const begin = (name) => {
-  gesture = { name, before: copy(state.design) };
+export const begin = (name, point = null) => {
+  gesture = { name, point, before: copy(state.design) };
+};
+const rememberKeys = ({ name, point, before }) => {
+  const now = performance.now();
+  const goesOn = keys?.entry === timeline[present] && keys.point === point && now - keys.time < SOON;
+  if (!goesOn) {
+    remember(described(name, before));
+    keys = { entry: timeline[present], point, before };
+  } else if (isSame(keys.before, state.design)) {
+    timeline.splice(present);
+    present -= 1;
+    keys = null;
+    return;
+  } else Object.assign(keys.entry, { label: described(name, keys.before), design: copy(state.design) });
+  keys.time = now;
 };
 export const finish = () => {
-  if (gesture && !isSame(gesture.before, state.design)) remember(described(gesture.name, gesture.before));
+  if (gesture && !isSame(gesture.before, state.design)) {
+    if (gesture.name === 'key') rememberKeys(gesture);
+    else remember(described(gesture.name, gesture.before));
+  }
   gesture = null;
   emit('deed');
 };

@@ -27,7 +27,7 @@ export class Deviation {
     const [left, right] = [Math.min(...ends) - 3, Math.max(...ends) + 3];
     const drawn = [['title', { text: `deviation in tolerances; the strip ends at ±${MOST}, the band shows ±1` }],
       ['rect', { x: left.toFixed(1), y: (base - scale).toFixed(1), width: (right - left).toFixed(1), height: (2 * scale).toFixed(1) }],
-      ['path', { class: null, d: `M${left.toFixed(1)} ${base}H${right.toFixed(1)}`, 'stroke-opacity': 0.4 }]];
+      ['path', { class: null, d: `M${left.toFixed(1)} ${base}H${right.toFixed(1)}`, 'stroke-opacity': 0.8 }]];
     for (const { points, tolerance, columns } of targets) {
       for (const { found, pieces } of lines) {
         if (!columns.includes(found.column)) continue;

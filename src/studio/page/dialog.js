@@ -8,19 +8,29 @@ export const question = (title, text, answers, ...fields) => new Promise((done) 
   const inputs = fields.map((field) => (typeof field === 'string' ? html('input', { type: 'text', value: field, 'aria-label': title, name: 'name', autocomplete: 'off' }) : field));
   const input = inputs.find((one) => one.matches('input[type=text]'));
   const buttons = answers.map(([value, label], k) => html('button', { value, text: label, class: k === 0 ? 'strong' : null }));
-  form.replaceChildren(html('h2', { text: title }), html('p', { text }), ...inputs, html('div', { class: 'group' }, ...buttons));
+  form.replaceChildren(html('h2', { id: 'dialog-title', text: title }), html('p', { text }), ...inputs, html('div', { class: 'group' }, ...buttons));
   dialog.returnValue = '';
   dialog.addEventListener('close', () => done(dialog.returnValue ? { answer: dialog.returnValue, text: input?.value ?? '' } : null), { once: true });
   dialog.showModal();
+  if (!inputs.some((one) => one.matches('input, label'))) buttons[0].focus();
   input?.select();
 });
-// A message over the page, which moves nothing on it.
+// A message over the page, which moves nothing on it. The focus goes back to where it was when the message closes.
+let before = null;
+export const hideMessage = () => {
+  const banner = byId('banner');
+  const held = banner.contains(document.activeElement);
+  banner.hidden = true;
+  if (held && before?.isConnected) before.focus({ preventScroll: true });
+};
 export const say = (text, kind = 'good', ...actions) => {
   const banner = byId('banner');
   banner.className = kind;
-  const close = html('button', { class: 'close', text: '✕', 'aria-label': 'Close the message', on: { click: () => { banner.hidden = true; } } });
-  banner.replaceChildren(html('span', { text }), ...actions, close);
+  const close = html('button', { class: 'close', text: '✕', 'aria-label': 'Close the message', on: { click: hideMessage } });
+  if (!banner.contains(document.activeElement)) before = document.activeElement;
+  // A region that is shown before it is filled is read aloud.
   banner.hidden = false;
-  if (kind === 'good' && !actions.length) setTimeout(() => { if (banner.firstChild?.textContent === text) banner.hidden = true; }, 5000);
+  banner.replaceChildren(html('span', { text }), ...actions, close);
+  if (kind === 'good' && !actions.length) setTimeout(() => { if (banner.firstChild?.textContent === text) hideMessage(); }, 5000);
 };
-export const action = (text, handler) => html('button', { text, on: { click: () => { byId('banner').hidden = true; handler(); } } });
+export const action = (text, handler) => html('button', { text, on: { click: () => { hideMessage(); handler(); } } });

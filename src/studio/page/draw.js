@@ -41,6 +41,11 @@ export const html = (tag, attributes = {}, ...children) => {
 // A place on the screen, to a tenth and to a hundredth of a pixel.
 export const tenth = (value) => Math.round(10 * value) / 10;
 export const hundredth = (value) => Math.round(100 * value) / 100;
+// A finger on this element drags it, and does not scroll the page.
+export const heldByFinger = (element) => {
+  element.addEventListener('touchstart', (event) => event.preventDefault(), { passive: false });
+  return element;
+};
 // Shows an element, or hides it.
 export const show = (element, isShown) => {
   if (element.isHidden === !isShown) return;
@@ -63,6 +68,27 @@ export const refill = (group, wanted) => {
   while (group.children.length > wanted.length) group.lastElementChild.remove();
 };
 export const byId = (id) => document.getElementById(id);
+// Replaces the content of an element. The focus stays at the control of the same name, else at the control in the same order.
+const CONTROLS = 'button, input, select, summary, a[href], [tabindex]';
+const controlName = (control) => control.id || control.getAttribute('aria-label') || control.textContent;
+export const renew = (element, ...children) => {
+  const held = document.activeElement;
+  const controls = () => [...element.querySelectorAll(CONTROLS)];
+  const order = held && element.contains(held) && held !== element ? controls().indexOf(held) : -1;
+  element.replaceChildren(...children);
+  if (order < 0) return;
+  const [after, name] = [controls(), controlName(held)];
+  const nearest = after[Math.min(order, after.length - 1)];
+  const isSame = (control) => controlName(control) === name;
+  const next = nearest && isSame(nearest) ? nearest : after.find(isSame) ?? nearest;
+  next?.focus({ preventScroll: true });
+};
+// A column by its quantity, with the unit in brackets.
+const UNIT = '(?:mm|m|in|deg|rad|N|lbf|kg|g|Hz|percent)';
+const UNIT_AT_END = new RegExp(`_(${UNIT}(?:_${UNIT})*(?:_per_${UNIT}(?:_${UNIT})*)?)$`);
+export const quantity = (column) => column.replace(UNIT_AT_END, (_, unit) => ` [${unit.replace('_per_', '/').replaceAll('_', ' ')}]`).replaceAll('_', ' ');
+// A table that scrolls sideways. The keyboard reaches it.
+export const scroller = (label, ...children) => html('div', { class: 'scroll', tabindex: 0, role: 'group', 'aria-label': label }, ...children);
 
 // Five significant digits at most.
 export const brief = (value, digits = 5) => {

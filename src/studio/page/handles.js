@@ -1,5 +1,5 @@
 // Handles on targets: points of wanted curves and edges of bands, dragged or moved by arrow keys.
-import { brief, centred, niceStep, set, svg } from './draw.js';
+import { brief, centred, heldByFinger, niceStep, set, svg } from './draw.js';
 import { state } from './design.js';
 import { setTarget, writtenTarget } from './targets.js';
 
@@ -66,8 +66,8 @@ export class EdgeHandles {
     handle.group = svg('g', {
       class: 'edge', tabindex: 0, role: 'slider', 'aria-orientation': 'vertical',
       on: { pointerdown: (event) => this.grab(event, key), keydown: (event) => this.key(event, handle) },
-    }, svg('circle', { class: 'hit', r: 11 }), svg('circle', { r: 4.5 }));
-    this.layer.append(handle.group);
+    }, svg('circle', { class: 'hit', r: 12 }), svg('circle', { r: 4.5 }));
+    this.layer.append(heldByFinger(handle.group));
     this.shown.set(key, handle);
     return handle;
   }

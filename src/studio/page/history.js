@@ -1,5 +1,5 @@
 // The history that undo goes through, and designs that are pinned beside the present one.
-import { brief, byId, html } from './draw.js';
+import { brief, byId, html, renew, scroller } from './draw.js';
 import { askPins, copy, history, isEdited, isInGesture, isMoved, on, onRest, put, resume, state, travel } from './design.js';
 import { action, question, say } from './dialog.js';
 import { post } from './server.js';
@@ -97,7 +97,7 @@ const comparison = () => {
   };
   const rows = state.answer.columns.map(({ column, title, unit }) => html('tr', {}, html('th', { scope: 'row', text: unit ? `${title} [${unit}]` : title }),
     ...designs.map(([, answer]) => html('td', { class: 'number', text: range(answer, column) }))));
-  return [html('div', { class: 'scroll' }, html('table', { id: 'comparison' },
+  return [scroller('Ranges of the curves', html('table', { id: 'comparison' },
     html('thead', {}, html('tr', {}, ...['lowest … highest', ...designs.map(([name]) => name)].map((text, k) => html('th', { text, class: k ? 'number' : null })))),
     html('tbody', {}, ...rows)))];
 };
@@ -109,7 +109,7 @@ const draw = () => {
   if (byId('pane-history').hidden) return;
   const deeds = timeline.map(({ label }, k) => html('li', {}, html('button', { class: k > present ? 'later' : null, 'aria-current': k === present ? 'true' : null, text: label, on: { click: () => travel(k) } })));
   const changes = html('button', { id: 'changes', text: 'Show lines that change', on: { click: async () => { await question('Changes', `${state.overview.files.join(', ')}: lines that saving would change.`, [['', 'Close']], await writtenDiff()); } } });
-  byId('pane-history').replaceChildren(html('div', { class: 'columns' },
+  renew(byId('pane-history'), html('div', { class: 'columns' },
     html('div', { class: 'panel' }, html('h2', { text: 'History' }), html('ol', { class: 'deeds' }, ...deeds.reverse())),
     html('div', { class: 'panel' }, html('h2', { text: 'Pinned designs' }), html('p', { class: 'hint', text: 'A pinned design stays in charts and views while you go on.' }), html('table', { id: 'pins' }, html('tbody', {}, ...LETTERS.map(pinRow))), ...comparison(),
       html('div', { class: 'add' }, changes))));

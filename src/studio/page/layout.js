@@ -88,12 +88,12 @@ export const startLayout = () => {
     role: 'tab', id: `tab-${name}`, 'data-tab': name, 'aria-controls': `pane-${name}`, on: { click: () => openTab(name) },
   }, text, html('small', {}, html('span')))));
   byId('tabs').addEventListener('keydown', (event) => {
-    const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
-    if (!by) return;
-    event.preventDefault();
     const all = tabs().filter((tab) => !tab.hidden);
     const now = all.findIndex((tab) => tab.getAttribute('aria-selected') === 'true');
-    openTab(all[(now + by + all.length) % all.length].dataset.tab, true);
+    const to = { ArrowLeft: now - 1, ArrowRight: now + 1, Home: 0, End: all.length - 1 }[event.key];
+    if (to === undefined) return;
+    event.preventDefault();
+    openTab(all[(to + all.length) % all.length].dataset.tab, true);
   });
   byId('fold').addEventListener('click', fold);
   splitter('split', 'clientX', 1, { ArrowLeft: -1, ArrowRight: 1 });

@@ -8,20 +8,22 @@ import { startCases } from './cases.js';
 import { startTable } from './table.js';
 import { startNotes } from './notes.js';
 import { startTuning } from './tuning.js';
-import { say } from './dialog.js';
+import { hideMessage, say } from './dialog.js';
+import { startSpeech } from './speech.js';
 import { readStudy, startFiles } from './files.js';
 import { startHistory } from './history.js';
 import { openTab, startLayout } from './layout.js';
 
 const root = document.documentElement;
 
-// Light, dark, or what the system has.
-const themes = { '': 'dark', dark: 'light', light: '' };
+// Light or dark; at first what the system has.
+const prefersDark = matchMedia('(prefers-color-scheme: dark)');
 const startTheme = () => {
   const set = (theme) => { if (theme) root.dataset.theme = theme; else delete root.dataset.theme; };
   try { set(localStorage.getItem('hardpoint theme') ?? ''); } catch { /* no storage */ }
   byId('theme').addEventListener('click', () => {
-    const theme = themes[root.dataset.theme ?? ''];
+    const isDark = root.dataset.theme ? root.dataset.theme === 'dark' : prefersDark.matches;
+    const theme = isDark ? 'light' : 'dark';
     set(theme);
     try { localStorage.setItem('hardpoint theme', theme); } catch { /* no storage */ }
     emit('answer', null);
@@ -34,7 +36,9 @@ const startSliders = () => {
   let sliders = [];
   const show = () => sliders.forEach(({ input, output, unit }, k) => {
     input.value = state.at[k];
-    if (output) output.textContent = `${brief(state.at[k], 4)} ${unit}`;
+    if (!output) return;
+    output.textContent = `${brief(state.at[k], 4)} ${unit}`;
+    input.setAttribute('aria-valuetext', output.textContent);
   });
   const build = () => {
     const { sliders: wanted, unit } = state.overview;
@@ -45,7 +49,7 @@ const startSliders = () => {
         return { input, label: html('label', { for: key }, html('span', { text: name }), input) };
       }
       const input = html('input', { id: key, type: 'range', min: low, max: high, step: 'any', on: { input: (event) => { state.at[k] = Number(input.value); emit('place', event); } } });
-      const output = html('output', { for: key });
+      const output = html('output', { for: key, 'aria-live': 'off' });
       const label = html('label', { for: key }, html('span', { text: name }), input, output);
       label.hidden = low === high;
       return { input, output, label, unit: own };
@@ -94,15 +98,29 @@ const startDeeds = () => {
   });
   document.addEventListener('keydown', (event) => {
     if (event.key !== 'Escape') return;
-    for (const menu of document.querySelectorAll('details.menu[open]')) {
+    const menus = document.querySelectorAll('details.menu[open]');
+    for (const menu of menus) {
       menu.open = false;
       menu.querySelector('summary').focus();
     }
+    if (!menus.length && !byId('dialog').open && !byId('banner').hidden) hideMessage();
   });
   document.addEventListener('click', (event) => {
     for (const menu of document.querySelectorAll('details.menu[open]')) if (!menu.contains(event.target)) menu.open = false;
   });
 };
+
+// F6 goes to the next part of the page, Shift+F6 to the one before.
+const REGIONS = ['header .actions', '#stage', 'section.curves', '#drawer', '#banner'];
+const startRegions = () => document.addEventListener('keydown', (event) => {
+  if (event.key !== 'F6' || byId('dialog').open) return;
+  event.preventDefault();
+  const regions = REGIONS.map((name) => document.querySelector(name)).filter((region) => region.checkVisibility());
+  const now = regions.findIndex((region) => region.contains(document.activeElement));
+  const next = event.shiftKey ? (now <= 0 ? regions.length : now) - 1 : (now + 1) % regions.length;
+  const controls = regions[next].querySelectorAll('button:enabled, select:enabled, input:enabled, summary, [tabindex="0"]');
+  [...controls].find((control) => control.checkVisibility() && control.tabIndex >= 0)?.focus();
+});
 
 // If the server does not answer, the page asks again. Moves go on and are kept.
 let retry = null;
@@ -152,6 +170,8 @@ const start = async () => {
   startTheme();
   startLayout();
   startHistory();
+  startSpeech();
+  startRegions();
   byId('skip').addEventListener('click', () => openTab('points'));
   startFiles();
   startSliders();

@@ -217,9 +217,11 @@ export class MechanismView {
       if (!last) return;
       const now = [event.clientX, event.clientY];
       if (fingers.size === 2) {
+        // The picture is zoomed by the distance of the fingers, and moved or turned with the point between them.
         const [other] = [...fingers].filter(([id]) => id !== event.pointerId).map(([, p]) => p);
         const spread = (p) => Math.hypot(p[0] - other[0], p[1] - other[1]) || 1;
-        this.zoom(spread(now) / spread(last), now);
+        this.zoom(spread(now) / spread(last), [0, 1].map((k) => (now[k] + other[k]) / 2));
+        this.drag((now[0] - last[0]) / 2, (now[1] - last[1]) / 2);
       } else this.drag(now[0] - last[0], now[1] - last[1]);
       fingers.set(event.pointerId, now);
       this.later();
@@ -236,6 +238,21 @@ export class MechanismView {
       this.fit();
       this.later();
     });
+  }
+
+  // Keys of the picture itself: arrows move or turn it, plus and minus zoom it, Home fits it.
+  keyOfPicture(event) {
+    const by = { ArrowLeft: [-12, 0], ArrowRight: [12, 0], ArrowUp: [0, -12], ArrowDown: [0, 12] }[event.key];
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const box = this.svg.getBoundingClientRect();
+    const middle = [box.x + box.width / 2, box.y + box.height / 2];
+    if (by) this.drag(...by);
+    else if (event.key === '+') this.zoom(1.2, middle);
+    else if (event.key === '-') this.zoom(1 / 1.2, middle);
+    else if (event.key === 'Home') this.fit();
+    else return;
+    event.preventDefault();
+    this.later();
   }
 
   // By so many pixels: a flat view is moved, the one in space is turned.

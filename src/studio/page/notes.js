@@ -1,5 +1,5 @@
 // Panels beside the curves: targets, constraints, limits, free directions, warnings.
-import { brief, byId, html, set, write } from './draw.js';
+import { brief, byId, html, quantity, renew, scroller, set, write } from './draw.js';
 import { of, begin, copy, emit, finish, isInGesture, isSame, on, onRest, snapped, state } from './design.js';
 import { openTab, tellTab } from './layout.js';
 import { post } from './server.js';
@@ -91,10 +91,10 @@ const targets = () => {
   if (!misfit) return [panel('Targets', html('p', { class: 'hint', text: state.overview.is_car ? 'The study has no targets. Write [optimise] with variables and targets into the file; then every point shows which way lowers the misfit.' : 'The study has no targets. Press “+ target” on a chart to add one; then every point shows which way lowers the misfit.' }))];
   if (misfit.value === null) return [panel('Targets', html('p', { class: 'bad', text: `no misfit: ${misfit.reason}` }))];
   const body = misfit.targets.map((t, k) => html('tr', { class: state.arrows === k ? 'selected' : null },
-    html('th', { scope: 'row' }, html('button', { class: 'name', text: words(t.column), title: 'Arrows for this target', on: { click: () => { state.arrows = state.arrows === k ? null : k; emit('options'); } } })),
+    html('th', { scope: 'row' }, html('button', { class: 'name', text: quantity(t.column), title: 'Arrows for this target', 'aria-pressed': String(state.arrows === k), on: { click: () => { state.arrows = state.arrows === k ? null : k; emit('options'); } } })),
     html('td', { class: 'number', text: brief(t.rms, 3) }),
     html('td', { class: `number ${isMet(t) ? '' : 'bad'}`, text: brief(t.worst, 3) }), html('td', { class: 'number', text: t.worst_at === null ? words(t.worst_at_unit) : `${brief(t.worst_at, 4)} ${t.worst_at_unit}` })));
-  const found = [panel('Deviation from the targets, in tolerances', table(['target', 'rms', 'largest', 'at'], body))];
+  const found = [panel('Deviations in tolerances', table(['target', 'rms', 'largest', 'at'], body))];
   return found;
 };
 
@@ -126,8 +126,6 @@ const freeDirections = () => {
   return [panel('Free directions', html('p', { class: 'hint', text: 'Directions that leave all targets unchanged to first order, each across its range.' }), ...rows)];
 };
 
-// The unit of a quantity stands behind its name.
-const quantity = (text) => text.replace(/_(mm|m|in|deg|N|lbf|N_m|lbf_in)$/, ' [$1]').replaceAll('_', ' ');
 const limitsPanel = () => {
   if (!limits) return [panel('Limits', html('p', { class: 'hint', text: 'Limits are being searched.' }))];
   const { title, header, rows, notes } = limits;
@@ -135,7 +133,7 @@ const limitsPanel = () => {
   const cell = (text) => (isNumber(text) ? html('td', { class: 'number', text: text.replace('-', '−') }) : html('td', { class: 'words', text: words(text) }));
   const hasNumbers = (k) => k > 0 && rows.some((texts) => isNumber(texts[k]));
   const cells = rows.map(([first, ...others]) => html('tr', {}, html('th', { scope: 'row', text: quantity(first) || '–' }), ...others.map(cell)));
-  return [panel(title, html('div', { class: 'scroll' }, table(header, cells, hasNumbers)), ...notes.map((text) => html('p', { class: 'hint', text })))];
+  return [panel(title, scroller(title, table(header, cells, hasNumbers)), ...notes.map((text) => html('p', { class: 'hint', text })))];
 };
 
 const warnings = () => {
@@ -160,7 +158,7 @@ const fill = (name, isWanted = false) => {
   const pane = byId(`pane-${name}`);
   // A slider or a field that is in use must stay.
   if ((pane.hidden && !isWanted) || pane.querySelector('input:active, input:focus')) return;
-  pane.replaceChildren(html('div', { class: 'columns' }, ...PANES[name]()));
+  renew(pane, html('div', { class: 'columns' }, ...PANES[name]()));
 };
 const draw = () => {
   figures();
@@ -200,7 +198,7 @@ const rest = () => {
 };
 
 export const startNotes = () => {
-  const renew = () => {
+  const rebuild = () => {
     buildChips();
     free = [];
     const select = byId('arrows');
@@ -210,8 +208,8 @@ export const startNotes = () => {
     byId('tab-parts').firstChild.textContent = state.overview.is_car ? 'Car and cases' : 'Vehicle and parts';
     rest();
   };
-  on('study', renew);
-  on('edited', () => { state.arrows = null; renew(); });
+  on('study', rebuild);
+  on('edited', () => { state.arrows = null; rebuild(); });
   byId('arrows').addEventListener('change', (event) => {
     const { value } = event.target;
     state.arrows = value === 'all' ? null : value === 'none' ? 'none' : Number(value);

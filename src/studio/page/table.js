@@ -2,9 +2,12 @@
 import { AXES, brief, byId, html, set, write } from './draw.js';
 import { askInfluence, emit, gradient, isInGesture, isMoved, on, onRest, placeAfter, put, setCoordinate, state, stepped } from './design.js';
 import { select } from './views.js';
+import { openTab } from './layout.js';
 
 let rows = [];
 let asked = null;
+// The point in a view from which the fields were opened.
+let origin = null;
 let timer = null;
 
 // Pointing at a coordinate for a while shows what it does; leaving it takes that away.
@@ -54,7 +57,12 @@ const cell = (p, axis) => {
       blur: () => { point(null); draw(); },
       keydown: (event) => {
         const by = { ArrowUp: 1, ArrowDown: -1 }[event.key];
-        if (event.key === 'Escape') { input.value = String(state.design[p][axis]); input.blur(); }
+        if (event.key === 'Escape') {
+          input.value = String(state.design[p][axis]);
+          if (origin?.isConnected) origin.focus();
+          else input.blur();
+          origin = null;
+        }
         if (!by) return;
         event.preventDefault();
         const step = state.step * (event.shiftKey ? 10 : 1);
@@ -75,7 +83,7 @@ const cell = (p, axis) => {
 
 const build = () => {
   const { points, unit } = state.overview;
-  const head = html('tr', {}, html('th', { text: 'point' }), ...AXES.map((a) => html('th', { class: 'number', text: `${a} [${unit}]` })), html('th', { class: 'number', text: 'moved' }), html('td'));
+  const head = html('tr', {}, html('th', { text: 'point' }), ...AXES.map((a) => html('th', { class: 'number', text: `${a} [${unit}]` })), html('th', { class: 'number', text: `moved [${unit}]` }), html('td'));
   rows = points.map(({ name, about }, p) => {
     const cells = AXES.map((_, axis) => cell(p, axis));
     const moved = html('span');
@@ -153,6 +161,12 @@ export const startTable = () => {
   for (const event of ['edited', 'answer', 'unanswered', 'late', 'options', 'selection']) on(event, () => draw());
   onRest(() => draw());
   on('tab', (name) => { if (name === 'points') draw(true); });
+  on('fields', (p) => {
+    const from = document.activeElement;
+    openTab('points');
+    rows[p].cells[0].input.focus();
+    origin = from;
+  });
   addEventListener('beforeprint', () => draw(true));
   // During a drag the table follows the curves: both are laid out and painted once.
   on('design', () => { if (!isInGesture()) draw(); });

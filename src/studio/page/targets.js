@@ -1,6 +1,6 @@
 // Targets, variables and constraints of the study, changed on the page. An edit is a value and a path; the server writes
 // it into the study's text and keeps the comments.
-import { AXES, brief, html } from './draw.js';
+import { AXES, brief, html, quantity, scroller } from './draw.js';
 import { placeAfter, state, takeOverview } from './design.js';
 import { question, say } from './dialog.js';
 import { post } from './server.js';
@@ -23,7 +23,7 @@ export const edit = (edits, label) => {
   return busy;
 };
 const at = (...path) => ['optimise', ...path];
-const nameOf = (k) => (state.overview.is_car ? goalName(writtenTarget(k) ?? {}) : words(state.overview.targets[k]?.column ?? `target ${k + 1}`));
+const nameOf = (k) => (state.overview.is_car ? goalName(writtenTarget(k) ?? {}) : quantity(state.overview.targets[k]?.column ?? `target ${k + 1}`));
 // A target or a constraint of a car, as it is written: the page lists those of cases before those of an axle by itself.
 const goalName = (own) => words([own.characteristic ?? own.load ?? 'target', own.case ? `in ${[].concat(own.case).join(', ')}` : `of the ${own.axle} axle`].join(' '));
 // `between` has two ends.
@@ -50,7 +50,7 @@ const field = (label, value, change, isOptional = false) => {
   return input;
 };
 const remover = (label, path, name) => html('button', { class: 'small', text: '✕', title: label, 'aria-label': label, on: { click: () => edit([{ path, value: null }], `Removed ${name}`) } });
-const headed = (title, head, rows, ...more) => html('div', { class: 'panel form' }, html('h2', { text: title }), html('div', { class: 'scroll' },
+const headed = (title, head, rows, ...more) => html('div', { class: 'panel form' }, html('h2', { text: title }), scroller(title,
   html('table', {}, html('thead', {}, html('tr', {}, ...head.map((text) => html(text ? 'th' : 'td', { text })))), html('tbody', {}, ...rows))), ...more);
 
 // Fields of the numbers by which a table of the study limits or wants a value.

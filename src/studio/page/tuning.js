@@ -1,7 +1,8 @@
 // Tune: progress, cancel, and the result as a proposal beside the present state.
-import { AXES, brief, byId, html, signed } from './draw.js';
+import { AXES, brief, byId, html, scroller, signed } from './draw.js';
 import { askMisfit, askProposal, copy, of, on, put, snapped, state, takeOverview } from './design.js';
 import { openTab, tellTab } from './layout.js';
+import { announce } from './speech.js';
 import { post } from './server.js';
 
 let job = null;
@@ -10,8 +11,11 @@ let proposal = null;
 let exact = null;
 
 const box = () => byId('proposal');
+// The focus does not get lost when its control goes.
 const show = (...children) => {
+  const held = box().contains(document.activeElement);
   box().replaceChildren(...children);
+  if (held) byId('tab-proposal').focus({ preventScroll: true });
   box().hidden = children.length === 0;
   byId('no-proposal').hidden = children.length > 0;
 };
@@ -50,7 +54,8 @@ const tune = async () => {
   const bar = html('progress', { 'aria-label': 'starts that have begun', max: Math.max(1, state.overview.starts), value: 0 });
   const cancel = html('button', { text: 'Cancel', id: 'cancel', on: { click: () => { cancel.disabled = true; if (job !== null) post('cancel', { job }).catch(() => {}); } } });
   show(html('div', { class: 'heading' }, html('h2', { text: 'Tune' }), cancel), bar, message);
-  openTab('proposal');
+  openTab('proposal', document.activeElement === byId('tune'));
+  announce('Tuning');
   byId('tune').disabled = true;
   try {
     let now = await post('tune', { of: of(base), locked: state.locked });
@@ -70,6 +75,7 @@ const tune = async () => {
     propose(base, now.proposal, tuned);
   } catch (refused) {
     show(html('div', { class: 'heading' }, html('h2', { text: 'Tune' }), html('button', { text: 'Close', on: { click: close } })), html('p', { class: 'bad', text: refused.message }));
+    announce(`No proposal: ${refused.message}`);
   } finally {
     job = null;
     byId('tune').disabled = !state.overview.tunes;
@@ -121,7 +127,7 @@ const tellMisfit = () => {
 // Changes that no target requests, flagged ones first.
 const effectsTable = ({ header, rows, rest }) => [
   ...(rows.length
-    ? [html('div', { class: 'scroll' }, html('table', { id: 'side-effects' },
+    ? [scroller('Side effects', html('table', { id: 'side-effects' },
       html('thead', {}, html('tr', {}, ...header.map((text) => html('th', { text })))),
       html('tbody', {}, ...rows.map(({ cells, is_flagged: flagged }) => html('tr', { class: flagged ? 'bad' : null },
         ...cells.map((text, k) => (k ? html('td', { class: /\d/.test(text) ? 'number' : null, text: text.replaceAll(/(^|\s)-(?=\d)/g, '$1−') }) : html('th', { scope: 'row', text: text.replaceAll('_', ' ') }))))))))]
@@ -145,7 +151,7 @@ const propose = (base, { design, rates: changed, headline, side_effects: effects
     return html('tr', {}, html('td', {}, change.box), html('th', { scope: 'row', text: label }), html('td', { class: 'number', text: brief(base[p][axis], 6) }),
       (change.to = html('td', { class: 'number' })), (change.by = html('td', { class: 'number' })));
   });
-  const amount = html('output', { text: '100 %' });
+  const amount = html('output', { text: '100 %', 'aria-live': 'off' });
   const share = html('input', {
     type: 'range', min: 0, max: 100, value: 100, id: 'share', 'aria-label': 'Apply, percent',
     on: { input: () => { proposal.share = Number(share.value) / 100; amount.textContent = `${share.value} %`; preview(); } },
@@ -161,16 +167,17 @@ const propose = (base, { design, rates: changed, headline, side_effects: effects
     html('label', { class: 'direction' }, html('span', { text: 'Apply' }), share, amount),
     html('label', { class: 'direction' }, html('span', { text: 'Round coordinates to' }), rounding),
     changes.length
-      ? html('div', { class: 'scroll' }, html('table', {}, html('thead', {}, html('tr', {}, ...['', 'coordinate', `now [${unit}]`, 'tuned', 'by'].map((text, k) => html('th', { text, class: k > 1 ? 'number' : null })))), html('tbody', {}, ...rows)))
+      ? scroller('Coordinates of the proposal', html('table', {}, html('thead', {}, html('tr', {}, ...['take', 'coordinate', `now [${unit}]`, 'tuned', 'by'].map((text, k) => html('th', { text, class: k > 1 ? 'number' : null })))), html('tbody', {}, ...rows)))
       : html('p', { text: 'Nothing moves.' }),
-    ...(tuned ? [html('div', { class: 'scroll' }, html('table', { id: 'rates' },
-      html('thead', {}, html('tr', {}, html('th', {}, rates), ...[state.overview.is_car ? 'value' : 'elastic part', 'now', 'tuned'].map((text, k) => html('th', { text, class: k ? 'number' : null })))),
+    ...(tuned ? [scroller('Tuned values', html('table', { id: 'rates' },
+      html('thead', {}, html('tr', {}, html('td', {}, rates), ...[state.overview.is_car ? 'value' : 'elastic part', 'now', 'tuned'].map((text, k) => html('th', { text, class: k ? 'number' : null })))),
       html('tbody', {}, ...changed.map(([name, now, then]) => html('tr', {}, html('td'), html('th', { scope: 'row', text: name.replaceAll('_', ' ') }), html('td', { class: 'number', text: now }), html('td', { class: 'number', text: then }))))))] : []),
     ...effectsTable(effects),
     ...remarks.map((text) => html('p', { class: 'hint', text })),
   );
   preview();
   tellTab('proposal', '•');
+  announce(`Proposal: ${headline.replace('->', 'to')}`);
 };
 
 export const startTuning = () => {

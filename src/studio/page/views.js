@@ -1,5 +1,5 @@
 // Front, side, top and a view in space: the mechanism at the sliders' place, with points that can be dragged.
-import { along, AXES, brief, byId, centred, cross, dot, html, minus, norm, placed, set, show, signed, svg, tenth, write } from './draw.js';
+import { along, AXES, brief, byId, centred, cross, dot, heldByFinger, html, minus, norm, placed, set, show, signed, svg, tenth, write } from './draw.js';
 import { MechanismView } from './mechanism_view.js';
 import { flat, rims } from './space.js';
 import { begin, emit, finish, gradient, grip, moveTo, on, snapped, state, stepped } from './design.js';
@@ -80,10 +80,13 @@ const put = (handle, x, y) => { for (const circle of handle.children) set(circle
 class View extends MechanismView {
   constructor(name, title, basis) {
     super({
-      name, title: `${title}, points can be dragged`, basis, scene: () => state.overview?.scene,
+      name, basis,
+      title: `${title}. Arrow keys ${basis ? 'move' : 'turn'} the picture, plus and minus zoom, Home fits. The points follow.`, scene: () => state.overview?.scene,
       layers: ['grid', 'ghost', 'pins', 'proposal', 'other', 'bodies', 'marks', 'arrows', 'handles', 'words'],
     });
-    const zoom = html('button', { class: 'zoom', title: `${title} alone`, 'aria-label': `${title} alone`, text: '⤢', on: { click: () => this.enlarge() } });
+    set(this.svg, { tabindex: 0 });
+    this.svg.addEventListener('keydown', (event) => { if (event.target === this.svg) this.keyOfPicture(event); });
+    const zoom = this.zoomButton = html('button', { class: 'zoom', 'aria-pressed': 'false', title: `${title} alone`, 'aria-label': `${title} alone`, text: '⤢', on: { click: () => this.enlarge() } });
     const fit = html('button', { class: 'zoom', title: 'Fit', 'aria-label': `Fit ${title}`, text: '⊡', on: { click: () => { this.fit(); this.draw(); } } });
     this.figure = html('figure', { class: 'viewbox', 'data-view': name }, html('figcaption', {}, title, html('span', { class: 'zooms' }, fit, zoom)), this.svg);
   }
@@ -93,7 +96,10 @@ class View extends MechanismView {
     const was = parent.dataset.alone === this.name;
     if (was) delete parent.dataset.alone;
     else parent.dataset.alone = this.name;
-    for (const view of views) view.figure.classList.toggle('alone', !was && view === this);
+    for (const view of views) {
+      view.figure.classList.toggle('alone', !was && view === this);
+      set(view.zoomButton, { 'aria-pressed': String(!was && view === this) });
+    }
   }
 
   fit() {
@@ -137,13 +143,13 @@ class View extends MechanismView {
         class: 'handle', tabindex: other ? -1 : 0, role: 'button', 'data-point': point, 'data-name': points[point].name, 'data-other': other || null,
         on: {
           pointerdown: (event) => this.grab(event, point, other),
-          keydown: (event) => this.key(event, point),
+          keydown: (event) => this.keyOfPoint(event, point),
           focus: () => select(point),
           pointerenter: () => hover(this, point),
           pointerleave: () => hover(this, null),
         },
       }, svg('circle', { class: 'hit', r: 13 }), circle);
-      this.layers.handles.append(group);
+      this.layers.handles.append(heldByFinger(group));
       return group;
     };
     this.mirrors = points.map((_, point) => handle(point, true));
@@ -232,7 +238,10 @@ class View extends MechanismView {
       const best = costs.indexOf(Math.min(...costs));
       taken.push(boxes[best]);
       const [dx, dy, anchor] = places[best];
-      set(word, { ...placed(x + dx, y + dy), 'text-anchor': anchor, class: state.selected === p ? 'selected' : null });
+      // A name stays within the picture.
+      const [left, , right] = boxes[best];
+      const inward = Math.max(0, 2 - left) - Math.max(0, right - this.width + 2);
+      set(word, { ...placed(x + dx + inward, y + dy), 'text-anchor': anchor, class: state.selected === p ? 'selected' : null });
     }
   }
 
@@ -326,7 +335,12 @@ class View extends MechanismView {
     return [name, ...moved].join('  ');
   }
 
-  key(event, point) {
+  keyOfPoint(event, point) {
+    if (event.key === 'Enter' || event.key === ' ') {
+      event.preventDefault();
+      emit('fields', point);
+      return;
+    }
     const ways = { ArrowLeft: [-1, 0, 0], ArrowRight: [1, 0, 0], ArrowUp: [0, 1, 0], ArrowDown: [0, -1, 0], PageUp: [0, 0, 1], PageDown: [0, 0, -1] };
     const way = ways[event.key];
     if (!way || event.ctrlKey || event.metaKey) return;
@@ -338,7 +352,7 @@ class View extends MechanismView {
     const length = state.step * (event.shiftKey ? 10 : 1) / (event.altKey ? 10 : 1);
     const by = [0, 1, 2].map((k) => length * (way[0] * right[k] + way[1] * up[k] + way[2] * through[k]));
     const start = grip();
-    begin('key');
+    begin('key', point);
     moveTo(start, point, start[point].map((c, k) => (by[k] === 0 ? undefined : stepped(c, by[k]))));
     finish();
   }

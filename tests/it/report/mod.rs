@@ -1,5 +1,6 @@
 //! The page and the pictures of a run: required content, forbidden content, and the display in a browser.
 
+mod access;
 mod browser;
 mod page;
 mod pictures;
@@ -24,11 +25,11 @@ impl Run {
         let path = directory.path().join(format!("{name}.toml"));
         fs::write(&path, study).unwrap();
         let run = Run { directory };
-        let is_sweep = command == "sweep";
+        let has_pictures = !["sweep", "setup", "kc"].contains(&command);
         let mut command = hardpoint(&[command]);
         command.arg(&path).arg("--out").arg(run.path());
         command.arg("--report");
-        if !is_sweep {
+        if has_pictures {
             command.arg("--plots").arg(run.plots());
         }
         let ended = command.args(more).output().unwrap();

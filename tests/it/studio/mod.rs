@@ -7,6 +7,7 @@ mod browser;
 mod car;
 mod client;
 mod directions;
+mod keyboard;
 mod moves;
 mod panels;
 mod saving;

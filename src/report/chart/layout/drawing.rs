@@ -2,7 +2,7 @@
 
 use super::super::lettering::{Anchor, Lettering, Words, text};
 use super::super::mark::{number, path};
-use super::{EndLabel, LETTER, Layout, SIZE};
+use super::{EndLabel, Layout, NOTE_LETTER, SIZE};
 use crate::report::figure::power_of_ten;
 use std::fmt::Write;
 
@@ -116,7 +116,7 @@ impl Layout {
         let failed = (!self.chart.failed.is_empty()).then(|| ("bad", "not solved".to_owned()));
         let notes = self.chart.notes.iter().cloned();
         for (class, text) in own.into_iter().chain(missed).chain(failed).chain(notes) {
-            let room = ((SIZE[0] - 8.0 - at) / LETTER) as usize;
+            let room = ((SIZE[0] - 8.0 - at) / NOTE_LETTER) as usize;
             let text = match text.chars().count() > room {
                 true if at > 10.0 => break,
                 true => text
@@ -126,7 +126,7 @@ impl Layout {
                     .collect(),
                 false => text,
             };
-            let width = LETTER * text.chars().count() as f64;
+            let width = NOTE_LETTER * text.chars().count() as f64;
             let class = format!("note {class}");
             lettering.write(
                 svg,

@@ -85,7 +85,7 @@ pub(super) fn transfer(state: &CarStateRecord, scale: &Scale, unit: &str) -> Str
 /// Map of the states over ay (to the right) and ax (upward).
 pub(super) fn map(map: &CarMap) -> String {
     let (columns, rows) = (map.ay.len(), map.ax.len());
-    let (left, top, size) = (46.0, 8.0, WIDTH - 54.0);
+    let (left, top, size) = (46.0, 18.0, WIDTH - 54.0);
     let width = size / columns as f64;
     let height = (0.8 * size / rows as f64).min(40.0);
     let bottom = top + height * rows as f64;
@@ -169,9 +169,8 @@ fn axes(svg: &mut String, map: &CarMap, [left, bottom, width, height]: [f64; 4])
     }
     let _ = write!(
         svg,
-        "<text class=\"middle\" x=\"{:.1}\" y=\"{:.1}\">ay, g (to the left)</text><text x=\"0\" y=\"{:.1}\">ax, g</text>",
+        "<text class=\"small middle\" x=\"{:.1}\" y=\"{:.1}\">ay [g], to the left</text><text class=\"small\" x=\"0\" y=\"11\">ax [g]</text>",
         left + 0.5 * width * map.ay.len() as f64,
-        bottom + 34.0,
-        bottom + 34.0
+        bottom + 32.0,
     );
 }

@@ -66,7 +66,7 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, Stop> {
         return car(arguments, &choice);
     }
     let study = Study::read_elastic(&arguments.study, &arguments.set)?;
-    let text = study.in_units(&choice)?;
+    let text = study.in_units(&arguments.study.display().to_string(), &choice)?;
     let inputs = [&[arguments.study.clone()], &study.inputs[..]].concat();
     match file_of_out(&arguments.out) {
         None => std::io::stdout().write_all(text.as_bytes())?,
@@ -85,7 +85,13 @@ fn car(arguments: &ConvertArguments, choice: &UnitChoice) -> Result<Exit, Stop> 
         ));
     };
     let study = CarStudy::read(&arguments.study, &arguments.set)?;
-    let [text, front, rear] = study.in_units(choice)?;
+    let shown = |file: usize| {
+        let path = study.inputs.get(file);
+        path.map_or_else(String::new, |path| path.display().to_string())
+    };
+    let shown = [0, 1, 2].map(shown);
+    let shown = shown.each_ref().map(String::as_str);
+    let [text, front, rear] = study.in_units(shown, choice)?;
     let names = names(&arguments.study, &study.text);
     let [own, of_front, of_rear] = names.each_ref().map(String::as_str);
     let text = car_with_axles(&text, of_front, of_rear);

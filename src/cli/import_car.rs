@@ -69,7 +69,12 @@ pub(super) fn run(
     })?;
     let files = CAR_FILES.iter().zip(&car.files);
     let files: Vec<(&str, &str)> = files.map(|(name, text)| (*name, text.as_str())).collect();
-    save_all(directory, &files, arguments.force, &[arguments.file.clone()])?;
+    save_all(
+        directory,
+        &files,
+        arguments.force,
+        &[arguments.file.clone()],
+    )?;
     note(&summary(&arguments.file, directory, &car));
     Ok(Exit::Done)
 }

@@ -135,10 +135,7 @@ const OF_SUSPENSION: &[Line] = &[
     ),
     ("axle.right.bushings{}.scale", FIXED),
     ("axle.right.links{}.axial_stiffness", RATE),
-    (
-        "axle.right.links{}.modulus",
-        Plain(Powers::new(-2, 1, 0)),
-    ),
+    ("axle.right.links{}.modulus", Plain(Powers::new(-2, 1, 0))),
     ("axle.right.links{}.area", Plain(Powers::new(2, 0, 0))),
     ("steering.c_factor", AlongY),
     ("steering.rack_stiffness", RATE),
@@ -398,7 +395,10 @@ mod tests {
         assert_eq!(of("motion", "travel"), "motion.travel");
         // A motion may be called like a key.
         assert_eq!(of("motions", "travel"), "motions{}");
-        assert_eq!(of("suspension.hardpoints", "rate"), "suspension.hardpoints{}");
+        assert_eq!(
+            of("suspension.hardpoints", "rate"),
+            "suspension.hardpoints{}"
+        );
         assert_eq!(of("setup.want", "toe"), "setup.want{}");
     }
 }

@@ -174,9 +174,21 @@ mod tests {
             (Unit::LengthPerForce, m, mm, 0.003, 3.0),
             (Unit::Force, mm, pounds, 4.448_221_615_260_5, 1.0),
             // 1 lbf/in is 0.175126835 N/mm, and 1 lbf ft is 1.3558179483314004 N m.
-            (Unit::ForcePerLength, mm, pounds, 0.175_126_835_246_476_97, 1.0),
+            (
+                Unit::ForcePerLength,
+                mm,
+                pounds,
+                0.175_126_835_246_476_97,
+                1.0,
+            ),
             (Unit::Torque, m, pounds, 1.355_817_948_331_400_4, 1.0),
-            (Unit::TorquePerAngle, mm, pounds, 1.355_817_948_331_400_4, 1.0),
+            (
+                Unit::TorquePerAngle,
+                mm,
+                pounds,
+                1.355_817_948_331_400_4,
+                1.0,
+            ),
             // These are printed in the same unit for every study.
             (Unit::Stiffness, mm, m, 150.0, 150.0),
             (Unit::AnglePerTorque, mm, m, 0.4, 0.4),

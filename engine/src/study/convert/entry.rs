@@ -6,6 +6,7 @@ use crate::ask::Unit;
 use crate::axle::Coordinate;
 use crate::car::CarQuantity;
 use crate::characteristics::{Characteristic, Measure, Quantity};
+use crate::compliance::follows_y_axis;
 use crate::model::Axis;
 use crate::number::Each;
 use hardpoint_study_file::dimension::Powers;
@@ -69,6 +70,16 @@ fn rate(name: &str) -> Option<Powers> {
     }
 }
 
+/// Sign of a result in the new axes, relative to the old ones. Results of the catalogues do not depend on the axes; some figures of
+/// tests do.
+fn sign_of_name(name: &str, conversion: &Conversion) -> f64 {
+    if follows_y_axis(name) {
+        conversion.sign(Axis::Y)
+    } else {
+        1.0
+    }
+}
+
 /// Number of entries of a list that precede an entry, in all and with each axle of a car.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Before {
@@ -105,7 +116,8 @@ impl Facts<'_> {
         let own = axles.first().map_or(self.ends[0], |end| self.ends[*end]);
         let differs = |end: &usize| self.ends[*end].frames() != own.frames();
         if axles.iter().any(differs) {
-            let reason = "the studies of both axles have different axes: write one entry for each axle";
+            let reason =
+                "the studies of both axles have different axes: write one entry for each axle";
             return refused("axle", reason);
         }
         Ok(own)
@@ -128,8 +140,9 @@ impl Facts<'_> {
             }
             _ => self.study(table).and_then(|study| unit_named(study, name)),
         };
+        let sign = sign_of_name(name, &self.conversion(table)?);
         match unit {
-            Some(unit) => Ok(Measured::printed(unit)),
+            Some(unit) => Ok(Measured::printed(unit).signed(sign)),
             None => refused(key, format!("the unit of {name:?} is not known")),
         }
     }
@@ -184,7 +197,10 @@ impl Facts<'_> {
                     return refused("tolerance", "the quantity of this target is not known");
                 };
                 let (value, drive) = self.of_target(target, &conversion);
-                of(value, drive)
+                let names = ["figure", "characteristic"].into_iter();
+                let name = names.filter_map(|key| text(table, key)).next();
+                let sign = name.map_or(1.0, |name| sign_of_name(name, &conversion));
+                of(value.signed(value.sign * sign), drive)
             }
             "optimise.constraints[]" => of(self.constraint(table, before, &conversion)?, fixed),
             _ => Ok(None),

@@ -83,31 +83,40 @@ impl Study {
         }
     }
 
-    /// Returns the text of the same study in other units and axes, with its comments. It needs no file of target curves. Errors name
-    /// the keys that cannot be converted.
-    pub fn in_units(&self, choice: &UnitChoice) -> Result<String, StudyErrors> {
+    /// Returns the text of the same study in other units and axes, with its comments. It needs no file of target curves. `name` is the
+    /// file name in messages. Errors name the keys that cannot be converted.
+    pub fn in_units(&self, name: &str, choice: &UnitChoice) -> Result<String, StudyErrors> {
         let from = self.units();
-        let source = source(&self.name, &self.text);
+        let source = source(name, &self.text);
         let to = applied(choice, from, &source, "suspension")?;
         if to.length == LengthUnit::InchPound && self.is_elastic() {
-            let message = "a study with elastic parts has forces in N: leave out --force-unit lbf";
+            let message = "a study with elastic parts cannot have forces in lbf";
             return Err(refusal(&source, &["suspension", "force_unit"], message));
         }
         // Entries of the text, which has target curves of other files inside, in the order of the resolved entries.
-        let study = Study::elastic_from_text(&self.name, &self.text, Path::new(""))?;
+        let study = Study::elastic_from_text(name, &self.text, Path::new(""))?;
         let conversion = Conversion::new(from, to, self.wheel().frame.meaning().1);
         let walk = Walk::new(Root::Suspension, Subject::Study(&study), [conversion; 2]);
         let text = walk.text(&source, |root| {
             let section = root.get_mut("suspension").and_then(Item::as_table_like_mut);
             if let Some(section) = section {
                 let force = [from, to].each(|units| units.length.force_symbol());
-                write_unit(section, "length_unit", [from, to].each(|own| own.length.symbol()));
+                write_unit(
+                    section,
+                    "length_unit",
+                    [from, to].each(|own| own.length.symbol()),
+                );
                 write_unit(section, "force_unit", force);
-                write_unit(section, "mass_unit", [from, to].each(|own| own.mass.symbol()));
+                write_unit(
+                    section,
+                    "mass_unit",
+                    [from, to].each(|own| own.mass.symbol()),
+                );
                 write_unit(section, "frame", [from, to].each(|own| own.frame.name()));
+                describe_axes(section, from.frame, to.frame);
             }
         })?;
-        Study::elastic_from_text(&self.name, &text, Path::new(""))?;
+        Study::elastic_from_text(name, &text, Path::new(""))?;
         Ok(text)
     }
 }
@@ -125,30 +134,40 @@ impl CarStudy {
         [car, front, rear]
     }
 
-    /// Returns the texts of the same car in other units and axes: the car, its front axle and its rear axle.
-    pub fn in_units(&self, choice: &UnitChoice) -> Result<[String; 3], StudyErrors> {
+    /// Returns the texts of the same car in other units and axes: the car, its front axle and its rear axle. `names` are their file
+    /// names in messages.
+    pub fn in_units(
+        &self,
+        names: [&str; 3],
+        choice: &UnitChoice,
+    ) -> Result<[String; 3], StudyErrors> {
+        let [name, of_front, of_rear] = names;
         let [front, rear] = [
-            self.axles[0].in_units(choice)?,
-            self.axles[1].in_units(choice)?,
+            self.axles[0].in_units(of_front, choice)?,
+            self.axles[1].in_units(of_rear, choice)?,
         ];
-        let source = source(&format!("{}.toml", self.name), &self.text);
-        let [from, of_front, of_rear] = self.units();
+        let source = source(name, &self.text);
+        let [from, front_units, rear_units] = self.units();
         let to = applied(choice, from, &source, "car")?;
-        let ends = [of_front, of_rear].map(|own| {
+        let ends = [front_units, rear_units].map(|own| {
             let to = applied(choice, own, &source, "car");
             to.map(|to| Conversion::new(own, to, crate::model::Side::Left))
         });
-        let [of_front, of_rear] = ends;
-        let walk = Walk::new(Root::Car, Subject::Car(self), [of_front?, of_rear?]);
+        let [first, second] = ends;
+        let walk = Walk::new(Root::Car, Subject::Car(self), [first?, second?]);
         // Masses of the car have a unit of their own.
         let walk = walk.with_masses(from.mass, to.mass);
         let text = walk.text(&source, |root| {
             let section = root.get_mut("car").and_then(Item::as_table_like_mut);
             if let Some(section) = section {
-                write_unit(section, "mass_unit", [from, to].each(|own| own.mass.symbol()));
+                write_unit(
+                    section,
+                    "mass_unit",
+                    [from, to].each(|own| own.mass.symbol()),
+                );
             }
         })?;
-        let axles = [("front", &front), ("rear", &rear)];
+        let axles = [(of_front, &front), (of_rear, &rear)];
         let axles = axles.map(|(name, text)| Study::from_text(name, text, Path::new("")));
         let [first, second] = axles;
         CarStudy::of_axles(&self.name, &text, [first?, second?])?;
@@ -170,16 +189,14 @@ fn applied(
     section: &str,
 ) -> Result<Units, StudyErrors> {
     let to = choice.applied(from);
-    to.map_err(|message| refusal(source, &[section], &message))
+    to.map_err(|message| refusal(source, &[section, "length_unit"], &message))
 }
 
 /// Error at a path of keys and indices.
 fn refusal(source: &Arc<Source>, path: &[&str], message: &str) -> StudyErrors {
     let mut problems = Problems::new(source.clone());
     problems.add(place_of(&source.text, path), message);
-    problems
-        .finish::<()>(None)
-        .expect_err("it has a problem")
+    problems.finish::<()>(None).expect_err("it has a problem")
 }
 
 /// Unit of masses that a section names.
@@ -202,5 +219,16 @@ fn write_unit(section: &mut dyn TableLike, key: &str, both: [&str; 2]) {
             *old = new;
         }
         None => _ = section.insert(key, Item::Value(new)),
+    }
+}
+
+/// Corrects the comment behind `frame` that states the directions of the axes.
+fn describe_axes(section: &mut dyn TableLike, from: FrameConvention, to: FrameConvention) {
+    let frame = section.get_mut("frame").and_then(Item::as_value_mut);
+    if let Some(decor) = frame.map(Value::decor_mut)
+        && let Some(comment) = decor.suffix().and_then(|suffix| suffix.as_str())
+    {
+        let new = comment.replace(from.directions(), to.directions());
+        decor.set_suffix(new);
     }
 }

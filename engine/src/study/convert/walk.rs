@@ -1,9 +1,9 @@
 //! Walks through the text of a study and converts its numbers.
 
 use super::super::error::{Problems, Source, StudyErrors};
+use super::super::place::place_of;
 use super::entry::{Before, Entry, Facts, Refused, Subject, unit_named};
 use super::scale::{Conversion, Measured, Scale, without_rounding};
-use super::super::place::place_of;
 use crate::model::{Axis, MassUnit};
 use hardpoint_study_file::dimension::{Dimension, Powers, Role, dimension, place_of_key};
 use hardpoint_study_file::schema::Root;

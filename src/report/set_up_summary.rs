@@ -1,14 +1,17 @@
 //! Result of a set-up: effects of the adjustments, instructions for a mechanic, and errors before and after rounding.
 
+mod effect;
+
 use super::table::{Cell, Column, Table};
 use super::text::counted;
-use super::{brief, ends_at, with_decimals};
-use crate::ask::{Unit, with_unit};
+use super::{brief, ends_at};
+use crate::ask::with_unit;
 use crate::assembly::{
     Aim, AssemblyError, BuildParameter, MissedTarget, PARTS_OF_A_TURN, SetUp, SetUpError, Static,
 };
 use crate::model::{Axis, LengthUnit, Suspension};
 use crate::study::{Adjustment, Increment, Setup, Study};
+use effect::{effect_in_words, effect_of_step};
 use serde::Serialize;
 
 /// Wheels of an axle to which a set-up applies.
@@ -242,15 +245,17 @@ impl SetUpSummary {
         table
     }
 
-    /// Table of instructions for a mechanic, one row per adjusted place.
-    pub fn instructions(&self) -> Table {
+    /// Table of instructions for a mechanic, one row per adjusted place. `has_effects` adds the effect of each step in words.
+    pub fn instructions(&self, has_effects: bool) -> Table {
         let amount = format!("computed {}", self.unit);
         let has_turns = self.adjustments.iter().any(|a| a.turns.is_some());
         let mut header = vec!["step".to_owned(), "adjustment".into(), "do".into(), amount];
         if has_turns {
             header.push("computed turns".to_owned());
         }
-        header.push("effect".to_owned());
+        if has_effects {
+            header.push("effect".to_owned());
+        }
         let mut table = Table::with_columns(header);
         for (number, a) in self.adjustments.iter().enumerate() {
             let mut row: Vec<Cell> = vec![(number + 1).into(), a.adjustment.as_str().into()];
@@ -259,8 +264,20 @@ impl SetUpSummary {
             if has_turns {
                 row.push(figure(a.turns));
             }
-            row.push(a.effect_in_words.as_str().into());
+            if has_effects {
+                row.push(a.effect_in_words.as_str().into());
+            }
             table.push_row(row);
+        }
+        table
+    }
+
+    /// Table of the effects of the steps in words, for the space beside a narrow table of instructions.
+    pub fn effects_of_steps(&self) -> Table {
+        let mut table = Table::new(["step", "effect"]);
+        for (number, a) in self.adjustments.iter().enumerate() {
+            let effect = Cell::from(a.effect_in_words.as_str());
+            table.push_row([Cell::from(number + 1), effect]);
         }
         table
     }
@@ -363,62 +380,6 @@ fn adjustment_record(
         after: after.iter().map(|v| finite(*v)).collect(),
         effect: Vec::new(),
         effect_in_words: String::new(),
-    }
-}
-
-/// Change of each static value in a step with its rounded amount. Without a set-up nothing changes.
-fn effect_of_step(found: &SetUp, place: usize) -> Vec<Option<f64>> {
-    let Some(after) = found.rounded_steps.get(place) else {
-        return vec![Some(0.0); found.statics.len()];
-    };
-    let before = match place.checked_sub(1) {
-        Some(previous) => &found.rounded_steps[previous],
-        None => &found.drawn,
-    };
-    let values = after.values.iter().zip(&before.values);
-    values
-        .map(|(after, before)| finite(after - before))
-        .collect()
-}
-
-/// Changes of static values in words, with the decimals that a mechanic can measure.
-fn effect_in_words(statics: &[Static], effect: &[Option<f64>], length: LengthUnit) -> String {
-    let change = |(value, change): (&Static, &Option<f64>)| {
-        let change = (*change)?;
-        let unit = value.unit();
-        let text = match unit {
-            Unit::Angle => with_decimals(change, 2),
-            Unit::Length => with_decimals(change, length_decimals(length)),
-            _ if change.abs() < 1e-9 => return None,
-            // Three digits of a rate.
-            _ => format!("{change:.2e}")
-                .parse()
-                .map_or_else(|_| brief(change), brief),
-        };
-        let is_visible = text.contains(|digit: char| ('1'..='9').contains(&digit));
-        let name = static_name(*value);
-        let sign = if change > 0.0 { "+" } else { "" };
-        let unit = unit.suffix(length).replace("_per_", "/").replace('_', " ");
-        is_visible.then(|| {
-            format!("{} {sign}{text} {unit}", name.replace('_', " "))
-                .trim_end()
-                .to_owned()
-        })
-    };
-    let changes: Vec<String> = statics.iter().zip(effect).filter_map(change).collect();
-    if changes.is_empty() {
-        "no visible change".to_owned()
-    } else {
-        changes.join(", ")
-    }
-}
-
-/// Decimals of a length to about a tenth of a millimetre.
-fn length_decimals(length: LengthUnit) -> usize {
-    match length {
-        LengthUnit::Millimetre => 1,
-        LengthUnit::Metre => 4,
-        LengthUnit::Inch | LengthUnit::InchPound => 3,
     }
 }
 
@@ -555,34 +516,7 @@ pub fn set_up_refusal(study: &Study, setup: &Setup, none: &SetUpError) -> String
 
 #[cfg(test)]
 mod tests {
-    use super::{effect_in_words, turns};
-    use crate::assembly::Static;
-    use crate::characteristics::Characteristic;
-    use crate::model::LengthUnit;
-
-    /// A mechanic reads signs, units and as many decimals as a gauge shows.
-    #[test]
-    fn effects_are_words_for_a_mechanic() {
-        let statics = [
-            Static::Characteristic(Characteristic::Camber),
-            Static::Characteristic(Characteristic::Toe),
-            Static::Characteristic(Characteristic::BumpSteer),
-            Static::RideHeightChange,
-        ];
-        let words = |effect: [f64; 4], unit| effect_in_words(&statics, &effect.map(Some), unit);
-        let mm = LengthUnit::Millimetre;
-        assert_eq!(
-            words([-0.4171, 0.0334, 0.000_123_4, 1.26], mm),
-            "camber -0.42 deg, toe +0.03 deg, bump steer +0.000123 deg/mm, ride height change +1.3 mm"
-        );
-        assert_eq!(
-            words([0.004, -0.0051, 1e-12, 0.05], LengthUnit::Inch),
-            "toe -0.01 deg, ride height change +0.050 in"
-        );
-        assert_eq!(words([0.0; 4], mm), "no visible change");
-        let unknown = effect_in_words(&statics, &[None, Some(0.5), None, None], mm);
-        assert_eq!(unknown, "toe +0.50 deg");
-    }
+    use super::turns;
 
     #[test]
     fn turns_are_reduced_sixteenths() {

@@ -30,7 +30,7 @@ pub fn set_up_page(wheels: &[SetUpSummary]) -> String {
         };
         let note = "Do the steps in this order. Amounts are rounded to values that a mechanic can \
                     set.";
-        sections.push(titled("Steps", note, summary.instructions().html()));
+        sections.push(titled("Steps", note, summary.instructions(true).html()));
         let results = summary.results();
         if !results.is_empty() {
             let note = "Allowed error: half a step of the shims, half a sixteenth of a turn of \

@@ -79,7 +79,7 @@ fn print(output: &Output, summary: &SetUpSummary) -> Result<(), Stop> {
         "\n{}, in this order (with rounded amounts)\n\n",
         title(summary, "Instructions")
     ))?;
-    output.text_only(&summary.instructions(false).text(width))?;
+    output.text_only(&summary.instructions().text(width))?;
     output.text_only("\neffect of each step, with rounded amounts\n\n")?;
     output.text_only(&summary.effects_of_steps().text(width))?;
     output.text_only("\nstatic values after each step, with computed amounts\n")?;

@@ -1,17 +1,16 @@
 //! Result of a set-up: effects of the adjustments, instructions for a mechanic, and errors before and after rounding.
 
 mod effect;
+mod instruction;
 
 use super::table::{Cell, Column, Table};
-use super::text::counted;
 use super::{brief, ends_at};
 use crate::ask::with_unit;
-use crate::assembly::{
-    Aim, AssemblyError, BuildParameter, MissedTarget, PARTS_OF_A_TURN, SetUp, SetUpError, Static,
-};
-use crate::model::{Axis, LengthUnit, Suspension};
+use crate::assembly::{Aim, AssemblyError, MissedTarget, SetUp, SetUpError, Static};
+use crate::model::LengthUnit;
 use crate::study::{Adjustment, Increment, Setup, Study};
 use effect::{effect_in_words, effect_of_step};
+use instruction::instruction;
 use serde::Serialize;
 
 /// Wheels of an axle to which a set-up applies.
@@ -245,16 +244,13 @@ impl SetUpSummary {
         table
     }
 
-    /// Table of instructions for a mechanic, one row per adjusted place. `has_effects` adds the effect of each step in words.
-    pub fn instructions(&self, has_effects: bool) -> Table {
+    /// Table of instructions for a mechanic, one row per adjusted place.
+    pub fn instructions(&self) -> Table {
         let amount = format!("computed {}", self.unit);
         let has_turns = self.adjustments.iter().any(|a| a.turns.is_some());
         let mut header = vec!["step".to_owned(), "adjustment".into(), "do".into(), amount];
         if has_turns {
             header.push("computed turns".to_owned());
-        }
-        if has_effects {
-            header.push("effect".to_owned());
         }
         let mut table = Table::with_columns(header);
         for (number, a) in self.adjustments.iter().enumerate() {
@@ -264,15 +260,12 @@ impl SetUpSummary {
             if has_turns {
                 row.push(figure(a.turns));
             }
-            if has_effects {
-                row.push(a.effect_in_words.as_str().into());
-            }
             table.push_row(row);
         }
         table
     }
 
-    /// Table of the effects of the steps in words, for the space beside a narrow table of instructions.
+    /// Table of the effects of the instructions in words, one row per step.
     pub fn effects_of_steps(&self) -> Table {
         let mut table = Table::new(["step", "effect"]);
         for (number, a) in self.adjustments.iter().enumerate() {
@@ -383,76 +376,6 @@ fn adjustment_record(
     }
 }
 
-/// Instruction for a mechanic, such as "shorten by 1 3/16 turns" or "move outboard by 3 shims: 1.5 mm". Directions refer to
-/// the vehicle, so they hold for both wheels and for any axes of the study.
-fn instruction(adjustment: &Adjustment, suspension: &Suspension, amount: f64) -> String {
-    let size = |amount: f64| {
-        // The amount is a multiple of a decimal step, so digits from rounding errors are removed.
-        let text = format!("{:.6}", amount.abs());
-        let text = text.trim_end_matches('0').trim_end_matches('.');
-        format!("{text} {}", suspension.length_unit.symbol())
-    };
-    if amount == 0.0 {
-        return "leave as it is".to_owned();
-    }
-    let verb = match adjustment.change.0 {
-        BuildParameter::Length(_) if amount > 0.0 => "lengthen".to_owned(),
-        BuildParameter::Length(_) => "shorten".to_owned(),
-        BuildParameter::Coordinate(id, axis) => {
-            let amount = suspension.frame.sign(axis) * amount;
-            format!(
-                "move {}",
-                direction(axis, amount, suspension.mechanism.is_single(id))
-            )
-        }
-    };
-    match adjustment.increment {
-        Increment::Thread { per_turn } => {
-            format!("{verb} by {}", turns((amount / per_turn).abs()))
-        }
-        Increment::Free => format!("{verb} by {}", size(amount)),
-        Increment::Shims { step } => {
-            let number = (amount / step).round().abs() as u64;
-            format!("{verb} by {}: {}", counted(number, "shim"), size(amount))
-        }
-    }
-}
-
-/// Direction of a displacement along an axis of the kernel's frame. A point that exists only once on a solid axle has its actual y.
-fn direction(axis: Axis, amount: f64, is_single: bool) -> &'static str {
-    match (axis, amount > 0.0) {
-        (Axis::Y, true) if is_single => "to the left",
-        (Axis::Y, false) if is_single => "to the right",
-        (Axis::X, true) => "forward",
-        (Axis::X, false) => "rearward",
-        (Axis::Y, true) => "outboard",
-        (Axis::Y, false) => "inboard",
-        (Axis::Z, true) => "up",
-        (Axis::Z, false) => "down",
-    }
-}
-
-/// Number of turns in sixteenths: "1/16 turn", "1 turn", "2 3/8 turns".
-fn turns(turns: f64) -> String {
-    let mut parts = (turns * PARTS_OF_A_TURN).round() as u64;
-    let mut of = PARTS_OF_A_TURN as u64;
-    let whole = parts / of;
-    parts %= of;
-    while parts > 0 && parts.is_multiple_of(2) {
-        (parts, of) = (parts / 2, of / 2);
-    }
-    let unit = if whole > 1 || (whole == 1 && parts > 0) {
-        "turns"
-    } else {
-        "turn"
-    };
-    match (whole, parts) {
-        (_, 0) => format!("{whole} {unit}"),
-        (0, _) => format!("{parts}/{of} {unit}"),
-        _ => format!("{whole} {parts}/{of} {unit}"),
-    }
-}
-
 /// Name of a static value with its unit.
 pub fn static_column(value: Static, length: LengthUnit) -> String {
     with_unit(static_name(value), &value.unit().suffix(length))
@@ -510,26 +433,6 @@ pub fn set_up_refusal(study: &Study, setup: &Setup, none: &SetUpError) -> String
         }
         SetUpError::Unsettled => {
             "the target values cannot be reached: the adjustments change none of them".to_owned()
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::turns;
-
-    #[test]
-    fn turns_are_reduced_sixteenths() {
-        let cases = [
-            (0.0625, "1/16 turn"),
-            (0.5, "1/2 turn"),
-            (1.0, "1 turn"),
-            (1.0625, "1 1/16 turns"),
-            (2.375, "2 3/8 turns"),
-            (3.0, "3 turns"),
-        ];
-        for (number, text) in cases {
-            assert_eq!(turns(number), text);
         }
     }
 }

@@ -4,7 +4,7 @@
 use super::escape::html;
 use crate::report::bands::BandRecord;
 use crate::report::chart::shortened;
-use crate::report::figure::brief;
+use crate::report::figure::{brief, with_minus_signs};
 use crate::report::tolerance_summary::{
     HistogramRecord, RankingRecord, ToleranceSummary, ValueRecord,
 };

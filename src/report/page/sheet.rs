@@ -30,7 +30,12 @@ pub fn set_up_page(wheels: &[SetUpSummary]) -> String {
         };
         let note = "Do the steps in this order. Amounts are rounded to values that a mechanic can \
                     set.";
-        sections.push(titled("Steps", note, summary.instructions(true).html()));
+        let effects = format!(
+            "<p class=\"note\">Effect of each step, with the rounded amount. The effects add up.</p><div class=\"causes\">{}</div>",
+            summary.effects_of_steps().html()
+        );
+        let steps = summary.instructions().html() + &effects;
+        sections.push(titled("Steps", note, steps));
         let results = summary.results();
         if !results.is_empty() {
             let note = "Allowed error: half a step of the shims, half a sixteenth of a turn of \

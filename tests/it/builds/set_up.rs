@@ -533,7 +533,7 @@ fn effects_of_the_steps_add_up_to_the_rounded_set_up() {
         "{words}: {}",
         shim.effect_in_words
     );
-    // Outboard at the upper ball joint leans the top of the wheel outboard.
-    let is_outboard = shim.instruction.starts_with("move outboard");
-    assert_eq!(is_outboard, change > 0.0, "{}", shim.instruction);
+    // The joint moves in the wheel carrier: inboard leans the top of the wheel outboard.
+    let is_inboard = shim.instruction.starts_with("move inboard");
+    assert_eq!(is_inboard, change > 0.0, "{}", shim.instruction);
 }

@@ -44,7 +44,9 @@ fn converted(file: &Path, options: &[&str], directory: &Path) -> PathBuf {
         directory.join(name)
     };
     let (study, out) = (file.to_str().unwrap(), out.to_str().unwrap());
-    done(&[&["convert", study, "--out", out], options].concat());
+    // A car writes its axles, which are studies themselves.
+    let base = ["convert", study, "--out", out, "--force"];
+    done(&[&base[..], options].concat());
     directory.join(name)
 }
 

@@ -43,12 +43,12 @@ fn sign(stem: &str, signs: [f64; 3]) -> f64 {
     if ["rack", "steer_by_rack", "caster_by_rack", "rack_force"].contains(&stem) {
         return signs[1];
     }
-    // Components: wheel_centre_y, wheel_centre_vy, wheel_centre_y_d1.
+    // Components: wheel_centre_y, wheel_centre_vy, wheel_centre_y_d1. The accelerations ax and ay of a car point forward and to the left.
     let mut words = stem.split('_').filter(|word| !["d1", "d2"].contains(word));
-    let last = words.next_back().unwrap_or_default();
-    let axis = ["x", "y", "z"]
-        .iter()
-        .position(|axis| [*axis, &format!("v{axis}"), &format!("a{axis}")].contains(&last));
+    let last = words.next_back().filter(|_| stem.contains('_'));
+    let axis = ["x", "y", "z"].iter().position(|axis| {
+        [*axis, &format!("v{axis}"), &format!("a{axis}")].contains(&last.unwrap_or_default())
+    });
     axis.map_or(1.0, |axis| signs[axis])
 }
 

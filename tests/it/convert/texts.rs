@@ -219,6 +219,8 @@ fn entries_are_converted_by_their_quantity() {
     // Steer by a displacement of the rack along +y: deg/mm to deg/m, with the other sign, so a lower limit becomes an upper one.
     assert_eq!(number("optimise.targets.1.at_most"), 500.0);
     assert!(at("optimise.targets.1").get("at_least").is_none());
+    let line = "{ figure = \"steer_by_rack\", tolerance = 10.0, at_most = 500.0 },";
+    assert!(new.contains(line), "{new}");
     assert_eq!(list("optimise.targets.2.between"), [-500.0, 200.0]);
     assert_eq!(number("optimise.targets.2.tolerance"), 10.0);
     assert_eq!(number("optimise.good_enough"), 0.5);

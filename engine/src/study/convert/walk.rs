@@ -2,6 +2,7 @@
 
 use super::super::error::{Problems, Source, StudyErrors};
 use super::super::place::place_of;
+use super::super::value_edit::append;
 use super::entry::{Before, Entry, Facts, Refused, Subject, unit_named};
 use super::scale::{Conversion, Measured, Scale, without_rounding};
 use crate::model::{Axis, MassUnit};
@@ -407,11 +408,19 @@ fn of_entry(value: &mut Value, role: Role, entry: &Entry) {
 /// Exchanges the lower and the upper limit of an entry.
 fn exchange_limits(table: &mut dyn TableLike) {
     const LIMITS: [&str; 2] = ["at_least", "at_most"];
-    let [lower, upper] = LIMITS.map(|key| table.get(key).cloned());
+    let [lower, upper] = LIMITS.map(|key| table.get(key)?.as_value().cloned());
     for (key, new) in LIMITS.into_iter().zip([upper, lower]) {
-        match new {
-            Some(new) => _ = table.insert(key, new),
-            None => _ = table.remove(key),
+        let Some(new) = new else {
+            table.remove(key);
+            continue;
+        };
+        match table.contains_key(key) {
+            true => {
+                if let Some(old) = table.get_mut(key).and_then(Item::as_value_mut) {
+                    put(old, new);
+                }
+            }
+            false => append(table, key, new),
         }
     }
 }

@@ -67,7 +67,7 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, Stop> {
     }
     let study = Study::read_elastic(&arguments.study, &arguments.set)?;
     let text = study.in_units(&arguments.study.display().to_string(), &choice)?;
-    let inputs = [&[arguments.study.clone()], &study.inputs[..]].concat();
+    let inputs = [std::slice::from_ref(&arguments.study), &study.inputs[..]].concat();
     match file_of_out(&arguments.out) {
         None => std::io::stdout().write_all(text.as_bytes())?,
         Some(out) => save(out, text.as_bytes(), arguments.force, &inputs)?,
@@ -96,8 +96,7 @@ fn car(arguments: &ConvertArguments, choice: &UnitChoice) -> Result<Exit, Stop> 
     let [own, of_front, of_rear] = names.each_ref().map(String::as_str);
     let text = car_with_axles(&text, of_front, of_rear);
     let files = [(own, &*text), (of_front, &*front), (of_rear, &*rear)];
-    let inputs = [&[arguments.study.clone()], &study.inputs[..]].concat();
-    save_all(directory, &files, arguments.force, &inputs)?;
+    save_all(directory, &files, arguments.force, &study.inputs)?;
     let new = CarStudy::read(&directory.join(own), &[])?;
     describe(&arguments.study, study.units()[0], new.units()[0]);
     Ok(Exit::Done)

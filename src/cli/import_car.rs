@@ -73,7 +73,7 @@ pub(super) fn run(
         directory,
         &files,
         arguments.force,
-        &[arguments.file.clone()],
+        std::slice::from_ref(&arguments.file),
     )?;
     note(&summary(&arguments.file, directory, &car));
     Ok(Exit::Done)

@@ -414,13 +414,10 @@ fn exchange_limits(table: &mut dyn TableLike) {
             table.remove(key);
             continue;
         };
-        match table.contains_key(key) {
-            true => {
-                if let Some(old) = table.get_mut(key).and_then(Item::as_value_mut) {
-                    put(old, new);
-                }
-            }
-            false => append(table, key, new),
+        if !table.contains_key(key) {
+            append(table, key, new);
+        } else if let Some(old) = table.get_mut(key).and_then(Item::as_value_mut) {
+            put(old, new);
         }
     }
 }

@@ -2,10 +2,10 @@
 
 use super::exit::{Exit, Stop};
 use super::import::{Answers, ImportArguments, Questions, listed, roles};
+use super::save::save_all;
 use super::terminal::note;
 use crate::exchange::{CAR_FILES, ImportOptions, ImportedCar, PointTable, import_car};
 use crate::model::{AxlePosition, Topology};
-use crate::results;
 use crate::study::CarStudy;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -67,36 +67,16 @@ pub(super) fn run(
         let rear = options(1, AxlePosition::Rear)?;
         import_car(table, [&front, &rear], &origin)
     })?;
-    write(directory, &car, arguments.force)?;
+    let files = CAR_FILES.iter().zip(&car.files);
+    let files: Vec<(&str, &str)> = files.map(|(name, text)| (*name, text.as_str())).collect();
+    save_all(
+        directory,
+        &files,
+        arguments.force,
+        std::slice::from_ref(&arguments.file),
+    )?;
     note(&summary(&arguments.file, directory, &car));
     Ok(Exit::Done)
-}
-
-/// Writes the three files. Writes none of them if one exists already.
-fn write(directory: &Path, car: &ImportedCar, force: bool) -> Result<(), Stop> {
-    let paths = CAR_FILES.map(|file| directory.join(file));
-    let taken = paths.iter().find(|path| path.exists());
-    if let Some(taken) = taken.filter(|_| !force) {
-        return Err(Stop::wrong_input(format!(
-            "{} already exists; --force replaces it",
-            taken.display()
-        )));
-    }
-    std::fs::create_dir_all(directory).map_err(|error| {
-        Stop::wrong_input(format!("cannot create {}: {error}", directory.display()))
-    })?;
-    let written = results::undivided(|| -> std::io::Result<()> {
-        for (path, text) in paths.iter().zip(&car.files) {
-            results::put(path, text.as_bytes())?;
-        }
-        Ok(())
-    });
-    written.map_err(|error| {
-        Stop::wrong_input(format!(
-            "cannot write into {}: {error}",
-            directory.display()
-        ))
-    })
 }
 
 fn summary(file: &Path, directory: &Path, car: &ImportedCar) -> String {

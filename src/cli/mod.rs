@@ -7,6 +7,7 @@ mod check;
 mod choices;
 mod compare;
 mod completions;
+mod convert;
 mod elastic;
 mod embedded;
 mod exit;
@@ -93,6 +94,8 @@ enum Command {
     Report(ReportArguments),
     /// Print a study of points from a table (.csv, .xlsx), JSON, YAML or an Adams/Car subsystem
     Import(import::ImportArguments),
+    /// Write a study in other units and axes, with its comments
+    Convert(convert::ConvertArguments),
     /// Export points and curves to other tools: CSV, XLSX, Adams/Car, OptimumKinematics, Assetto Corsa, CAD
     Export(export::ExportArguments),
     /// Compare curves, points and key values of two or more designs
@@ -432,6 +435,7 @@ fn carried_out(arguments: Arguments) -> Exit {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Report(arguments) => report::run(&arguments),
         Command::Import(arguments) => import::run(&arguments),
+        Command::Convert(arguments) => convert::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Studio(arguments) => studio::run(&arguments),

@@ -11,6 +11,40 @@ pub(super) fn file_of_out(out: &Option<PathBuf>) -> Option<&Path> {
 
 /// Writes a file completely or not at all. It replaces an existing file only with `--force`, and it never replaces an input.
 pub(super) fn save(out: &Path, bytes: &[u8], force: bool, inputs: &[PathBuf]) -> Result<(), Stop> {
+    check(out, force, inputs)?;
+    results::undivided(|| results::put(out, bytes))
+        .map_err(|error| Stop::wrong_input(format!("cannot write {}: {error}", out.display())))
+}
+
+/// Writes the files of a directory, or none of them if one exists already or is an input. Makes the directory.
+pub(super) fn save_all(
+    directory: &Path,
+    files: &[(&str, &str)],
+    force: bool,
+    inputs: &[PathBuf],
+) -> Result<(), Stop> {
+    for (name, _) in files {
+        check(&directory.join(name), force, inputs)?;
+    }
+    std::fs::create_dir_all(directory).map_err(|error| {
+        Stop::wrong_input(format!("cannot create {}: {error}", directory.display()))
+    })?;
+    let written = results::undivided(|| -> std::io::Result<()> {
+        for (name, text) in files {
+            results::put(&directory.join(name), text.as_bytes())?;
+        }
+        Ok(())
+    });
+    written.map_err(|error| {
+        Stop::wrong_input(format!(
+            "cannot write into {}: {error}",
+            directory.display()
+        ))
+    })
+}
+
+/// Refuses a file that is an input, or that exists and may not be replaced.
+fn check(out: &Path, force: bool, inputs: &[PathBuf]) -> Result<(), Stop> {
     if let Some(input) = inputs.iter().find(|input| are_one_file(input, out)) {
         return Err(Stop::wrong_input(format!(
             "{} is {}, an input of this command: no command replaces its input, not even with --force; give another file with --out",
@@ -24,8 +58,7 @@ pub(super) fn save(out: &Path, bytes: &[u8], force: bool, inputs: &[PathBuf]) ->
             out.display()
         )));
     }
-    results::undivided(|| results::put(out, bytes))
-        .map_err(|error| Stop::wrong_input(format!("cannot write {}: {error}", out.display())))
+    Ok(())
 }
 
 /// True if two paths lead to the same file: their canonical paths are equal, or they are links to the same data.

@@ -80,6 +80,8 @@ fn print(output: &Output, summary: &SetUpSummary) -> Result<(), Stop> {
         title(summary, "Instructions")
     ))?;
     output.text_only(&summary.instructions().text(width))?;
+    output.text_only("\neffect of each step, with rounded amounts\n\n")?;
+    output.text_only(&summary.effects_of_steps().text(width))?;
     output.text_only("\nstatic values after each step, with computed amounts\n")?;
     for table in summary.values_after_steps() {
         output.text_only(&format!("\n{}", table.text(width)))?;

@@ -5,7 +5,7 @@
 //! their names (`TEXT`) on `NAMES`.
 
 use super::outgoing::Outgoing;
-use crate::model::{FrameConvention, LengthUnit, PointId, RigidAxle, Side};
+use crate::model::{LengthUnit, PointId, RigidAxle, Side};
 use crate::number::Vector3;
 use crate::report::Scene;
 use std::fmt::Write;
@@ -22,15 +22,6 @@ pub fn drawing(outgoing: &Outgoing<'_>) -> Vec<u8> {
         drawing.wheel(outgoing, *side, &prefix);
     }
     drawing.file(outgoing).into_bytes()
-}
-
-/// Text with the directions of the axes of a convention.
-pub(super) fn axes(convention: FrameConvention) -> &'static str {
-    match convention {
-        FrameConvention::Iso8855 => "x forward, y left, z up",
-        FrameConvention::SaeJ670 => "x forward, y right, z down",
-        FrameConvention::XRear => "x rearward, y right, z up",
-    }
 }
 
 /// Height of the letters in the file's unit, equal to 6 mm.
@@ -139,7 +130,7 @@ impl Drawing {
 
     fn file(mut self, outgoing: &Outgoing<'_>) -> String {
         let (unit, convention) = (outgoing.unit.symbol(), outgoing.convention);
-        let (name, axes) = (convention.name(), axes(convention));
+        let (name, axes) = (convention.name(), convention.directions());
         let unit_and_frame = format!("unit {unit}; frame {name}: {axes}");
         let height = text_height(outgoing);
         self.text("UNIT_AND_FRAME", &unit_and_frame, [0.0; 3], height);

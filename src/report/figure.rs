@@ -94,6 +94,29 @@ pub(super) fn power_of_ten(power: i32) -> String {
     "10".chars().chain(digits.chars().map(raised)).collect()
 }
 
+/// Replaces the hyphens that are signs of numbers by minus signs, for pages. Hyphens within words, names and ranges stay.
+pub fn with_minus_signs(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    let mut before: [Option<char>; 2] = [None, None];
+    let mut rest = text.chars().peekable();
+    while let Some(c) = rest.next() {
+        let begins = match before[1] {
+            None => true,
+            // The power of ten of a number: 1e-9.
+            Some('e') => before[0].is_some_and(|digit| digit.is_ascii_digit()),
+            Some(other) => other.is_whitespace() || "([{,:;=\u{00b1}".contains(other),
+        };
+        let is_number = rest.peek().is_some_and(char::is_ascii_digit);
+        shown.push(if c == '-' && begins && is_number {
+            '\u{2212}'
+        } else {
+            c
+        });
+        before = [before[1], Some(c)];
+    }
+    shown
+}
+
 /// Formats with this number of decimals, without a negative zero.
 pub fn with_decimals(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
@@ -178,6 +201,32 @@ mod tests {
         assert_eq!(ends_at(-7.9999997, -8.0), "ends 3e-7 above -8");
         assert_eq!(ends_at(8.0 + 1e-12, 8.0), "reaches 8");
         assert_eq!(ends_at(0.0, 1e-7), "ends at 0, not 1e-7");
+    }
+
+    #[test]
+    fn signs_of_numbers_become_minus_signs_and_hyphens_stay() {
+        let same = [
+            "camber",
+            "four-link",
+            "2026-05-01",
+            "--round 0.5",
+            "a - b",
+            "front-2",
+            "-",
+        ];
+        for text in same {
+            assert_eq!(with_minus_signs(text), text);
+        }
+        for (text, shown) in [
+            ("-0.5", "\u{2212}0.5"),
+            ("1e-9", "1e\u{2212}9"),
+            ("-1.2e-7", "\u{2212}1.2e\u{2212}7"),
+            ("from -80 to 80", "from \u{2212}80 to 80"),
+            ("[-1.5, -2]", "[\u{2212}1.5, \u{2212}2]"),
+            ("toe-in -0.1 deg", "toe-in \u{2212}0.1 deg"),
+        ] {
+            assert_eq!(with_minus_signs(text), shown);
+        }
     }
 
     #[test]

@@ -65,7 +65,9 @@ pub use comparison::{
 pub use completeness::Completeness;
 pub use curve_table::CurveTable;
 pub use failures::FailureRange;
-pub use figure::{as_written, brief, ends_at, figure, figures, resolution, with_decimals};
+pub use figure::{
+    as_written, brief, ends_at, figure, figures, resolution, with_decimals, with_minus_signs,
+};
 pub use files::{curves_csv, history_csv, sensitivities_csv};
 pub use finished::{FinishedRun, NotARun};
 pub use fitted::FittedOffset;

@@ -1,14 +1,16 @@
 //! Result of a set-up: effects of the adjustments, instructions for a mechanic, and errors before and after rounding.
 
+mod effect;
+mod instruction;
+
 use super::table::{Cell, Column, Table};
-use super::text::counted;
 use super::{brief, ends_at};
 use crate::ask::with_unit;
-use crate::assembly::{
-    Aim, AssemblyError, BuildParameter, MissedTarget, PARTS_OF_A_TURN, SetUp, SetUpError, Static,
-};
-use crate::model::{Axis, LengthUnit, Suspension};
+use crate::assembly::{Aim, AssemblyError, MissedTarget, SetUp, SetUpError, Static};
+use crate::model::LengthUnit;
 use crate::study::{Adjustment, Increment, Setup, Study};
+use effect::{effect_in_words, effect_of_step};
+use instruction::instruction;
 use serde::Serialize;
 
 /// Wheels of an axle to which a set-up applies.
@@ -112,6 +114,10 @@ pub struct AdjustmentRecord {
     pub by_turn: Option<Vec<Option<f64>>>,
     /// Static values after this step, with the computed amounts.
     pub after: Vec<Option<f64>>,
+    /// Change of each static value in this step, with the rounded amount.
+    pub effect: Vec<Option<f64>>,
+    /// The changes in words, such as "camber -0.42 deg, toe +0.03 deg". Changes too small for a mechanic are left out.
+    pub effect_in_words: String,
 }
 
 impl SetUpSummary {
@@ -141,7 +147,12 @@ impl SetUpSummary {
             let adjustment = &setup.adjust[*k];
             let instruction =
                 instruction(adjustment, study.wheel(), found.rounded.amounts[*k] + 0.0);
-            adjustment_record(adjustment, *k, found, &after.values, instruction)
+            let effect = effect_of_step(found, place);
+            AdjustmentRecord {
+                effect_in_words: effect_in_words(&found.statics, &effect, length),
+                effect,
+                ..adjustment_record(adjustment, *k, found, &after.values, instruction)
+            }
         });
         SetUpSummary {
             study: study.name.clone(),
@@ -254,6 +265,16 @@ impl SetUpSummary {
         table
     }
 
+    /// Table of the effects of the instructions in words, one row per step.
+    pub fn effects_of_steps(&self) -> Table {
+        let mut table = Table::new(["step", "effect"]);
+        for (number, a) in self.adjustments.iter().enumerate() {
+            let effect = Cell::from(a.effect_in_words.as_str());
+            table.push_row([Cell::from(number + 1), effect]);
+        }
+        table
+    }
+
     /// Static values of the nominal design and after each step, with the computed amounts. Each table has only a few steps, so
     /// that no name needs a line break.
     pub fn values_after_steps(&self) -> Vec<Table> {
@@ -350,85 +371,22 @@ fn adjustment_record(
         by_length: by.iter().map(|v| finite(*v)).collect(),
         by_turn: turn.map(|turn| by.iter().map(|v| finite(v * turn)).collect()),
         after: after.iter().map(|v| finite(*v)).collect(),
-    }
-}
-
-/// Instruction for a mechanic, such as "shorten by 1 3/16 turns" or "move outboard by 3 shims: 1.5 mm". Directions refer to
-/// the vehicle, so they hold for both wheels and for any axes of the study.
-fn instruction(adjustment: &Adjustment, suspension: &Suspension, amount: f64) -> String {
-    let size = |amount: f64| {
-        // The amount is a multiple of a decimal step, so digits from rounding errors are removed.
-        let text = format!("{:.6}", amount.abs());
-        let text = text.trim_end_matches('0').trim_end_matches('.');
-        format!("{text} {}", suspension.length_unit.symbol())
-    };
-    if amount == 0.0 {
-        return "leave as it is".to_owned();
-    }
-    let verb = match adjustment.change.0 {
-        BuildParameter::Length(_) if amount > 0.0 => "lengthen".to_owned(),
-        BuildParameter::Length(_) => "shorten".to_owned(),
-        BuildParameter::Coordinate(id, axis) => {
-            let amount = suspension.frame.sign(axis) * amount;
-            format!(
-                "move {}",
-                direction(axis, amount, suspension.mechanism.is_single(id))
-            )
-        }
-    };
-    match adjustment.increment {
-        Increment::Thread { per_turn } => {
-            format!("{verb} by {}", turns((amount / per_turn).abs()))
-        }
-        Increment::Free => format!("{verb} by {}", size(amount)),
-        Increment::Shims { step } => {
-            let number = (amount / step).round().abs() as u64;
-            format!("{verb} by {}: {}", counted(number, "shim"), size(amount))
-        }
-    }
-}
-
-/// Direction of a displacement along an axis of the kernel's frame. A point that exists only once on a solid axle has its actual y.
-fn direction(axis: Axis, amount: f64, is_single: bool) -> &'static str {
-    match (axis, amount > 0.0) {
-        (Axis::Y, true) if is_single => "to the left",
-        (Axis::Y, false) if is_single => "to the right",
-        (Axis::X, true) => "forward",
-        (Axis::X, false) => "rearward",
-        (Axis::Y, true) => "outboard",
-        (Axis::Y, false) => "inboard",
-        (Axis::Z, true) => "up",
-        (Axis::Z, false) => "down",
-    }
-}
-
-/// Number of turns in sixteenths: "1/16 turn", "1 turn", "2 3/8 turns".
-fn turns(turns: f64) -> String {
-    let mut parts = (turns * PARTS_OF_A_TURN).round() as u64;
-    let mut of = PARTS_OF_A_TURN as u64;
-    let whole = parts / of;
-    parts %= of;
-    while parts > 0 && parts.is_multiple_of(2) {
-        (parts, of) = (parts / 2, of / 2);
-    }
-    let unit = if whole > 1 || (whole == 1 && parts > 0) {
-        "turns"
-    } else {
-        "turn"
-    };
-    match (whole, parts) {
-        (_, 0) => format!("{whole} {unit}"),
-        (0, _) => format!("{parts}/{of} {unit}"),
-        _ => format!("{whole} {parts}/{of} {unit}"),
+        effect: Vec::new(),
+        effect_in_words: String::new(),
     }
 }
 
 /// Name of a static value with its unit.
 pub fn static_column(value: Static, length: LengthUnit) -> String {
+    with_unit(static_name(value), &value.unit().suffix(length))
+}
+
+/// Name of a static value.
+fn static_name(value: Static) -> String {
     match value {
-        Static::Characteristic(c) => c.column(length),
-        Static::Axle(quantity) => with_unit(quantity.name(), &quantity.info().unit.suffix(length)),
-        Static::RideHeightChange => format!("ride_height_change_{}", length.symbol()),
+        Static::Characteristic(c) => c.info().name.to_owned(),
+        Static::Axle(quantity) => quantity.name(),
+        Static::RideHeightChange => "ride_height_change".to_owned(),
     }
 }
 
@@ -475,26 +433,6 @@ pub fn set_up_refusal(study: &Study, setup: &Setup, none: &SetUpError) -> String
         }
         SetUpError::Unsettled => {
             "the target values cannot be reached: the adjustments change none of them".to_owned()
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::turns;
-
-    #[test]
-    fn turns_are_reduced_sixteenths() {
-        let cases = [
-            (0.0625, "1/16 turn"),
-            (0.5, "1/2 turn"),
-            (1.0, "1 turn"),
-            (1.0625, "1 1/16 turns"),
-            (2.375, "2 3/8 turns"),
-            (3.0, "3 turns"),
-        ];
-        for (number, text) in cases {
-            assert_eq!(turns(number), text);
         }
     }
 }

@@ -13,6 +13,7 @@
 //! | [`error`] | errors with file, line, key and help |
 //! | [`names`] | look-up of names, and suggestions for misspelt ones |
 //! | [`source`] | texts from disk |
+//! | [`dimension`] | units and directions of every number |
 //! | [`schema`] | JSON schema of studies, derived from the reader itself |
 
 // This crate prints nothing; only commands print.
@@ -21,6 +22,7 @@
 
 pub mod bushing_file;
 pub mod car_file;
+pub mod dimension;
 pub mod error;
 pub mod file;
 pub mod names;

@@ -21,7 +21,8 @@ use crate::file::File;
 use book::{Book, manual};
 use serde::Deserialize;
 use serde_json::{Value, json};
-use source::{Kind, Notes, OFFERS, Place, Source, key_path};
+pub(crate) use source::key_path;
+use source::{Kind, Notes, OFFERS, Place, Source};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -150,6 +151,15 @@ fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
         notes.borrow_mut().offers = before;
     }
     (found, needed)
+}
+
+/// Places at which the reader accepts a number that is not a count.
+#[cfg(test)]
+pub(crate) fn number_places(root: Root) -> Vec<String> {
+    let (places, _) = places(root);
+    let is_number = |place: &Place| place.kinds.contains(&Kind::Number);
+    let numbers = places.into_iter().filter(|(_, place)| is_number(place));
+    numbers.map(|(path, _)| path).collect()
 }
 
 /// Sections and names of the keys of a study, in the order of their names.

@@ -14,6 +14,7 @@ mod car;
 mod certificate;
 mod command_line;
 mod compliance;
+mod convert;
 mod derivatives;
 mod effects;
 mod exchange;

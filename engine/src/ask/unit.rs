@@ -92,6 +92,38 @@ impl Unit {
         }
     }
 
+    /// Power of the study's unit of length in a value inside the program.
+    fn power_of_length(self) -> i32 {
+        match self {
+            Unit::Length
+            | Unit::LengthPerAngle
+            | Unit::LengthPerForce
+            | Unit::Torque
+            | Unit::TorquePerAngle => 1,
+            Unit::AnglePerLength
+            | Unit::AnglePerTorque
+            | Unit::ForcePerLength
+            | Unit::Stiffness => -1,
+            Unit::Angle
+            | Unit::AnglePerAngle
+            | Unit::Percent
+            | Unit::Ratio
+            | Unit::Force
+            | Unit::Frequency
+            | Unit::AnglePerForce
+            | Unit::AnglePerG => 0,
+        }
+    }
+
+    /// Converts a value printed for one study to the value printed for the same study in another unit of length.
+    pub fn reprinted(self, printed: f64, from: LengthUnit, to: LengthUnit) -> f64 {
+        let scale = to.convert(1.0, from).powi(self.power_of_length());
+        match self {
+            Unit::Length => to.convert(printed, from),
+            _ => printed * (scale * self.printed_factor(to) / self.printed_factor(from)),
+        }
+    }
+
     /// Converts a printed value to the program's units.
     pub fn from_printed(self, printed: f64, length: LengthUnit) -> f64 {
         match self {
@@ -126,6 +158,49 @@ mod tests {
         // 1 lbf ft is 1.3558179483314004 N m.
         let torque = Unit::Torque.from_printed(1.0, pounds) * 0.0254;
         assert!((torque - 1.355_817_948_331_400_4).abs() < 1e-15, "{torque}");
+    }
+
+    #[test]
+    fn printed_values_are_converted_between_units() {
+        let (mm, m, pounds) = (
+            LengthUnit::Millimetre,
+            LengthUnit::Metre,
+            LengthUnit::InchPound,
+        );
+        let cases = [
+            (Unit::Length, mm, pounds, 25.4, 1.0),
+            (Unit::AnglePerLength, mm, m, 0.02, 20.0),
+            (Unit::LengthPerAngle, m, mm, 0.003, 3.0),
+            (Unit::LengthPerForce, m, mm, 0.003, 3.0),
+            (Unit::Force, mm, pounds, 4.448_221_615_260_5, 1.0),
+            // 1 lbf/in is 0.175126835 N/mm, and 1 lbf ft is 1.3558179483314004 N m.
+            (
+                Unit::ForcePerLength,
+                mm,
+                pounds,
+                0.175_126_835_246_476_97,
+                1.0,
+            ),
+            (Unit::Torque, m, pounds, 1.355_817_948_331_400_4, 1.0),
+            (
+                Unit::TorquePerAngle,
+                mm,
+                pounds,
+                1.355_817_948_331_400_4,
+                1.0,
+            ),
+            // These are printed in the same unit for every study.
+            (Unit::Stiffness, mm, m, 150.0, 150.0),
+            (Unit::AnglePerTorque, mm, m, 0.4, 0.4),
+            (Unit::AnglePerForce, mm, pounds, 0.4, 0.4),
+            (Unit::Percent, mm, pounds, 55.0, 55.0),
+        ];
+        for (unit, from, to, before, after) in cases {
+            let there = unit.reprinted(before, from, to);
+            assert!((there - after).abs() < 4e-16 * after, "{unit:?} {there}");
+            let back = unit.reprinted(there, to, from);
+            assert!((back - before).abs() < 9e-16 * before, "{unit:?} {back}");
+        }
     }
 
     #[test]

@@ -57,7 +57,7 @@ pub(crate) use kc::{AxleFigure, Conditions, Here};
 pub use kc::{
     AxleKcRun, AxleVehicle, FIGURE_NAMES, FigureGradients, KcAxleState, KcFigure, KcGradient,
     KcLevel, KcOutcome, KcRun, KcState, KcStation, KcSubject, KcTest, KcValue, KcWheelState,
-    TestLoad, TestMode, TestPlace, quantities, sign_of_figure,
+    TestLoad, TestMode, TestPlace, follows_y_axis, quantities, sign_of_figure,
 };
 pub use law::Shape;
 pub use loads::WheelLoads;

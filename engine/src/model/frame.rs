@@ -104,6 +104,15 @@ impl FrameConvention {
     pub fn name(self) -> &'static str {
         ["iso8855", "sae_j670", "x_rear"][self as usize]
     }
+
+    /// Directions of the axes in words, as in the comments of templates.
+    pub fn directions(self) -> &'static str {
+        [
+            "x forward, y left, z up",
+            "x forward, y right, z down",
+            "x rearward, y right, z up",
+        ][self as usize]
+    }
 }
 
 /// The unit of masses in a study. Inside the program masses are in kilograms.

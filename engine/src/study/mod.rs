@@ -13,6 +13,7 @@ mod axle_targets;
 mod car;
 mod compliance;
 mod constraints;
+mod convert;
 mod curve_file;
 mod designs_file;
 mod edit;
@@ -56,6 +57,7 @@ pub use car::{
     CarBand, CarContributor, CarOptimise, CarStudy, CarSweep, CarTolerance, GgMap, TunedCar, edited,
 };
 pub use compliance::{AxleComplianceStudy, ComplianceStudy, NamedBushing, NamedParts};
+pub use convert::{UnitChoice, Units};
 pub use designs_file::DesignTable;
 pub use hardpoint_study_file::bushing_file;
 pub use hardpoint_study_file::error::{Source as FileText, StudyError, StudyErrors};

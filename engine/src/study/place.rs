@@ -1,7 +1,27 @@
 //! Finds the line of a study on which a key is written.
 
 use super::Study;
+use std::ops::Range;
 use toml_edit::{Document, Item};
+
+/// Byte range of the value at a path of keys and of indices in lists. If the text has no such value, it is the range of the longest
+/// part of the path that exists.
+pub(super) fn place_of(text: &str, path: &[&str]) -> Range<usize> {
+    let Ok(document) = Document::parse(text) else {
+        return 0..0;
+    };
+    let mut item = document.as_item();
+    let mut place = 0..0;
+    for step in path {
+        let element = step.parse::<usize>().ok().and_then(|at| item.get(at));
+        let Some(inner) = item.get(*step).or(element) else {
+            break;
+        };
+        item = inner;
+        place = item.span().unwrap_or(place);
+    }
+    place
+}
 
 impl Study {
     /// Line of the study's text, counted from 1, on which the value at a path of keys begins. For a section it is the line

@@ -107,6 +107,12 @@ fn set_key(table: &mut dyn TableLike, key: &str, value: Option<&Json>) -> Option
     if let Some(Item::Value(old)) = table.get_mut(key) {
         return replace(old, value);
     }
+    append(table, key, written(value)?);
+    Some(())
+}
+
+/// Adds a key at the end of a table. A comment behind the value stays.
+pub(super) fn append(table: &mut dyn TableLike, key: &str, mut new: Value) {
     // The space before the closing brace of an inline table belongs to its last value.
     let mut end = None;
     if let Some((_, Item::Value(last))) = table.iter_mut().last()
@@ -116,11 +122,13 @@ fn set_key(table: &mut dyn TableLike, key: &str, value: Option<&Json>) -> Option
         end = Some(suffix.to_owned());
         last.decor_mut().set_suffix("");
     }
-    let mut new = written(value)?;
+    let suffix = new.decor().suffix().and_then(|own| own.as_str());
+    let is_blank = suffix.is_none_or(|own| own.trim().is_empty());
     new.decor_mut().set_prefix(" ");
-    new.decor_mut().set_suffix(end.unwrap_or_default());
+    if is_blank {
+        new.decor_mut().set_suffix(end.unwrap_or_default());
+    }
     table.insert(key, Item::Value(new));
-    Some(())
 }
 
 /// Replaces a value. If old and new value have the same structure, the layout inside the value does not change either.

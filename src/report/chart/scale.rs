@@ -1,6 +1,6 @@
 //! Scale of an axis: converts values to lengths on the picture, and chooses round ticks.
 
-use crate::report::figure::power_of_ten;
+use crate::report::figure::{power_of_ten, with_minus_signs};
 
 /// Linear or logarithmic scale of an axis, with round ticks.
 #[derive(Clone, Debug, PartialEq)]
@@ -136,7 +136,7 @@ impl Scale {
                 } else {
                     value
                 };
-                let label = format!("{:.decimals$}", value / unit).replace('-', "\u{2212}");
+                let label = with_minus_signs(&format!("{:.decimals$}", value / unit));
                 (self.place(value), label)
             })
             .collect()

@@ -4,13 +4,14 @@ mod charts;
 mod views;
 
 use super::STYLE;
-use super::escape::html;
+use super::escape::{html, prose};
 use super::policy::policy;
 use crate::report::car::{CarCase, CarRecord, CarStateRecord};
 use crate::report::side_effects::is_visible;
 use crate::report::table::{Cell, Column, Table};
 use crate::report::{
     counted, figure, shown_side_effects, side_effects_in_words, side_effects_table, with_decimals,
+    with_minus_signs,
 };
 use crate::side_effects::SideEffect;
 
@@ -22,13 +23,14 @@ const WHEELS: [&str; 4] = ["front left", "front right", "rear left", "rear right
 
 /// Formats a number with the number of digits that is useful for people.
 fn shown(value: f64, unit: &str) -> String {
-    match unit {
+    let text = match unit {
         "N" | "lbf" => with_decimals(value, 0),
         "percent" | "mm" => with_decimals(value, 1),
         "deg" | "deg_per_g" | "in" | "tolerances" => with_decimals(value, 2),
         "m" => with_decimals(value, 4),
         _ => figure(value, unit),
-    }
+    };
+    with_minus_signs(&text)
 }
 
 /// Name of a load case for people.
@@ -50,7 +52,7 @@ pub fn car_page(record: &CarRecord) -> String {
     });
     let failures = record.cases.iter().filter_map(|case| {
         let reason = case.reason.as_ref()?;
-        Some(format!("<li>{}: {}</li>", titled(case), html(reason)))
+        Some(format!("<li>{}: {}</li>", titled(case), prose(reason)))
     });
     let failures: String = failures.collect();
     let failures = if failures.is_empty() {
@@ -63,7 +65,7 @@ pub fn car_page(record: &CarRecord) -> String {
     let remarks: String = record
         .remarks
         .iter()
-        .map(|remark| format!("<p class=\"note\">{}</p>", html(remark)))
+        .map(|remark| format!("<p class=\"note\">{}</p>", prose(remark)))
         .collect();
     let sections = [
         targets(record),
@@ -83,7 +85,7 @@ pub fn car_page(record: &CarRecord) -> String {
         heading = super::table::breakable(&record.study),
         style = style,
         about = html(&about(record)),
-        verdict = html(&verdict(record)),
+        verdict = prose(&verdict(record)),
         facts = facts.collect::<String>(),
         failures = failures,
         remarks = remarks,

@@ -1,5 +1,6 @@
 //! Escapes text from a study for a page, so that a name cannot act as a script.
 
+use crate::report::with_minus_signs;
 use serde::Serialize;
 
 /// Escapes text for the content or a quoted attribute of an HTML element.
@@ -18,6 +19,11 @@ pub(super) fn html(text: &str) -> String {
         }
     }
     escaped
+}
+
+/// Escapes a sentence with numbers. Its negative numbers get minus signs.
+pub(super) fn prose(text: &str) -> String {
+    html(&with_minus_signs(text))
 }
 
 /// Writes a value as JSON for a `script` element. Characters that could end the element or a line of script occur only within

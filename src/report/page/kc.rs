@@ -1,12 +1,12 @@
 //! The page of `kc` tests: key results, a chart of each load with its tests, and the results of every station. It has no script.
 
 use super::charts::Charts;
-use super::escape::html;
+use super::escape::prose;
 use super::sheet::{Section, sheet};
 use crate::compliance::{KcLevel, KcOutcome, KcTest, KcWheelState, TestLoad, TestMode};
-use crate::report::KcResults;
 use crate::report::chart::{Chart, Line, Quantity, Source};
 use crate::report::curve_table::CurveTable;
+use crate::report::{KcResults, with_minus_signs};
 
 /// Results in the verdict, in this order.
 const FIRST: [&str; 5] = [
@@ -56,7 +56,7 @@ pub fn kc_page(study: &str, results: &KcResults<'_>) -> String {
         });
     }
     let lines = |class: &str, lines: Vec<String>| -> String {
-        let line = |line: &String| format!("<p class=\"{class}\">{}</p>", html(line));
+        let line = |line: &String| format!("<p class=\"{class}\">{}</p>", prose(line));
         lines.iter().map(line).collect()
     };
     let remarks = lines("unmet", results.failures()) + &lines("note", results.warnings());
@@ -86,7 +86,7 @@ fn verdict(results: &KcResults<'_>) -> String {
     if shown.is_empty() {
         failed
     } else {
-        let mut figures = shown.join("; ").replace('-', "\u{2212}");
+        let mut figures = with_minus_signs(&shown.join("; "));
         figures[..1].make_ascii_uppercase();
         format!("{failed} {figures}.")
     }

@@ -1,7 +1,7 @@
 //! The page of a solve or an optimisation.
 
 use super::charts::{Charts, attribute};
-use super::escape::html;
+use super::escape::{html, prose};
 use super::opening::opening;
 use super::scatter::{contributors, distributions};
 use super::table::table;
@@ -330,7 +330,7 @@ fn failures(run: &Run) -> String {
             items += &format!(
                 "<li><b>{}</b>, {}</li>",
                 html(&design.label),
-                html(&stretch.to_string())
+                prose(&stretch.to_string())
             );
         }
     }
@@ -354,7 +354,7 @@ fn remarks(run: &Run) -> String {
     let of_design = |design: &DesignRecord| {
         let remarks = design.remarks.iter();
         let line =
-            |remark: &String| format!("<p><b>{}</b>, {}</p>", html(&design.label), html(remark));
+            |remark: &String| format!("<p><b>{}</b>, {}</p>", html(&design.label), prose(remark));
         remarks.map(line).collect::<String>()
     };
     run.record.designs.iter().map(of_design).collect()
@@ -395,7 +395,7 @@ fn missed(tuning: &TuningSummary) -> Vec<(&str, String)> {
 }
 
 fn missed_in_words(missed: &[(&str, String)]) -> String {
-    let item = |(column, by): &(&str, String)| format!("{}, by up to {}", html(column), html(by));
+    let item = |(column, by): &(&str, String)| format!("{}, by up to {}", html(column), prose(by));
     let items: Vec<String> = missed.iter().map(item).collect();
     if items.is_empty() {
         String::new()
@@ -433,7 +433,7 @@ fn tuning_sections(tuning: &TuningSummary, history: String, charts: &mut Charts)
         yields = tuning.yields.as_ref().map_or_else(String::new, |yields| {
             format!(
                 "<p class=\"note\">{}</p>{}",
-                html(&yields.headline()),
+                prose(&yields.headline()),
                 yields.table().html()
             )
         }),
@@ -448,7 +448,7 @@ fn side_effects(effects: &[SideEffect]) -> String {
     let flagged = |row: usize| effects[row].flagged.then_some("unmet");
     format!(
         r#"<p class="note">Side effects: changes that no target asks for; {}.</p>{}"#,
-        html(&words),
+        prose(&words),
         table(&side_effects_table(effects), flagged)
     )
 }
@@ -462,7 +462,7 @@ fn constraints(tuning: &TuningSummary) -> String {
         format!(r#"<p class="note">{about}</p>{}"#, table(&of, mark))
     });
     for remark in tuning.remarks() {
-        shown += &format!("<p>{}</p>", html(&remark));
+        shown += &format!("<p>{}</p>", prose(&remark));
     }
     shown
 }
@@ -489,7 +489,7 @@ fn tolerance_sections(tolerance: &ToleranceSummary) -> String {
         sections += &tolerance.ranking_table().html();
     }
     for line in tolerance.failures() {
-        sections += &format!("<p>{}</p>", html(&line));
+        sections += &format!("<p>{}</p>", prose(&line));
     }
     sections
 }

@@ -4,7 +4,7 @@
 use super::escape::html;
 use crate::report::bands::BandRecord;
 use crate::report::chart::shortened;
-use crate::report::figure::brief;
+use crate::report::figure::{brief, with_minus_signs};
 use crate::report::tolerance_summary::{
     HistogramRecord, RankingRecord, ToleranceSummary, ValueRecord,
 };
@@ -86,7 +86,7 @@ fn row(svg: &mut String, top: f64, band: &BandRecord, value: &ValueRecord) {
                 svg,
                 "<path class=\"limit\" d=\"M{place:.1} {top:.1}v{BAND}\"/><text class=\"small\" x=\"{place:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{}</text>",
                 top + BAND + 11.0,
-                brief(limit)
+                with_minus_signs(&brief(limit))
             );
         }
     }

@@ -1,6 +1,6 @@
 //! Pages without scripts: the steps of a set-up, and the limits of a mechanism.
 
-use super::escape::html;
+use super::escape::{html, prose};
 use super::policy::policy;
 use super::strips::{Strip, strips};
 use super::table::{breakable, table};
@@ -30,7 +30,12 @@ pub fn set_up_page(wheels: &[SetUpSummary]) -> String {
         };
         let note = "Do the steps in this order. Amounts are rounded to values that a mechanic can \
                     set.";
-        sections.push(titled("Steps", note, summary.instructions().html()));
+        let effects = format!(
+            "<p class=\"note\">Effect of each step, with the rounded amount. The effects add up.</p><div class=\"causes\">{}</div>",
+            summary.effects_of_steps().html()
+        );
+        let steps = summary.instructions().html() + &effects;
+        sections.push(titled("Steps", note, steps));
         let results = summary.results();
         if !results.is_empty() {
             let note = "Allowed error: half a step of the shims, half a sixteenth of a turn of \
@@ -41,7 +46,7 @@ pub fn set_up_page(wheels: &[SetUpSummary]) -> String {
                 .filter_map(|s| Some((s, s.wanted?, s.set_rounded?)))
                 .map(|(s, wanted, set)| {
                     let line = format!("{}: {} instead of {}", s.column, brief(set), brief(wanted));
-                    format!("<p class=\"unmet\">Not met: {}.</p>", html(&line))
+                    format!("<p class=\"unmet\">Not met: {}.</p>", prose(&line))
                 })
                 .collect();
             let drawn = strips(&wanted_strips(summary), "target values before and after");
@@ -110,9 +115,9 @@ pub fn limits_page(of: &LimitsSheet<'_>) -> String {
     let notes: String = of
         .notes
         .iter()
-        .map(|n| format!("<p>{}</p>", html(n)))
+        .map(|n| format!("<p>{}</p>", prose(n)))
         .collect();
-    let failed = |line: &String| format!("<p class=\"unmet\">{}</p>", html(line));
+    let failed = |line: &String| format!("<p class=\"unmet\">{}</p>", prose(line));
     let failures: String = of.failures.iter().map(failed).collect();
     let drawn = strips(&limit_strips(of), "ranges of the quantities");
     let section = Section {
@@ -160,8 +165,8 @@ pub(super) fn sheet(study: &str, kind: &str, verdict: &str, sections: &[Section]
     let section = |s: &Section| {
         format!(
             "<section><h2>{}</h2><p class=\"note\">{}</p>{}</section>\n",
-            html(&s.title),
-            html(&s.note),
+            prose(&s.title),
+            prose(&s.note),
             s.table
         )
     };
@@ -174,7 +179,7 @@ pub(super) fn sheet(study: &str, kind: &str, verdict: &str, sections: &[Section]
         style = style,
         kind = kind,
         version = env!("CARGO_PKG_VERSION"),
-        verdict = html(verdict),
+        verdict = prose(verdict),
         main = sections.iter().map(section).collect::<String>(),
     )
 }

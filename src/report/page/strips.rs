@@ -1,9 +1,9 @@
 //! Strips: pictures of one quantity on its own line and scale, with ranges, bands and values.
 
-use super::escape::html;
-use crate::report::brief;
+use super::escape::{html, prose};
 use crate::report::chart::Scale;
 use crate::report::chart::mark::{number, path};
+use crate::report::{brief, with_minus_signs};
 use std::fmt::Write;
 
 /// Width of the picture, equal to that of a chart.
@@ -65,7 +65,7 @@ fn draw(strip: &Strip, top: f64, svg: &mut String) {
             "<text class=\"{class}\" x=\"{}\" y=\"{}\" text-anchor=\"{anchor}\">{}</text>",
             number(x),
             number(y),
-            html(text)
+            prose(text)
         );
     };
     text(svg, "end", 8.0, top + 15.0, "start", &strip.title);
@@ -107,7 +107,7 @@ fn draw(strip: &Strip, top: f64, svg: &mut String) {
     let ends = strip.range.into_iter().chain(strip.range.and(strip.band));
     let mut taken: Vec<[f64; 2]> = Vec::new();
     for value in dots.chain(ends.flatten()) {
-        let words = brief(rounded(value, scale.high - scale.low)).replace('-', "\u{2212}");
+        let words = with_minus_signs(&brief(rounded(value, scale.high - scale.low)));
         let half = DIGIT * words.chars().count() as f64 / 2.0;
         let x = at(value).clamp(half + EDGE, WIDTH - half - EDGE);
         let place = [x - half - DIGIT / 2.0, x + half + DIGIT / 2.0];

@@ -2,6 +2,7 @@
 
 use super::escape::html;
 use crate::report::table::{Cell, Table};
+use crate::report::with_minus_signs;
 
 /// Table as HTML. Each row gets the class that `class` returns for it.
 pub(super) fn table(table: &Table, class: impl Fn(usize) -> Option<&'static str>) -> String {
@@ -57,7 +58,10 @@ fn cell(cell: &Cell) -> String {
     } else {
         ""
     };
-    format!("<td{class}>{}</td>", breakable(cell.text()))
+    format!(
+        "<td{class}>{}</td>",
+        breakable(&with_minus_signs(cell.text()))
+    )
 }
 
 /// Text as HTML. On a narrow page, a name may break after its underscores.

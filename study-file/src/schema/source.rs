@@ -118,7 +118,7 @@ impl<'a> Source<'a> {
 }
 
 /// Place of a key in the table at a place.
-pub(super) fn key_path(table: &str, key: &str) -> String {
+pub(crate) fn key_path(table: &str, key: &str) -> String {
     match table {
         "" => key.to_owned(),
         _ => format!("{table}.{key}"),

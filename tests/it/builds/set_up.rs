@@ -456,6 +456,14 @@ fn rounded_amounts_are_reported_as_they_assemble() {
             let off = found.rounded.amounts[k] - found.last().amounts[k];
             assert!(off.abs() <= half + 1e-12, "{k} {off}");
         }
+        // The steps are these amounts, set one after another.
+        for (place, step) in found.rounded_steps.iter().enumerate() {
+            let done = &found.order[..=place];
+            for (k, amount) in found.rounded.amounts.iter().enumerate() {
+                let expected = if done.contains(&k) { *amount } else { 0.0 };
+                assert_eq!(step.amounts[k], expected, "{place} {k}");
+            }
+        }
         let mut parts = assembler.drawn().clone();
         let mechanism = &assembler.suspension().mechanism;
         parts.change(mechanism, parameter(&assembler, "pushrod", None), pushrod);
@@ -485,4 +493,47 @@ fn rounded_amounts_are_reported_as_they_assemble() {
             assert!((value - reported).abs() < 1e-10, "{value} {reported}");
         }
     }
+}
+
+/// The effects of the steps add up to the change from the nominal design to the rounded set-up, and the words state them.
+#[test]
+fn effects_of_the_steps_add_up_to_the_rounded_set_up() {
+    let study = study("double_wishbone_tolerance", &[]);
+    let found = hardpoint::set_up::set_up(&study, study.setup.as_ref().unwrap());
+    let found = found.unwrap_or_else(|refusal| panic!("{}", refusal.reason()));
+    let [summary] = &found.wheels[..] else {
+        panic!("one wheel")
+    };
+    for (k, value) in summary.statics.iter().enumerate() {
+        let effects = summary
+            .adjustments
+            .iter()
+            .map(|step| step.effect[k].unwrap());
+        let change = value.set_rounded.unwrap() - value.drawn.unwrap();
+        let sum: f64 = effects.sum();
+        assert!(
+            (sum - change).abs() < 1e-12,
+            "{}: {sum} {change}",
+            value.column
+        );
+    }
+    let camber = summary
+        .statics
+        .iter()
+        .position(|value| value.column == "camber_deg");
+    let shim = summary
+        .adjustments
+        .iter()
+        .find(|step| step.shims.is_some())
+        .unwrap();
+    let change = shim.effect[camber.unwrap()].unwrap();
+    let words = format!("camber {change:+.2} deg");
+    assert!(
+        shim.effect_in_words.contains(&words),
+        "{words}: {}",
+        shim.effect_in_words
+    );
+    // The joint moves in the wheel carrier: inboard leans the top of the wheel outboard.
+    let is_inboard = shim.instruction.starts_with("move inboard");
+    assert_eq!(is_inboard, change > 0.0, "{}", shim.instruction);
 }

@@ -178,6 +178,8 @@ pub struct SetUp {
     pub steps: Vec<AdjustedSuspension>,
     /// State with amounts that a mechanic can set: whole shims, sixteenths of turns, hundredths of a millimetre.
     pub rounded: AdjustedSuspension,
+    /// State after each adjustment with these amounts, in the same order. The last one is [`SetUp::rounded`].
+    pub rounded_steps: Vec<AdjustedSuspension>,
     /// Allowed error of each value: the effect of half a step of each shim.
     pub allowed: Vec<f64>,
     /// Allowed error of each value after rounding: it also includes half a sixteenth of a turn of each thread.
@@ -256,22 +258,27 @@ impl SetUp {
             return Err(SetUpError::Absurd { adjustment, amount });
         }
         let order = problem.order(&drawn);
-        let mut amounts = vec![0.0; order.len()];
-        let mut steps = Vec::with_capacity(order.len());
-        for adjustment in &order {
-            amounts[*adjustment] = state.amounts[*adjustment];
-            steps.push(problem.state(&amounts)?);
-        }
+        let after_each = |amounts: &[f64]| -> Result<Vec<AdjustedSuspension>, SetUpError> {
+            let mut set = vec![0.0; order.len()];
+            let step = |adjustment: &usize| {
+                set[*adjustment] = amounts[*adjustment];
+                problem.state(&set)
+            };
+            order.iter().map(step).collect()
+        };
+        let steps = after_each(&state.amounts)?;
         let increments = setup.adjust.iter().map(|a| a.increment);
         let rounded: Vec<f64> = increments
             .zip(&state.amounts)
             .map(|(increment, amount)| problem.rounded(increment, *amount))
             .collect();
+        let rounded_steps = after_each(&rounded)?;
         let allowed = problem.half_steps(&levels, &state);
         Ok(SetUp {
             allowed_rounded: problem.with_half_turns(&allowed, &state),
             allowed,
-            rounded: problem.state(&rounded)?,
+            rounded: rounded_steps.last().unwrap_or(&drawn).clone(),
+            rounded_steps,
             drawn,
             order,
             steps,
@@ -301,6 +308,7 @@ impl SetUp {
             rounded: drawn.clone(),
             order: problem.order(&drawn),
             steps: Vec::new(),
+            rounded_steps: Vec::new(),
             drawn,
             statics: problem.statics,
             aims: problem.aims,

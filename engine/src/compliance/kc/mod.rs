@@ -14,7 +14,7 @@ mod test;
 pub(crate) use axle::{AxleFigure, Conditions, Here};
 pub use axle::{AxleKcRun, AxleVehicle, FigureGradients};
 pub use gradients::{KcGradient, KcValue};
-pub use names::{FIGURE_NAMES, sign_of_figure};
+pub use names::{FIGURE_NAMES, follows_y_axis, sign_of_figure};
 pub use test::{KcTest, TestLoad, TestMode, TestPlace};
 
 use super::definition::Compliance;

@@ -48,6 +48,14 @@ pub const FIGURE_NAMES: &[&str] = &[
     "compliant_wheel_rate",
 ];
 
+/// Beginnings of the names of figures whose sign follows the study's y axis: they are by a displacement of the rack, or forces along it.
+const ALONG_Y: [&str; 3] = ["steer_by_rack", "caster_by_rack", "rack_force"];
+
+/// Returns true for a figure that changes its sign if the study's y axis points to the other side.
+pub fn follows_y_axis(figure: &str) -> bool {
+    ALONG_Y.iter().any(|start| figure.starts_with(start))
+}
+
 /// Beginnings and parts of the names of figures, each with the meaning of a positive value. The first one that a name contains
 /// counts.
 const SIGNS: &[(&str, &str)] = &[

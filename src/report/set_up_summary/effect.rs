@@ -1,0 +1,98 @@
+//! Effect of a step of a set-up: numbers, and words for a mechanic.
+
+use crate::ask::Unit;
+use crate::assembly::{SetUp, Static};
+use crate::model::LengthUnit;
+use crate::report::{brief, with_decimals};
+
+/// Change of each static value in a step with its rounded amount. Without a set-up nothing changes.
+pub(super) fn effect_of_step(found: &SetUp, place: usize) -> Vec<Option<f64>> {
+    let Some(after) = found.rounded_steps.get(place) else {
+        return vec![Some(0.0); found.statics.len()];
+    };
+    let before = match place.checked_sub(1) {
+        Some(previous) => &found.rounded_steps[previous],
+        None => &found.drawn,
+    };
+    let values = after.values.iter().zip(&before.values);
+    values
+        .map(|(after, before)| super::finite(after - before))
+        .collect()
+}
+
+/// Changes of static values in words, with the decimals that a mechanic can measure.
+pub(super) fn effect_in_words(
+    statics: &[Static],
+    effect: &[Option<f64>],
+    length: LengthUnit,
+) -> String {
+    let change = |(value, change): (&Static, &Option<f64>)| {
+        let change = (*change)?;
+        let unit = value.unit();
+        let text = match unit {
+            Unit::Angle => with_decimals(change, 2),
+            Unit::Length => with_decimals(change, length_decimals(length)),
+            _ if change.abs() < 1e-9 => return None,
+            // Three digits of a rate.
+            _ => format!("{change:.2e}")
+                .parse()
+                .map_or_else(|_| brief(change), brief),
+        };
+        let is_visible = text.contains(|digit: char| ('1'..='9').contains(&digit));
+        let name = super::static_name(*value);
+        let sign = if change > 0.0 { "+" } else { "" };
+        let unit = unit.suffix(length).replace("_per_", "/").replace('_', " ");
+        is_visible.then(|| {
+            format!("{} {sign}{text} {unit}", name.replace('_', " "))
+                .trim_end()
+                .to_owned()
+        })
+    };
+    let changes: Vec<String> = statics.iter().zip(effect).filter_map(change).collect();
+    if changes.is_empty() {
+        "no visible change".to_owned()
+    } else {
+        changes.join(", ")
+    }
+}
+
+/// Decimals of a length to about a tenth of a millimetre.
+fn length_decimals(length: LengthUnit) -> usize {
+    match length {
+        LengthUnit::Millimetre => 1,
+        LengthUnit::Metre => 4,
+        LengthUnit::Inch | LengthUnit::InchPound => 3,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::effect_in_words;
+    use crate::assembly::Static;
+    use crate::characteristics::Characteristic;
+    use crate::model::LengthUnit;
+
+    /// A mechanic reads signs, units and as many decimals as a gauge shows.
+    #[test]
+    fn effects_are_words_for_a_mechanic() {
+        let statics = [
+            Static::Characteristic(Characteristic::Camber),
+            Static::Characteristic(Characteristic::Toe),
+            Static::Characteristic(Characteristic::BumpSteer),
+            Static::RideHeightChange,
+        ];
+        let words = |effect: [f64; 4], unit| effect_in_words(&statics, &effect.map(Some), unit);
+        let mm = LengthUnit::Millimetre;
+        assert_eq!(
+            words([-0.4171, 0.0334, 0.000_123_4, 1.26], mm),
+            "camber -0.42 deg, toe +0.03 deg, bump steer +0.000123 deg/mm, ride height change +1.3 mm"
+        );
+        assert_eq!(
+            words([0.004, -0.0051, 1e-12, 0.05], LengthUnit::Inch),
+            "toe -0.01 deg, ride height change +0.050 in"
+        );
+        assert_eq!(words([0.0; 4], mm), "no visible change");
+        let unknown = effect_in_words(&statics, &[None, Some(0.5), None, None], mm);
+        assert_eq!(unknown, "toe +0.50 deg");
+    }
+}

@@ -1,0 +1,312 @@
+//! Texts of converted studies: numbers, comments and errors.
+
+use super::{INCHES, METRES, ROOT, converted, is_elastic, run, studies};
+use hardpoint::study::Study;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+/// Numbers of a study by their path, and everything else as text.
+fn leaves(value: &toml::Value, path: &str, into: &mut BTreeMap<String, Result<f64, String>>) {
+    match value {
+        toml::Value::Table(table) => {
+            for (key, value) in table {
+                leaves(value, &format!("{path}.{key}"), into);
+            }
+        }
+        toml::Value::Array(list) => {
+            for (index, value) in list.iter().enumerate() {
+                leaves(value, &format!("{path}[{index}]"), into);
+            }
+        }
+        toml::Value::Float(number) => _ = into.insert(path.to_owned(), Ok(*number)),
+        toml::Value::Integer(number) => _ = into.insert(path.to_owned(), Ok(*number as f64)),
+        other => _ = into.insert(path.to_owned(), Err(other.to_string())),
+    }
+}
+
+fn numbers(text: &str) -> BTreeMap<String, Result<f64, String>> {
+    let mut found = BTreeMap::new();
+    leaves(&text.parse::<toml::Table>().unwrap().into(), "", &mut found);
+    let units = ["length_unit", "force_unit", "mass_unit", "frame"];
+    found.retain(|path, _| !units.iter().any(|unit| path.ends_with(unit)));
+    found
+}
+
+fn assert_same_numbers(label: &str, old: &str, new: &str) {
+    let (old, new) = (numbers(old), numbers(new));
+    assert_eq!(
+        old.keys().collect::<Vec<_>>(),
+        new.keys().collect::<Vec<_>>(),
+        "{label}"
+    );
+    for (path, value) in &old {
+        match (value, &new[path]) {
+            (Ok(one), Ok(other)) => {
+                let error = (one - other).abs();
+                // Two roundings of each conversion.
+                assert!(
+                    error <= 8.0 * f64::EPSILON * one.abs(),
+                    "{label} {path}: {one} {other}"
+                );
+            }
+            (one, other) => assert_eq!(one, other, "{label} {path}"),
+        }
+    }
+}
+
+/// A conversion and its inverse give the same numbers, and keep all comments.
+#[test]
+fn there_and_back_gives_the_numbers_of_every_sample_study() {
+    let directory = tempfile::tempdir().unwrap();
+    let back = [
+        "--unit",
+        "mm",
+        "--force-unit",
+        "N",
+        "--mass-unit",
+        "kg",
+        "--frame",
+        "iso8855",
+    ];
+    for file in studies() {
+        let text = fs::read_to_string(&file).unwrap();
+        // The axles of a car are converted with it. Attia's study is in metres.
+        if text.contains("length_unit = \"m\"") {
+            continue;
+        }
+        let forces: &[&str] = if is_elastic(&file) {
+            &["--mass-unit", "lb"]
+        } else {
+            &["--mass-unit", "lb", "--force-unit", "lbf"]
+        };
+        let options = [&INCHES[..], forces].concat();
+        let there = converted(&file, &options, &directory.path().join("there"));
+        let new = converted(&there, &back, &directory.path().join("back"));
+        let (new, there) = (
+            fs::read_to_string(new).unwrap(),
+            fs::read_to_string(there).unwrap(),
+        );
+        assert_same_numbers(file.to_str().unwrap(), &text, &new);
+        assert!(numbers(&there) != numbers(&text), "{}", file.display());
+        let comments = |text: &str| text.matches('#').count();
+        assert_eq!(comments(&text), comments(&there), "{}", file.display());
+    }
+}
+
+/// A study with entries that no sample has: components along axes, forces, rates, and limits on one side.
+const ENTRIES: &str = r#"
+[compliance]
+relaxed = "free"
+tests = [
+  { load = "lateral", trail = 30.0, window = 500.0 },
+  { load = "aligning", window = 50000.0 },
+  { load = "steering" },
+]
+
+[bushings.lower_arm_front]
+stiffness = [800.0, 9000.0, 9000.0, 2.0e4, 1.0e6, 1.0e6]
+cubic = [8.0, 90.0, 90.0, 0.0, 0.0, 0.0]
+preload = [1.0, 2.0, 3.0, 400.0, 500.0, 600.0]
+x_axis = [1.0, 0.25, 0.5]
+
+[bushings.lower_arm_rear]
+stiffness = [0.0, 9000.0, 9000.0, 2.0e4, 1.0e6, 1.0e6]
+fx = [[-2.0, -3000.0], [0.0, 0.0], [2.0, 2500.0]]
+
+[links.tie_rod]
+modulus = 210000.0
+area = 120.0
+
+[optimise]
+good_enough = 0.5
+variables = [
+  { hardpoint = "tie_rod_inner", axis = "y", range = [-5.0, 8.0] },
+  { hardpoint = "tie_rod_outer", direction = [0.0, 0.6, 0.8], range = [-4.0, 6.0] },
+  { bushing = "lower_arm_front", stiffness = "ty", range = [5.0e5, 2.0e6] },
+  { bushing = "lower_arm_front", stiffness = "y", range = [0.5, 2.0], relative = true },
+  { link = "tie_rod", range = [2.0e7, 3.0e7] },
+]
+targets = [
+  { figure = "toe_by_lateral_force_trail_30", value = 0.1, tolerance = 0.01 },
+  { figure = "steer_by_rack", at_least = -0.5, tolerance = 0.01 },
+  { figure = "steer_by_rack", between = [-0.2, 0.5], tolerance = 0.01 },
+]
+"#;
+
+/// Text of the sample study of a wheel with other sections in place of its own elastic parts.
+fn elastic_study() -> String {
+    let text = fs::read_to_string(Path::new(ROOT).join("studies/double_wishbone_compliance.toml"));
+    let text = text.unwrap();
+    let end = text.find("\n[compliance]").unwrap();
+    text[..end].to_owned() + ENTRIES
+}
+
+fn text_in(text: &str, options: &[&str]) -> (u8, String, String) {
+    let directory = tempfile::tempdir().unwrap();
+    let (old, new) = (
+        directory.path().join("old.toml"),
+        directory.path().join("new.toml"),
+    );
+    fs::write(&old, text).unwrap();
+    let base = [
+        "convert",
+        old.to_str().unwrap(),
+        "--out",
+        new.to_str().unwrap(),
+    ];
+    let (code, said) = run(&[&base[..], options].concat());
+    (code, said, fs::read_to_string(new).unwrap_or_default())
+}
+
+#[test]
+fn entries_are_converted_by_their_quantity() {
+    let text = elastic_study();
+    Study::elastic_from_text("old.toml", &text, Path::new("")).unwrap();
+    let (code, said, new) = text_in(&text, &METRES);
+    assert_eq!(code, 0, "{said}");
+    let value: toml::Table = new.parse().unwrap();
+    let at = |path: &str| {
+        let root = toml::Value::from(value.clone());
+        let step = |own: toml::Value, key: &str| match key.parse::<usize>() {
+            Ok(index) => own[index].clone(),
+            Err(_) => own[key].clone(),
+        };
+        path.split('.').fold(root, step)
+    };
+    let list = |path: &str| -> Vec<f64> {
+        let list = at(path);
+        list.as_array()
+            .unwrap()
+            .iter()
+            .map(|n| n.as_float().unwrap())
+            .collect()
+    };
+    let number = |path: &str| at(path).as_float().unwrap();
+    assert_eq!(number("compliance.tests.0.trail"), 0.03);
+    assert_eq!(number("compliance.tests.0.window"), 500.0);
+    // 50000 N mm are 50 N m.
+    assert_eq!(number("compliance.tests.1.window"), 50.0);
+    let front = "bushings.lower_arm_front";
+    assert_eq!(
+        list(&format!("{front}.stiffness")),
+        [8e5, 9e6, 9e6, 20.0, 1000.0, 1000.0]
+    );
+    // N/mm3 to N/m3.
+    assert_eq!(list(&format!("{front}.cubic"))[..3], [8e9, 9e10, 9e10]);
+    assert_eq!(
+        list(&format!("{front}.preload")),
+        [1.0, 2.0, 3.0, 0.4, 0.5, 0.6]
+    );
+    assert_eq!(list(&format!("{front}.x_axis")), [-1.0, -0.25, 0.5]);
+    assert_eq!(list("bushings.lower_arm_rear.fx.2"), [0.002, 2500.0]);
+    // N/mm2 to N/m2, and mm2 to m2.
+    assert_eq!(number("links.tie_rod.modulus"), 2.1e11);
+    assert_eq!(number("links.tie_rod.area"), 1.2e-4);
+    // The y axis points to the other side, so the ends of the range change places.
+    assert_eq!(list("optimise.variables.0.range"), [-0.008, 0.005]);
+    // A direction turns with the axes, so its range does not.
+    assert_eq!(list("optimise.variables.1.direction"), [0.0, -0.6, 0.8]);
+    assert_eq!(list("optimise.variables.1.range"), [-0.004, 0.006]);
+    assert_eq!(list("optimise.variables.2.range"), [500.0, 2000.0]);
+    assert_eq!(list("optimise.variables.3.range"), [0.5, 2.0]);
+    assert_eq!(list("optimise.variables.4.range"), [2e7, 3e7]);
+    // Names of figures contain the trail.
+    assert_eq!(
+        at("optimise.targets.0.figure").as_str(),
+        Some("toe_by_lateral_force_trail_0.03")
+    );
+    // Steer by a displacement of the rack along +y: deg/mm to deg/m, with the other sign, so a lower limit becomes an upper one.
+    assert_eq!(number("optimise.targets.1.at_most"), 500.0);
+    assert!(at("optimise.targets.1").get("at_least").is_none());
+    let line = "{ figure = \"steer_by_rack\", tolerance = 10.0, at_most = 500.0 },";
+    assert!(new.contains(line), "{new}");
+    assert_eq!(list("optimise.targets.2.between"), [-500.0, 200.0]);
+    assert_eq!(number("optimise.targets.2.tolerance"), 10.0);
+    assert_eq!(number("optimise.good_enough"), 0.5);
+}
+
+#[test]
+fn a_key_that_cannot_be_converted_is_named_with_its_line() {
+    let macpherson = fs::read_to_string(Path::new(ROOT).join("studies/macpherson_solve.toml"));
+    let macpherson = macpherson.unwrap();
+    let scatter = "\n[tolerance]\nscatter = [\n  { hardpoint = \"tie_rod_inner\", limits = [-0.1, 0.3] },\n]\n";
+    let tolerance = format!("{macpherson}{scatter}");
+    let line = 1 + tolerance[..tolerance.find("limits").unwrap()]
+        .matches('\n')
+        .count();
+    let designs = format!("{macpherson}\n[sweep]\ndesigns = \"designs.csv\"\n");
+    let cases: [(&str, &[&str], &[&str]); 5] = [
+        (
+            &tolerance,
+            &METRES,
+            &[
+                "tolerance.scatter[0].limits",
+                &format!("old.toml:{line}:"),
+                "axis",
+            ],
+        ),
+        (&designs, &METRES, &["sweep.designs", "old.toml:"]),
+        (
+            &macpherson,
+            &["--force-unit", "lbf"],
+            &["suspension.length_unit", "inches", "mm"],
+        ),
+        (
+            &elastic_study(),
+            &["--unit", "in", "--force-unit", "lbf"],
+            &["elastic parts", "old.toml:"],
+        ),
+        (&macpherson, &[], &["--unit"]),
+    ];
+    for (text, options, phrases) in cases {
+        let (code, said, new) = text_in(text, options);
+        assert_eq!((code, &*new), (2, ""), "{options:?} {said}");
+        for phrase in phrases {
+            assert!(said.contains(phrase), "{phrase}: {said}");
+        }
+    }
+    // Units alone keep the signs, so different limits on both sides are no obstacle.
+    let (code, said, new) = text_in(&tolerance, &["--unit", "m"]);
+    assert_eq!(code, 0, "{said}");
+    assert!(new.contains("limits = [-0.0001, 0.0003]"), "{new}");
+}
+
+#[test]
+fn comments_and_layout_stay() {
+    let text = fs::read_to_string(Path::new(ROOT).join("studies/macpherson_solve.toml")).unwrap();
+    let (code, said, new) = text_in(&text, &["--unit", "m", "--frame", "x_rear"]);
+    assert_eq!(code, 0, "{said}");
+    assert!(
+        new.contains("# front pivot of the lower arm on the body"),
+        "{new}"
+    );
+    assert!(new.contains("# x rearward, y right, z up"), "{new}");
+    assert_eq!(text.lines().count(), new.lines().count());
+    // Angles stay exactly as written.
+    let angles = |text: &str| -> Vec<String> {
+        let lines = text.lines().filter(|line| line.contains("static_"));
+        lines.map(str::to_owned).collect()
+    };
+    assert_eq!(angles(&text), angles(&new));
+}
+
+#[test]
+fn a_converted_file_never_replaces_its_study() {
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("own.toml");
+    let text = fs::read(Path::new(ROOT).join("studies/macpherson_solve.toml")).unwrap();
+    fs::write(&file, &text).unwrap();
+    let path = file.to_str().unwrap();
+    let (code, said) = run(&["convert", path, "--unit", "in", "--out", path, "--force"]);
+    assert_eq!(code, 2, "{said}");
+    assert_eq!(fs::read(&file).unwrap(), text);
+    // The three files of a car go to another directory, or nowhere.
+    let studies = Path::new(ROOT).join("studies");
+    let car = studies.join("car.toml");
+    let car = car.to_str().unwrap();
+    for out in [studies.to_str().unwrap(), "-"] {
+        let (code, said) = run(&["convert", car, "--unit", "in", "--out", out, "--force"]);
+        assert_eq!(code, 2, "{said}");
+    }
+}

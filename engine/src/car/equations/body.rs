@@ -6,7 +6,7 @@ use super::super::road::Road;
 use super::super::{Car, GRAVITY, LateralShares, Longitudinal, LongitudinalShares, Masses};
 use super::{Held, LOADS, UNKNOWNS};
 use crate::axle::RockerForces;
-use crate::number::{Each, Scalar, Vector3};
+use crate::number::{Each, Local, Scalar, Vector3};
 
 /// Energy of springs, stops and bars, relative to the design position.
 pub(super) fn energy<T: Scalar>(
@@ -48,7 +48,7 @@ pub(in crate::car) struct CarMasses<T> {
 }
 
 /// Computes the masses of the car and their centres.
-pub(in crate::car) fn masses<T: Scalar>(
+pub(in crate::car) fn masses<T: Local>(
     car: &Car,
     parameters: &Parameters<T>,
     corners: &[Corner<T>; 4],
@@ -92,7 +92,7 @@ pub(in crate::car) fn masses<T: Scalar>(
 
 /// Load on each wheel of the front and rear axle at rest in the design position, by the lever rule. Both wheels of an axle
 /// share its load equally.
-pub(in crate::car) fn static_loads<T: Scalar>(
+pub(in crate::car) fn static_loads<T: Local>(
     car: &Car,
     parameters: &Parameters<T>,
     corners: &[Corner<T>; 4],
@@ -121,7 +121,8 @@ pub(in crate::car) fn static_loads<T: Scalar>(
 }
 
 /// Torque of an axle's bar: its rate times the left lever's angle less the right lever's.
-pub(super) fn bar_torque<T: Scalar>(
+#[inline(always)]
+pub(super) fn bar_torque<T: Local>(
     car: &Car,
     parameters: &Parameters<T>,
     axle: usize,
@@ -134,7 +135,8 @@ pub(super) fn bar_torque<T: Scalar>(
 }
 
 /// Computes the lateral and longitudinal share of each wheel in the force of its axle (3).
-pub(super) fn shares<T: Scalar>(held: &Held<'_>, x: &[T; UNKNOWNS]) -> [[T; 2]; 4] {
+#[inline(always)]
+pub(super) fn shares<T: Local>(held: &Held<'_>, x: &[T; UNKNOWNS]) -> [[T; 2]; 4] {
     let setting = &held.case.setting;
     let share = |number: usize, is_by_load: bool, of_left: f64| {
         let (own, other) = (number, number ^ 1);
@@ -166,7 +168,8 @@ pub(super) fn shares<T: Scalar>(held: &Held<'_>, x: &[T; UNKNOWNS]) -> [[T; 2]; 
 
 impl Car {
     /// An axle's share of the longitudinal force.
-    pub(super) fn longitudinal_share<T: Scalar>(
+    #[inline(always)]
+    pub(super) fn longitudinal_share<T: Local>(
         &self,
         axle: usize,
         longitudinal: Longitudinal,
@@ -184,7 +187,8 @@ impl Car {
 }
 
 /// Downforces and drag, each with the point of the body where it acts.
-pub(super) fn air<T: Scalar>(
+#[inline(always)]
+pub(super) fn air<T: Local>(
     car: &Car,
     parameters: &Parameters<T>,
     [front, rear]: [T; 2],

@@ -205,7 +205,10 @@ impl WheelParts<Series> for ExpandedWheel {
     }
 
     fn axle_column(&self, i: usize, powers: [usize; 2]) -> Vector3<Series> {
-        self.reading.axle_column(i, powers)
+        match powers {
+            [4, 0] => self.fourth.axle[i],
+            _ => self.reading.axle_column(i, powers),
+        }
     }
 
     fn design(&self) -> DesignWheel<Series> {

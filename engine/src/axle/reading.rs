@@ -261,6 +261,8 @@ impl<const N: usize> Reading<Jet<f64, N>> {
 pub trait WheelParts<T: Real>: Copy {
     /// True if the coefficients of the fourth power of travel are known.
     const HAS_FOURTH: bool = false;
+    /// True if the wheel is only read at the travels of its coefficients, without any step from them.
+    const IS_AT_TRAVELS: bool = false;
 
     /// Value of a vector for the powers `[0, 0]` of travel and rack, else its coefficient with these powers. NaN if it is
     /// unknown.

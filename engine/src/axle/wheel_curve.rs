@@ -197,8 +197,7 @@ impl<B: SimdReal> LaneCurveWheel<'_, B> {
     fn load(&self, place: usize, [travel, rack]: [usize; 2]) -> B {
         match (travel, rack) {
             (0 | 1, 0) => self.like.load(&self.of.numbers[travel][place]),
-            // Factors of powers of the step from the read travels, which is zero.
-            _ => self.like.zero(),
+            _ => self.like.constant(f64::NAN),
         }
     }
 
@@ -213,6 +212,8 @@ impl<B: SimdReal> LaneCurveWheel<'_, B> {
 }
 
 impl<B: SimdReal> WheelParts<B> for LaneCurveWheel<'_, B> {
+    const IS_AT_TRAVELS: bool = true;
+
     #[inline(always)]
     fn like(&self) -> B {
         self.like

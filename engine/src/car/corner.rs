@@ -164,14 +164,13 @@ impl<T: Real> Corner<T> {
         steps: Steps<T>,
         lift: impl Fn(U) -> T + Copy,
     ) -> Self {
-        let at = Displacement::of(carriers, &steps, W::HAS_FOURTH);
-        let number = |part: NumberPart| at.number(|p| lift(wheel.number(part, p)));
-        let vector = |of: &dyn Fn([usize; 2]) -> Vector3<U>| at.vector(|p| of(p).map(lift));
+        let at = Displacement::of::<U, W>(carriers, &steps);
+        let vector = |part: VectorPart| at.vector(|p| wheel.read_vector(part, p).map(lift));
         let mirrored = |v: Vector3<T>| Vector3::new(v.x, v.y.scaled(sign), v.z);
         let zero = at.first.zero();
         let mut turns = [Vector3::new(zero, zero, zero); 2];
         for i in 0..3 {
-            let [column, first, second] = vector(&|powers| wheel.column(i, powers));
+            let [column, first, second] = at.vector(|p| wheel.column(i, p).map(lift));
             turns[0] = turns[0] + column.cross(first);
             if carriers.is_rigid() {
                 turns[1] = turns[1] + column.cross(second);
@@ -179,15 +178,35 @@ impl<T: Real> Corner<T> {
         }
         // The angular velocity is an axial vector: its mirror image turns the other way.
         let turns = turns.each(|turn| mirrored(turn.scaled(0.5)).scaled(sign));
-        let [centre, centre_first, centre_second] =
-            vector(&|powers| wheel.read_vector(VectorPart::Centre, powers));
+        let mut vectors = [[Vector3::new(zero, zero, zero); 3]; 3];
+        let parts = [
+            VectorPart::Centre,
+            VectorPart::SpinAxis,
+            VectorPart::HeaveSpring,
+        ];
+        for (vectors, part) in vectors.iter_mut().zip(parts) {
+            *vectors = vector(part);
+        }
+        let [
+            [centre, centre_first, centre_second],
+            [spin, ..],
+            [end, end_first, _],
+        ] = vectors;
         let centres = [centre_first, centre_second].each(mirrored);
-        let [spin, ..] = vector(&|powers| wheel.read_vector(VectorPart::SpinAxis, powers));
-        let [spring, spring_first, spring_second] = number(NumberPart::SpringLength);
-        let [bar, bar_first, bar_second] = number(NumberPart::BarAngle);
-        let [end, end_first, _] =
-            vector(&|powers| wheel.read_vector(VectorPart::HeaveSpring, powers));
-        let [angle, angle_first, _] = number(NumberPart::RockerAngle);
+        let mut numbers = [[zero; 3]; 3];
+        let parts = [
+            NumberPart::SpringLength,
+            NumberPart::BarAngle,
+            NumberPart::RockerAngle,
+        ];
+        for (numbers, part) in numbers.iter_mut().zip(parts) {
+            *numbers = at.number(|p| lift(wheel.number(part, p)));
+        }
+        let [
+            [spring, spring_first, spring_second],
+            [bar, bar_first, bar_second],
+            [angle, angle_first, _],
+        ] = numbers;
         let (own, other) = rates(
             carriers,
             centres,
@@ -197,8 +216,8 @@ impl<T: Real> Corner<T> {
         );
         let axle = match (carriers, sign > 0.0) {
             (Carriers::Steered(held), true) => {
-                let columns = [0, 1].each(|i| vector(&|powers| wheel.axle_column(i, powers)));
-                let place = vector(&|powers| wheel.read_vector(VectorPart::SteeringPoint, powers));
+                let columns = [0, 1].each(|i| at.vector(|p| wheel.axle_column(i, p).map(lift)));
+                let place = vector(VectorPart::SteeringPoint);
                 Some(axle_motion(held, columns, place, offset))
             }
             _ => None,
@@ -254,11 +273,13 @@ struct Displacement<T> {
     second: Option<T>,
     /// True if the coefficients of the fourth power of the first step are known.
     has_fourth: bool,
+    /// True if both steps are zero.
+    is_none: bool,
 }
 
 impl<T: Real> Displacement<T> {
     #[inline(always)]
-    fn of(carriers: Carriers, steps: &Steps<T>, has_fourth: bool) -> Self {
+    fn of<U: Real, W: WheelParts<U>>(carriers: Carriers, steps: &Steps<T>) -> Self {
         let (first, second) = match carriers.held() {
             None => (steps.own, steps.rack),
             Some(held) => {
@@ -273,13 +294,17 @@ impl<T: Real> Displacement<T> {
         Displacement {
             first,
             second,
-            has_fourth,
+            has_fourth: W::HAS_FOURTH,
+            is_none: W::IS_AT_TRAVELS,
         }
     }
 
     /// A number and its derivatives by both coordinates, from its coefficients by powers.
     #[inline(always)]
     fn number(&self, of: impl Fn([usize; 2]) -> T) -> [T; 3] {
+        if self.is_none {
+            return [of([0, 0]), of([1, 0]), self.first.zero()];
+        }
         polynomial(of, self.first, self.second, self.has_fourth)
     }
 
@@ -288,6 +313,9 @@ impl<T: Real> Displacement<T> {
     fn vector(&self, of: impl Fn([usize; 2]) -> Vector3<T>) -> [Vector3<T>; 3] {
         let (a, b) = (self.first, self.second);
         let zero = a.zero();
+        if self.is_none {
+            return [of([0, 0]), of([1, 0]), Vector3::new(zero, zero, zero)];
+        }
         // Each vector coefficient is read once and serves all three components.
         let mut table = [[Vector3::new(zero, zero, zero); 4]; 5];
         let degrees = if self.has_fourth { 5 } else { 4 };
@@ -350,6 +378,7 @@ trait Scaled {
 }
 
 impl<T: Real> Scaled for Vector3<T> {
+    #[inline(always)]
     fn scaled(self, factor: f64) -> Self {
         self.map(|c| c.scaled(factor))
     }

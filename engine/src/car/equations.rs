@@ -349,11 +349,10 @@ impl<T: Local> Loaded<T> {
     /// Parts (9) of the wheel loads.
     #[inline(always)]
     pub(super) fn parts(&self, wheels: [&Stance<T>; 4]) -> [[T; 4]; 4] {
-        let [[a, b], [c, d]] = [0, 2].each(|left: usize| {
-            let right = left + 1;
-            let forces = [&self.forces[left], &self.forces[right]];
-            load_parts([wheels[left], wheels[right]], forces)
-        });
+        let [a, b, c, d] = wheels;
+        let [on_a, on_b, on_c, on_d] = &self.forces;
+        let [a, b] = load_parts([a, b], [on_a, on_b]);
+        let [c, d] = load_parts([c, d], [on_c, on_d]);
         [a, b, c, d]
     }
 
@@ -385,24 +384,22 @@ impl<T: Local> Loaded<T> {
         x: &[T; UNKNOWNS],
     ) -> Self {
         let car = held.car;
-        let bars = [0, 1].each(|axle| {
-            let angles = [0, 1].each(|side| wheels[2 * axle + side].bar);
-            bar_torque(car, parameters, axle, angles)
-        });
-        let rockers = [0, 1].each(|axle| {
-            let laws = parameters.rocker_springs(car, axle);
-            match [0, 1].each(|side| wheels[2 * axle + side].rocker) {
-                [Some(left), Some(right)] => laws.forces(&[left, right]),
-                _ => RockerForces::none(x[0]),
+        let zero = x[0].zero();
+        let (mut bars, mut rockers) = ([zero; 2], [RockerForces::none(zero); 2]);
+        for axle in 0..2 {
+            let [left, right] = [wheels[2 * axle], wheels[2 * axle + 1]];
+            bars[axle] = bar_torque(car, parameters, axle, [left.bar, right.bar]);
+            if let (Some(left), Some(right)) = (left.rocker, right.rocker) {
+                rockers[axle] = parameters.rocker_springs(car, axle).forces(&[left, right]);
             }
-        });
-        let shares = shares(held, x);
-        let forces = [0, 1, 2, 3].each(|number: usize| {
+        }
+        let source = held.case.setting.longitudinal;
+        let mut forces = [Forces::none(zero); 4];
+        for (number, forces) in forces.iter_mut().enumerate() {
             let axle = number / 2;
-            let source = held.case.setting.longitudinal;
             let share = car.longitudinal_share(axle, source, parameters);
-            let [lateral, longitudinal] = shares[number];
-            Forces {
+            let [lateral, longitudinal] = shares(held, x, number);
+            *forces = Forces {
                 load: x[LOADS + number],
                 side: x[SIDE_FORCES + axle] * lateral,
                 longitudinal: x[LONGITUDINAL] * share * longitudinal,
@@ -412,8 +409,8 @@ impl<T: Local> Loaded<T> {
                     _ => -bars[axle],
                 },
                 rocker: rockers[axle].work[number % 2],
-            }
-        });
+            };
+        }
         let mut residuals = [x[0].zero(); UNKNOWNS];
         let mut sum = *on_body;
         for (number, (wheel, forces)) in wheels.iter().zip(&forces).enumerate() {

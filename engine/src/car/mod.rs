@@ -98,7 +98,7 @@ pub use parameters::{AxleParameter, BodyParameter, Parameter, Parameters};
 pub use rates::Solved;
 pub use rig::RigOutcome;
 pub(crate) use second::ExpandedState;
-pub use solver::{CarSolver, Equilibrium, RowState};
+pub use solver::{CarSolver, Equilibrium, RowResult, RowState};
 pub use templates::{CarTemplate, TEMPLATES};
 pub use tune::{CarConstraint, CarGoals, CarRun, CarTarget, RigGoals, tune};
 

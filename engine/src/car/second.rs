@@ -65,11 +65,7 @@ impl<'a> CarSolver<'a> {
 
 impl ExpandedState<'_> {
     /// A wheel (front left, front right, rear left, rear right) of a design that is a series.
-    pub(crate) fn wheel(
-        &self,
-        number: usize,
-        design: &[Vector3<Series>],
-    ) -> ExpandedWheel {
+    pub(crate) fn wheel(&self, number: usize, design: &[Vector3<Series>]) -> ExpandedWheel {
         self.wheels[number].along(design)
     }
 

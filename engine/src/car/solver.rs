@@ -21,7 +21,7 @@ use crate::threads::checkpoint;
 pub use equilibrium::Equilibrium;
 use readings::OnCurves;
 pub(super) use readings::{Base, Readings, Wheels};
-pub use rows::RowState;
+pub use rows::{RowResult, RowState};
 pub(super) use start::Start;
 
 /// Number of terms in the series of wheels. Equations need first derivatives by travel, and their tangents need second ones.

@@ -5,7 +5,9 @@
 //! (H_jj + 2 H_jk + H_kk)/2. Quantities that contain velocities (gains, roll centres, anti-features, swing arms, motion
 //! ratios) have no second-order result here, because they would also need series in travel.
 
-use super::{Estimate, Problem, Remainder, Spread, axle_expansion, axle_second, elastic, elastic_axle};
+use super::{
+    Estimate, Problem, Remainder, Spread, axle_expansion, axle_second, elastic, elastic_axle,
+};
 use crate::assembly::{BuildParameter, Rest, SetUpError, built_curves};
 use crate::characteristics::{Constants, Slots, WheelReading};
 use crate::derive::MotionPoint;

@@ -1,10 +1,10 @@
 //! Scatter of a car: `tolerance.csv`, `contributors.csv`, `summary.json` and tables.
 
 use crate::report::files::csv_of_rows;
+use crate::report::optional;
 use crate::report::table::{Cell, Column, Table};
 use crate::report::text::counted;
 use crate::report::tolerance_summary::percent;
-use crate::report::optional;
 use crate::tolerance::{CarBuilds, CarExpansion, CarProblem, HOLDS, PERCENTILES};
 use serde::Serialize;
 

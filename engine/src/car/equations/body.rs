@@ -134,36 +134,44 @@ pub(super) fn bar_torque<T: Local>(
     }
 }
 
-/// Computes the lateral and longitudinal share of each wheel in the force of its axle (3).
+/// Share of a wheel in a force of its axle: by load, or given for the left wheel.
 #[inline(always)]
-pub(super) fn shares<T: Local>(held: &Held<'_>, x: &[T; UNKNOWNS]) -> [[T; 2]; 4] {
-    let setting = &held.case.setting;
-    let share = |number: usize, is_by_load: bool, of_left: f64| {
-        let (own, other) = (number, number ^ 1);
-        let like = x[0];
-        if held.lifted[own] {
-            return like.zero();
-        }
-        if held.lifted[other] {
-            return like.one();
-        }
-        if is_by_load {
-            return x[LOADS + own] / (x[LOADS + own] + x[LOADS + other]);
-        }
-        like.constant(match number % 2 {
-            0 => of_left,
-            _ => 1.0 - of_left,
-        })
-    };
-    [0, 1, 2, 3].each(|number| {
-        let lateral = match setting.lateral_shares {
-            LateralShares::ByLoad => share(number, true, 0.5),
-            LateralShares::Equal => share(number, false, 0.5),
-            LateralShares::Left(left) => share(number, false, left[number / 2]),
-        };
-        let by_load = setting.longitudinal_shares == LongitudinalShares::ByLoad;
-        [lateral, share(number, by_load, 0.5)]
+fn share<T: Local>(
+    held: &Held<'_>,
+    x: &[T; UNKNOWNS],
+    own: usize,
+    (is_by_load, of_left): (bool, f64),
+) -> T {
+    let other = own ^ 1;
+    if held.lifted[own] {
+        return x[0].zero();
+    }
+    if held.lifted[other] {
+        return x[0].one();
+    }
+    if is_by_load {
+        return x[LOADS + own] / (x[LOADS + own] + x[LOADS + other]);
+    }
+    x[0].constant(match own % 2 {
+        0 => of_left,
+        _ => 1.0 - of_left,
     })
+}
+
+/// Computes the lateral and longitudinal share of a wheel in the force of its axle (3).
+#[inline(always)]
+pub(super) fn shares<T: Local>(held: &Held<'_>, x: &[T; UNKNOWNS], number: usize) -> [T; 2] {
+    let setting = &held.case.setting;
+    let lateral = match setting.lateral_shares {
+        LateralShares::ByLoad => (true, 0.5),
+        LateralShares::Equal => (false, 0.5),
+        LateralShares::Left(left) => (false, left[number / 2]),
+    };
+    let by_load = setting.longitudinal_shares == LongitudinalShares::ByLoad;
+    [
+        share(held, x, number, lateral),
+        share(held, x, number, (by_load, 0.5)),
+    ]
 }
 
 impl Car {

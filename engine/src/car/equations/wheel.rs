@@ -25,6 +25,21 @@ pub(super) struct Forces<T> {
     pub rocker: T,
 }
 
+impl<T: Copy> Forces<T> {
+    /// Forces that are all zero.
+    #[inline(always)]
+    pub(super) fn none(zero: T) -> Self {
+        Forces {
+            load: zero,
+            side: zero,
+            longitudinal: zero,
+            share: zero,
+            bar: zero,
+            rocker: zero,
+        }
+    }
+}
+
 /// Work on a wheel per unit of one travel of its axle. The forces of the tyre and the torque of the bar are units.
 #[derive(Clone, Copy)]
 pub(super) struct Work<T> {

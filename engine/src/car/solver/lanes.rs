@@ -16,7 +16,7 @@ use super::super::equations::{Body, Ground, Held, Loaded, Placed, UNKNOWNS};
 use super::super::parameters::{BodyParameter, Parameters};
 use crate::axle::{CURVE_LANES, Carriers, CurveLanes, LaneCurveWheel};
 use crate::model::Side;
-use crate::number::{Each, SimdReal, SimdTask, Vector3, array_of};
+use crate::number::{SimdReal, SimdTask, Vector3, array_of};
 
 /// A number of each lane.
 pub(super) type Numbers = [f64; CURVE_LANES];
@@ -69,6 +69,31 @@ pub(super) struct Step<'p> {
     pub(super) lanes: &'p mut Lanes,
 }
 
+/// A wheel on the ground.
+#[inline(always)]
+fn placed<B: SimdReal>(
+    shared: &Shared<'_>,
+    lanes: &Lanes,
+    (parameters, ground): (&Parameters<B>, &Ground<B>),
+    number: usize,
+) -> Placed<B> {
+    let like = ground.height;
+    let wheel = LaneCurveWheel {
+        of: &lanes.wheels[number],
+        like,
+    };
+    let side = (Side::ALL[number % 2].sign(), Carriers::Independent);
+    let steps = Steps {
+        own: like.zero(),
+        other: like.zero(),
+        rack: None,
+    };
+    let offset = parameters.offset(number / 2);
+    let corner = Corner::read(&wheel, side, offset, steps, std::convert::identity::<B>);
+    let load = like.constant(shared.static_loads[number / 2]);
+    Placed::of(&shared.held, parameters, number, corner, ground, load)
+}
+
 /// Residuals of the equations, and the parts of the wheel loads.
 #[inline(always)]
 fn evaluate<B: SimdReal>(
@@ -83,22 +108,13 @@ fn evaluate<B: SimdReal>(
         parameters.0[place] = like.load(values);
     }
     let ground = Ground::of(&parameters, [x[0], x[1], x[2]]);
-    let steps = Steps {
-        own: like.zero(),
-        other: like.zero(),
-        rack: None,
-    };
-    let placed: [Placed<B>; 4] = [0, 1, 2, 3].each(|number: usize| {
-        let wheel = LaneCurveWheel {
-            of: &lanes.wheels[number],
-            like,
-        };
-        let side = (Side::ALL[number % 2].sign(), Carriers::Independent);
-        let offset = parameters.offset(number / 2);
-        let corner = Corner::read(&wheel, side, offset, steps, std::convert::identity::<B>);
-        let load = like.constant(shared.static_loads[number / 2]);
-        Placed::of(held, &parameters, number, corner, &ground, load)
-    });
+    let on_ground = (&parameters, &ground);
+    let placed = [
+        placed(shared, lanes, on_ground, 0),
+        placed(shared, lanes, on_ground, 1),
+        placed(shared, lanes, on_ground, 2),
+        placed(shared, lanes, on_ground, 3),
+    ];
     let (mass, cg) = shared.sprung;
     let sprung = (
         like.constant(mass),

@@ -1,6 +1,6 @@
 //! Rows of cases, each of which follows its neighbour, several rows side by side.
 //!
-//! The first state of a row is solved alone. Then each row takes a lane ([`super::lanes`]). A state starts where the polynomial
+//! The first state of a row is solved alone, from that of the row before if there is one. Then each row takes a lane ([`super::lanes`]). A state starts where the polynomial
 //! through the last states of its row leads, with the inverse tangent of the last ones. A row leaves its lane, and its case is solved
 //! alone, if
 //!
@@ -39,7 +39,12 @@ pub struct RowState {
     pub found: Equilibrium,
     /// Parts of each wheel load: elastic, geometric, longitudinal, unsprung.
     pub parts: [[f64; 4]; 4],
+    /// True if it was solved in a lane.
+    pub is_from_lane: bool,
 }
+
+/// Result for a case of a row.
+pub type RowResult = Result<RowState, NoEquilibrium>;
 
 /// A state from a lane that no tangent has confirmed yet: its unknowns, and the parts of the wheel loads.
 type Pending = ([f64; UNKNOWNS], [[f64; 4]; 4]);
@@ -103,15 +108,22 @@ impl<'c> Row<'c> {
     }
 }
 
-impl Block<'_> {
-    /// Returns true if the lanes can solve a case.
-    fn fits(&self, case: &Case) -> bool {
-        let own = self.case;
-        case.setting == own.setting
-            && case.racks == own.racks
-            && case.yaw_acceleration == own.yaw_acceleration
-    }
+/// Returns true if a step leaves only rounding error. Ten times the square of the step, divided by the shortest step before it, bounds
+/// the next step, because each step of the method shrinks more than the one before.
+fn is_last(step: f64, shortest: f64) -> bool {
+    let next = 10.0 * step / shortest * step;
+    let is_still = step >= shortest && shortest <= STILL;
+    step <= ROUNDING || (shortest.is_finite() && next <= ROUNDING) || is_still
+}
 
+/// Returns true if the same lanes can solve both cases.
+fn fits(case: &Case, other: &Case) -> bool {
+    case.setting == other.setting
+        && case.racks == other.racks
+        && case.yaw_acceleration == other.yaw_acceleration
+}
+
+impl Block<'_> {
     /// Gives a row its lane, with the inverse tangent of a state.
     fn enter(&mut self, lane: usize, factors: &Factors) {
         for (rows, row) in self.lanes.inverse.iter_mut().zip(factors.inverse()) {
@@ -147,20 +159,31 @@ impl<'a> CarSolver<'a> {
     pub fn solve_rows(
         &mut self,
         rows: &[&[Case]],
-        take: &mut dyn FnMut(&mut Self, [usize; 2], Result<RowState, NoEquilibrium>),
+        take: &mut dyn FnMut(&mut Self, [usize; 2], RowResult),
     ) {
-        for (number, rows) in rows.chunks(CURVE_LANES).enumerate() {
-            let first = number * CURVE_LANES;
-            self.solve_block(rows, &mut |solver, [row, case], state| {
+        let mut first = 0;
+        for block in Self::blocks_of(rows) {
+            self.solve_block(block, &mut |solver, [row, case], state| {
                 take(solver, [first + row, case], state);
             });
+            first += block.len();
         }
+    }
+
+    /// Splits rows into blocks that [`CarSolver::solve_rows`] solves side by side. Results in a block do not depend on other blocks.
+    pub fn blocks_of<'r, 'c>(rows: &'r [&'c [Case]]) -> impl Iterator<Item = &'r [&'c [Case]]> {
+        let alike = |a: &&[Case], b: &&[Case]| match (a.first(), b.first()) {
+            (Some(a), Some(b)) => fits(a, b),
+            _ => false,
+        };
+        let alike = rows.chunk_by(alike);
+        alike.flat_map(|rows| rows.chunks(CURVE_LANES))
     }
 
     fn solve_block(
         &mut self,
         rows: &[&[Case]],
-        take: &mut dyn FnMut(&mut Self, [usize; 2], Result<RowState, NoEquilibrium>),
+        take: &mut dyn FnMut(&mut Self, [usize; 2], RowResult),
     ) {
         let mut rows: Vec<Row<'_>> = rows.iter().map(|cases| Row::of(cases)).collect();
         let mut block: Option<Block<'_>> = None;
@@ -169,7 +192,13 @@ impl<'a> CarSolver<'a> {
             if let Some(block) = &mut block {
                 self.in_lanes(block, &mut rows);
             }
-            for (number, row) in rows.iter_mut().enumerate() {
+            for number in 0..rows.len() {
+                let (before, rows) = rows.split_at_mut(number);
+                let Some(row) = rows.first_mut() else { break };
+                if row.at.is_none() && row.next == 0 {
+                    // The first state of a row starts from that of the row before.
+                    row.at = before.last().and_then(|before| before.at.clone());
+                }
                 // A row that has left its lane is behind.
                 if row.next <= column && row.case().is_some() {
                     self.confirm(&mut block, (number, row), take);
@@ -191,7 +220,7 @@ impl<'a> CarSolver<'a> {
         let mut is_open = [false; CURVE_LANES];
         for (lane, row) in rows.iter_mut().enumerate() {
             let Some(case) = row.case() else { continue };
-            row.is_in_lane &= block.fits(case);
+            row.is_in_lane &= fits(block.case, case);
             if row.is_in_lane {
                 block.begin(lane, case, row.start());
                 is_open[lane] = true;
@@ -227,10 +256,7 @@ impl<'a> CarSolver<'a> {
                     continue;
                 }
                 let longest = block.lanes.longest[lane];
-                let contraction = longest / smallest[lane];
-                let error = 10.0 * contraction * longest;
-                let is_still = longest >= smallest[lane] && smallest[lane] <= STILL;
-                let is_end = longest <= ROUNDING || error <= ROUNDING || is_still;
+                let is_end = is_last(longest, smallest[lane]);
                 let fails = !is_solved || longest.is_nan() || longest > LONGEST;
                 if fails || is_end {
                     is_open[lane] = false;
@@ -273,7 +299,15 @@ impl<'a> CarSolver<'a> {
     fn keeps_contact(&self, row: &Row<'_>, x: &[f64; UNKNOWNS]) -> bool {
         let before = &row.points[0];
         let travel = LONGEST_TRAVEL * self.car.per_metre();
-        let limits = [LONGEST_TURN, LONGEST_TURN, travel, travel, travel, travel, travel];
+        let limits = [
+            LONGEST_TURN,
+            LONGEST_TURN,
+            travel,
+            travel,
+            travel,
+            travel,
+            travel,
+        ];
         let is_near = |k: usize| (x[k] - before[k]).abs() <= limits[k];
         x[LOADS..LOADS + 4].iter().all(|load| *load >= 0.0) && (0..LOADS).all(is_near)
     }
@@ -284,7 +318,7 @@ impl<'a> CarSolver<'a> {
         &mut self,
         block: &mut Option<Block<'c>>,
         (number, row): (usize, &mut Row<'c>),
-        take: &mut dyn FnMut(&mut Self, [usize; 2], Result<RowState, NoEquilibrium>),
+        take: &mut dyn FnMut(&mut Self, [usize; 2], RowResult),
     ) {
         let Some((last, _)) = row.pending.last() else {
             return;
@@ -307,7 +341,12 @@ impl<'a> CarSolver<'a> {
                         ..last.clone()
                     }
                 };
-                take(self, [number, first + k], Ok(RowState { found, parts }));
+                let state = RowState {
+                    found,
+                    parts,
+                    is_from_lane: true,
+                };
+                take(self, [number, first + k], Ok(state));
             }
             if let (Some(block), Some(factors)) = (block, &last.factors) {
                 block.enter(number, factors);
@@ -328,7 +367,7 @@ impl<'a> CarSolver<'a> {
         &mut self,
         block: &mut Option<Block<'c>>,
         (number, row): (usize, &mut Row<'c>),
-        take: &mut dyn FnMut(&mut Self, [usize; 2], Result<RowState, NoEquilibrium>),
+        take: &mut dyn FnMut(&mut Self, [usize; 2], RowResult),
     ) {
         let cases: &'c [Case] = row.cases;
         let case = &cases[row.next];
@@ -342,7 +381,11 @@ impl<'a> CarSolver<'a> {
         let found = found.and_then(|found| {
             let balance = self.balance(case, &found)?;
             let parts = array_of(|wheel| balance.wheels[wheel].parts);
-            Ok(RowState { found, parts })
+            Ok(RowState {
+                found,
+                parts,
+                is_from_lane: false,
+            })
         });
         match &found {
             Ok(RowState { found, .. }) => {
@@ -352,6 +395,7 @@ impl<'a> CarSolver<'a> {
                     *block = self.block(case, found);
                 }
                 if let (Some(block), Some(factors)) = (block, &found.factors)
+                    && fits(block.case, case)
                     && found.lifted == [false; 4]
                 {
                     block.enter(number, factors);

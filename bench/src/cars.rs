@@ -1,4 +1,4 @@
-//! Solved states of a car per second: started from a neighbouring state or without one, with results, member loads and
+//! Solved states of a car per second: started from a neighbouring state, in lanes, or without one, with results, member loads and
 //! derivatives; a whole map on two threads; and a tuning.
 
 use super::{Clock, Job, JobTime, Unmeasurable};
@@ -147,6 +147,8 @@ impl Cars {
         let followers: Vec<&Step> = steps.iter().filter(|step| step.before.is_some()).collect();
         let some: Vec<&Step> = steps.iter().step_by(steps.len().div_ceil(8)).collect();
         let quantities = &CarQuantity::default_columns(car);
+        let whole = map(study, Some(WHOLE));
+        let rows: Vec<&[Case]> = whole.iter().map(Vec::as_slice).collect();
         let mut jobs: Vec<(&str, Job<'_>)> = Vec::new();
         if !followers.is_empty() {
             let mut own = solver()?;
@@ -169,6 +171,18 @@ impl Cars {
             let name = "state from its neighbour with all results";
             jobs.push((name, each(&followers, work)));
         }
+        let mut own = solver()?;
+        let rows = &rows;
+        let work = move || {
+            own.solve_rows(rows, &mut |_, _, state| _ = black_box(state.is_ok()));
+        };
+        jobs.push((
+            "state of a map, rows in lanes",
+            Job {
+                items: WHOLE * WHOLE,
+                work: Box::new(work),
+            },
+        ));
         let mut own = solver()?;
         let alone = move |step: &Step| _ = black_box(own.solve(&step.case));
         jobs.push(("state without a neighbour", each(&some, alone)));

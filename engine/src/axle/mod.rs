@@ -15,6 +15,7 @@ mod column;
 mod coordinate;
 mod curves;
 mod elastic;
+mod expanded;
 mod force_ends;
 mod formulas;
 mod frames;
@@ -41,6 +42,7 @@ pub use coordinate::Coordinate;
 pub use curves::{AxleCurves, AxlePlan, axle_curves};
 pub(crate) use elastic::{AxleRead, Equilibria};
 pub use elastic::{TestFigure, not_in_equilibrium};
+pub(crate) use expanded::{Expandable, ExpandedWheel, Series};
 pub use force_ends::{BeyondCurve, ForcePart, Pull};
 pub(crate) use formulas::rigid::{FROM_DESIGN, place_of};
 pub use frames::{axle_frames, axle_sides};
@@ -55,7 +57,9 @@ pub use solver::{AxlePose, AxleSolver, Placement, Read, WheelRead};
 pub use spring::{BumpStop, ForceCurve, Law, SpringLaw};
 pub use state::{AxleState, Hold, Motion, WheelState};
 pub use taylor::{Line, Taylor};
-pub(crate) use wheel_curve::{CurveWheel, WheelCurve};
+pub(crate) use wheel_curve::{
+    CurveLanes, CurveWheel, LANES as CURVE_LANES, LaneCurveWheel, WheelCurve,
+};
 
 use crate::ask::Need;
 use crate::characteristics::Slot;

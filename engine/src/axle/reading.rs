@@ -37,7 +37,7 @@ pub(super) struct WheelPose<T> {
 }
 
 impl<T: Copy> WheelPose<T> {
-    fn filled(number: T) -> Self {
+    pub(super) fn filled(number: T) -> Self {
         let vector = Vector3::new(number, number, number);
         WheelPose {
             wheel: Wheel::of_parts(|_| vector, |_| number),
@@ -259,6 +259,11 @@ impl<const N: usize> Reading<Jet<f64, N>> {
 ///
 /// Vectors and twists are compiled as separate functions, because many formulas use them.
 pub trait WheelParts<T: Real>: Copy {
+    /// True if the coefficients of the fourth power of travel are known.
+    const HAS_FOURTH: bool = false;
+    /// True if the wheel is only read at the travels of its coefficients, without any step from them.
+    const IS_AT_TRAVELS: bool = false;
+
     /// Value of a vector for the powers `[0, 0]` of travel and rack, else its coefficient with these powers. NaN if it is
     /// unknown.
     fn read_vector(&self, part: VectorPart, powers: [usize; 2]) -> Vector3<T>;

@@ -67,6 +67,7 @@ pub struct RockerForces<T> {
 
 /// Vector from the right wheel's end of the heave spring to the left wheel's end, in the frame of the left wheel. Each
 /// argument is in the frame of its side.
+#[inline(always)]
 pub(super) fn between<T: Real>(left: Vector3<T>, right: Vector3<T>) -> Vector3<T> {
     Vector3::new(left.x - right.x, left.y + right.y, left.z - right.z)
 }
@@ -84,6 +85,7 @@ impl RockerSprings {
 }
 
 impl<T: Copy> Preloaded<T> {
+    #[inline(always)]
     fn map<U: Copy>(self, f: impl Fn(T) -> U) -> Preloaded<U> {
         Preloaded {
             load: f(self.load),
@@ -105,6 +107,7 @@ impl<T: Copy> RockerSprings<T> {
 
 impl<T: Real> RockerSprings<T> {
     /// Forces of the springs between the rockers of left and right wheel.
+    #[inline(always)]
     pub fn forces(&self, [left, right]: &[RockerMotion<T>; 2]) -> RockerForces<T> {
         let mut forces = RockerForces::none(left.angle[0]);
         if let Some(law) = self.heave_spring {
@@ -146,6 +149,7 @@ impl<T: Real> RockerSprings<T> {
 
 impl<T: Real> RockerForces<T> {
     /// Forces of an axle without such springs. Constants get the number type and length of `like`.
+    #[inline(always)]
     pub fn none(like: T) -> Self {
         let none = like.constant(f64::NAN);
         RockerForces {

@@ -19,6 +19,7 @@ pub(crate) use steering::displace;
 use super::adjoint::{add_gradient, inputs_on_tape};
 use super::at_load::LOAD_TERMS;
 use super::carriers::Carriers;
+use super::expanded::Expandable;
 use super::reading::{Parts, Reading, Snapshot, WheelParts, along};
 use super::setup::Setup;
 use super::state::{AxleState, Hold, Motion};
@@ -322,6 +323,24 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                 .factorise(&placed.poses[side as usize], &point)
         };
         Some([wheel(Side::Left)?, wheel(Side::Right)?])
+    }
+
+    /// Prepares both wheels of a position for series along directions of the design. The steering gear must be at the
+    /// displacement of this position. `None` if a Jacobian is singular.
+    pub(crate) fn expandable(&self, placed: &AxlePose) -> Option<[Expandable<'a>; 2]> {
+        let coordinates = self.coordinates(placed.travels, placed.rack);
+        let factors = self.factorised(placed)?;
+        let axle = self.axle;
+        Some(Side::ALL.map(|side| Expandable {
+            mechanism: &axle.suspension(side).mechanism,
+            design: &axle.suspension(side).design,
+            pose: placed.poses[side as usize],
+            factors: factors[side as usize],
+            coordinates: coordinates[side as usize],
+            gear: placed.rack,
+            lines: self.lines,
+            parts: self.parts,
+        }))
     }
 
     /// Prepares both wheels of a position for gradients of formulas.

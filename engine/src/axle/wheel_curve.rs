@@ -51,9 +51,9 @@ const COLUMNS: usize = 3 * VECTORS.len();
 const NUMBERS: usize = COLUMNS + 9;
 /// Count of all numbers, rounded up to whole bundles of [`LANES`]. The last ones are unused.
 const COUNT: usize = (NUMBERS + SINGLE.len()).next_multiple_of(LANES);
-/// Count of numbers that are evaluated at a time, on processors with such registers. In wider registers, a part of the last
+/// Count of numbers, and of wheels, that are evaluated at a time, on processors with such registers. In wider registers, a part of the last
 /// bundle would be unused.
-const LANES: usize = 8;
+pub(crate) const LANES: usize = 8;
 const WIDTH: Width = Width::Avx2;
 
 /// All numbers of a wheel for each power of travel. Numbers that are not read are NaN.
@@ -154,6 +154,105 @@ impl WheelParts<f64> for CurveWheel {
     #[inline(always)]
     fn design(&self) -> DesignWheel<f64> {
         self.design
+    }
+}
+
+/// Wheels on their curves, one in each lane: their numbers and first derivatives by travel.
+#[derive(Clone, Debug)]
+pub(crate) struct CurveLanes {
+    numbers: [[[f64; LANES]; COUNT]; 2],
+    design: DesignWheel<f64>,
+}
+
+impl CurveLanes {
+    /// Makes lanes with this wheel in each.
+    pub(crate) fn filled(wheel: &CurveWheel) -> Self {
+        let mut lanes = CurveLanes {
+            numbers: [[[f64::NAN; LANES]; COUNT]; 2],
+            design: wheel.design,
+        };
+        (0..LANES).for_each(|lane| lanes.set(lane, wheel));
+        lanes
+    }
+
+    /// Puts a wheel of the same design into a lane.
+    pub(crate) fn set(&mut self, lane: usize, wheel: &CurveWheel) {
+        for (lanes, numbers) in self.numbers.iter_mut().zip(&wheel.coefficients) {
+            for (lanes, number) in lanes.iter_mut().zip(numbers) {
+                lanes[lane] = *number;
+            }
+        }
+    }
+}
+
+/// A wheel in lanes, at the travels at which it was read.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LaneCurveWheel<'n, B> {
+    pub(crate) of: &'n CurveLanes,
+    pub(crate) like: B,
+}
+
+impl<B: SimdReal> LaneCurveWheel<'_, B> {
+    #[inline(always)]
+    fn load(&self, place: usize, [travel, rack]: [usize; 2]) -> B {
+        match (travel, rack) {
+            (0 | 1, 0) => self.like.load(&self.of.numbers[travel][place]),
+            _ => self.like.constant(f64::NAN),
+        }
+    }
+
+    #[inline(always)]
+    fn vector_at(&self, first: usize, powers: [usize; 2]) -> Vector3<B> {
+        Vector3::new(
+            self.load(first, powers),
+            self.load(first + 1, powers),
+            self.load(first + 2, powers),
+        )
+    }
+}
+
+impl<B: SimdReal> WheelParts<B> for LaneCurveWheel<'_, B> {
+    const IS_AT_TRAVELS: bool = true;
+
+    #[inline(always)]
+    fn like(&self) -> B {
+        self.like
+    }
+
+    #[inline(always)]
+    fn read_vector(&self, part: VectorPart, powers: [usize; 2]) -> Vector3<B> {
+        match part {
+            VectorPart::Centre => self.vector_at(0, powers),
+            VectorPart::SpinAxis => self.vector_at(3, powers),
+            VectorPart::HeaveSpring => self.vector_at(6, powers),
+            _ => self.axle_column(0, powers),
+        }
+    }
+
+    #[inline(always)]
+    fn number(&self, part: NumberPart, powers: [usize; 2]) -> B {
+        match part {
+            NumberPart::SpringLength => self.load(NUMBERS, powers),
+            NumberPart::BarAngle => self.load(NUMBERS + 1, powers),
+            NumberPart::RockerAngle => self.load(NUMBERS + 2, powers),
+        }
+    }
+
+    #[inline(always)]
+    fn column(&self, i: usize, powers: [usize; 2]) -> Vector3<B> {
+        self.vector_at(COLUMNS + 3 * i, powers)
+    }
+
+    #[inline(always)]
+    fn axle_column(&self, _: usize, _: [usize; 2]) -> Vector3<B> {
+        let unknown = self.like.constant(f64::NAN);
+        Vector3::new(unknown, unknown, unknown)
+    }
+
+    #[inline(always)]
+    fn design(&self) -> DesignWheel<B> {
+        let like = self.like;
+        self.of.design.map(|number| like.constant(number))
     }
 }
 

@@ -70,10 +70,22 @@ pub(super) struct Steps<T> {
 }
 
 /// Value of a polynomial in two variables up to the third degree, and its derivatives by both variables. These numbers have
-/// exact derivatives by the steps up to the second order. Without a second step, the second variable is left out.
-fn polynomial<T: Real>(c: impl Fn([usize; 2]) -> T, a: T, b: Option<T>) -> [T; 3] {
-    let value = c([0, 0]) + a * (c([1, 0]) + a * c([2, 0]));
-    let first = c([1, 0]) + a * (c([2, 0]).scaled(2.0) + a * c([3, 0]).scaled(3.0));
+/// exact derivatives by the steps up to the second order. Without a second step, the second variable is left out. With the
+/// fourth degree, derivatives by the first variable alone are exact up to the third order.
+#[inline(always)]
+fn polynomial<T: Real>(
+    c: impl Fn([usize; 2]) -> T,
+    a: T,
+    b: Option<T>,
+    has_fourth: bool,
+) -> [T; 3] {
+    let mut value = c([0, 0]) + a * (c([1, 0]) + a * c([2, 0]));
+    let mut first = c([1, 0]) + a * (c([2, 0]).scaled(2.0) + a * c([3, 0]).scaled(3.0));
+    if has_fourth {
+        let cube = a * a * a;
+        value = value + cube * c([3, 0]);
+        first = first + cube * c([4, 0]).scaled(4.0);
+    }
     let Some(b) = b else {
         return [value, first, a.zero()];
     };
@@ -92,6 +104,7 @@ struct ByTravels<T> {
     other: T,
 }
 
+#[inline(always)]
 fn by_travels<T: Real>(held: AxleTravel, [first, second]: [T; 2]) -> ByTravels<T> {
     // A step of the own travel changes the mean by one half and the difference, own less other, by one half. A step of the
     // other travel changes the mean by one half and the difference by minus one half.
@@ -143,21 +156,21 @@ impl<T: Copy> Corner<T> {
 impl<T: Real> Corner<T> {
     /// Reads `wheel`, in the frame of its own side, at the steps. `lift` converts numbers of the wheel to numbers of this
     /// kind.
-    pub(super) fn read<U: Real>(
-        wheel: &impl WheelParts<U>,
+    #[inline(always)]
+    pub(super) fn read<U: Real, W: WheelParts<U>>(
+        wheel: &W,
         (sign, carriers): (f64, Carriers),
         offset: Vector3<T>,
         steps: Steps<T>,
         lift: impl Fn(U) -> T + Copy,
     ) -> Self {
-        let at = Displacement::of(carriers, &steps);
-        let number = |part: NumberPart| at.number(|p| lift(wheel.number(part, p)));
-        let vector = |of: &dyn Fn([usize; 2]) -> Vector3<U>| at.vector(|p| of(p).map(lift));
+        let at = Displacement::of::<U, W>(carriers, &steps);
+        let vector = |part: VectorPart| at.vector(|p| wheel.read_vector(part, p).map(lift));
         let mirrored = |v: Vector3<T>| Vector3::new(v.x, v.y.scaled(sign), v.z);
         let zero = at.first.zero();
         let mut turns = [Vector3::new(zero, zero, zero); 2];
         for i in 0..3 {
-            let [column, first, second] = vector(&|powers| wheel.column(i, powers));
+            let [column, first, second] = at.vector(|p| wheel.column(i, p).map(lift));
             turns[0] = turns[0] + column.cross(first);
             if carriers.is_rigid() {
                 turns[1] = turns[1] + column.cross(second);
@@ -165,15 +178,35 @@ impl<T: Real> Corner<T> {
         }
         // The angular velocity is an axial vector: its mirror image turns the other way.
         let turns = turns.each(|turn| mirrored(turn.scaled(0.5)).scaled(sign));
-        let [centre, centre_first, centre_second] =
-            vector(&|powers| wheel.read_vector(VectorPart::Centre, powers));
+        let mut vectors = [[Vector3::new(zero, zero, zero); 3]; 3];
+        let parts = [
+            VectorPart::Centre,
+            VectorPart::SpinAxis,
+            VectorPart::HeaveSpring,
+        ];
+        for (vectors, part) in vectors.iter_mut().zip(parts) {
+            *vectors = vector(part);
+        }
+        let [
+            [centre, centre_first, centre_second],
+            [spin, ..],
+            [end, end_first, _],
+        ] = vectors;
         let centres = [centre_first, centre_second].each(mirrored);
-        let [spin, ..] = vector(&|powers| wheel.read_vector(VectorPart::SpinAxis, powers));
-        let [spring, spring_first, spring_second] = number(NumberPart::SpringLength);
-        let [bar, bar_first, bar_second] = number(NumberPart::BarAngle);
-        let [end, end_first, _] =
-            vector(&|powers| wheel.read_vector(VectorPart::HeaveSpring, powers));
-        let [angle, angle_first, _] = number(NumberPart::RockerAngle);
+        let mut numbers = [[zero; 3]; 3];
+        let parts = [
+            NumberPart::SpringLength,
+            NumberPart::BarAngle,
+            NumberPart::RockerAngle,
+        ];
+        for (numbers, part) in numbers.iter_mut().zip(parts) {
+            *numbers = at.number(|p| lift(wheel.number(part, p)));
+        }
+        let [
+            [spring, spring_first, spring_second],
+            [bar, bar_first, bar_second],
+            [angle, angle_first, _],
+        ] = numbers;
         let (own, other) = rates(
             carriers,
             centres,
@@ -183,8 +216,8 @@ impl<T: Real> Corner<T> {
         );
         let axle = match (carriers, sign > 0.0) {
             (Carriers::Steered(held), true) => {
-                let columns = [0, 1].each(|i| vector(&|powers| wheel.axle_column(i, powers)));
-                let place = vector(&|powers| wheel.read_vector(VectorPart::SteeringPoint, powers));
+                let columns = [0, 1].each(|i| at.vector(|p| wheel.axle_column(i, p).map(lift)));
+                let place = vector(VectorPart::SteeringPoint);
                 Some(axle_motion(held, columns, place, offset))
             }
             _ => None,
@@ -238,10 +271,15 @@ struct Displacement<T> {
     first: T,
     /// Step of the second coordinate: the rack or the held travel. `None` without such a coordinate.
     second: Option<T>,
+    /// True if the coefficients of the fourth power of the first step are known.
+    has_fourth: bool,
+    /// True if both steps are zero.
+    is_none: bool,
 }
 
 impl<T: Real> Displacement<T> {
-    fn of(carriers: Carriers, steps: &Steps<T>) -> Self {
+    #[inline(always)]
+    fn of<U: Real, W: WheelParts<U>>(carriers: Carriers, steps: &Steps<T>) -> Self {
         let (first, second) = match carriers.held() {
             None => (steps.own, steps.rack),
             Some(held) => {
@@ -253,36 +291,54 @@ impl<T: Real> Displacement<T> {
                 }
             }
         };
-        Displacement { first, second }
+        Displacement {
+            first,
+            second,
+            has_fourth: W::HAS_FOURTH,
+            is_none: W::IS_AT_TRAVELS,
+        }
     }
 
     /// A number and its derivatives by both coordinates, from its coefficients by powers.
+    #[inline(always)]
     fn number(&self, of: impl Fn([usize; 2]) -> T) -> [T; 3] {
-        polynomial(of, self.first, self.second)
+        if self.is_none {
+            return [of([0, 0]), of([1, 0]), self.first.zero()];
+        }
+        polynomial(of, self.first, self.second, self.has_fourth)
     }
 
     /// A vector and its derivatives by both coordinates, from its coefficients by powers.
+    #[inline(always)]
     fn vector(&self, of: impl Fn([usize; 2]) -> Vector3<T>) -> [Vector3<T>; 3] {
         let (a, b) = (self.first, self.second);
         let zero = a.zero();
+        if self.is_none {
+            return [of([0, 0]), of([1, 0]), Vector3::new(zero, zero, zero)];
+        }
         // Each vector coefficient is read once and serves all three components.
-        let mut table = [[Vector3::new(zero, zero, zero); 4]; 4];
-        for (i, row) in table.iter_mut().enumerate() {
-            let count = if b.is_some() { 4 - i } else { 1 };
+        let mut table = [[Vector3::new(zero, zero, zero); 4]; 5];
+        let degrees = if self.has_fourth { 5 } else { 4 };
+        for (i, row) in table.iter_mut().enumerate().take(degrees) {
+            let count = match (i, b) {
+                (..4, Some(_)) => 4 - i,
+                _ => 1,
+            };
             for (j, entry) in row.iter_mut().enumerate().take(count) {
                 *entry = of([i, j]);
             }
         }
         let [x, y, z] = [
-            polynomial(|[i, j]| table[i][j].x, a, b),
-            polynomial(|[i, j]| table[i][j].y, a, b),
-            polynomial(|[i, j]| table[i][j].z, a, b),
+            polynomial(|[i, j]| table[i][j].x, a, b, self.has_fourth),
+            polynomial(|[i, j]| table[i][j].y, a, b, self.has_fourth),
+            polynomial(|[i, j]| table[i][j].z, a, b, self.has_fourth),
         ];
         [0, 1, 2].each(|k| Vector3::new(x[k], y[k], z[k]))
     }
 }
 
 /// Rates by the wheel's own travel and by the other wheel's, from derivatives by the coordinates of the expansion.
+#[inline(always)]
 fn rates<T: Real>(
     carriers: Carriers,
     centres: [Vector3<T>; 2],
@@ -322,6 +378,7 @@ trait Scaled {
 }
 
 impl<T: Real> Scaled for Vector3<T> {
+    #[inline(always)]
     fn scaled(self, factor: f64) -> Self {
         self.map(|c| c.scaled(factor))
     }

@@ -8,7 +8,7 @@ use super::parameters::{BodyParameter, Parameters};
 use super::road::Road;
 use super::{Car, Case, GRAVITY};
 use crate::axle::RockerForces;
-use crate::number::{Each, Scalar, Vector3};
+use crate::number::{Each, Local, Scalar, Vector3, outlined};
 use body::{CarMasses, air, bar_torque, energy, shares};
 pub(super) use body::{masses, static_loads};
 use wheel::{Forces, load_parts, travel_residuals};
@@ -179,14 +179,9 @@ impl<T: Scalar> Balance<T> {
             loaded,
         } = Assembled::of(held, parameters, &corners, &x);
         let stances = placed.each_ref().each(|placed| &placed.stance);
-        let axles = [0, 2].each(|left| {
-            let right = left + 1;
-            let forces = [&loaded.forces[left], &loaded.forces[right]];
-            load_parts([stances[left], stances[right]], forces)
-        });
+        let parts = loaded.parts(stances);
         let wheels = [0, 1, 2, 3].each(|number| {
-            let (axle, side) = (number / 2, number % 2);
-            placed[number].under(held, axle, &loaded.forces[number], axles[axle][side])
+            placed[number].under(held, number / 2, &loaded.forces[number], parts[number])
         });
         Balance {
             unknowns: x,
@@ -222,8 +217,9 @@ pub(super) struct Ground<T> {
     pub acceleration: Vector3<T>,
 }
 
-impl<T: Scalar> Ground<T> {
+impl<T: Local> Ground<T> {
     /// Ground for a roll, a pitch and a height.
+    #[inline(always)]
     pub(super) fn of(parameters: &Parameters<T>, [roll, pitch, height]: [T; 3]) -> Self {
         let road = Road::under(roll, pitch);
         let along = |own: BodyParameter| parameters.body(own);
@@ -255,7 +251,8 @@ impl<T: Copy> Resultant<T> {
     }
 }
 
-impl<T: Scalar> Resultant<T> {
+impl<T: Local> Resultant<T> {
+    #[inline(always)]
     fn zero(zero: T) -> Self {
         let none = Vector3::new(zero, zero, zero);
         Resultant {
@@ -264,17 +261,20 @@ impl<T: Scalar> Resultant<T> {
         }
     }
 
+    #[inline(always)]
     fn add(&mut self, other: &Self) {
         self.force = self.force + other.force;
         self.moment = self.moment + other.moment;
     }
 
+    #[inline(always)]
     fn act(&mut self, at: Vector3<T>, by: Vector3<T>) {
         self.force = self.force + by;
         self.moment = self.moment + at.cross(by);
     }
 
     /// Computes the residuals of the body (8). Forces are along i, e and n; the roll moment is about the body's own x axis.
+    #[inline(always)]
     fn residuals(&self, held: &Held<'_>, road: &Road<T>) -> [T; 6] {
         let inertia = held.car.yaw_inertia.unwrap_or(0.0) * held.case.yaw_acceleration;
         let force = self.force;
@@ -299,8 +299,9 @@ pub(super) struct Body<T> {
     ride_heights: [T; 2],
 }
 
-impl<T: Scalar> Body<T> {
+impl<T: Local> Body<T> {
     /// Computes the forces for a sprung mass with its centre of gravity.
+    #[inline(always)]
     pub(super) fn of(
         held: &Held<'_>,
         parameters: &Parameters<T>,
@@ -344,8 +345,19 @@ pub(super) struct Loaded<T> {
     pub residuals: [T; UNKNOWNS],
 }
 
-impl<T: Scalar> Loaded<T> {
+impl<T: Local> Loaded<T> {
+    /// Parts (9) of the wheel loads.
+    #[inline(always)]
+    pub(super) fn parts(&self, wheels: [&Stance<T>; 4]) -> [[T; 4]; 4] {
+        let [a, b, c, d] = wheels;
+        let [on_a, on_b, on_c, on_d] = &self.forces;
+        let [a, b] = load_parts([a, b], [on_a, on_b]);
+        let [c, d] = load_parts([c, d], [on_c, on_d]);
+        [a, b, c, d]
+    }
+
     /// Computes the forces for values of the unknowns. The wheels and the other forces on the body belong to these values.
+    #[inline(always)]
     pub(super) fn of(
         held: &Held<'_>,
         parameters: &Parameters<T>,
@@ -353,25 +365,41 @@ impl<T: Scalar> Loaded<T> {
         (wheels, on_body): ([&Stance<T>; 4], &Resultant<T>),
         x: &[T; UNKNOWNS],
     ) -> Self {
-        let car = held.car;
-        let bars = [0, 1].each(|axle| {
-            let angles = [0, 1].each(|side| wheels[2 * axle + side].bar);
-            bar_torque(car, parameters, axle, angles)
-        });
-        let rockers = [0, 1].each(|axle| {
-            let laws = parameters.rocker_springs(car, axle);
-            match [0, 1].each(|side| wheels[2 * axle + side].rocker) {
-                [Some(left), Some(right)] => laws.forces(&[left, right]),
-                _ => RockerForces::none(x[0]),
+        outlined!(
+            [T: Local] x[0];
+            held: &'p Held<'p> = held, parameters: &'p Parameters<T> = parameters, road: &'p Road<T> = road,
+            wheels: [&'p Stance<T>; 4] = wheels, on_body: &'p Resultant<T> = on_body,
+            x: &'p [T; UNKNOWNS] = x => Loaded<T> {
+                Loaded::inlined(held, parameters, road, (wheels, on_body), x)
             }
-        });
-        let shares = shares(held, x);
-        let forces = [0, 1, 2, 3].each(|number: usize| {
+        )
+    }
+
+    #[inline(always)]
+    fn inlined(
+        held: &Held<'_>,
+        parameters: &Parameters<T>,
+        road: &Road<T>,
+        (wheels, on_body): ([&Stance<T>; 4], &Resultant<T>),
+        x: &[T; UNKNOWNS],
+    ) -> Self {
+        let car = held.car;
+        let zero = x[0].zero();
+        let (mut bars, mut rockers) = ([zero; 2], [RockerForces::none(zero); 2]);
+        for axle in 0..2 {
+            let [left, right] = [wheels[2 * axle], wheels[2 * axle + 1]];
+            bars[axle] = bar_torque(car, parameters, axle, [left.bar, right.bar]);
+            if let (Some(left), Some(right)) = (left.rocker, right.rocker) {
+                rockers[axle] = parameters.rocker_springs(car, axle).forces(&[left, right]);
+            }
+        }
+        let source = held.case.setting.longitudinal;
+        let mut forces = [Forces::none(zero); 4];
+        for (number, forces) in forces.iter_mut().enumerate() {
             let axle = number / 2;
-            let source = held.case.setting.longitudinal;
             let share = car.longitudinal_share(axle, source, parameters);
-            let [lateral, longitudinal] = shares[number];
-            Forces {
+            let [lateral, longitudinal] = shares(held, x, number);
+            *forces = Forces {
                 load: x[LOADS + number],
                 side: x[SIDE_FORCES + axle] * lateral,
                 longitudinal: x[LONGITUDINAL] * share * longitudinal,
@@ -381,8 +409,8 @@ impl<T: Scalar> Loaded<T> {
                     _ => -bars[axle],
                 },
                 rocker: rockers[axle].work[number % 2],
-            }
-        });
+            };
+        }
         let mut residuals = [x[0].zero(); UNKNOWNS];
         let mut sum = *on_body;
         for (number, (wheel, forces)) in wheels.iter().zip(&forces).enumerate() {

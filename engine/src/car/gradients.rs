@@ -137,12 +137,12 @@ impl<'a> CarSolver<'a> {
             carriers: base.carriers,
         };
         let same = std::convert::identity::<Tracked<'_>>;
-        let x = settle(&base, &tracked, &plain, same);
+        let x = settle(&base, &tracked, &plain, same, 1);
         let now: Balance<Tracked<'_>> = base.balance(&tracked, x, same);
         let is_along = quantities
             .iter()
             .any(|quantity| quantity.info().is_rate && !quantity.is_since_rest());
-        let solved = is_along.then(|| Solved::of(self.car, &base, &tracked, &plain, same));
+        let solved = is_along.then(|| Solved::of(self.car, &base, &tracked, &plain, same, 1));
         let heave = CarQuantity::Whole(WholeResult::Heave);
         let mut buffers = linearised.each_ref().map(|axle| axle.buffer());
         let value = |quantity: &CarQuantity| match &solved {

@@ -74,6 +74,7 @@ mod parameters;
 mod rates;
 mod rig;
 mod road;
+mod second;
 mod solver;
 mod stability;
 mod tangent;
@@ -96,7 +97,8 @@ pub use moves::{CarVariable, Moves, PointMove, body_key, moved, rate_key};
 pub use parameters::{AxleParameter, BodyParameter, Parameter, Parameters};
 pub use rates::Solved;
 pub use rig::RigOutcome;
-pub use solver::{CarSolver, Equilibrium};
+pub(crate) use second::ExpandedState;
+pub use solver::{CarSolver, Equilibrium, RowResult, RowState};
 pub use templates::{CarTemplate, TEMPLATES};
 pub use tune::{CarConstraint, CarGoals, CarRun, CarTarget, RigGoals, tune};
 

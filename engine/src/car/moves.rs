@@ -233,22 +233,29 @@ impl Moves {
         }
     }
 
+    /// Parameter that the variable moves, and its change per unit of the study. `None` for hardpoints.
+    pub(crate) fn direction(&self, car: &Car) -> Option<(Parameter, f64)> {
+        let (parameter, rate) = match *self {
+            Moves::Hardpoints(_) => return None,
+            Moves::Rate { axle, parameter } => (Parameter::Axle(axle, parameter), 1.0),
+            Moves::Body(parameter) => (Parameter::Body(parameter), Moves::sign(parameter, car)),
+            Moves::Wheelbase => (Parameter::Axle(1, AxleParameter::OffsetX), -1.0),
+        };
+        Some((parameter, rate * self.written_unit(car)))
+    }
+
     /// Derivative of a result by the variable, per unit of the study.
     pub fn slope(&self, car: &Car, gradient: &CarGradient) -> f64 {
-        let by = |parameter: Parameter| gradient.parameters[parameter.place()];
-        let slope = match *self {
-            Moves::Hardpoints(ref points) => {
+        match self.direction(car) {
+            Some((parameter, rate)) => rate * gradient.parameters[parameter.place()],
+            None => {
                 let slope = |at: &PointMove| {
                     let along = gradient.hardpoints[at.axle][at.point.0][at.axis];
                     at.sign(car) * at.factor * along
                 };
-                points.iter().map(slope).sum()
+                self.points().iter().map(slope).sum()
             }
-            Moves::Rate { axle, parameter } => by(Parameter::Axle(axle, parameter)),
-            Moves::Body(parameter) => Moves::sign(parameter, car) * by(Parameter::Body(parameter)),
-            Moves::Wheelbase => -by(Parameter::Axle(1, AxleParameter::OffsetX)),
-        };
-        slope * self.written_unit(car)
+        }
     }
 
     /// Label of the variable.

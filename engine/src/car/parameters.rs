@@ -236,13 +236,13 @@ impl Parameters<f64> {
 
 impl<T: Copy> Parameters<T> {
     /// Value of an axle's parameter.
-    #[inline]
+    #[inline(always)]
     pub fn axle(&self, axle: usize, parameter: AxleParameter) -> T {
         self.0[Parameter::Axle(axle, parameter).place()]
     }
 
     /// Value of a parameter of the body or the case.
-    #[inline]
+    #[inline(always)]
     pub fn body(&self, parameter: BodyParameter) -> T {
         self.0[Parameter::Body(parameter).place()]
     }
@@ -255,12 +255,14 @@ impl<T: Copy> Parameters<T> {
 
 impl<T: Real> Parameters<T> {
     /// Origin of an axle.
+    #[inline(always)]
     pub(super) fn offset(&self, axle: usize) -> Vector3<T> {
         use AxleParameter::{OffsetX, OffsetY, OffsetZ};
         Vector3::from([OffsetX, OffsetY, OffsetZ].each(|parameter| self.axle(axle, parameter)))
     }
 
     /// Spring laws of the springs between the rockers of an axle.
+    #[inline(always)]
     pub(super) fn rocker_springs(&self, car: &Car, axle: usize) -> RockerSprings<T> {
         use AxleParameter::{
             HeaveBarRate, HeaveBarTorque, HeaveSpringForce, HeaveSpringRate, TBarRate,
@@ -282,6 +284,7 @@ impl<T: Real> Parameters<T> {
     }
 
     /// Centre of gravity that the study gives.
+    #[inline(always)]
     pub(super) fn cg(&self) -> Vector3<T> {
         use BodyParameter::{CgX, CgY, CgZ};
         Vector3::from([CgX, CgY, CgZ].each(|parameter| self.body(parameter)))

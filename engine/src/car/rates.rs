@@ -161,18 +161,21 @@ fn times<T: Real>(matrix: &Matrix, vector: [T; UNKNOWNS]) -> [T; UNKNOWNS] {
     product
 }
 
-/// Corrects the unknowns by one Newton step. For numbers that carry gradients, this step adds the gradient of the unknowns
-/// (10).
+/// Corrects the unknowns by Newton steps. For numbers that carry gradients, one step adds the gradient of the unknowns (10). For
+/// series, each step adds one order.
 pub(super) fn settle<T: Scalar, U: Real, R: WheelParts<U>>(
     base: &Base<'_, '_, R>,
     parameters: &Parameters<T>,
     plain: &Plain,
     lift: impl Fn(U) -> T + Copy,
+    steps: usize,
 ) -> [T; UNKNOWNS] {
     let mut x = plain.unknowns.each(|c| parameters.0[0].constant(c));
-    let residuals = base.residuals(parameters, x, lift);
-    for (unknown, step) in x.iter_mut().zip(times(&plain.inverse, residuals)) {
-        *unknown = *unknown - step;
+    for _ in 0..steps {
+        let residuals = base.residuals(parameters, x, lift);
+        for (unknown, step) in x.iter_mut().zip(times(&plain.inverse, residuals)) {
+            *unknown = *unknown - step;
+        }
     }
     x
 }
@@ -186,20 +189,22 @@ impl<'c> Solved<'c, f64> {
         unknowns: [f64; UNKNOWNS],
     ) -> Option<Self> {
         let plain = Plain::of(base, parameters, unknowns)?;
-        Some(Solved::of(car, base, parameters, &plain, |c: f64| c))
+        Some(Solved::of(car, base, parameters, &plain, |c: f64| c, 0))
     }
 }
 
 impl<'c, T: Scalar> Solved<'c, T> {
-    /// Computes the state near plain numbers, with all its derivatives.
+    /// Computes the state near plain numbers, with all its derivatives. `orders` is the number of orders that numbers of this kind
+    /// carry besides their value: 0 for plain numbers, 1 for gradients.
     pub(super) fn of<U: Real, R: WheelParts<U>>(
         car: &'c Car,
         base: &Base<'_, '_, R>,
         parameters: &Parameters<T>,
         plain: &Plain,
         lift: impl Fn(U) -> T + Copy,
+        orders: usize,
     ) -> Self {
-        let x = settle(base, parameters, plain, lift);
+        let x = settle(base, parameters, plain, lift, orders.max(1));
         let along = |number: usize| {
             let direction = DIRECTIONS[number];
             let moved = direction.moving(parameters);
@@ -215,16 +220,18 @@ impl<'c, T: Scalar> Solved<'c, T> {
             if !T::IS_LARGE {
                 return evaluate(rates);
             }
-            // One more step adds the gradients of the derivatives.
-            let first = evaluate(rates);
-            let level = first.road.forward.x[0];
-            let defect = direction.defect(first.residuals.each(|row| row[1]), level);
             let inverse = match direction {
                 Direction::Parameter(_) | Direction::Couple => &plain.inverse,
                 Direction::Body(_) => &plain.held_inverse,
             };
-            for (rate, step) in rates.iter_mut().zip(times(inverse, defect)) {
-                *rate = *rate - step;
+            // Each further step adds one order of the derivatives.
+            for _ in 0..orders {
+                let state = evaluate(rates);
+                let level = state.road.forward.x[0];
+                let defect = direction.defect(state.residuals.each(|row| row[1]), level);
+                for (rate, step) in rates.iter_mut().zip(times(inverse, defect)) {
+                    *rate = *rate - step;
+                }
             }
             evaluate(rates)
         };

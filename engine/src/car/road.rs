@@ -1,6 +1,6 @@
 //! Ground under a car, equation (1) of [`super`].
 
-use crate::number::{Scalar, Vector3};
+use crate::number::{Local, LocalFunction, Scalar, Vector3};
 
 /// Directions of the ground in the body's axes.
 #[derive(Clone, Copy, Debug)]
@@ -13,15 +13,22 @@ pub struct Road<T> {
     pub left: Vector3<T>,
 }
 
-/// Sine and cosine of an angle. Derivatives are exact up to the second order.
-fn sin_cos<T: Scalar>(angle: T) -> [T; 2] {
-    let (sine, cosine) = angle.value().sin_cos();
-    let change = angle - angle.constant(angle.value());
-    let near_one = angle.one() - change.squared().scaled(0.5);
-    [
-        near_one.scaled(sine) + change.scaled(cosine),
-        near_one.scaled(cosine) - change.scaled(sine),
-    ]
+/// Sine and cosine of an angle. Derivatives are exact up to the third order.
+struct SinCos;
+
+impl LocalFunction<1, 2> for SinCos {
+    #[inline(always)]
+    fn at<T: Scalar>(&self, [angle]: [T; 1]) -> [T; 2] {
+        let (sine, cosine) = angle.value().sin_cos();
+        let change = angle - angle.constant(angle.value());
+        let square = change.squared();
+        let near_one = angle.one() - square.scaled(0.5);
+        let small = change - change * square.scaled(1.0 / 6.0);
+        [
+            near_one.scaled(sine) + small.scaled(cosine),
+            near_one.scaled(cosine) - small.scaled(sine),
+        ]
+    }
 }
 
 impl<T: Copy> Road<T> {
@@ -35,11 +42,12 @@ impl<T: Copy> Road<T> {
     }
 }
 
-impl<T: Scalar> Road<T> {
+impl<T: Local> Road<T> {
     /// Computes the ground under a body with this roll and pitch (1).
+    #[inline(always)]
     pub fn under(roll: T, pitch: T) -> Self {
-        let [sine, cosine] = sin_cos(roll);
-        let [dip, level] = sin_cos(pitch);
+        let [sine, cosine] = T::local([roll], &SinCos);
+        let [dip, level] = T::local([pitch], &SinCos);
         Road {
             up: Vector3::new(-dip, level * sine, level * cosine),
             forward: Vector3::new(level, dip * sine, dip * cosine),

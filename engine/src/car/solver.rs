@@ -1,8 +1,10 @@
 //! Newton's method for the equations of [`super`], with a search for the set of wheels in contact.
 
 mod equilibrium;
+mod lanes;
 mod newton;
 mod readings;
+mod rows;
 mod start;
 
 use super::catalogue::WheelPlace;
@@ -19,6 +21,7 @@ use crate::threads::checkpoint;
 pub use equilibrium::Equilibrium;
 use readings::OnCurves;
 pub(super) use readings::{Base, Readings, Wheels};
+pub use rows::{RowResult, RowState};
 pub(super) use start::Start;
 
 /// Number of terms in the series of wheels. Equations need first derivatives by travel, and their tangents need second ones.

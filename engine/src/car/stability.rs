@@ -65,13 +65,16 @@ const GROWTH: f64 = 4.0;
 const MOST_STEPS: usize = 400;
 
 impl Equilibrium {
-    /// Flexibility C by (1).
+    /// Flexibility C by (1); NaN without factors.
     fn flexibility(&self) -> [[f64; 3]; 3] {
+        let Some(factors) = &self.factors else {
+            return [[f64::NAN; 3]; 3];
+        };
         let rows = [(VERTICAL, 1.0), (ROLL_MOMENT, -1.0), (PITCH_MOMENT, -1.0)];
         let answers = rows.each(|(row, sign)| {
             let mut right = [0.0; UNKNOWNS];
             right[row] = sign;
-            self.factors.solve(right)
+            factors.solve(right)
         });
         [GROUND, ROLL, PITCH].each(|unknown| answers.each(|answer| answer[unknown]))
     }
@@ -143,7 +146,10 @@ impl Equilibrium {
             };
             (self.unknowns[k] - from.unknowns[k]).abs() <= longest
         };
-        self.factors.orientation() == from.factors.orientation() && (0..LOADS).all(near)
+        let (Some(own), Some(other)) = (&self.factors, &from.factors) else {
+            return false;
+        };
+        own.orientation() == other.orientation() && (0..LOADS).all(near)
     }
 }
 

@@ -36,6 +36,17 @@ impl Factors {
         self.lu.solve(right)
     }
 
+    /// Inverse of the tangent.
+    pub(super) fn inverse(&self) -> Matrix {
+        let mut inverse = self.lu.inverse();
+        for row in &mut inverse {
+            for (c, scale) in row.iter_mut().zip(self.scales) {
+                *c *= scale;
+            }
+        }
+        inverse
+    }
+
     /// Sign of the determinant.
     pub(super) fn orientation(&self) -> f64 {
         self.lu.determinant().signum()
@@ -147,14 +158,7 @@ fn scaled(matrix: &Matrix) -> (Matrix, [f64; UNKNOWNS]) {
 
 /// Inverse of a matrix; `None` if it is singular.
 pub(super) fn inverse(matrix: &Matrix) -> Option<Matrix> {
-    let (scaled, scales) = scaled(matrix);
-    let mut inverse = Lu::of(scaled, 1.0)?.inverse();
-    for row in &mut inverse {
-        for (c, scale) in row.iter_mut().zip(scales) {
-            *c *= scale;
-        }
-    }
-    Some(inverse)
+    Some(Factors::of(matrix)?.inverse())
 }
 
 /// Unknowns that stay fixed in motions of the body: the attitude, and the factors of the tyre forces.

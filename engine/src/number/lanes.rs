@@ -13,7 +13,7 @@
 use super::registers::{Plain, Registers, Single};
 #[cfg(target_arch = "x86_64")]
 use super::x86::{Avx2, Avx512};
-use super::{Outlined, Real, SimdReal, arc};
+use super::{Local, LocalFunction, MOST_LANES, Outlined, Real, SimdReal, arc, array_of};
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 /// Numbers in SIMD registers.
@@ -94,6 +94,28 @@ impl<S: Registers> Real for Lanes<S> {
     #[inline(always)]
     fn outlined_as<P: Outlined>(like: &[Self], piece: P) -> P::Output {
         like[0].simd.outlined(piece)
+    }
+}
+
+impl<S: Registers> Local for Lanes<S> {
+    #[inline(always)]
+    fn local<const N: usize, const K: usize>(
+        arguments: [Self; N],
+        function: &impl LocalFunction<N, K>,
+    ) -> [Self; K] {
+        let mut lanes = [[0.0; MOST_LANES]; N];
+        for k in 0..N {
+            arguments[k].store(&mut lanes[k]);
+        }
+        let mut values = [[0.0; MOST_LANES]; K];
+        for lane in 0..<Self as SimdReal>::LANES {
+            let at: [f64; N] = array_of(|k| lanes[k][lane]);
+            let found = function.at(at);
+            for k in 0..K {
+                values[k][lane] = found[k];
+            }
+        }
+        array_of(|k| arguments[0].load(&values[k]))
     }
 }
 
@@ -226,6 +248,16 @@ impl Width {
             Width::Scalar => {}
         }
         task.run(Single(Plain).splat(0.0))
+    }
+
+    /// Runs a task in AVX2 lanes. Returns the task if the processor lacks these instructions. The task is compiled for this
+    /// width only, for tasks that take long to compile.
+    pub fn run_in_avx2<T: SimdTask>(task: T) -> Result<T::Output, T> {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(simd) = Avx2::detect() {
+            return Ok(simd.outlined(Task(task, simd)));
+        }
+        Err(task)
     }
 
     /// Runs a task on one value at a time, with the processor's fused products and sums if this width has them. The bits are

@@ -222,6 +222,31 @@ pub trait Scalar: Real {
     fn value(self) -> f64;
 }
 
+/// A function whose formula depends on the values of its arguments.
+pub trait LocalFunction<const N: usize, const K: usize> {
+    /// Values of the function.
+    fn at<T: Scalar>(&self, arguments: [T; N]) -> [T; K];
+}
+
+/// A number for formulas that contain local functions. Lanes evaluate these functions lane by lane.
+pub trait Local: Real {
+    /// Values of a function.
+    fn local<const N: usize, const K: usize>(
+        arguments: [Self; N],
+        function: &impl LocalFunction<N, K>,
+    ) -> [Self; K];
+}
+
+impl<T: Scalar> Local for T {
+    #[inline(always)]
+    fn local<const N: usize, const K: usize>(
+        arguments: [Self; N],
+        function: &impl LocalFunction<N, K>,
+    ) -> [Self; K] {
+        function.at(arguments)
+    }
+}
+
 impl Real for f64 {
     #[inline(always)]
     fn constant(self, value: f64) -> Self {

@@ -2,15 +2,16 @@
 //!
 //! Each axle's parts are assembled as in a study of the axle ([`crate::assembly`]). With these parts, the car is then in
 //! equilibrium on its springs. First-order results are exact. They are derivatives of every result by the hardpoints of each
-//! wheel, times derivatives of the built designs by each source, plus derivatives by rates and figures.
+//! wheel, times derivatives of the built designs by each source, plus derivatives by rates and figures. Module `car_second` computes
+//! the second order.
 
 use super::axle_expansion::{Moves as PointMoves, moves};
 use super::histogram::Histogram;
 use super::monte_carlo::moments;
-use super::{HOLDS, PERCENTILES, Problem, Spread};
+use super::{Estimate, PERCENTILES, Problem, Spread, car_second};
 use crate::assembly::SetUpError;
 use crate::axle::Axle;
-use crate::car::{Car, CarFault, CarGradient, CarRequest, CaseResult};
+use crate::car::{Car, CarFault, CarGradient, CarRequest, Case, CaseResult};
 use crate::model::Side;
 use crate::study::{CarContributor, CarStudy, CarTolerance, Source};
 use crate::sweep::{in_order, uniform};
@@ -32,7 +33,7 @@ pub struct CarProblem<'a> {
     pub request: CarRequest<'a>,
     /// Index of the result of each band.
     places: Vec<usize>,
-    axles: [Problem<'a>; 2],
+    pub(super) axles: [Problem<'a>; 2],
 }
 
 /// Results of many builds of a car.
@@ -52,30 +53,31 @@ pub struct CarBuilds {
     pub in_all_bands: u64,
 }
 
-/// First-order result for one quantity, in printed units.
+/// First- and second-order result for one quantity, in printed units.
 #[derive(Clone, Debug)]
 pub struct CarExpansion {
-    /// Variance from each contributor. NaN if the result has no derivatives.
+    /// First-order variance from each contributor. NaN if the result has no derivatives.
     pub variances: Vec<f64>,
+    /// Estimate from all contributors together.
+    pub estimate: Estimate,
+    /// True if the value scatters ([`Estimate::scatters`]).
+    pub scatters: bool,
 }
 
 impl CarExpansion {
-    /// Standard deviation.
+    /// First-order standard deviation.
     pub fn sigma(&self) -> f64 {
-        self.variances.iter().sum::<f64>().sqrt()
+        self.estimate.sigma()
     }
 
     /// Share of a contributor in the variance.
     pub fn share(&self, contributor: usize) -> f64 {
-        self.variances[contributor] / self.variances.iter().sum::<f64>()
+        self.variances[contributor] / self.estimate.variance
     }
 
-    /// Returns true if the builds confirm the first-order standard deviation. `None` if the standard deviation is zero.
+    /// Returns true if the linear result is valid ([`Estimate::holds`]). `None` if that is unknown or the value does not scatter.
     pub fn holds(&self, spread: &Spread) -> Option<bool> {
-        let sigma = self.sigma();
-        let scatters = sigma > 0.0 && spread.count > 0;
-        let apart = (spread.sigma - sigma).abs();
-        scatters.then_some(apart <= HOLDS * sigma + 4.0 * spread.sigma_error)
+        self.estimate.holds(spread).filter(|_| self.scatters)
     }
 }
 
@@ -175,7 +177,7 @@ impl<'a> CarProblem<'a> {
         Ok(values)
     }
 
-    /// First-order result for every quantity.
+    /// First- and second-order result for every quantity.
     ///
     /// # Errors
     /// Axle and reason if the design of an axle cannot be assembled.
@@ -193,8 +195,14 @@ impl<'a> CarProblem<'a> {
             }
         }
         let length = self.study.car.length_unit;
-        let results = self.request.results.iter().zip(&gradients);
-        let expansions = results.map(|(result, gradient)| {
+        let rests = [false, true].map(|elastic| {
+            let mut rest = Case::at_rest("static");
+            rest.setting.elastic_tyres = elastic;
+            rest
+        });
+        let second = car_second::second(self, &drawn, &rests)?;
+        let results = self.request.results.iter().zip(&gradients).zip(second);
+        let expansions = results.map(|((result, gradient), second)| {
             let printed = result.quantity.info().unit.printed_factor(length);
             let contributors = self.tolerance.contributors.iter();
             let variance = |contributor: &CarContributor| {
@@ -215,10 +223,19 @@ impl<'a> CarProblem<'a> {
                         law.variance() * slope * slope
                     }
                 };
-                printed * printed * variance
+                variance
+            };
+            let variances: Vec<f64> = contributors.map(variance).collect();
+            let estimate = Estimate {
+                variance: variances.iter().sum(),
+                second,
             };
             CarExpansion {
-                variances: contributors.map(variance).collect(),
+                scatters: gradient
+                    .as_ref()
+                    .is_some_and(|gradient| estimate.scatters(gradient.value)),
+                estimate: estimate.scaled(printed),
+                variances: variances.iter().map(|v| printed * printed * v).collect(),
             }
         });
         Ok(expansions.collect())

@@ -5,7 +5,9 @@
 //! (H_jj + 2 H_jk + H_kk)/2. Quantities that contain velocities (gains, roll centres, anti-features, swing arms, motion
 //! ratios) have no second-order result here, because they would also need series in travel.
 
-use super::{Problem, Spread, axle_expansion, axle_second, elastic, elastic_axle};
+use super::{
+    Estimate, Problem, Remainder, Spread, axle_expansion, axle_second, elastic, elastic_axle,
+};
 use crate::assembly::{BuildParameter, Rest, SetUpError, built_curves};
 use crate::characteristics::{Constants, Slots, WheelReading};
 use crate::derive::MotionPoint;
@@ -15,16 +17,9 @@ use crate::model::SteeringAxis;
 use crate::number::Jet;
 use crate::plan::Plan;
 use crate::solve::{Solver, StationOrder};
-use crate::study::{Outputs, Source, WheelStudy};
+use crate::study::{Law, Outputs, Source, WheelStudy};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
-
-/// Limit for the second-order term as a share of the variance. Below it, the linear result is valid.
-pub const HOLDS: f64 = 0.02;
-
-/// Smallest first-order standard deviation of a value that scatters, relative to the value or to 1 of its unit (rad, mm).
-/// Smaller ones are rounding errors, for example of a camber that alignment sets.
-const SCATTERS: f64 = 1e-12;
 
 /// Largest number of sources for which products are computed.
 const MOST_SOURCES: usize = 120;
@@ -66,7 +61,7 @@ impl Expansion {
                 }
             },
         };
-        let sum = |cell: usize, of: &dyn Fn(f64, &crate::study::Law) -> f64| -> f64 {
+        let sum = |cell: usize, of: &dyn Fn(f64, &Law) -> f64| -> f64 {
             let row = &gradient[cell * count..(cell + 1) * count];
             row.iter()
                 .zip(&sources)
@@ -90,33 +85,27 @@ impl Expansion {
         &self.gradient[cell * self.sources..(cell + 1) * self.sources]
     }
 
-    /// Returns true if a value with this nominal scatters. Otherwise only rounding errors differ, and these have no shares and
-    /// cost no yield.
+    /// Estimate of the scatter of a value.
+    pub fn estimate(&self, cell: usize) -> Estimate {
+        Estimate {
+            variance: self.variance[cell],
+            second: self.second[cell],
+        }
+    }
+
+    /// Returns true if a value with this nominal scatters ([`Estimate::scatters`]).
     pub fn scatters(&self, cell: usize, drawn: f64) -> bool {
-        self.variance[cell].sqrt() > SCATTERS * drawn.abs().max(1.0)
+        self.estimate(cell).scatters(drawn)
     }
 
-    /// Second-order term as a share of the first-order variance. NaN if it is not known.
-    pub fn bend(&self, cell: usize) -> f64 {
-        let [mean, variance] = self.second[cell];
-        (mean * mean).max(variance) / self.variance[cell]
-    }
-
-    /// Returns true if the linear result is valid. `None` if that is unknown.
+    /// Returns true if the second-order term is small. `None` if it is not known.
     pub fn holds(&self, cell: usize) -> Option<bool> {
-        let bend = self.bend(cell);
-        (!bend.is_nan()).then_some(bend < HOLDS)
+        self.estimate(cell).is_straight()
     }
 
     /// Part of the builds' variance that first order does not explain.
     pub fn remainder(&self, cell: usize, spread: &Spread) -> Remainder {
-        let variance = spread.sigma * spread.sigma;
-        let explained = self.variance[cell] / variance;
-        Remainder {
-            part: 1.0 - explained,
-            error: 2.0 * explained * spread.sigma_error / spread.sigma,
-            second: self.second[cell][1] / variance,
-        }
+        self.estimate(cell).remainder(spread)
     }
 
     /// First-order variance from a contributor, given by its index in the study.
@@ -132,18 +121,6 @@ impl Expansion {
         }
         part
     }
-}
-
-/// Part of the variance of builds that remains after the first-order parts of the contributors: curvature, interaction and
-/// sampling error.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Remainder {
-    /// Remainder divided by the builds' variance. With the parts of the contributors it adds up to 1.
-    pub part: f64,
-    /// Standard error.
-    pub error: f64,
-    /// The remainder's share by second order. NaN if it is not known.
-    pub second: f64,
 }
 
 /// Derivatives of every value by each source, `[cell][source]`, and second-order terms of its mean and variance, `[cell]`,
@@ -220,12 +197,35 @@ pub(super) fn combined(
 ) -> Vec<[f64; 2]> {
     let unknown = vec![[f64::NAN; 2]; problem.cells()];
     let sources: Vec<&Source> = problem.tolerance.each_source().collect();
-    let count = sources.len();
     let Some(second_derivatives) = second_derivatives else {
         return unknown;
     };
-    if count > MOST_SOURCES || !readable.contains(&true) {
+    if !readable.contains(&true) {
         return unknown;
+    }
+    let laws: Vec<Law> = sources.iter().map(|source| source.law).collect();
+    let stations = problem.stations().count();
+    let second_derivatives = |first: usize, other: Option<usize>| match other {
+        None => second_derivatives(&[sources[first]]),
+        Some(other) => second_derivatives(&[sources[first], sources[other]]),
+    };
+    let is_readable = |cell: usize| readable[cell / stations];
+    of_pairs(&laws, problem.cells(), is_readable, second_derivatives)
+}
+
+/// Second-order terms of the mean and variance of each cell, for sources with these distributions. `second_derivatives` returns
+/// those of all cells along a source, or along the sum of two sources, each scaled by its standard deviation. NaN for cells that
+/// are not readable, and if there are too many sources.
+pub(super) fn of_pairs(
+    laws: &[Law],
+    cells: usize,
+    is_readable: impl Fn(usize) -> bool,
+    second_derivatives: impl Fn(usize, Option<usize>) -> Vec<f64> + Sync,
+) -> Vec<[f64; 2]> {
+    let mut second = vec![[f64::NAN; 2]; cells];
+    let count = laws.len();
+    if count > MOST_SOURCES {
+        return second;
     }
     let pairs: Vec<(usize, usize)> = (0..count)
         .flat_map(|j| (j..count).map(move |k| (j, k)))
@@ -233,26 +233,19 @@ pub(super) fn combined(
     // Second derivatives y'' along d_j + d_k.
     let second_derivatives: Vec<Vec<f64>> = pairs
         .par_iter()
-        .map(|(j, k)| {
-            if j == k {
-                second_derivatives(&[sources[*j]])
-            } else {
-                second_derivatives(&[sources[*j], sources[*k]])
-            }
-        })
+        .map(|(j, k)| second_derivatives(*j, (j != k).then_some(*k)))
         .collect();
     let place = |j: usize, k: usize| j * count - j * (j + 1) / 2 + k;
-    let mut second = unknown;
     for (cell, entry) in second.iter_mut().enumerate() {
-        if !readable[cell / problem.stations().count()] {
+        if !is_readable(cell) {
             continue;
         }
         let own = |j: usize| second_derivatives[place(j, j)][cell];
         let (mut mean, mut variance) = (0.0, 0.0);
-        for (j, source) in sources.iter().enumerate() {
+        for (j, law) in laws.iter().enumerate() {
             let hjj = own(j);
             mean += 0.5 * hjj;
-            variance += 0.25 * hjj * hjj * (source.law.kurtosis() - 1.0);
+            variance += 0.25 * hjj * hjj * (law.kurtosis() - 1.0);
             for k in j + 1..count {
                 let hjk = 0.5 * (second_derivatives[place(j, k)][cell] - hjj - own(k));
                 variance += hjk * hjk;

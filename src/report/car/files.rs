@@ -1,7 +1,7 @@
 //! `cases.csv` and `gg.csv` of a car.
 
 use super::{CarMap, CarResults, CarState, lifted_wheels, state};
-use crate::car::{CarMember, CarSolver, Case, Equilibrium, Longitudinal};
+use crate::car::{CarMember, CarSolver, Case, Longitudinal, RowResult};
 use crate::model::Axis;
 use crate::report::files::csv_of_rows;
 use crate::report::{optional, shortest};
@@ -155,12 +155,26 @@ impl<'s> CarResults<'s> {
         let mut header: Vec<String> = fixed.map(str::to_owned).to_vec();
         header.extend(self.columns());
         header.extend(["reason".to_owned(), "status".to_owned()]);
-        let rows = map.ax.par_iter();
-        let rows = rows.map_with(solver, |own, ax| {
-            stoppable(flag, || self.gg_row(own.clone(), map, *ax))
+        let row = |ax: &f64| map.ay.iter().map(|ay| map.at(*ax, *ay)).collect();
+        let cases: Vec<Vec<Case>> = map.ax.iter().map(row).collect();
+        let cases: Vec<&[Case]> = cases.iter().map(Vec::as_slice).collect();
+        let mut first = 0;
+        let blocks = CarSolver::blocks_of(&cases).map(|block| {
+            first += block.len();
+            (first - block.len(), block)
         });
-        let rows: Vec<Option<GgRow>> = rows.collect();
-        let rows: Vec<GgRow> = rows.into_iter().flatten().collect();
+        let blocks: Vec<_> = blocks.collect();
+        let blocks = blocks.par_iter().map_with(solver, |own, (first, block)| {
+            let states = stoppable(flag, || states_of(own.clone(), block)).unwrap_or_default();
+            let rows = map.ax[*first..].par_iter().zip(states);
+            let rows = rows.map_with(own.clone(), |own, (ax, states)| {
+                stoppable(flag, || self.gg_row(own.clone(), (map, *ax), states))
+            });
+            rows.collect()
+        });
+        let rows: Vec<Vec<Option<GgRow>>> = blocks.collect();
+        let rows = rows.into_iter().flatten();
+        let rows: Vec<GgRow> = rows.flatten().collect();
         let finished = rows.len();
         let mut shown = CarMap::of(&[], &map.ay);
         let mut csv = csv_of_rows(std::iter::once(header));
@@ -178,18 +192,22 @@ impl<'s> CarResults<'s> {
         }
     }
 
-    /// States of a g-g map with the same ax.
-    fn gg_row(&self, mut solver: CarSolver<'s>, map: &GgMap, ax: f64) -> GgRow {
+    /// Results of the states of a g-g map with the same ax.
+    fn gg_row(
+        &self,
+        mut solver: CarSolver<'s>,
+        (map, ax): (&GgMap, f64),
+        states: Vec<RowResult>,
+    ) -> GgRow {
         let mut rows = Vec::with_capacity(map.ay.len());
         let mut row = GgRow {
             csv: Vec::new(),
             shown: CarMap::of(&[ax], &map.ay),
             failures: 0,
         };
-        let mut before: Option<Box<Equilibrium>> = None;
-        for ay in &map.ay {
+        for (ay, found) in map.ay.iter().zip(states) {
             let case = map.at(ax, *ay);
-            let state = state(&mut solver, &case, before.as_deref());
+            let state = state(&mut solver, &case, found.map(|of| of.found));
             row.shown.push(&state, &case);
             let mut cells = vec![
                 shortest(ax),
@@ -208,13 +226,20 @@ impl<'s> CarResults<'s> {
             cells.extend(self.values(&state, &case));
             cells.extend(self.end(&state));
             rows.push(cells);
-            if let CarState::Solved { found, .. } = state {
-                before = Some(found);
-            }
         }
         row.csv = csv_of_rows(rows.into_iter());
         row
     }
+}
+
+/// Solves the states of a block of rows, side by side in lanes.
+fn states_of(mut solver: CarSolver<'_>, rows: &[&[Case]]) -> Vec<Vec<RowResult>> {
+    let mut states: Vec<Vec<RowResult>> = rows
+        .iter()
+        .map(|row| Vec::with_capacity(row.len()))
+        .collect();
+    solver.solve_rows(rows, &mut |_, [row, _], state| states[row].push(state));
+    states
 }
 
 /// States of a g-g map with the same ax.

@@ -47,16 +47,12 @@ pub struct CarResults<'s> {
     members: Vec<Vec<f64>>,
 }
 
-/// Solves a load case with its derivatives, starting from a neighbouring state if there is one.
+/// Computes the state of a load case with its derivatives.
 fn state<'s>(
     solver: &mut CarSolver<'s>,
     case: &Case,
-    neighbour: Option<&Equilibrium>,
+    found: Result<Equilibrium, NoEquilibrium>,
 ) -> CarState<'s> {
-    let found = match neighbour {
-        Some(neighbour) => solver.solve_from(case, neighbour),
-        None => solver.solve(case),
-    };
     let solved = found.and_then(|found| {
         let solved = Box::new(solver.solved(case, &found)?);
         let found = Box::new(found);
@@ -77,7 +73,8 @@ impl<'s> CarResults<'s> {
         let cases = study.cases.iter().take(count);
         let mut members = Vec::new();
         let states = cases.map(|case| {
-            let state = state(solver, case, None);
+            let found = solver.solve(case);
+            let state = state(solver, case, found);
             let forces = match &state {
                 CarState::Solved { found, .. } if study.member_loads => {
                     solver.members(case, found).ok()

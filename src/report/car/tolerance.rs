@@ -1,11 +1,11 @@
 //! Scatter of a car: `tolerance.csv`, `contributors.csv`, `summary.json` and tables.
 
 use crate::report::files::csv_of_rows;
+use crate::report::optional;
 use crate::report::table::{Cell, Column, Table};
 use crate::report::text::counted;
 use crate::report::tolerance_summary::percent;
-use crate::report::{optional, resolution};
-use crate::tolerance::{CarBuilds, CarExpansion, CarProblem, PERCENTILES};
+use crate::tolerance::{CarBuilds, CarExpansion, CarProblem, HOLDS, PERCENTILES};
 use serde::Serialize;
 
 /// Results of `hardpoint tolerance` for a car.
@@ -39,8 +39,16 @@ struct CarValue {
     sigma_error: Option<f64>,
     /// First-order standard deviation.
     sigma_linear: Option<f64>,
-    /// True if the builds confirm the first-order standard deviation.
+    /// Second-order term as a share of the first-order variance.
+    second_order: Option<f64>,
+    /// True if the linear result is valid, by its second order and by the builds.
     linear_holds: Option<bool>,
+    /// Fraction of the builds' variance that is not first order: curvature and interaction.
+    remainder: Option<f64>,
+    /// Standard error of the remainder.
+    remainder_error: Option<f64>,
+    /// Second-order estimate of this fraction.
+    remainder_second_order: Option<f64>,
     percentiles: [Option<f64>; PERCENTILES.len()],
     range: [Option<f64>; 2],
     /// Share of each contributor in the first-order variance.
@@ -83,8 +91,9 @@ impl CarToleranceSummary {
             let (spread, first) = (&builds.spreads[k], &expansion[k]);
             let (output, case) = column(result.case, result.quantity);
             let unit = result.quantity.info().unit.suffix(length);
-            // The roll of a symmetric car on a straight differs only by rounding errors, and these have no shares.
-            let scatters = first.sigma() > resolution(&unit);
+            let scatters = first.scatters;
+            let remainder = first.estimate.remainder(spread);
+            let of_scatter = |part: f64| finite(part).filter(|_| scatters);
             let contributors = 0..tolerance.contributors.len();
             CarValue {
                 output,
@@ -97,7 +106,11 @@ impl CarToleranceSummary {
                 sigma: finite(spread.sigma),
                 sigma_error: finite(spread.sigma_error),
                 sigma_linear: finite(first.sigma()),
-                linear_holds: first.holds(spread).filter(|_| scatters),
+                second_order: of_scatter(first.estimate.bend()),
+                linear_holds: first.holds(spread),
+                remainder: of_scatter(remainder.part),
+                remainder_error: of_scatter(remainder.error),
+                remainder_second_order: of_scatter(remainder.second),
                 percentiles: spread.percentiles.map(finite),
                 range: spread.range.map(finite),
                 shares: contributors
@@ -168,7 +181,9 @@ impl CarToleranceSummary {
             "case".into(),
             Column::named("nominal", "drawn"),
         ];
-        let mut table = Table::with_columns(head.into_iter().chain(numbers)).keyed(2);
+        let because = Column::for_programs("because");
+        let columns = head.into_iter().chain(numbers).chain([because]);
+        let mut table = Table::with_columns(columns).keyed(2);
         let has_bands = !self.bands.is_empty();
         for value in &self.values {
             let is_shown = if has_bands {
@@ -189,14 +204,21 @@ impl CarToleranceSummary {
             ];
             let words = match value.linear_holds {
                 Some(true) => "yes",
-                Some(false) => "no",
+                Some(false) if value.second_order.is_some_and(|s| s >= HOLDS) => "no: curved",
+                Some(false) => "no: builds differ",
+                None if value.drawn.is_none() || value.builds == 0 => "",
                 None if !value.scatters => "does not scatter",
-                None => "",
+                None => "not known",
+            };
+            let because = match value.linear_holds {
+                Some(true) => "",
+                _ => words,
             };
             let figure = |v: Option<f64>| Cell::from(v.map(|v| Cell::figure(v, &value.unit)));
             let head = [value.output.as_str().into(), value.case.as_str().into()];
             let cells = head.into_iter().chain(numbers.map(figure));
-            table.push_row(cells.chain([Cell::in_words(value.linear_holds, words)]));
+            let holds = Cell::in_words(value.linear_holds, words);
+            table.push_row(cells.chain([holds, because.into()]));
         }
         table
     }
@@ -261,7 +283,11 @@ impl CarToleranceSummary {
             "sigma",
             "sigma_error",
             "sigma_linear",
+            "second_order",
             "linear_holds",
+            "remainder",
+            "remainder_error",
+            "remainder_second_order",
             "min",
         ];
         let mut header: Vec<String> = columns.map(str::to_owned).to_vec();
@@ -270,8 +296,9 @@ impl CarToleranceSummary {
         let rows = self.values.iter().map(|v| {
             let mut row = vec![v.output.clone(), v.case.clone(), v.builds.to_string()];
             row.extend([v.drawn, v.mean, v.mean_error, v.sigma, v.sigma_error].map(optional));
-            row.push(optional(v.sigma_linear));
+            row.extend([v.sigma_linear, v.second_order].map(optional));
             row.push(v.linear_holds.map_or_else(String::new, |h| h.to_string()));
+            row.extend([v.remainder, v.remainder_error, v.remainder_second_order].map(optional));
             row.push(optional(v.range[0]));
             row.extend(v.percentiles.map(optional));
             row.push(optional(v.range[1]));

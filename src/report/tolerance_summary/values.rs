@@ -4,7 +4,7 @@ use super::super::given_columns::GivenColumns;
 use super::super::shortest;
 use crate::model::Axis;
 use crate::study::AxleStudy;
-use crate::tolerance::{Expansion, HOLDS, MonteCarlo, PERCENTILES, Problem};
+use crate::tolerance::{Expansion, MonteCarlo, PERCENTILES, Problem};
 use serde::{Deserialize, Serialize};
 
 /// Scatter of a value, as printed.
@@ -112,17 +112,15 @@ pub(super) fn values(
             let spread = &builds.spreads[cell];
             let travel = stations.values()[stations.value_of(station)];
             let rack = stations.racks[stations.rack_of(station)];
-            let deviation = expansion.variance[cell].sqrt();
-            let scatters = expansion.scatters(cell, drawn[cell]);
+            let estimate = expansion.estimate(cell);
+            let deviation = estimate.sigma();
+            let scatters = estimate.scatters(drawn[cell]);
             let variance = if scatters {
                 deviation * deviation
             } else {
                 f64::NAN
             };
-            // The second order may be small while higher orders or rejected builds matter. Only the builds show this.
-            let apart = (spread.sigma - deviation).abs();
-            let differs = scatters && apart > HOLDS * deviation + 4.0 * spread.sigma_error;
-            let remainder = expansion.remainder(cell, spread);
+            let remainder = estimate.remainder(spread);
             let of_scatter = |part: f64| finite(part).filter(|_| scatters);
             let shares = (0..problem.tolerance.scatter.len())
                 .map(|number| finite(expansion.part(problem, cell, number) / variance));
@@ -141,13 +139,8 @@ pub(super) fn values(
                 sigma: scaled(spread.sigma),
                 sigma_error: scaled(spread.sigma_error),
                 sigma_linear: scaled(deviation),
-                second_order: finite(expansion.bend(cell)).filter(|_| scatters),
-                linear_holds: match differs {
-                    // Without builds, the estimate cannot be confirmed.
-                    _ if spread.count == 0 => None,
-                    true => Some(false),
-                    false => expansion.holds(cell).filter(|_| scatters),
-                },
+                second_order: finite(estimate.bend()).filter(|_| scatters),
+                linear_holds: estimate.holds(spread).filter(|_| scatters),
                 percentiles: spread.percentiles.map(scaled),
                 range: spread.range.map(scaled),
                 histogram: spread.histogram.and_then(|of| {

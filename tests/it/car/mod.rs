@@ -9,6 +9,7 @@ mod mechanics;
 mod page;
 mod reference;
 mod rigs;
+mod second_order;
 mod side_effects;
 mod solid;
 mod stability;

@@ -6,7 +6,7 @@ use super::super::road::Road;
 use super::super::{Car, GRAVITY, LateralShares, Longitudinal, LongitudinalShares, Masses};
 use super::{Held, LOADS, UNKNOWNS};
 use crate::axle::RockerForces;
-use crate::number::{Each, Scalar, Vector3};
+use crate::number::{Each, Local, Scalar, Vector3};
 
 /// Energy of springs, stops and bars, relative to the design position.
 pub(super) fn energy<T: Scalar>(
@@ -48,7 +48,7 @@ pub(in crate::car) struct CarMasses<T> {
 }
 
 /// Computes the masses of the car and their centres.
-pub(in crate::car) fn masses<T: Scalar>(
+pub(in crate::car) fn masses<T: Local>(
     car: &Car,
     parameters: &Parameters<T>,
     corners: &[Corner<T>; 4],
@@ -92,7 +92,7 @@ pub(in crate::car) fn masses<T: Scalar>(
 
 /// Load on each wheel of the front and rear axle at rest in the design position, by the lever rule. Both wheels of an axle
 /// share its load equally.
-pub(in crate::car) fn static_loads<T: Scalar>(
+pub(in crate::car) fn static_loads<T: Local>(
     car: &Car,
     parameters: &Parameters<T>,
     corners: &[Corner<T>; 4],
@@ -121,7 +121,8 @@ pub(in crate::car) fn static_loads<T: Scalar>(
 }
 
 /// Torque of an axle's bar: its rate times the left lever's angle less the right lever's.
-pub(super) fn bar_torque<T: Scalar>(
+#[inline(always)]
+pub(super) fn bar_torque<T: Local>(
     car: &Car,
     parameters: &Parameters<T>,
     axle: usize,
@@ -133,40 +134,50 @@ pub(super) fn bar_torque<T: Scalar>(
     }
 }
 
-/// Computes the lateral and longitudinal share of each wheel in the force of its axle (3).
-pub(super) fn shares<T: Scalar>(held: &Held<'_>, x: &[T; UNKNOWNS]) -> [[T; 2]; 4] {
-    let setting = &held.case.setting;
-    let share = |number: usize, is_by_load: bool, of_left: f64| {
-        let (own, other) = (number, number ^ 1);
-        let like = x[0];
-        if held.lifted[own] {
-            return like.zero();
-        }
-        if held.lifted[other] {
-            return like.one();
-        }
-        if is_by_load {
-            return x[LOADS + own] / (x[LOADS + own] + x[LOADS + other]);
-        }
-        like.constant(match number % 2 {
-            0 => of_left,
-            _ => 1.0 - of_left,
-        })
-    };
-    [0, 1, 2, 3].each(|number| {
-        let lateral = match setting.lateral_shares {
-            LateralShares::ByLoad => share(number, true, 0.5),
-            LateralShares::Equal => share(number, false, 0.5),
-            LateralShares::Left(left) => share(number, false, left[number / 2]),
-        };
-        let by_load = setting.longitudinal_shares == LongitudinalShares::ByLoad;
-        [lateral, share(number, by_load, 0.5)]
+/// Share of a wheel in a force of its axle: by load, or given for the left wheel.
+#[inline(always)]
+fn share<T: Local>(
+    held: &Held<'_>,
+    x: &[T; UNKNOWNS],
+    own: usize,
+    (is_by_load, of_left): (bool, f64),
+) -> T {
+    let other = own ^ 1;
+    if held.lifted[own] {
+        return x[0].zero();
+    }
+    if held.lifted[other] {
+        return x[0].one();
+    }
+    if is_by_load {
+        return x[LOADS + own] / (x[LOADS + own] + x[LOADS + other]);
+    }
+    x[0].constant(match own % 2 {
+        0 => of_left,
+        _ => 1.0 - of_left,
     })
+}
+
+/// Computes the lateral and longitudinal share of a wheel in the force of its axle (3).
+#[inline(always)]
+pub(super) fn shares<T: Local>(held: &Held<'_>, x: &[T; UNKNOWNS], number: usize) -> [T; 2] {
+    let setting = &held.case.setting;
+    let lateral = match setting.lateral_shares {
+        LateralShares::ByLoad => (true, 0.5),
+        LateralShares::Equal => (false, 0.5),
+        LateralShares::Left(left) => (false, left[number / 2]),
+    };
+    let by_load = setting.longitudinal_shares == LongitudinalShares::ByLoad;
+    [
+        share(held, x, number, lateral),
+        share(held, x, number, (by_load, 0.5)),
+    ]
 }
 
 impl Car {
     /// An axle's share of the longitudinal force.
-    pub(super) fn longitudinal_share<T: Scalar>(
+    #[inline(always)]
+    pub(super) fn longitudinal_share<T: Local>(
         &self,
         axle: usize,
         longitudinal: Longitudinal,
@@ -184,7 +195,8 @@ impl Car {
 }
 
 /// Downforces and drag, each with the point of the body where it acts.
-pub(super) fn air<T: Scalar>(
+#[inline(always)]
+pub(super) fn air<T: Local>(
     car: &Car,
     parameters: &Parameters<T>,
     [front, rear]: [T; 2],

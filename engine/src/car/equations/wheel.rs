@@ -5,8 +5,8 @@ use super::super::parameters::{AxleParameter, BodyParameter, Parameters};
 use super::super::road::Road;
 use super::super::{Car, TyreAxes};
 use super::{Ground, Held, Resultant, WheelState};
-use crate::axle::RockerMotion;
-use crate::number::{Each, Scalar, Vector3};
+use crate::axle::{RockerMotion, SpringLaw};
+use crate::number::{Each, Local, LocalFunction, Scalar, Vector3, outlined};
 
 /// Forces on one wheel, and the share that gives its lateral force.
 #[derive(Clone, Copy)]
@@ -23,6 +23,21 @@ pub(super) struct Forces<T> {
     pub bar: T,
     /// Derivative, by the wheel's own travel, of the energy of the springs between the rockers.
     pub rocker: T,
+}
+
+impl<T: Copy> Forces<T> {
+    /// Forces that are all zero.
+    #[inline(always)]
+    pub(super) fn none(zero: T) -> Self {
+        Forces {
+            load: zero,
+            side: zero,
+            longitudinal: zero,
+            share: zero,
+            bar: zero,
+            rocker: zero,
+        }
+    }
 }
 
 /// Work on a wheel per unit of one travel of its axle. The forces of the tyre and the torque of the bar are units.
@@ -87,8 +102,9 @@ impl<T: Copy> Work<T> {
     }
 }
 
-impl<T: Scalar> Work<T> {
+impl<T: Local> Work<T> {
     /// Parts of the work that the wheel load balances: elastic, geometric, longitudinal, unsprung.
+    #[inline(always)]
     fn parts(&self, forces: &Forces<T>, is_own: bool) -> [T; 4] {
         let springs = self.spring + forces.bar * self.bar;
         [
@@ -104,6 +120,7 @@ impl<T: Scalar> Work<T> {
     }
 
     /// Residual of (7) for one wheel.
+    #[inline(always)]
     fn residual(&self, forces: &Forces<T>, is_own: bool) -> T {
         let [elastic, geometric, longitudinal, unsprung] = self.parts(forces, is_own);
         forces.load * self.rise - elastic - geometric - longitudinal - unsprung
@@ -131,8 +148,9 @@ impl<T: Copy> Stance<T> {
     }
 }
 
-impl<T: Scalar> Stance<T> {
+impl<T: Local> Stance<T> {
     /// Residual of the contact (4), (5) or, for a lifted wheel, of its load (6).
+    #[inline(always)]
     pub(super) fn contact_residual(&self, load: T) -> T {
         match self.contact {
             Contact::Lifted => load,
@@ -143,7 +161,8 @@ impl<T: Scalar> Stance<T> {
 }
 
 /// Residuals of equation (7) for both travels of an axle. Each travel of a solid axle moves both wheels.
-pub(super) fn travel_residuals<T: Scalar>(
+#[inline(always)]
+pub(super) fn travel_residuals<T: Local>(
     [left, right]: [&Stance<T>; 2],
     [on_left, on_right]: [&Forces<T>; 2],
 ) -> [T; 2] {
@@ -159,7 +178,8 @@ pub(super) fn travel_residuals<T: Scalar>(
 }
 
 /// Parts (9) of the loads of an axle. Those of a solid axle come from two simultaneous equations.
-pub(super) fn load_parts<T: Scalar>(
+#[inline(always)]
+pub(super) fn load_parts<T: Local>(
     [left, right]: [&Stance<T>; 2],
     [on_left, on_right]: [&Forces<T>; 2],
 ) -> [[T; 4]; 2] {
@@ -187,6 +207,7 @@ pub(super) fn load_parts<T: Scalar>(
 }
 
 /// Tyre on the ground, by (2).
+#[derive(Clone, Copy)]
 struct Tread<T> {
     /// Length s of the upward normal's part across the spin axis.
     tilt: T,
@@ -204,7 +225,8 @@ struct Tread<T> {
     lever: Vector3<T>,
 }
 
-impl<T: Scalar> Tread<T> {
+impl<T: Local> Tread<T> {
+    #[inline(always)]
     fn of(
         held: &Held<'_>,
         parameters: &Parameters<T>,
@@ -246,6 +268,7 @@ impl<T: Scalar> Tread<T> {
         }
     }
 
+    #[inline(always)]
     fn contact(&self, is_lifted: bool) -> Contact<T> {
         match (is_lifted, self.spring) {
             (true, _) => Contact::Lifted,
@@ -257,12 +280,14 @@ impl<T: Scalar> Tread<T> {
     }
 
     /// Velocity of the carrier's point at the contact.
+    #[inline(always)]
     fn carried(&self, rates: &WheelRates<T>) -> Vector3<T> {
         rates.centre + rates.turn.cross(self.lever)
     }
 
     /// Velocity of the point at which the longitudinal force acts. If the body carries the reaction to the torque, rotation about
     /// the spin axis does not count.
+    #[inline(always)]
     fn pushed(&self, rates: &WheelRates<T>, spin: Vector3<T>, by_carrier: bool) -> Vector3<T> {
         if by_carrier {
             self.carried(rates)
@@ -274,7 +299,8 @@ impl<T: Scalar> Tread<T> {
 }
 
 /// Unit vectors of the longitudinal and the lateral force.
-fn tyre_axes<T: Scalar>(
+#[inline(always)]
+fn tyre_axes<T: Local>(
     axes: TyreAxes,
     corner: &Corner<T>,
     road: &Road<T>,
@@ -290,8 +316,19 @@ fn tyre_axes<T: Scalar>(
     }
 }
 
+/// Force of a spring and its stops at a length. The second argument is the length in the design position.
+struct ByLaw<'s>(&'s SpringLaw);
+
+impl LocalFunction<2, 1> for ByLaw<'_> {
+    #[inline(always)]
+    fn at<T: Scalar>(&self, [length, design]: [T; 2]) -> [T; 1] {
+        [self.0.force(length, design)]
+    }
+}
+
 /// Force of the wheel's spring and its stops; zero without a spring.
-fn spring_force<T: Scalar>(
+#[inline(always)]
+fn spring_force<T: Local>(
     car: &Car,
     parameters: &Parameters<T>,
     axle: usize,
@@ -302,12 +339,14 @@ fn spring_force<T: Scalar>(
     };
     let side = usize::from(corner.sign < 0.0);
     let shortened = corner.design_spring - corner.spring;
-    laws[side].force(corner.spring, corner.design_spring)
+    let [by_law] = T::local([corner.spring, corner.design_spring], &ByLaw(&laws[side]));
+    by_law
         + parameters.axle(axle, AxleParameter::SpringForce)
         + parameters.axle(axle, AxleParameter::SpringRate) * shortened
 }
 
 /// A wheel on the ground without its forces: (2), and the factors of the forces in (4) to (8).
+#[derive(Clone, Copy)]
 pub(in crate::car) struct Placed<T> {
     corner: Corner<T>,
     tread: Tread<T>,
@@ -315,9 +354,28 @@ pub(in crate::car) struct Placed<T> {
     pub stance: Stance<T>,
 }
 
-impl<T: Scalar> Placed<T> {
+impl<T: Local> Placed<T> {
     /// Places a wheel on the ground.
+    #[inline(always)]
     pub(in crate::car) fn of(
+        held: &Held<'_>,
+        parameters: &Parameters<T>,
+        number: usize,
+        corner: Corner<T>,
+        ground: &Ground<T>,
+        static_load: T,
+    ) -> Self {
+        outlined!(
+            [T: Local] static_load;
+            held: &'p Held<'p> = held, parameters: &'p Parameters<T> = parameters, number: usize = number,
+            corner: Corner<T> = corner, ground: &'p Ground<T> = ground, static_load: T = static_load => Placed<T> {
+                Placed::inlined(held, parameters, number, corner, ground, static_load)
+            }
+        )
+    }
+
+    #[inline(always)]
+    fn inlined(
         held: &Held<'_>,
         parameters: &Parameters<T>,
         number: usize,

@@ -19,8 +19,9 @@ pub struct Equilibrium {
     /// Pose of both wheels of each axle; `None` if the wheels come from their curves, which agree with poses up to rounding
     /// error. [`CarSolver::poses`](super::CarSolver::poses) solves those poses.
     pub(in crate::car) placed: Option<Box<[AxlePose; 2]>>,
-    /// Factors of the tangent, from a step before the last one. The tangent changes negligibly from there to the equilibrium.
-    pub(in crate::car) factors: Box<Factors>,
+    /// Factors of the tangent, from a step before the last one. The tangent changes negligibly from there to the equilibrium. `None`
+    /// for a state that was solved in lanes, between two states whose tangents are known.
+    pub(in crate::car) factors: Option<Box<Factors>>,
 }
 
 impl Equilibrium {

@@ -28,7 +28,7 @@ const NEAR: f64 = 2e-3;
 /// shorter step the solver computes a new tangent, close to the solution.
 const BESIDE: f64 = 2e-2;
 /// A step below this limit, relative to the sizes of the unknowns, is rounding error.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
+pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// Interval of steps. Newton's method gives up if, on average, more than one step per interval has a new tangent and is still
 /// longer than the shortest step so far.
 const MOST_LONGER: usize = 5;
@@ -121,7 +121,7 @@ impl<'a> CarSolver<'a> {
                 evaluations,
                 racks: case.racks,
                 placed: placed.map(Box::new),
-                factors: step.linear.factors,
+                factors: Some(step.linear.factors),
             });
         }
         Err(NoEquilibrium::NotFound)

@@ -39,7 +39,7 @@ impl<'f> Start<'f> {
         Start {
             unknowns: found.unknowns,
             lifted: found.lifted,
-            factors: Some(&found.factors),
+            factors: found.factors.as_deref(),
             may_be_near: false,
             most_steps: MOST_STEPS_BESIDE,
         }

@@ -1,0 +1,473 @@
+//! Rows of cases, each of which follows its neighbour, several rows side by side.
+//!
+//! The first state of a row is solved alone, from that of the row before if there is one. Then each row takes a lane ([`super::lanes`]). A state starts where the polynomial
+//! through the last states of its row leads, with the inverse tangent of the last ones. A row leaves its lane, and its case is solved
+//! alone, if
+//!
+//! - a wheel has no curve, or a step is not finite or too long,
+//! - the iteration does not converge,
+//! - the set of wheels in contact would change, or the settings of the case differ from those of the block.
+//!
+//! One state in [`VERIFIED`] gets its exact tangent. It must be stable in the same sense as a state that is solved alone
+//! ([`super::super::stability`]). Otherwise all states since the last one with a tangent are solved again, alone.
+
+use super::super::equations::{Held, LOADS, TRAVELS, UNKNOWNS, masses, static_loads};
+use super::super::parameters::Parameters;
+use super::super::tangent::{Factors, tangent};
+use super::super::{Case, GRAVITY, NoEquilibrium};
+use super::lanes::{Lanes, OF_CASE, Shared, Step};
+use super::newton::ROUNDING;
+use super::{CarSolver, Equilibrium, LONGEST_TRAVEL, LONGEST_TURN};
+use crate::axle::{CURVE_LANES, CurveLanes, CurveWheel};
+use crate::number::{Vector3, Width, array_of};
+
+/// Number of states from one with an exact tangent to the next.
+const VERIFIED: usize = 4;
+/// Largest number of steps.
+const MOST_STEPS: usize = 10;
+/// Largest first step, relative to the sizes of the unknowns.
+const LONGEST: f64 = 0.1;
+/// Steps that no longer become shorter are rounding errors if one of them was below this limit.
+const STILL: f64 = 1e-12;
+/// Number of earlier states that the start of a state extrapolates.
+const POINTS: usize = 3;
+
+/// A state of a row.
+#[derive(Clone, Debug)]
+pub struct RowState {
+    /// Equilibrium. In lanes its numbers can differ from those of [`CarSolver::solve`] by rounding error.
+    pub found: Equilibrium,
+    /// Parts of each wheel load: elastic, geometric, longitudinal, unsprung.
+    pub parts: [[f64; 4]; 4],
+    /// True if it was solved in a lane.
+    pub is_from_lane: bool,
+}
+
+/// Result for a case of a row.
+pub type RowResult = Result<RowState, NoEquilibrium>;
+
+/// A state from a lane that no tangent has confirmed yet: its unknowns, and the parts of the wheel loads.
+type Pending = ([f64; UNKNOWNS], [[f64; 4]; 4]);
+
+/// A row of cases on its way.
+struct Row<'c> {
+    cases: &'c [Case],
+    /// Index of the next case.
+    next: usize,
+    /// Last state with a tangent.
+    at: Option<Equilibrium>,
+    /// States since then.
+    pending: Vec<Pending>,
+    /// Unknowns of the last states, the latest first, and their number.
+    points: [[f64; UNKNOWNS]; POINTS],
+    known: usize,
+    is_in_lane: bool,
+}
+
+/// Inputs that all rows of a block share.
+struct Block<'c> {
+    case: &'c Case,
+    parameters: Parameters<f64>,
+    sprung: (f64, Vector3<f64>),
+    static_loads: [f64; 2],
+    lanes: Box<Lanes>,
+}
+
+impl<'c> Row<'c> {
+    fn of(cases: &'c [Case]) -> Self {
+        Row {
+            cases,
+            next: 0,
+            at: None,
+            pending: Vec::with_capacity(VERIFIED),
+            points: [[0.0; UNKNOWNS]; POINTS],
+            known: 0,
+            is_in_lane: false,
+        }
+    }
+
+    fn case(&self) -> Option<&'c Case> {
+        self.cases.get(self.next)
+    }
+
+    /// Records the unknowns of the latest state.
+    fn record(&mut self, x: [f64; UNKNOWNS]) {
+        self.points.rotate_right(1);
+        self.points[0] = x;
+        self.known = (self.known + 1).min(POINTS);
+    }
+
+    /// Start of the next state, by the polynomial through the last ones.
+    fn start(&self) -> [f64; UNKNOWNS] {
+        let [a, b, c] = &self.points;
+        array_of(|k| match self.known {
+            1 => a[k],
+            2 => 2.0 * a[k] - b[k],
+            _ => 3.0 * (a[k] - b[k]) + c[k],
+        })
+    }
+}
+
+/// Returns true if a step leaves only rounding error. Ten times the square of the step, divided by the shortest step before it, bounds
+/// the next step, because each step of the method shrinks more than the one before.
+fn is_last(step: f64, shortest: f64) -> bool {
+    let next = 10.0 * step / shortest * step;
+    let is_still = step >= shortest && shortest <= STILL;
+    step <= ROUNDING || (shortest.is_finite() && next <= ROUNDING) || is_still
+}
+
+/// Returns true if the same lanes can solve both cases.
+fn fits(case: &Case, other: &Case) -> bool {
+    case.setting == other.setting
+        && case.racks == other.racks
+        && case.yaw_acceleration == other.yaw_acceleration
+}
+
+impl Block<'_> {
+    /// Gives a row its lane, with the inverse tangent of a state.
+    fn enter(&mut self, lane: usize, factors: &Factors) {
+        for (rows, row) in self.lanes.inverse.iter_mut().zip(factors.inverse()) {
+            for (numbers, number) in rows.iter_mut().zip(row) {
+                numbers[lane] = number;
+            }
+        }
+    }
+
+    /// Puts the next case of a row into its lane.
+    fn begin(&mut self, lane: usize, case: &Case, start: [f64; UNKNOWNS]) {
+        let lanes = &mut *self.lanes;
+        for (numbers, number) in lanes.x.iter_mut().zip(start) {
+            numbers[lane] = number;
+        }
+        let of_case = [case.ax, case.ay, case.az, case.speed];
+        debug_assert_eq!(of_case.len(), OF_CASE.len());
+        for (numbers, number) in lanes.of_case.iter_mut().zip(of_case) {
+            numbers[lane] = number;
+        }
+        lanes.active[lane] = 1.0;
+    }
+
+    /// Unknowns of a lane.
+    fn unknowns(&self, lane: usize) -> [f64; UNKNOWNS] {
+        array_of(|k| self.lanes.x[k][lane])
+    }
+}
+
+impl<'a> CarSolver<'a> {
+    /// Finds the states of rows of cases, several rows side by side. `take` gets the index of a row, that of a case in the row, and the
+    /// state. The cases of a row come in their order.
+    pub fn solve_rows(
+        &mut self,
+        rows: &[&[Case]],
+        take: &mut dyn FnMut(&mut Self, [usize; 2], RowResult),
+    ) {
+        let mut first = 0;
+        for block in Self::blocks_of(rows) {
+            self.solve_block(block, &mut |solver, [row, case], state| {
+                take(solver, [first + row, case], state);
+            });
+            first += block.len();
+        }
+    }
+
+    /// Splits rows into blocks that [`CarSolver::solve_rows`] solves side by side. Results in a block do not depend on other blocks.
+    pub fn blocks_of<'r, 'c>(rows: &'r [&'c [Case]]) -> impl Iterator<Item = &'r [&'c [Case]]> {
+        let alike = |a: &&[Case], b: &&[Case]| match (a.first(), b.first()) {
+            (Some(a), Some(b)) => fits(a, b),
+            _ => false,
+        };
+        let alike = rows.chunk_by(alike);
+        alike.flat_map(|rows| rows.chunks(CURVE_LANES))
+    }
+
+    fn solve_block(
+        &mut self,
+        rows: &[&[Case]],
+        take: &mut dyn FnMut(&mut Self, [usize; 2], RowResult),
+    ) {
+        let mut rows: Vec<Row<'_>> = rows.iter().map(|cases| Row::of(cases)).collect();
+        let mut block: Option<Block<'_>> = None;
+        let most = rows.iter().map(|row| row.cases.len()).max().unwrap_or(0);
+        for column in 0..most {
+            if let Some(block) = &mut block {
+                self.in_lanes(block, &mut rows);
+            }
+            for number in 0..rows.len() {
+                let (before, rows) = rows.split_at_mut(number);
+                let Some(row) = rows.first_mut() else { break };
+                if row.at.is_none() && row.next == 0 {
+                    // The first state of a row starts from that of the row before.
+                    row.at = before.last().and_then(|before| before.at.clone());
+                }
+                // A row that has left its lane is behind.
+                if row.next <= column && row.case().is_some() {
+                    self.confirm(&mut block, (number, row), take);
+                    self.alone(&mut block, (number, row), take);
+                } else if row.pending.len() == VERIFIED {
+                    self.confirm(&mut block, (number, row), take);
+                }
+            }
+        }
+        for (number, row) in rows.iter_mut().enumerate() {
+            self.confirm(&mut block, (number, row), take);
+        }
+    }
+
+    /// Solves the next case of every row that has a lane. Rows whose case stays unsolved lose their lane.
+    fn in_lanes(&mut self, block: &mut Block<'_>, rows: &mut [Row<'_>]) {
+        block.lanes.active = [0.0; CURVE_LANES];
+        let mut smallest = [f64::INFINITY; CURVE_LANES];
+        let mut is_open = [false; CURVE_LANES];
+        for (lane, row) in rows.iter_mut().enumerate() {
+            let Some(case) = row.case() else { continue };
+            row.is_in_lane &= fits(block.case, case);
+            if row.is_in_lane {
+                block.begin(lane, case, row.start());
+                is_open[lane] = true;
+            }
+        }
+        for number in 0..MOST_STEPS {
+            for (lane, row) in rows.iter_mut().enumerate() {
+                if is_open[lane] && self.read_lane(block, lane).is_none() {
+                    (is_open[lane], row.is_in_lane) = (false, false);
+                    block.lanes.active[lane] = 0.0;
+                }
+            }
+            if !is_open.contains(&true) {
+                return;
+            }
+            let step = Step {
+                shared: Shared {
+                    held: Held {
+                        car: self.car,
+                        case: block.case,
+                        lifted: [false; 4],
+                    },
+                    parameters: &block.parameters,
+                    sprung: block.sprung,
+                    static_loads: block.static_loads,
+                },
+                is_first: number == 0,
+                lanes: &mut block.lanes,
+            };
+            let is_solved = Width::run_in_avx2(step).is_ok();
+            for (lane, row) in rows.iter_mut().enumerate() {
+                if !is_open[lane] {
+                    continue;
+                }
+                let longest = block.lanes.longest[lane];
+                let is_end = is_last(longest, smallest[lane]);
+                let fails = !is_solved || longest.is_nan() || longest > LONGEST;
+                if fails || is_end {
+                    is_open[lane] = false;
+                    block.lanes.active[lane] = 0.0;
+                    row.is_in_lane = !fails && self.keeps_contact(row, &block.unknowns(lane));
+                    if row.is_in_lane {
+                        let x = block.unknowns(lane);
+                        let parts = block.lanes.parts;
+                        let parts = array_of(|wheel| array_of(|k| parts[wheel][k][lane]));
+                        row.pending.push((x, parts));
+                        row.record(x);
+                        row.next += 1;
+                    }
+                }
+                smallest[lane] = smallest[lane].min(longest);
+            }
+        }
+        for (lane, row) in rows.iter_mut().enumerate() {
+            row.is_in_lane &= !is_open[lane];
+        }
+    }
+
+    /// Reads the wheels of a lane from their curves. `None` if a wheel has no curve there.
+    fn read_lane(&mut self, block: &mut Block<'_>, lane: usize) -> Option<()> {
+        let curves = self.curves.as_mut()?;
+        let mut wheel = CurveWheel::unknown();
+        for (number, curve) in curves.iter_mut().enumerate() {
+            let axle = number / 2;
+            let at = [
+                block.lanes.x[TRAVELS + number][lane],
+                block.case.racks[axle],
+            ];
+            curve.at(&mut self.axles[axle], at, &mut wheel)?;
+            block.lanes.wheels[number].set(lane, &wheel);
+        }
+        Some(())
+    }
+
+    /// Returns true if all wheels stay on the ground in a new state, and if body and wheels are near those of the last state.
+    fn keeps_contact(&self, row: &Row<'_>, x: &[f64; UNKNOWNS]) -> bool {
+        let before = &row.points[0];
+        let travel = LONGEST_TRAVEL * self.car.per_metre();
+        let limits = [
+            LONGEST_TURN,
+            LONGEST_TURN,
+            travel,
+            travel,
+            travel,
+            travel,
+            travel,
+        ];
+        let is_near = |k: usize| (x[k] - before[k]).abs() <= limits[k];
+        x[LOADS..LOADS + 4].iter().all(|load| *load >= 0.0) && (0..LOADS).all(is_near)
+    }
+
+    /// Confirms the states of a row that came from its lane, by the tangent in the last one. If it is not stable, all of them are
+    /// solved again, alone.
+    fn confirm<'c>(
+        &mut self,
+        block: &mut Option<Block<'c>>,
+        (number, row): (usize, &mut Row<'c>),
+        take: &mut dyn FnMut(&mut Self, [usize; 2], RowResult),
+    ) {
+        let Some((last, _)) = row.pending.last() else {
+            return;
+        };
+        let count = row.pending.len();
+        let first = row.next - count;
+        let confirmed = self.with_tangent(&row.cases[row.next - 1], *last);
+        let follows = |found: &Equilibrium| {
+            let mut before = row.at.iter();
+            found.is_stiff() || before.any(|before| found.follows(before, self.car))
+        };
+        if let Some(last) = confirmed.filter(follows) {
+            for (k, (unknowns, parts)) in std::mem::take(&mut row.pending).into_iter().enumerate() {
+                let found = if k + 1 == count {
+                    last.clone()
+                } else {
+                    Equilibrium {
+                        unknowns,
+                        factors: None,
+                        ..last.clone()
+                    }
+                };
+                let state = RowState {
+                    found,
+                    parts,
+                    is_from_lane: true,
+                };
+                take(self, [number, first + k], Ok(state));
+            }
+            if let (Some(block), Some(factors)) = (block, &last.factors) {
+                block.enter(number, factors);
+            }
+            row.at = Some(last);
+            return;
+        }
+        row.pending.clear();
+        row.next = first;
+        row.known = 0;
+        for _ in 0..count {
+            self.alone(block, (number, row), take);
+        }
+    }
+
+    /// Solves the next case of a row alone, and gives the row a lane if all wheels are on the ground.
+    fn alone<'c>(
+        &mut self,
+        block: &mut Option<Block<'c>>,
+        (number, row): (usize, &mut Row<'c>),
+        take: &mut dyn FnMut(&mut Self, [usize; 2], RowResult),
+    ) {
+        let cases: &'c [Case] = row.cases;
+        let case = &cases[row.next];
+        let found = match &row.at {
+            Some(before) => self.solve_from(case, before),
+            None => self.solve(case),
+        };
+        row.is_in_lane = false;
+        let place = [number, row.next];
+        row.next += 1;
+        let found = found.and_then(|found| {
+            let balance = self.balance(case, &found)?;
+            let parts = array_of(|wheel| balance.wheels[wheel].parts);
+            Ok(RowState {
+                found,
+                parts,
+                is_from_lane: false,
+            })
+        });
+        match &found {
+            Ok(RowState { found, .. }) => {
+                row.record(found.unknowns);
+                row.at = Some(found.clone());
+                if block.is_none() {
+                    *block = self.block(case, found);
+                }
+                if let (Some(block), Some(factors)) = (block, &found.factors)
+                    && fits(block.case, case)
+                    && found.lifted == [false; 4]
+                {
+                    block.enter(number, factors);
+                    row.is_in_lane = true;
+                }
+            }
+            Err(_) => row.known = 0,
+        }
+        take(self, place, found);
+    }
+
+    /// State of a case with these unknowns and all wheels on the ground, with its tangent. `None` if a wheel has no curve there, or if
+    /// the tangent is singular.
+    fn with_tangent(&mut self, case: &Case, x: [f64; UNKNOWNS]) -> Option<Equilibrium> {
+        let travels = array_of(|k| x[TRAVELS + k]);
+        let near = self.near(travels, case.racks)?;
+        let held = Held {
+            car: self.car,
+            case,
+            lifted: [false; 4],
+        };
+        let (_, tangent) = tangent(&near.base(held), &Parameters::of(self.car, case), &x);
+        self.spare = Some(near);
+        Some(Equilibrium {
+            unknowns: x,
+            lifted: [false; 4],
+            evaluations: 1,
+            racks: case.racks,
+            placed: None,
+            factors: Some(Box::new(Factors::of(&tangent)?)),
+        })
+    }
+
+    /// Inputs of a block whose cases are like this one. `None` if its wheels have no curves, or without AVX2.
+    fn block<'c>(&mut self, case: &'c Case, found: &Equilibrium) -> Option<Block<'c>> {
+        if !Width::Avx2.is_available() {
+            return None;
+        }
+        let near = self.near(found.travels(), found.racks)?;
+        let parameters = Parameters::of(self.car, case);
+        let base = near.base(self.held(case, found));
+        let corners = array_of(|number: usize| {
+            let travels = [number, number ^ 1].map(|wheel| near.travels[wheel]);
+            base.corner(&parameters, number, travels, |c: f64| c)
+        });
+        let masses = masses(self.car, &parameters, &corners);
+        let static_loads = static_loads(self.car, &parameters, &corners, &masses);
+        let wheels = near.wheels.each_ref().map(CurveLanes::filled);
+        let weight = masses.whole.0 * GRAVITY;
+        let scales = array_of(|k| match k {
+            0 | 1 => [1.0; CURVE_LANES],
+            2..LOADS => [1.0 / self.car.per_metre(); CURVE_LANES],
+            _ => [1.0 / weight; CURVE_LANES],
+        });
+        let block = Block {
+            case,
+            parameters,
+            sprung: masses.sprung,
+            static_loads,
+            lanes: Box::new(Lanes {
+                x: array_of(|k| [found.unknowns[k]; CURVE_LANES]),
+                step: [[0.0; CURVE_LANES]; UNKNOWNS],
+                inverse: [[[0.0; CURVE_LANES]; UNKNOWNS]; UNKNOWNS],
+                scales,
+                longest: [0.0; CURVE_LANES],
+                parts: [[[0.0; CURVE_LANES]; 4]; 4],
+                active: [0.0; CURVE_LANES],
+                of_case: [[0.0; CURVE_LANES]; 4],
+                wheels,
+            }),
+        };
+        self.spare = Some(near);
+        Some(block)
+    }
+}

@@ -66,7 +66,7 @@ impl SimdTask for LaneEquilibria<'_> {
         let station = wheels.at(0.0, 0.0);
         let mut found = [const { None }; MOST_LANES];
         let mut read = |at: &EquilibriaInLanes<B>, receive: &mut dyn FnMut(WheelFigures)| {
-            at.write(&memory, &mut found[..B::LANES]);
+            at.write(&mut found[..B::LANES]);
             for at in found.iter().flatten() {
                 receive(wheel.figures(at));
             }

@@ -209,20 +209,18 @@ fn turned_inline<T: Real>(difference: &Matrix3<T>, turn: Vector3<T>) -> Matrix3<
     let half = turn * turn.x.constant(0.5);
     let one = turn.x.one();
     let factor = (one + one) / (one + half.norm_squared());
-    let [a, b, c] = difference.columns;
     let zero = one.zero();
-    let unit = [
+    let units = [
         Vector3::new(one, zero, zero),
         Vector3::new(zero, one, zero),
         Vector3::new(zero, zero, one),
     ];
-    let by = |column: Vector3<T>, unit: Vector3<T>| {
-        let across = half.cross(column + unit);
-        column + (across + half.cross(across)) * factor
-    };
-    Matrix3 {
-        columns: [by(a, unit[0]), by(b, unit[1]), by(c, unit[2])],
+    let mut columns = difference.columns;
+    for k in 0..3 {
+        let across = half.cross(columns[k] + units[k]);
+        columns[k] = columns[k] + (across + half.cross(across)) * factor;
     }
+    Matrix3 { columns }
 }
 
 /// Sine, cosine and rotation vector of a rotation, from its difference from the identity by equation (3).

@@ -119,6 +119,39 @@ impl<T: Valued> Outlined for LargeCoefficient<T> {
     }
 }
 
+/// Terms of the matrix N of equation (6).
+struct TorqueTangent<T> {
+    phi: Vector3<T>,
+    g: Vector3<T>,
+    /// phi x g and phi x (phi x g).
+    once: Vector3<T>,
+    twice: Vector3<T>,
+    rates: Vector3<T>,
+    /// 1/2, c, and the derivative of c by t divided by t.
+    coefficients: [T; 3],
+}
+
+impl<T: Valued> TorqueTangent<T> {
+    /// Column of N for a rotation about a unit vector.
+    #[inline(always)]
+    fn column(&self, unit: Vector3<T>) -> Vector3<T> {
+        let TorqueTangent {
+            phi,
+            g,
+            once,
+            twice,
+            rates,
+            coefficients: [half, c, slope],
+        } = *self;
+        let across = phi.cross(unit);
+        let by = unit - across * half + phi.cross(across) * c;
+        let dg = Vector3::new(rates.x * by.x, rates.y * by.y, rates.z * by.z);
+        let first = by.cross(g) + phi.cross(dg);
+        let second = by.cross(once) + phi.cross(first);
+        dg + first * half + second * c + twice * (slope * phi.dot(by))
+    }
+}
+
 impl<T: Valued> Bushing<T> {
     /// Deflection and force, from e in the axes of body i and from R_i' R_j - I.
     #[inline(always)]
@@ -201,21 +234,20 @@ impl<T: Valued> Bushing<T> {
         // Columns of N in equation (6), one for each rotation about an axis of the bushing.
         let one = c.one();
         let zero = c.zero();
-        let units = [
-            Vector3::new(one, zero, zero),
-            Vector3::new(zero, one, zero),
-            Vector3::new(zero, zero, one),
-        ];
-        let column = |unit: Vector3<T>| {
-            let across = phi.cross(unit);
-            let by = unit - across * half + phi.cross(across) * c;
-            let dg = Vector3::new(rates.x * by.x, rates.y * by.y, rates.z * by.z);
-            let first = by.cross(g) + phi.cross(dg);
-            let second = by.cross(once) + phi.cross(first);
-            dg + first * half + second * c + twice * (slope * phi.dot(by))
+        let tangent = TorqueTangent {
+            phi,
+            g,
+            once,
+            twice,
+            rates,
+            coefficients: [half, c, slope],
         };
         let local = Matrix3 {
-            columns: [column(units[0]), column(units[1]), column(units[2])],
+            columns: [
+                tangent.column(Vector3::new(one, zero, zero)),
+                tangent.column(Vector3::new(zero, one, zero)),
+                tangent.column(Vector3::new(zero, zero, one)),
+            ],
         };
         BushingForce {
             force: axes.apply(force),

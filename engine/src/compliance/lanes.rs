@@ -7,12 +7,13 @@
 //! Lanes attempt the whole change of loads at once. A lane that would need smaller steps, or whose equilibrium is not stable,
 //! has no result. The solver for one wheel then starts anew and decides.
 
+use super::algebra::Placed;
 use super::loads::WheelLoads;
 use super::solve::{Bounds, Judge, Solution, Verdict, is_definite_on};
-use super::system::{Equations, State, System, Task};
+use super::system::{Equations, Hold, MOST_JOINTS, MOST_LIMBS, State, System, Task};
 use super::wheel::{ElasticWheel, Equilibrium, HeldQuantity, level_task};
 use crate::linear::square::MOST;
-use crate::number::{MOST_LANES, SimdReal, outlined};
+use crate::number::{MOST_LANES, SimdReal, Vector3, outlined};
 use crate::threads::checkpoint;
 use std::cell::{Cell, RefCell};
 
@@ -48,22 +49,10 @@ impl LaneMemory {
         value
     }
 
-    /// Reads the next number in one lane.
-    fn get(&self, lane: usize) -> f64 {
-        let number = self.advance();
-        self.numbers.borrow()[number][lane]
-    }
-
     /// Reads the next number in all lanes.
     fn load<B: SimdReal>(&self, like: B) -> B {
         let number = self.advance();
         like.load(&self.numbers.borrow()[number])
-    }
-
-    /// Writes the next number in all lanes.
-    fn store<B: SimdReal>(&self, value: B) {
-        let number = self.advance();
-        value.store(&mut self.numbers.borrow_mut()[number]);
     }
 }
 
@@ -83,6 +72,8 @@ pub(crate) struct EquilibriaInLanes<B> {
     task: Task<B>,
     /// Number of Newton steps in each lane; `None` without a result.
     steps: [Option<usize>; MOST_LANES],
+    /// Number of parts with inner unknowns.
+    limbs: usize,
 }
 
 impl ElasticWheel {
@@ -185,11 +176,16 @@ impl<B: SimdReal> WheelsInLanes<B> {
             state: *start,
             task: *task,
             steps: [None; MOST_LANES],
+            limbs: self.system.limbs.len(),
         };
         let mut judges = [Judge::new(self.bounds); MOST_LANES];
+        let mut equations = Equations::empty(task.rack, self.system.joints.len(), None);
         while open.contains(&true) {
             checkpoint();
-            let Ok((equations, step)) = self.system.newton_step(&found.state, task, None) else {
+            let step = self
+                .system
+                .newton_step(&found.state, task, None, &mut equations);
+            let Ok(step) = step else {
                 break;
             };
             let next = self.system.stepped(&found.state, &step);
@@ -257,29 +253,90 @@ fn is_stable_lane(entries: &[[[f64; MOST_LANES]; 6]], bounds: Bounds, lane: usiz
 }
 
 impl<B: SimdReal> EquilibriaInLanes<B> {
-    /// Writes the equilibria of these wheels, one after the other; `None` without a result. The list has one entry for each
-    /// wheel.
-    pub(crate) fn write(&self, memory: &LaneMemory, to: &mut [Option<Equilibrium>]) {
-        memory.begin();
-        let stored = |c: B| memory.store(c);
-        self.state.map(stored);
-        self.task.loads.map(stored);
-        self.task.hold.map(stored);
-        stored(self.task.rack);
+    /// Writes the equilibria of the first wheels, one after the other; `None` without a result. The list has an entry for
+    /// each of these wheels.
+    #[inline(always)]
+    pub(crate) fn write(&self, to: &mut [Option<Equilibrium>]) {
+        let mut numbers = [[0.0; MOST_LANES]; NUMBERS];
+        let (mut state, mut task) = (self.state, self.task);
+        let mut next = 0;
+        visit(&mut state, &mut task, self.limbs, |c| {
+            c.store(&mut numbers[next]);
+            next += 1;
+        });
         for (lane, to) in to.iter_mut().enumerate() {
-            memory.begin();
-            let read = |_: B| memory.get(lane);
-            let state = self.state.map(read);
-            let loads = self.task.loads.map(read);
-            let hold = self.task.hold.map(read);
-            let rack = memory.get(lane);
-            *to = self.steps[lane].map(|steps| Equilibrium {
-                solution: Solution {
-                    state,
-                    task: Task { rack, hold, loads },
-                    steps,
-                },
-            });
+            *to = self.steps[lane].map(|steps| in_lane(&numbers, lane, self, steps));
         }
     }
+}
+
+/// Equilibrium in a lane, from the numbers in the order of `visit`.
+fn in_lane<B>(
+    numbers: &[[f64; MOST_LANES]; NUMBERS],
+    lane: usize,
+    of: &EquilibriaInLanes<B>,
+    steps: usize,
+) -> Equilibrium {
+    let mut state = State::design(0.0);
+    let mut task = level_task(0.0, 0.0);
+    if let Hold::Load = of.task.hold {
+        task.hold = Hold::Load;
+    }
+    let mut next = 0;
+    visit(&mut state, &mut task, of.limbs, |c| {
+        *c = numbers[next][lane];
+        next += 1;
+    });
+    Equilibrium {
+        solution: Solution { state, task, steps },
+    }
+}
+
+/// Largest count of numbers that `visit` visits.
+const NUMBERS: usize = 12 + 15 * MOST_LIMBS + MOST_JOINTS + 1 + 11 + 2;
+
+/// Visits the numbers of an equilibrium of a system with this many parts with inner unknowns.
+#[inline(always)]
+fn visit<T>(
+    state: &mut State<T>,
+    task: &mut Task<T>,
+    limbs: usize,
+    mut f: impl FnMut(&mut T),
+) {
+    visit_placed(&mut state.carrier, &mut f);
+    for limb in &mut state.limbs[..limbs] {
+        visit_placed(&mut limb.placed, &mut f);
+        f(&mut limb.pivot[0]);
+        f(&mut limb.pivot[1]);
+        f(&mut limb.slide);
+    }
+    for k in 0..MOST_JOINTS {
+        f(&mut state.joints[k]);
+    }
+    f(&mut state.vertical);
+    f(&mut task.rack);
+    if let Hold::Height(travel) = &mut task.hold {
+        f(travel);
+    }
+    let loads = &mut task.loads;
+    for v in [&mut loads.contact, &mut loads.centre, &mut loads.moment] {
+        visit_vector(v, &mut f);
+    }
+    f(&mut loads.side);
+    f(&mut loads.trail);
+}
+
+#[inline(always)]
+fn visit_placed<T>(placed: &mut Placed<T>, f: &mut impl FnMut(&mut T)) {
+    visit_vector(&mut placed.shift, f);
+    for k in 0..3 {
+        visit_vector(&mut placed.turn.columns[k], f);
+    }
+}
+
+#[inline(always)]
+fn visit_vector<T>(v: &mut Vector3<T>, f: &mut impl FnMut(&mut T)) {
+    f(&mut v.x);
+    f(&mut v.y);
+    f(&mut v.z);
 }

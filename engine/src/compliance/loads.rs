@@ -104,6 +104,13 @@ impl<T: Valued> LoadWrench<T> {
     }
 }
 
+/// Vector that turns with the carrier, with its derivatives by a small rotation.
+#[inline(always)]
+fn following<T: Real>(turn: Vector3<Dual<T, 3>>, v: Vector3<T>) -> Vector3<Dual<T, 3>> {
+    let v = v.map(Dual::constant);
+    v + turn.cross(v)
+}
+
 /// Force and moment of a load, for a given spin axis and lever of the wheel centre.
 #[inline(always)]
 fn wrench<T: Real>(
@@ -149,25 +156,18 @@ impl<T: Valued> WheelPart<T> {
     #[inline(always)]
     fn subtract_inline(&self, carrier: &Placed<T>, loads: &WheelLoads<T>, sum: &mut Sum<T>) {
         let turn = Dual::inputs(carrier.shift.zero());
-        let follows = |v: Vector3<T>| {
-            let v = v.map(Dual::constant);
-            v + turn.cross(v)
-        };
         let loads = loads.map(Dual::constant);
-        let axis = follows(carrier.lever(self.spin_axis));
-        let found = wrench(
-            &loads,
-            axis,
-            follows(carrier.lever(self.centre)),
-            self.radius,
-        );
+        let axis = following(turn, carrier.lever(self.spin_axis));
+        let centre = following(turn, carrier.lever(self.centre));
+        let found = wrench(&loads, axis, centre, self.radius);
         let force = found.force.map(|c| -c.value);
         let Vector3 { x, y, z } = found.moment;
-        let by_turn = |k: usize| Vector3::new(-x.partials[k], -y.partials[k], -z.partials[k]);
         sum.add_force(force, force.zero());
-        let tangent = Matrix3 {
-            columns: [by_turn(0), by_turn(1), by_turn(2)],
-        };
+        let mut columns = [force; 3];
+        for k in 0..3 {
+            columns[k] = Vector3::new(-x.partials[k], -y.partials[k], -z.partials[k]);
+        }
+        let tangent = Matrix3 { columns };
         sum.add_moment(Vector3::new(-x.value, -y.value, -z.value), &tangent);
     }
 }

@@ -16,6 +16,11 @@
 //! held height restrict these motions. This is checked first in every eliminated part, then in the remaining equations of
 //! the carrier. The fraction that is reached is accurate to 1e-6.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "rows and columns of matrices are named by their numbers"
+)]
+
 use super::limb::is_positive;
 use super::system::{Equations, Held, Hold, Singular, State, Step, System, Task};
 use super::wheel::TURN_LEVER;
@@ -110,22 +115,21 @@ impl Equations<f64> {
 }
 
 impl<T: Valued> System<T> {
-    /// Newton step in a state, with the equations there.
+    /// Newton step in a state. The equations there replace those of an earlier state.
     #[inline(always)]
     pub(super) fn newton_step(
         &self,
         state: &State<T>,
         task: &Task<T>,
         held: Option<&Held<T>>,
-    ) -> Result<(Equations<T>, Step<T>), Obstacle> {
-        let equations = self
-            .equations(state, task, held)
+        equations: &mut Equations<T>,
+    ) -> Result<Step<T>, Obstacle> {
+        self.renew_equations(state, task, held, equations)
             .map_err(Obstacle::Singular)?;
         let solution = equations
             .solution()
             .ok_or(Obstacle::Singular(Singular::Carrier))?;
-        let step = equations.step(&solution, false);
-        Ok((equations, step))
+        Ok(equations.step(&solution, false))
     }
 }
 
@@ -141,9 +145,10 @@ impl System<f64> {
     ) -> Result<Solution<f64>, Obstacle> {
         let mut state = *start;
         let mut judge = Judge::new(bounds);
+        let mut equations = Equations::empty(task.rack, self.joints.len(), held);
         loop {
             checkpoint();
-            let (equations, step) = self.newton_step(&state, task, held)?;
+            let step = self.newton_step(&state, task, held, &mut equations)?;
             let verdict = judge.judge(self.size_of(&step))?;
             state = self.stepped(&state, &step);
             if verdict == Verdict::Settled {
@@ -355,12 +360,18 @@ pub(super) fn is_definite_on(
     };
     let mut projected = [[0.0; 6]; 6];
     for b in 0..free {
-        let moved: [f64; 6] = array_of(|i| {
-            let terms = (0..6).map(|j| tangent[i][j] * scale(j) * motions[b][j]);
-            scale(i) * terms.sum::<f64>()
-        });
+        let motion: [f64; 6] = array_of(|j| scale(j) * motions[b][j]);
+        let mut moved = [0.0; 6];
+        for i in 0..6 {
+            for j in 0..6 {
+                moved[i] += tangent[i][j] * motion[j];
+            }
+            moved[i] *= scale(i);
+        }
         for a in 0..free {
-            projected[a][b] = (0..6).map(|i| motions[a][i] * moved[i]).sum();
+            for i in 0..6 {
+                projected[a][b] += motions[a][i] * moved[i];
+            }
         }
     }
     // With fewer than six motions, copies of the largest diagonal entry fill the matrix.

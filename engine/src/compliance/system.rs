@@ -245,28 +245,48 @@ impl<T: Valued> System<T> {
         task: &Task<T>,
         held: Option<&Held<T>>,
     ) -> Result<Equations<T>, Singular> {
-        outlined!(
-            [T: Valued] task.rack;
-            system: &'p System<T> = self, frames: &'p Frames<T> = frames, state: &'p State<T> = state,
-            task: &'p Task<T> = task, held: Option<&'p Held<T>> = held => Result<Equations<T>, Singular> {
-                system.equations_inline(frames, state, task, held)
-            }
-        )
+        let mut equations = Equations::empty(task.rack, self.joints.len(), held);
+        self.fill(frames, state, task, held, &mut equations)?;
+        Ok(equations)
     }
 
+    /// Forms the equations (1) like `equations`, in the memory of those of an earlier state.
     #[inline(always)]
-    fn equations_inline(
+    pub(super) fn renew_equations(
+        &self,
+        state: &State<T>,
+        task: &Task<T>,
+        held: Option<&Held<T>>,
+        equations: &mut Equations<T>,
+    ) -> Result<(), Singular> {
+        let around = Surroundings::of_rack(task.rack);
+        let frames = self.frames(&state.carrier, &around, false);
+        equations.clear();
+        equations.hold(held);
+        self.fill(&frames, state, task, held, equations)
+    }
+
+    /// Adds all forces to empty equations.
+    #[inline(always)]
+    fn fill(
         &self,
         frames: &Frames<T>,
         state: &State<T>,
         task: &Task<T>,
         held: Option<&Held<T>>,
-    ) -> Result<Equations<T>, Singular> {
-        let mut equations = Equations::empty(task.rack, self.joints.len(), held);
-        let gathered = self.gather(frames, state, held, false, &mut equations)?;
-        self.add_alone(&gathered, &mut equations);
-        self.add_loads(&mut equations, state, task);
-        Ok(equations)
+        equations: &mut Equations<T>,
+    ) -> Result<(), Singular> {
+        outlined!(
+            [T: Valued] task.rack;
+            system: &'p System<T> = self, frames: &'p Frames<T> = frames, state: &'p State<T> = state,
+            task: &'p Task<T> = task, held: Option<&'p Held<T>> = held,
+            equations: &'p mut Equations<T> = equations => Result<(), Singular> {
+                let gathered = system.gather(frames, state, held, false, equations)?;
+                system.add_alone(&gathered, equations);
+                system.add_loads(equations, state, task);
+                Ok(())
+            }
+        )
     }
 
     /// Adds loads and, if the height is held, the vertical force with its row.

@@ -143,7 +143,7 @@ impl<B: SimdReal> Group<'_, '_, B> {
 
     fn written(&self, equilibria: &EquilibriaInLanes<B>) -> Vec<Option<Equilibrium>> {
         let mut found = vec![None; self.runs.len()];
-        equilibria.write(&self.solver.memory, &mut found);
+        equilibria.write(&mut found);
         found
     }
 

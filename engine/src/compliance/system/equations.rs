@@ -45,15 +45,9 @@ impl<T: Valued> Equations<T> {
     #[inline(always)]
     pub(in crate::compliance) fn empty(like: T, joints: usize, held: Option<&Held<T>>) -> Self {
         let zero = like.zero();
-        let mut residual = [zero; MOST];
-        if let Some(held) = held {
-            for k in 0..6 {
-                residual[k] = -held.carrier[k];
-            }
-        }
-        Equations {
+        let mut equations = Equations {
             size: 6 + joints,
-            residual,
+            residual: [zero; MOST],
             matrix: [[zero; MOST]; MOST],
             followers: [Followers::none(zero); MOST_LIMBS],
             inner: [[zero; 7]; MOST_LIMBS],
@@ -61,6 +55,33 @@ impl<T: Valued> Equations<T> {
             is_stable: zero.plain_value().everywhere(),
             loose: None,
             joints,
+        };
+        equations.hold(held);
+        equations
+    }
+
+    /// Prepares the same equations for another state.
+    #[inline(always)]
+    pub(super) fn clear(&mut self) {
+        let zero = self.residual[0].zero();
+        for i in 0..self.size {
+            self.residual[i] = zero;
+            for j in 0..self.size {
+                self.matrix[i][j] = zero;
+            }
+        }
+        self.size = 6 + self.joints;
+        self.is_stable = zero.plain_value().everywhere();
+        (self.unstable, self.loose) = (None, None);
+    }
+
+    /// Adds external forces that hold the carrier.
+    #[inline(always)]
+    pub(super) fn hold(&mut self, held: Option<&Held<T>>) {
+        if let Some(held) = held {
+            for k in 0..6 {
+                self.residual[k] = -held.carrier[k];
+            }
         }
     }
 
